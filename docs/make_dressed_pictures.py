@@ -16,11 +16,11 @@ from picture_files import output_folder, save
 from PIL import Image
 
 from subsea.fish.color_sheet import write
-from subsea.fish.photo.deformable_mesh import BODY, Net, meshes
-from subsea.fish.photo.fitting import aligned, found
-from subsea.fish.photo.lift import lifted
-from subsea.fish.photo.photograph import Photograph, small
-from subsea.fish.photo.side_view import laid, outlines
+from subsea.fish.photo.deformable_mesh import BODY, FishMeshes
+from subsea.fish.photo.fitting import align_shape, find_fish
+from subsea.fish.photo.lift import lift_sheet
+from subsea.fish.photo.photograph import Photograph, downscale
+from subsea.fish.photo.side_view import make_fish_meshes, mesh_outlines
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import rotate
 from subsea.render import Renderer, headless_context
@@ -58,10 +58,10 @@ def shot(renderer: Renderer, world: World, fish: int, turn: float, away: float) 
     return renderer.read_pixels()
 
 
-def with_meshes(colour: np.ndarray, net: Net) -> np.ndarray:
+def with_meshes(colour: np.ndarray, meshes: FishMeshes) -> np.ndarray:
     """A photograph overlaid with meshes."""
     picture = np.ascontiguousarray(colour)
-    for (name, one), ring in zip(meshes(net).items(), outlines(net), strict=True):
+    for (name, one), ring in zip(meshes.parts.items(), mesh_outlines(meshes), strict=True):
         lines = [*one.nodes, *one.nodes.transpose(1, 0, 2)]
         for line in lines:
             points = [np.round(16 * line).astype(np.int32)]
@@ -89,8 +89,8 @@ def main() -> None:
     with headless_context() as context, TemporaryDirectory() as name:
         renderer = Renderer(context, scene, rig, PRESETS["high"])
         colour = shot(renderer, world, fish, 0.0, ASIDE)
-        one = found(Photograph(Path("angelfish.png"), colour, None), species.surface)
-        sheet = lifted(colour, one.net, species, one.mask)
+        one = find_fish(Photograph(Path("angelfish.png"), colour, None), species.surface)
+        sheet = lift_sheet(colour, one.meshes, species, one.mask)
         for _ in range(LATER):
             step(world, HANDS_OFF)
         views = [(-25.0, 1.2), (30.0, 1.2)]
@@ -103,9 +103,9 @@ def main() -> None:
         dressed = Renderer(context, replace(scene, species=tuple(worn)), rig, PRESETS["high"])
         wearing = [shot(dressed, world, fish, *view) for view in views]
         dressed.release()
-    less, share = small(Photograph(Path("angelfish.png"), colour, None))
+    less, share = downscale(Photograph(Path("angelfish.png"), colour, None))
     told = cv2.resize(one.mask.astype(np.uint8), less.shape[1::-1], interpolation=cv2.INTER_AREA)
-    matrix, _ = aligned(species.surface, told > 0)
+    matrix, _ = align_shape(species.surface, told > 0)
     flat = sheet[::-1].astype(np.float32)
     over = flat[..., 3:] / 255.0
     flat = flat[..., :3] * over + np.array(BACKDROP) * (1.0 - over)
@@ -115,8 +115,11 @@ def main() -> None:
         flat.astype(np.uint8), (SHOWN[0], tall), interpolation=cv2.INTER_AREA
     )
     rows = [
-        [shrunk(colour), shrunk(with_meshes(colour, laid(species.surface, matrix / share)))],
-        [shrunk(with_meshes(colour, one.net)), frame],
+        [
+            shrunk(colour),
+            shrunk(with_meshes(colour, make_fish_meshes(species.surface, matrix / share))),
+        ],
+        [shrunk(with_meshes(colour, one.meshes)), frame],
     ]
     for path, cells in (
         (folder / "skin-photograph.jpg", rows),

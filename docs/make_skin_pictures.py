@@ -15,46 +15,46 @@ from skin_accuracy import CASES, made
 
 from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY
-from subsea.fish.photo.mesh_edit import Node
-from subsea.fish.photo.photograph import read
-from subsea.ui.skin_editor.window import Dressing
-from subsea.ui.tool_window import Bench
+from subsea.fish.photo.mesh_edit import MeshNode
+from subsea.fish.photo.photograph import read_photograph
+from subsea.ui.skin_editor.window import SkinEditor
+from subsea.ui.tool_window import ToolWindow
 
 SIZE, FRAME_S = (1280, 800), 0.04
 CASE, SPECIES = "gravel", "blue_tang"
-TIPS = Node(BODY, 0, 20), Node(BODY, 8, 20)  # of the tail, which are as dark as the gravel
+TIPS = MeshNode(BODY, 0, 20), MeshNode(BODY, 8, 20)  # of the tail, which are as dark as the gravel
 AFTER = 0, 12, 120  # frames of the simulation, for its strip
 
 folder = output_folder()
 
 
 class Hand:
-    """Moves the pointer of a bench, and draws its frames."""
+    """Moves the pointer of a window, and draws its frames."""
 
-    def __init__(self, bench):
-        self.bench, self.easel = bench, bench.craft.easel
+    def __init__(self, window):
+        self.window, self.canvas = window, window.tool.canvas
 
     def frames(self, count):
         """Draw some frames."""
         for _ in range(count):
-            self.bench.frame(FRAME_S)
+            self.window.frame(FRAME_S)
 
     def rest(self):
         """Draw until background work is done."""
         self.frames(3)
-        while self.bench.busy or self.bench.craft.working:
+        while self.window.busy or self.window.tool.working:
             self.frames(1)
         self.frames(3)
 
     def go(self, place, frames=2):
         """Point at a position in the photograph."""
-        x, y = self.easel.canvas.on_screen(place)
-        self.bench.gui.pointed(float(x), float(y))
+        x, y = self.canvas.view.on_screen(place)
+        self.window.gui.pointed(float(x), float(y))
         self.frames(frames)
 
     def press(self, down):
         """Press or release the left button."""
-        self.bench.gui.pressed(0, down)
+        self.window.gui.pressed(0, down)
         self.frames(3)
 
     def drag(self, begin, end, steps=10, let_go=True):
@@ -69,60 +69,60 @@ class Hand:
 
     def save(self, name, box=None):
         """Save the window or a part of it."""
-        picture = Image.fromarray(self.bench.picture())
+        picture = Image.fromarray(self.window.picture())
         save(picture if box is None else picture.crop(box), folder / f"skin-{name}.jpg")
 
     def seen(self, box):
         """A part of the window."""
-        return np.asarray(Image.fromarray(self.bench.picture()).crop(box))
+        return np.asarray(Image.fromarray(self.window.picture()).crop(box))
 
 
 with tempfile.TemporaryDirectory() as temporary:
     photo, truth = Path(temporary) / "blue-tang.png", made(CASES[CASE])
     Image.fromarray(truth.photograph.colour).save(photo)
-    photograph = read(photo)
-    make = lambda bench: Dressing(bench, photograph, SPECIES)  # noqa: E731
-    with closing(Bench(f"subsea skin  {photo.name}", make, SIZE)) as bench:
-        hand, table = Hand(bench), bench.craft
+    photograph = read_photograph(photo)
+    make = lambda window: SkinEditor(window, photograph, SPECIES)  # noqa: E731
+    with closing(ToolWindow(f"subsea skin  {photo.name}", make, SIZE)) as window:
+        hand, editor = Hand(window), window.tool
+        document = editor.document
         hand.rest()
-        canvas = table.easel.canvas
+        canvas = editor.canvas.view
         (left, top), (wide, high) = canvas.place, canvas.size
         view = round(left), round(top), round(left + wide), round(top + high)
         # Where the tail ends no edge was found: hands know better.
-        share = table.easel.box[2] / photograph.colour.shape[1]
+        share = editor.canvas.box[2] / photograph.colour.shape[1]
         rows, columns = np.nonzero(truth.mask)
         for tip, half in zip(TIPS, (rows < rows.mean(), rows > rows.mean()), strict=True):
             far = columns[half].argmax()
             there = share * np.array([columns[half][far], rows[half][far]])
-            here = mesh_edit.places(table.net, [tip])[0]
+            here = mesh_edit.node_places(document.meshes, [tip])[0]
             hand.drag(here, there, let_go=False)
             if tip == TIPS[1]:
                 hand.save("window")
             hand.press(False)
-            table.net = mesh_edit.with_anchor(table.net, tip, tuple(there))
-            table.did()
+            document.meshes = mesh_edit.with_anchor(document.meshes, tip, tuple(there))
+            document.record()
         hand.rest()
         # The whole is moved and turned.
-        table.net = mesh_edit.without_anchors(table.net)
-        table.easel.hand = "whole"
-        frame = mesh_edit.frame(table.net)
+        document.meshes = mesh_edit.without_anchors(document.meshes)
+        editor.canvas.mode = "whole"
+        frame = mesh_edit.transform_box(document.meshes)
         hand.drag(frame.middle, frame.middle + (5.0, -7.0))
-        frame = mesh_edit.frame(table.net)
+        frame = mesh_edit.transform_box(document.meshes)
         hand.drag(frame.knob, frame.knob + (6.0, 0.0), let_go=False)
         hand.save("whole", view)
         hand.press(False)
         # And relaxes.
-        table.easel.hand = "pull"
-        table.sliders = table.sliders._replace(smoothing=8.0)
+        editor.canvas.mode = "pull"
+        document.sliders = document.sliders._replace(smoothing=8.0)
         hand.go((5.0, 5.0))
         hand.rest()
         strip = []
-        table.relax(True)
+        document.relax(True)
         for frames in np.diff((0, *AFTER), prepend=0)[1:]:
             hand.frames(int(frames))
             strip.append(hand.seen(view)[::2, ::2])
-        table.easel.edges = True
-        _ = table.field
+        editor.canvas.edges = True
         hand.frames(60)
         strip.append(hand.seen(view)[::2, ::2])
         rows = [np.hstack(strip[k : k + 2]) for k in (0, 2)]

@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 
 from subsea.fish import paint
-from subsea.fish.photo.fitting import found, outline_error
-from subsea.fish.photo.lift import drawn
+from subsea.fish.photo.fitting import find_fish, outline_error
+from subsea.fish.photo.lift import rasterize
 from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.side_view import outlines
+from subsea.fish.photo.side_view import mesh_outlines
 from subsea.fish.species import load_species
 from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
 from subsea.geometry.spline import basis_at, dense
@@ -119,7 +119,7 @@ def made(case: Case) -> Made:
         ink = [255.0 * c ** (1 / 2.2) for c in paddle]
         cv2.fillPoly(colour, [np.round(ring).astype(np.int32)], ink)
     for corners, texel in parts:
-        at = drawn(corners, texel, (height, width))
+        at = rasterize(corners, texel, (height, width))
         there = np.isfinite(at[..., 0])
         x, y = np.ascontiguousarray(np.nan_to_num(at).transpose(2, 0, 1))
         seen = cv2.remap(sheet, x, y, cv2.INTER_LINEAR)
@@ -222,8 +222,8 @@ def main() -> int:
     every = []
     for name, case in CASES.items():
         photograph, truth = made(case)
-        one = found(photograph, load_species(case.species).surface)
-        every.append(100.0 * outline_error(one.net, truth))
+        one = find_fish(photograph, load_species(case.species).surface)
+        every.append(100.0 * outline_error(one.meshes, truth))
         print(f"| {name} | {case.species.replace('_', ' ')} | {every[-1]:.2f} |", flush=True)
         if folder:
             folder.mkdir(parents=True, exist_ok=True)
@@ -236,7 +236,7 @@ def main() -> int:
                 one.mask.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE
             )
             cv2.drawContours(picture, edges, -1, (255, 160, 0), 1)
-            for ring in outlines(one.net):
+            for ring in mesh_outlines(one.meshes):
                 ring = np.round(16 * ring).astype(np.int32)
                 cv2.polylines(picture, [ring], True, (0, 0, 255), 1, cv2.LINE_AA, 4)
             cv2.imwrite(str(folder / f"{name.replace(' ', '_').replace(',', '')}.png"), picture)

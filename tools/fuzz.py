@@ -38,8 +38,8 @@ from subsea.dive.settings import default_text, read_settings
 from subsea.fish import color_sheet
 from subsea.fish.photo.dress import load_mesh, save_mesh
 from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.photograph import read as read_photograph
-from subsea.fish.photo.side_view import across, laid
+from subsea.fish.photo.photograph import read_photograph as read_photograph
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species
 from subsea.profiling.comparison import read_reports
 from subsea.repertoire import read_repertoire
@@ -221,7 +221,11 @@ class Skin:
     def samples(self, folder: Path) -> list[bytes]:
         """A saved mesh."""
         plan = self.species.surface
-        save_mesh(folder / "mesh.json", self.photograph, laid(plan, across(160, 120, plan)))
+        save_mesh(
+            folder / "mesh.json",
+            self.photograph,
+            make_fish_meshes(plan, centred_matrix(160, 120, plan)),
+        )
         return [(folder / "mesh.json").read_bytes()]
 
     def read(self, path: Path) -> object:

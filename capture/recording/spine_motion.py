@@ -11,7 +11,7 @@ from capture.recording.segment import make_segment
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
-from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
+from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, carried, flapped, spines
 from subsea.fish.surface import SurfacePlan, along, fitted, rest_surface
 from subsea.repertoire import Segment
 
@@ -95,8 +95,8 @@ def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotio
     return SpineMotion(world[:, :NODES], np.asarray(fitted(world[:, NODES:]), np.float64))
 
 
-def gait_and_path(plan: SpinePlan, name: str) -> tuple[Gait, int, SwimPath]:
-    """Gait, number of beats and path of a segment such as ``turn_left_gradual``."""
+def gait_and_path(plan: SpinePlan, name: str) -> tuple[SpineGait, int, SwimPath]:
+    """SpineGait, number of beats and path of a segment such as ``turn_left_gradual``."""
     kind, _, grade = name.rpartition("_")
     if kind == "swim":
         gait = {"slow": plan.slow, "medium": plan.medium, "fast": plan.fast}[grade]

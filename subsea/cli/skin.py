@@ -63,6 +63,6 @@ def run(options: Namespace) -> int:
         from subsea.fish.photo.dress import dress
 
         return dress(*given)
-    from subsea.ui.skin_editor.window import dress_by_hand
+    from subsea.ui.skin_editor.window import edit_skin
 
-    return dress_by_hand(*given)
+    return edit_skin(*given)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
-from subsea.fish.species import Colour, FinSkin, Patch, SkinPlan, Species, Spots, Stripes
+from subsea.fish.species import Colour, FinSkin, SkinPatch, SkinPlan, SkinSpots, Species, Stripes
 from subsea.fish.surface import (
     SUNK,
     Curve,
@@ -32,7 +32,7 @@ from subsea.fish.surface import (
 Sheet = TypeVar("Sheet", Array, NDArray[np.uint8])
 
 
-class Frame(NamedTuple):
+class SheetRegion(NamedTuple):
     """A rectangle of the sheet, in shares of its width and height from the lower left corner."""
 
     left: float
@@ -42,11 +42,11 @@ class Frame(NamedTuple):
 
 
 SIZE = (1024, 640)  # texels
-BODY = Frame(0.0, 0.0, 1.0, 0.8)
-DORSAL = Frame(0.0, 0.8, 1.0, 0.9)  # to the right the base, upwards from the root to the edge
-VENTRAL = Frame(0.0, 0.9, 0.5, 1.0)
-PECTORAL = Frame(0.5, 0.9, 0.75, 1.0)  # to the right from the root to the end, upwards across
-PELVIC = Frame(0.75, 0.9, 1.0, 1.0)
+BODY = SheetRegion(0.0, 0.0, 1.0, 0.8)
+DORSAL = SheetRegion(0.0, 0.8, 1.0, 0.9)  # to the right the base, upwards from the root to the edge
+VENTRAL = SheetRegion(0.0, 0.9, 0.5, 1.0)
+PECTORAL = SheetRegion(0.5, 0.9, 0.75, 1.0)  # to the right from the root to the end, upwards across
+PELVIC = SheetRegion(0.75, 0.9, 1.0, 1.0)
 
 SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, but of wings
 MARGIN = 0.02  # above and below the body, body lengths
@@ -126,7 +126,7 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     return encoded(sheet)
 
 
-def framed(sheet: Sheet, frame: Frame) -> Sheet:
+def framed(sheet: Sheet, frame: SheetRegion) -> Sheet:
     """The part of the sheet (4, h, w) within a frame."""
     _, height, width = sheet.shape
     rows = slice(round(frame.bottom * height), round(frame.top * height))
@@ -234,7 +234,7 @@ def _paint_wings(picture: Array, species: Species, wing: WingPlan, s: Array, y: 
     _draw_eye(above, skin, s - eye.at, (right - eye.height) / FLANK, eye.radius)
 
 
-def _strew(picture: Array, plan: Spots, s: Array, right: Array, where: Array) -> None:
+def _strew(picture: Array, plan: SkinSpots, s: Array, right: Array, where: Array) -> None:
     """Lay round spots on a wavering grid, each of its own size; some of them are rings."""
     rng = np.random.default_rng(0x5B07)
     rows = np.arange(-0.5 * plan.spacing, right.max(), plan.spacing * np.sqrt(0.75))
@@ -274,7 +274,7 @@ def _sine(a: Array, b: Array) -> Array:
     return np.asarray(np.sin(a) * np.cos(b) + np.cos(a) * np.sin(b))
 
 
-def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array, uneven: Array | float) -> None:
+def _lay_patch(picture: Array, plan: SkinPatch, s: Array, y: Array, uneven: Array | float) -> None:
     half = plan.soft / 2
     rows, columns = _around(plan.outline, plan.rim_width + half + 3 * UNEVEN, s, y)
     picture = picture[:, rows, columns]
@@ -284,7 +284,7 @@ def _lay_patch(picture: Array, plan: Patch, s: Array, y: Array, uneven: Array | 
     _lay_ringed(picture, plan, depth)
 
 
-def _lay_ringed(picture: Array, plan: Patch, depth: Array) -> None:
+def _lay_ringed(picture: Array, plan: SkinPatch, depth: Array) -> None:
     """The colours of a patch, where its outline is `depth` away."""
     half = plan.soft / 2
     if plan.rim:

@@ -52,7 +52,7 @@ class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             raise ValueError("stripes must end behind where they begin")
 
 
-class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class SkinPatch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A spot with a smooth outline: points (distance from the snout, height), body lengths."""
 
     outline: Annotated[list[tuple[Around, Around]], msgspec.Meta(min_length=3)]
@@ -63,7 +63,7 @@ class Patch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     over_fins: bool = False  # it goes on over the fins, under their rays
 
 
-class Spots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class SkinSpots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Round spots strewn over the upper side of a body with wings, in body lengths."""
 
     colour: Colour
@@ -100,7 +100,7 @@ class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     torn: Share = 0.12  # how many have a nick in their dorsal fin
 
 
-class Display(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What a courting male wears (Tu §5.3): colours near one give way to another."""
 
     of: Colour
@@ -122,8 +122,8 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     belly: Colour
     stripes: Stripes | None = None
     cape: Cape | None = None
-    patches: list[Patch] = []
-    spots: Spots | None = None
+    patches: list[SkinPatch] = []
+    spots: SkinSpots | None = None
     tail: FinSkin
     dorsal: FinSkin | None = None
     ventral: FinSkin | None = None
@@ -139,7 +139,7 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     clear_back: Share = 0.0  # how much the back is like glass
     blotches: Share = 0.5  # how unevenly it is coloured
     variation: Variation = Variation()
-    display: Display | None = None
+    display: CourtshipColours | None = None
 
     def __post_init__(self) -> None:
         """Refuse a mouth that does not open forwards."""

@@ -78,7 +78,7 @@ class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
             raise ValueError("the chord must run from front to rear, 0.05 or more")
 
 
-class Gait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One grade of swimming. These numbers alone decide how fast the fish is.
 
     ``slip`` is the speed of the fish over that of the wave that drives it.
@@ -105,9 +105,9 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     centre: Annotated[float, msgspec.Meta(ge=0.1, le=0.7)]  # behind the snout; keeps to the path
     swing: Swing
     wings: Wings | None = None
-    slow: Gait
-    medium: Gait
-    fast: Gait
+    slow: SpineGait
+    medium: SpineGait
+    fast: SpineGait
     turn: Turn
 
     def __post_init__(self) -> None:
@@ -122,7 +122,7 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
                 f"expected {1.0 + RUN_IN:g} or more, for the tail to come round"
             )
 
-    def stride(self, gait: Gait) -> float:
+    def stride(self, gait: SpineGait) -> float:
         """Body lengths that a beat takes the fish forward: its slip times a wavelength.
 
         The wave that drives a fish with wings runs along their chord, that of any other along

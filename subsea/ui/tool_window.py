@@ -1,36 +1,34 @@
-"""The makers' bench: a window for one tool, in which something is made and saved.
+"""A window for one tool, in which something is edited and saved.
 
-A tool is a `Craft`: it draws its panels and says what is saved, undone and redone. The bench has
-the rest: the window and its OpenGL context, a bar on top with Save, Undo and Redo (Ctrl+S, Ctrl+Z,
-Ctrl+Y), a line at the foot for what is to be told, questions, work in the background, and the end:
-who closes the window or presses Ctrl-C in the terminal is asked once about what is not saved.
+A `Tool` draws its panels and says what is unsaved, undone and redone. `ToolWindow` does the rest:
+the window and its OpenGL context, a menu bar with Save, Undo and Redo (Ctrl+S, Ctrl+Z, Ctrl+Y), a
+status line, questions, work in the background, and one question about unsaved work when the window
+is closed or Ctrl-C is pressed in the terminal.
 
     def build(name):                        # what the command line calls
-        return work("build", lambda bench: Builder(bench, name), without="...")
+        return run_tool("build", lambda window: Builder(window, name), without="...")
 
-    class Builder:                          # a Craft
-        def __init__(self, bench, name):
-            self.bench, self.history = bench, History(load(name))     # core/undo.py
-            self.side = Canvas((-1.0, -5.0, 21.0, 5.0), up=True)      # ui/viewport2d.py
+    class Builder:                          # a Tool
+        def __init__(self, window, name):
+            self.window, self.history = window, History(load(name))         # core/undo.py
+            self.side = Viewport2D((-1.0, -5.0, 21.0, 5.0), up=True)        # ui/viewport2d.py
         def draw(self, elapsed_s):
-            left, top, width, height = self.bench.room
-            with self.bench.pane("Side view", left, top, 0.7 * width, height):
+            left, top, width, height = self.window.area
+            with self.window.panel("Side view", (left, top, 0.7 * width, height)):
                 with self.side.drawn("side", imgui.get_content_region_avail()): ...
-            return math.inf                 # nothing moves by itself; 0.0: the next frame at once
+            return math.inf                 # nothing moves by itself; 0.0: next frame at once
 
-The bench draws only when hands do something, when the craft said that something moves, or when
-`wake` is called: an idle tool takes no processor time. Pictures are shown by `ImageTexture`,
-made with `bench.context`; views that draw themselves with the same context.
+A frame is drawn on input, when the tool said that something moves, or after `wake`: an idle tool
+takes no processor time. `render.gl.image_texture.ImageTexture` shows pictures in the `context`.
 """
 
 import math
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import glfw
 from imgui_bundle import imgui
@@ -38,20 +36,24 @@ from imgui_bundle import imgui
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
+from subsea.ui.background_tasks import BackgroundTasks
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, recovering_errors
 from subsea.ui.open_windows import open_windows
+from subsea.ui.question import Answers, Question
+from subsea.ui.tool import Tool
 from subsea.ui.window import GlWindow
 
 T = TypeVar("T")
+Rect = tuple[float, float, float, float]  # left, top, width, height
 
 SIZE = 1280, 800  # of the window when it opens
-WAKEFUL_S = 0.6  # so long frames are drawn after hands did something: tips come late
-LOOK_S = 0.25  # between two looks for Ctrl-C, where nothing moves
-TOLD_S = 15.0  # a line at the foot stays for so long
-LETTERS = 62.0, 40.0  # as many heights of letters a window should be wide and high, ...
-LEAST_TEXT = 0.7  # ... if these are no smaller than this, of the usual
-FOOT = 1.7  # height of that line, in heights of letters
-GAP = 0.4  # between panes, in the same
+AWAKE_S = 0.6  # frames go on this long after input: tooltips appear late
+POLL_S = 0.25  # between two checks for Ctrl-C while nothing moves
+MESSAGE_S = 15.0  # a message stays in the status line this long
+LEAST_LINES = 62.0, 40.0  # width and height that a window needs, in text heights, ...
+LEAST_TEXT = 0.7  # ... else text shrinks down to this share of its size
+STATUS_HEIGHT = 1.7  # text heights
+GAP = 0.4  # between panels, text heights
 FIXED = (
     imgui.WindowFlags_.no_move.value
     | imgui.WindowFlags_.no_resize.value
@@ -59,223 +61,152 @@ FIXED = (
     | imgui.WindowFlags_.no_bring_to_front_on_focus.value
     | imgui.WindowFlags_.no_nav.value
 )
-BARE = FIXED | imgui.WindowFlags_.no_title_bar.value | imgui.WindowFlags_.no_scrollbar.value
-BACK = 0.012, 0.040, 0.058  # behind panes, ...
-PANE, TITLE = (0.030, 0.095, 0.130), (0.045, 0.150, 0.200)  # ... and what these are made of
-ASKED = imgui.WindowFlags_.no_title_bar.value | imgui.WindowFlags_.always_auto_resize.value
-TROUBLE = (1.0, 0.55, 0.42)
+UNTITLED = FIXED | imgui.WindowFlags_.no_title_bar.value | imgui.WindowFlags_.no_scrollbar.value
+BACKGROUND = 0.012, 0.040, 0.058
+PANEL, TITLE = (0.030, 0.095, 0.130), (0.045, 0.150, 0.200)
+ERROR = (1.0, 0.55, 0.42)
+DISCARD = "Throw it away"
 
 
-class Craft(Protocol):
-    """A tool at the bench."""
-
-    @property
-    def unsaved(self) -> bool:
-        """Whether something would be lost if the window closed now."""
-
-    @property
-    def may_undo(self) -> bool:
-        """Whether there is something to undo."""
-
-    @property
-    def may_redo(self) -> bool:
-        """Whether something was undone."""
-
-    def draw(self, elapsed_s: float) -> float:
-        """Draw everything in the present frame, `elapsed_s` after the last one.
-
-        The seconds until it will look different by itself: 0 while something moves, inf if not.
-        """
-
-    def bar(self) -> None:
-        """More entries of the bar on top: ``imgui.menu_item``."""
-
-    def save(self) -> bool:
-        """Write what was made; whether that is done. A UserError is told."""
-
-    def undo(self) -> None:
-        """Go back by one act."""
-
-    def redo(self) -> None:
-        """Go forth by one act."""
-
-    def close(self) -> None:
-        """Release what it holds; the OpenGL context is still current."""
-
-
-class Question:
-    """Something that is asked in the midst of the window, with answers that do something."""
-
-    def __init__(self, text: str, answers: Mapping[str, Callable[[], object] | None]) -> None:
-        """None does nothing; the last answer is that of Esc."""
-        self.text, self.answers = text, answers
-        self.shown = False
-
-
-class Bench:
-    """A window with a craft."""
+class ToolWindow:
+    """A window with a tool."""
 
     def __init__(
         self,
         title: str,
-        make: Callable[["Bench"], Craft],
+        make: Callable[["ToolWindow"], Tool],
         size: tuple[int, int] = SIZE,
         without: str = "there is nothing to see",
     ) -> None:
-        """Open the window, then make the craft: somebody sees at once that something happens.
+        """Open the window, then make the tool, which may take long.
 
-        No display is a UserError that tells what can be done `without` one. Whatever fails, all
-        that was opened is closed again.
+        UserError without a display, with a hint what works `without` one. On any failure
+        everything that was opened is closed.
         """
         self.title = title
-        self.hint = ""  # what hands may do now: at the foot, while nothing is told
-        self.room = 0.0, 0.0, 1.0, 1.0  # left, top, width and height of the place for panes
-        self.told = ""  # what was told last
-        self._told_for_s, self._trouble = math.inf, False
+        self.hint = ""  # shown in the status line while there is no message
+        self.area: Rect = (0.0, 0.0, 1.0, 1.0)  # the place for panels
+        self.open = True
+        self.message = ""  # the last one
+        self.idle_s = 0.0  # since the last input
+        self._message_age_s, self._is_error = math.inf, False
         self._question: Question | None = None
-        self._due = 0.0  # the next frame is due in so many seconds, unless hands do something
-        self._awake_s = WAKEFUL_S
-        self._named = ""
+        self._due_s = 0.0  # until the next frame, if there is no input
+        self._awake_s = AWAKE_S
+        self._shown_title = ""
         self._woken = False
-        self._left = False
-        self.quiet_s = 0.0  # since hands did something
-        self._heard = 0  # events, until the last frame
-        self._later: list[Callable[[], object]] = []
-        self._works: list[tuple[Future[Any], Callable[[Any], object], str]] = []
+        self._heard = 0  # input events until the last frame
+        self._deferred: list[Callable[[], object]] = []
         with ExitStack() as undo:
             opening = open_windows("mono", size, title=title, without=without)
             undo.callback(opening.close)
             self.window_set, self.gui = opening.window_set, opening.gui
             self.window: GlWindow = self.window_set.front
             self.context = self.window_set.context
-            self.gui.open = True  # all that hands do is for panes
+            self.gui.open = True  # all input is for panels
             style, names = imgui.get_style(), imgui.Col_
             for name, rgb in (
-                (names.window_bg, PANE),
+                (names.window_bg, PANEL),
                 (names.popup_bg, TITLE),
                 (names.title_bg, TITLE),
                 (names.title_bg_active, TITLE),
-                (names.menu_bar_bg, PANE),
+                (names.menu_bar_bg, PANEL),
             ):
                 style.set_color_(name.value, (*rgb, 1.0))
-            self._pool = ThreadPoolExecutor(2, "bench")
-            undo.callback(self._pool.shutdown, wait=False, cancel_futures=True)
+            self._tasks = BackgroundTasks(self.wake)
+            undo.callback(self._tasks.close)
             glfw.set_window_refresh_callback(self.window.handle, lambda handle: self.wake())
-            self.craft = make(self)
-            undo.callback(self.craft.close)
+            self.tool = make(self)
+            undo.callback(self.tool.close)
             self._undo = undo.pop_all()
 
     @property
-    def open(self) -> bool:
-        """Whether there is no end yet."""
-        return not self._left
-
-    @property
     def busy(self) -> bool:
-        """Whether work in the background is not done yet."""
-        return bool(self._works)
+        """Whether there is work in the background."""
+        return self._tasks.busy
 
     @property
-    def asks(self) -> bool:
-        """Whether a question waits for its answer."""
+    def asking(self) -> bool:
+        """Whether a question is open."""
         return self._question is not None
 
     @property
-    def _doing(self) -> str:
-        return next((doing for _, _, doing in self._works if doing), "")
-
-    @property
-    def line(self) -> float:
-        """The height of letters, in pointer units; within a frame."""
+    def text_height(self) -> float:
+        """The height of text, in pointer units; within a frame."""
         return float(imgui.get_font_size())
 
     def wake(self) -> None:
-        """Draw a frame soon; also from another thread."""
+        """Draw a frame soon; may be called from another thread."""
         self._woken = True
         glfw.post_empty_event()
 
-    def tell(self, text: str, trouble: bool = False) -> None:
-        """Tell a line at the foot of the window, and on the terminal."""
-        if text != self.told or self._told_for_s > TOLD_S:
+    def show_message(self, text: str, error: bool = False) -> None:
+        """Show a line in the status line and on the terminal."""
+        if text != self.message or self._message_age_s > MESSAGE_S:
             say(text)
-        self.told, self._told_for_s, self._trouble = text, 0.0, trouble
+        self.message, self._message_age_s, self._is_error = text, 0.0, error
 
-    def ask(self, text: str, answers: Mapping[str, Callable[[], object] | None]) -> None:
-        """Ask something; nothing else can be done until one of the answers is clicked.
-
-        An answer calls its function after the frame, None nothing. The last is that of Esc.
-        """
+    def ask(self, text: str, answers: Answers) -> None:
+        """Open a modal question; the answer's function is called after the frame."""
         self._question = Question(text, answers)
 
-    def later(self, act: Callable[[], object]) -> None:
-        """Do it when the present frame has ended; what it raises is told."""
-        self._later.append(act)
+    def defer(self, act: Callable[[], object]) -> None:
+        """Call `act` when the present frame has ended; its error is shown."""
+        self._deferred.append(act)
 
-    def behind(
+    def run_in_background(
         self,
         work: Callable[[], T],
-        then: Callable[[T], object],
-        doing: str = "",
+        done: Callable[[T], object],
+        label: str = "",
         failed: Callable[[], object] = lambda: None,
     ) -> None:
-        """Do `work` in another thread, two at a time, and `then` with its result in this one.
+        """Run `work` in another thread, then `done` with its result in this one.
 
-        A fault of it is told, and `failed` is called then. Meanwhile the foot tells what is being
-        done, in a few words.
+        If `work` raises, `failed` is called and the error shown. Meanwhile the status line shows
+        the `label`.
         """
-
-        def finish(task: Future[T]) -> None:
-            if task.exception() is not None:
-                failed()
-            then(task.result())
-
-        task = self._pool.submit(work)
-        self._works.append((task, finish, doing))
-        task.add_done_callback(lambda done: self.wake())
+        self._tasks.submit(work, done, label, failed)
 
     @contextmanager
-    def pane(
-        self, name: str, left: float, top: float, width: float, height: float, titled: bool = True
-    ) -> Iterator[None]:
-        """A panel that stays where it is put; a fault of what is drawn in it is told.
-
-        Its name is above it if it is `titled`. Panes in `room` have a gap between them.
-        """
-        gap = 0.5 * GAP * self.line
+    def panel(self, name: str, rect: Rect, titled: bool = True) -> Iterator[None]:
+        """A panel at a fixed place, less a gap; an error while it is drawn is shown."""
+        left, top, width, height = rect
+        gap = 0.5 * GAP * self.text_height
         imgui.set_next_window_pos((left + gap, top + gap))
         imgui.set_next_window_size((max(width - 2 * gap, 1.0), max(height - 2 * gap, 1.0)))
-        imgui.begin(name, None, FIXED if titled else BARE)
-        with self._contained(), recovering_errors():
+        imgui.begin(name, None, FIXED if titled else UNTITLED)
+        with self._errors_shown(), recovering_errors():
             yield
         imgui.end()
 
     def save(self) -> bool:
-        """Have the craft save; whether it has."""
-        with self._contained():
-            return self.craft.save()
+        """Have the tool save; return whether it has."""
+        with self._errors_shown():
+            return self.tool.save()
         return False
 
-    def ask_to_close(self) -> None:
-        """Close the window, but for what is not saved: that is asked about."""
-        if self.craft.unsaved:
+    def request_close(self) -> None:
+        """Close the window, after a question if there is unsaved work."""
+        if self.tool.unsaved:
             self.ask(
                 "There is unsaved work.",
-                {"Save": self._save_and_leave, "Throw it away": self._leave, "Go on": None},
+                {"Save": self._save_and_close, DISCARD: self._close, "Go on": None},
             )
         else:
-            self._leave()
+            self._close()
 
     def interrupted(self) -> bool:
-        """Ctrl-C was pressed; whether that is the end: when it was asked already, it is."""
-        asked = self._question is not None and "Throw it away" in self._question.answers
-        if asked or not self.craft.unsaved:
+        """Handle Ctrl-C; return True if it ends the program: at once, or the second time."""
+        asked = self._question is not None and DISCARD in self._question.answers
+        if asked or not self.tool.unsaved:
             return True
-        self.ask_to_close()
-        self.tell("there is unsaved work: Ctrl-C once more throws it away", trouble=True)
+        self.request_close()
+        self.show_message("there is unsaved work: Ctrl-C once more throws it away", error=True)
         return False
 
     def run(self) -> None:
-        """Frames until the window is closed, or Ctrl-C raises KeyboardInterrupt."""
+        """Draw frames until the window is closed, or Ctrl-C raises KeyboardInterrupt."""
         with deferred_interrupts() as check:
             last = time.perf_counter()
             while self.open:
@@ -291,178 +222,147 @@ class Bench:
                 last = now
 
     def frame(self, elapsed_s: float) -> None:
-        """Events, drawing and presenting, `elapsed_s` after the last frame."""
+        """Handle events, draw and present, `elapsed_s` after the last frame."""
         if "leave" in self.window_set.poll():
-            self.ask_to_close()
-        if not self.window.open:  # somebody wants it closed
+            self.request_close()
+        if not self.window.open:  # its close button
             glfw.set_window_should_close(self.window.handle, False)
-            self.ask_to_close()
-        for work in [one for one in self._works if one[0].done()]:
-            self._works.remove(work)
-            with self._contained():
-                work[1](work[0])
-        self._told_for_s += elapsed_s
+            self.request_close()
+        for task in self._tasks.ended():
+            with self._errors_shown():
+                task.finish()
+        self._message_age_s += elapsed_s
         stirred, self._woken, self._heard = self.gui.heard != self._heard, False, self.gui.heard
-        self._awake_s = WAKEFUL_S if stirred else max(self._awake_s - elapsed_s, 0.0)
-        self.quiet_s = 0.0 if stirred else self.quiet_s + elapsed_s
+        self._awake_s = AWAKE_S if stirred else max(self._awake_s - elapsed_s, 0.0)
+        self.idle_s = 0.0 if stirred else self.idle_s + elapsed_s
         window = self.window
         self.gui.begin(window.points, window.size, self._text_scale())
-        self._bar()
-        self._foot()
-        due = math.inf
-        with self._contained(), recovering_errors():
-            due = self.craft.draw(elapsed_s)
-        self._due = 0.0 if self._awake_s or self._question else due
-        if self._doing:
-            self._due = min(self._due, LOOK_S)
-        if self._told_for_s < TOLD_S:
-            self._due = min(self._due, TOLD_S - self._told_for_s + LOOK_S)
-        self._ask()
+        self._draw_menu_bar()
+        self._draw_status()
+        due_s = math.inf
+        with self._errors_shown(), recovering_errors():
+            due_s = self.tool.draw(elapsed_s)
+        self._due_s = 0.0 if self._awake_s or self._question else due_s
+        if self._tasks.label:
+            self._due_s = min(self._due_s, POLL_S)
+        if self._message_age_s < MESSAGE_S:
+            self._due_s = min(self._due_s, MESSAGE_S - self._message_age_s + POLL_S)
+        if self._question is not None and (answer := self._question.draw()) is not None:
+            act, self._question = self._question.answers[answer], None
+            if act is not None:
+                self.defer(act)
         self.context.screen.use()
         self.context.viewport = (0, 0, *window.size)
-        self.context.clear(*BACK)
+        self.context.clear(*BACKGROUND)
         self.gui.end()
         self.window_set.present()
-        acts, self._later = self._later, []
+        acts, self._deferred = self._deferred, []
         for act in acts:
-            with self._contained():
+            with self._errors_shown():
                 act()
-        self._due = 0.0 if acts else self._due
+        self._due_s = 0.0 if acts else self._due_s
 
     def picture(self) -> Any:
-        """What the window shows: (h, w, 3) uint8, top row first; for those who take pictures."""
+        """Return what the window shows: (h, w, 3) uint8, top row first."""
         return self.window_set.picture()
 
     def close(self) -> None:
-        """Close everything in the reverse order of its opening."""
+        """Close everything in reverse order."""
         self._undo.close()
 
     def _wait(self) -> bool:
-        """Wait until there is something to draw, at most for a look; whether there is."""
-        if self._due > 0.0 and not self._woken:
+        """Wait for something to draw, at most `POLL_S`; return whether there is."""
+        if self._due_s > 0.0 and not self._woken:
             heard, begun = self.gui.heard, time.perf_counter()
-            glfw.wait_events_timeout(min(self._due, LOOK_S))
-            self._due -= time.perf_counter() - begun
+            glfw.wait_events_timeout(min(self._due_s, POLL_S))
+            self._due_s -= time.perf_counter() - begun
             self._woken |= self.gui.heard != heard
-        return self._due <= 0.0 or self._woken or not self.window.open
+        return self._due_s <= 0.0 or self._woken or not self.window.open
 
     def _text_scale(self) -> float:
-        """How large text is: as the desktop wants it, smaller where it would have no room."""
+        """The desktop's scale of text, less in a small window."""
         usual = self.window.text_scale
-        room = min(*(n / m for n, m in zip(self.window.points, LETTERS, strict=True))) / TEXT_PT
+        room = min(*(n / m for n, m in zip(self.window.points, LEAST_LINES, strict=True))) / TEXT_PT
         return min(usual, max(room, LEAST_TEXT * usual))
 
-    def _bar(self) -> None:
-        """What every tool has: Save, Undo and Redo; then the craft's own entries, and its name."""
-        craft, keys = self.craft, not imgui.get_io().want_text_input and self._question is None
+    def _draw_menu_bar(self) -> None:
+        """Draw Save, Undo, Redo, the tool's own entries, and the title."""
+        tool, keys = self.tool, not imgui.get_io().want_text_input and self._question is None
         ctrl, shift = imgui.Key.mod_ctrl.value, imgui.Key.mod_shift.value
         top = 0.0
         if imgui.begin_main_menu_bar():
             top = imgui.get_window_size().y
-            for words, letter, chords, may, act in (
+            for label, letter, chords, enabled, act in (
                 ("Save", "S", (ctrl | imgui.Key.s.value,), True, self.save),
-                ("Undo", "Z", (ctrl | imgui.Key.z.value,), craft.may_undo, craft.undo),
+                ("Undo", "Z", (ctrl | imgui.Key.z.value,), tool.may_undo, tool.undo),
                 (
                     "Redo", "Y", (ctrl | imgui.Key.y.value, ctrl | shift | imgui.Key.z.value),
-                    craft.may_redo, craft.redo,
+                    tool.may_redo, tool.redo,
                 ),
             ):  # fmt: skip
-                clicked = imgui.menu_item(words, "", False, may)[0]
+                clicked = imgui.menu_item(label, "", False, enabled)[0]
                 imgui.set_item_tooltip(f"Ctrl+{letter}")
-                if may and (clicked or (keys and any(map(imgui.is_key_chord_pressed, chords)))):
-                    self.later(act)
+                if enabled and (clicked or (keys and any(map(imgui.is_key_chord_pressed, chords)))):
+                    self.defer(act)
             imgui.separator()
-            with self._contained(), recovering_errors():
-                craft.bar()
-            name = f"{self.title} ·  not saved" if craft.unsaved else self.title
-            far = imgui.get_content_region_avail().x - imgui.calc_text_size(name).x - self.line
-            if far > 0.0:
-                imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + far)
-                imgui.text_colored((*QUIET, 1.0), name)
+            with self._errors_shown(), recovering_errors():
+                tool.draw_menu()
+            title = f"{self.title} ·  not saved" if tool.unsaved else self.title
+            room = imgui.get_content_region_avail().x - imgui.calc_text_size(title).x
+            if (gap := room - self.text_height) > 0.0:
+                imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + gap)
+                imgui.text_colored((*QUIET, 1.0), title)
             imgui.end_main_menu_bar()
-        name = f"* {self.title}" if craft.unsaved else self.title
-        if name != self._named:
-            self._named = name
-            glfw.set_window_title(self.window.handle, name)
-        size, foot, gap = imgui.get_io().display_size, FOOT * self.line, 0.5 * GAP * self.line
-        self.room = (
-            gap,
-            top + gap,
-            max(size.x - 2 * gap, 1.0),
-            max(size.y - top - foot - gap, 1.0),
-        )
+        title = f"* {self.title}" if tool.unsaved else self.title
+        if title != self._shown_title:
+            self._shown_title = title
+            glfw.set_window_title(self.window.handle, title)
+        size, gap = imgui.get_io().display_size, 0.5 * GAP * self.text_height
+        bottom = STATUS_HEIGHT * self.text_height + gap
+        self.area = (gap, top + gap, max(size.x - 2 * gap, 1.0), max(size.y - top - bottom, 1.0))
 
-    def _foot(self) -> None:
-        """What was told last, or what hands may do."""
-        size, height = imgui.get_io().display_size, FOOT * self.line
+    def _draw_status(self) -> None:
+        """Draw the last message while it is fresh, else the hint; and the background work."""
+        line, size = self.text_height, imgui.get_io().display_size
         canvas = imgui.get_background_draw_list()
-        place = 0.8 * self.line, size.y - height + (height - self.line) / 2 - 0.15 * self.line
-        fresh = self._told_for_s < TOLD_S
-        if doing := self._doing:
-            dots = "." * (1 + int(time.perf_counter() / LOOK_S) % 3)
-            canvas.add_text((size.x - 16.0 * self.line, place[1]), colour(MARK), f"{doing} {dots}")
-        ink = (TROUBLE if self._trouble else MARK) if fresh else QUIET
-        text = self.told if fresh else self.hint
-        canvas.add_text(place, colour(ink), text)
+        height = STATUS_HEIGHT * line
+        place = 0.8 * line, size.y - height + (height - line) / 2 - 0.15 * line
+        if label := self._tasks.label:
+            dots = "." * (1 + int(time.perf_counter() / POLL_S) % 3)
+            canvas.add_text((size.x - 16.0 * line, place[1]), colour(MARK), f"{label} {dots}")
+        fresh = self._message_age_s < MESSAGE_S
+        ink = (ERROR if self._is_error else MARK) if fresh else QUIET
+        canvas.add_text(place, colour(ink), self.message if fresh else self.hint)
 
-    def _ask(self) -> None:
-        """The question in the midst of the window, if there is one."""
-        question = self._question
-        if question is None:
-            return
-        if not question.shown:
-            imgui.open_popup("##question")
-            question.shown = True
-        size = imgui.get_io().display_size
-        imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
-        chosen: str | None = None
-        if imgui.begin_popup_modal("##question", None, ASKED)[0]:
-            imgui.text(question.text)
-            imgui.dummy((0.0, 0.3 * self.line))
-            for number, words in enumerate(question.answers):
-                if number:
-                    imgui.same_line()
-                if imgui.button(f"{words}##answer"):
-                    chosen = words
-            if imgui.is_key_pressed(imgui.Key.escape):
-                chosen = list(question.answers)[-1]
-            if chosen is not None:
-                imgui.close_current_popup()
-            imgui.end_popup()
-        if chosen is not None:
-            self._question = None
-            if (act := question.answers[chosen]) is not None:
-                self.later(act)
-
-    def _save_and_leave(self) -> None:
+    def _save_and_close(self) -> None:
         if self.save():
-            self._leave()
+            self._close()
 
-    def _leave(self) -> None:
-        self._left = True
+    def _close(self) -> None:
+        self.open = False
 
     @contextmanager
-    def _contained(self) -> Iterator[None]:
-        """A fault in it is told, and costs nobody the work."""
+    def _errors_shown(self) -> Iterator[None]:
+        """Show an error as a message: the window and the work stay."""
         try:
             yield
         except UserError as fault:
-            self.tell(str(fault), trouble=True)
+            self.show_message(str(fault), error=True)
         except Exception as fault:
             text = f"that failed: {type(fault).__name__}: {fault}"
-            if text != self.told:  # once, not in every frame
+            if text != self.message:  # once, not in every frame
                 warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
-            self.tell(text, trouble=True)
+            self.show_message(text, error=True)
 
 
-def work(
-    title: str, make: Callable[[Bench], Craft], without: str, size: tuple[int, int] = SIZE
+def run_tool(
+    title: str, make: Callable[[ToolWindow], Tool], without: str, size: tuple[int, int] = SIZE
 ) -> int:
-    """Open a bench with a craft and work at it until it is closed; exit code 0.
+    """Open a window with a tool and run it until it is closed; exit code 0.
 
-    Ctrl-C waits until the craft is made: half of one would outlive its OpenGL context.
+    Ctrl-C waits until the tool is made: half of one would outlive its OpenGL context.
     """
-    with deferred_interrupts() as check, closing(Bench(title, make, size, without)) as bench:
+    with deferred_interrupts() as check, closing(ToolWindow(title, make, size, without)) as window:
         check()
-        bench.run()
+        window.run()
     return 0

@@ -1,4 +1,4 @@
-"""A view on something flat, in a panel: moved, zoomed, drawn on, and touched by the pointer."""
+"""A 2D view in a panel: pan, zoom, draw, drag points."""
 
 import math
 from collections.abc import Iterator
@@ -13,79 +13,78 @@ from subsea.core.arrays import Array
 from subsea.ui.gui import GLASS, INK, QUIET, colour
 
 Ink = tuple[float, float, float]
-Box = tuple[float, float, float, float]  # left, low, right, high in the view's own coordinates
+Box = tuple[float, float, float, float]  # left, low, right, high in the coordinates of the view
 
-ZOOM = 1.15  # of a step of the wheel
-CLOSEST, FARTHEST = 200.0, 0.1  # how much larger and smaller than fitted a view may be
-EDGE = 0.04  # left free about what is fitted, share of the room
-REACH = 0.6  # so near to a point the pointer is on it, in heights of letters
+ZOOM = 1.15  # per step of the wheel
+MOST_ZOOM, LEAST_ZOOM = 200.0, 0.1  # limits, relative to the fitted view
+MARGIN = 0.04  # around the fitted box, share of the view
+REACH = 0.6  # distance at which the pointer picks a point, text heights
 NOWHERE = (math.nan, math.nan)
 
 
-class Touch(NamedTuple):
-    """What the pointer does to points that can be taken hold of, in this frame."""
+class PointDrag(NamedTuple):
+    """What the pointer does to points in this frame."""
 
-    over: int | None = None  # the point that it is on, or holds
-    held: int | None = None  # the point that is dragged
-    began: bool = False  # it was taken hold of just now ...
-    ended: bool = False  # ... or let go of just now: `held` still tells which
-    to: tuple[float, float] = NOWHERE  # where it is dragged to: not by a jump to the pointer
+    hovered: int | None = None  # the point under the pointer, or dragged
+    dragged: int | None = None  # still set in the frame in which the drag ends
+    began: bool = False  # the drag began in this frame
+    ended: bool = False
+    to: tuple[float, float] = NOWHERE  # the place of the dragged point
 
 
-class Canvas:
-    """A flat view with coordinates of its own: of pixels (y down), or of anything (`up`: y up).
+class Viewport2D:
+    """A view with its own coordinates: y down as in pictures, or up.
 
-    The wheel zooms about the pointer; the right or the middle button moves the view, and so does
-    the left one where what is drawn does not take hold of something. A double click in the empty
-    fits all in again.
+    The wheel zooms about the pointer. The right or middle button pans, and so does the left one
+    where no point is dragged. A double click beside points fits the view again.
 
     In a panel, once a frame::
 
-        with canvas.drawn("side", (width, height)):     # pointer units
-            canvas.picture(shown.glo, (0, 0, 800, 600))
-            canvas.line(points, MARK)                   # (n, 2) in own coordinates
-            touch = canvas.touch("border", points)
-            if touch.held is not None:
-                points[touch.held] = touch.to
+        with view.drawn("side", (width, height)):       # pointer units
+            view.picture(shown.glo, (0, 0, 800, 600))
+            view.line(points, MARK)                     # (n, 2) in coordinates of the view
+            drag = view.drag_points("border", points)
+            if drag.dragged is not None:
+                points[drag.dragged] = drag.to
     """
 
     def __init__(self, box: Box, up: bool = False) -> None:
-        """What is between these borders is seen whole at first."""
+        """Fit a box."""
         self.box, self.up = box, up
-        self.scale = 1.0  # pointer units for one of its own
-        self.place: tuple[float, float] = 0.0, 0.0  # of the view on the screen, upper left
+        self.scale = 1.0  # pointer units per unit of the view
+        self.place: tuple[float, float] = 0.0, 0.0  # upper left corner on the screen
         self.size: tuple[float, float] = 1.0, 1.0
-        self.mouse: tuple[float, float] = NOWHERE  # where the pointer is, in own coordinates
-        self.hovered = False  # whether the pointer is on the view and nothing else
-        self.clicked = False  # the left button went down in it, and took hold of no point so far
+        self.mouse: tuple[float, float] = NOWHERE  # the pointer, in coordinates of the view
+        self.hovered = False  # the pointer is on the view and nothing else
+        self.clicked = False  # the left button was pressed beside all points so far
         self._middle = (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
-        self._fits = True  # whether it stays fitted whatever its size
-        self._held: tuple[str, int] | None = None
-        self._off = 0.0, 0.0  # from the pointer to the point that it holds
-        self._moves = False
+        self._fits = True  # stays fitted when its size changes
+        self._dragged: tuple[str, int] | None = None
+        self._offset = 0.0, 0.0  # from the pointer to the dragged point
+        self._panning = False
 
     def fit(self, box: Box | None = None) -> None:
-        """Show all that lies between these borders, or those of the beginning."""
+        """Show a box, or the first one, whole."""
         self.box = box or self.box
         self._fits = True
 
-    def follow(self, other: "Canvas") -> None:
-        """Be as large as another view, and show the same places across; call it before `drawn`."""
+    def follow(self, other: "Viewport2D") -> None:
+        """Take over scale and horizontal place of another view; call it before `drawn`."""
         self.scale, self._middle = other.scale, (other._middle[0], self._middle[1])
         self._fits = False
 
     @contextmanager
-    def drawn(self, name: str, size: tuple[float, float]) -> Iterator["Canvas"]:
-        """The view of that size at the present place of a panel; what is drawn stays within."""
+    def drawn(self, name: str, size: tuple[float, float]) -> Iterator["Viewport2D"]:
+        """Begin the view at the cursor of the panel; drawing is clipped to it."""
         size = max(size[0], 1.0), max(size[1], 1.0)
         corner = imgui.get_cursor_screen_pos()
         self.place, self.size = (corner.x, corner.y), size
         imgui.invisible_button(name, size)
         self.hovered = imgui.is_item_hovered()
-        # The wheel is the view's, not that of the panel which it is in.
+        # The wheel zooms instead of scrolling the panel.
         if self.hovered:
             imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
-        self._look()
+        self._zoom()
         canvas = imgui.get_window_draw_list()
         end = corner.x + size[0], corner.y + size[1]
         canvas.push_clip_rect(corner, end, True)
@@ -93,58 +92,58 @@ class Canvas:
         try:
             yield self
         finally:
-            self._drag()
+            self._pan()
             canvas.pop_clip_rect()
 
     def on_screen(self, points: ArrayLike) -> Array:
-        """Where points (..., 2) lie on the screen."""
+        """Convert points (..., 2) to the screen."""
         middle, sign = np.array(self._middle), np.array([1.0, -1.0 if self.up else 1.0])
         centre = np.array(self.place) + np.array(self.size) / 2
         return np.asarray((np.asarray(points, float) - middle) * (self.scale * sign) + centre)
 
-    def own(self, x: float, y: float) -> tuple[float, float]:
-        """The own coordinates of a place on the screen."""
+    def from_screen(self, x: float, y: float) -> tuple[float, float]:
+        """Convert a place on the screen to coordinates of the view."""
         sign = -1.0 if self.up else 1.0
         return (
             self._middle[0] + (x - self.place[0] - self.size[0] / 2) / self.scale,
             self._middle[1] + sign * (y - self.place[1] - self.size[1] / 2) / self.scale,
         )
 
-    def touch(
-        self, name: str, points: ArrayLike, reach: float = REACH, seize: bool = False
-    ) -> Touch:
-        """Whether the pointer is on one of the points (n, 2) called `name`, and drags it.
+    def drag_points(
+        self, name: str, points: ArrayLike, reach: float = REACH, anywhere: bool = False
+    ) -> PointDrag:
+        """Hover and drag the nearest of the points (n, 2) of the set `name`.
 
-        The nearest counts, within `reach` heights of letters, or wherever it is to `seize` one.
-        Of several sets that lie close to one another the first to ask is served.
+        It must lie within `reach` text heights of the pointer, unless `anywhere`. The first call
+        in a frame takes precedence.
         """
         points = np.asarray(points, float).reshape(-1, 2)
-        if self._held is not None:
-            who, which = self._held
-            if who != name or which >= len(points):
-                return Touch()
-            to = self.mouse[0] + self._off[0], self.mouse[1] + self._off[1]
+        if self._dragged is not None:
+            owner, which = self._dragged
+            if owner != name or which >= len(points):
+                return PointDrag()
+            to = self.mouse[0] + self._offset[0], self.mouse[1] + self._offset[1]
             ended = not imgui.is_mouse_down(0)
             if ended:
-                self._held = None
-            return Touch(which, which, False, ended, to)
+                self._dragged = None
+            return PointDrag(which, which, False, ended, to)
         if not self.hovered or not len(points):
-            return Touch()
+            return PointDrag()
         pointer = imgui.get_mouse_pos()
         far = np.hypot(*(self.on_screen(points) - (pointer.x, pointer.y)).T)
         far = np.where(np.isfinite(far), far, np.inf)
         nearest = int(far.argmin())
-        if far[nearest] > reach * imgui.get_font_size() and not seize:
-            return Touch()
+        if far[nearest] > reach * imgui.get_font_size() and not anywhere:
+            return PointDrag()
         if not self.clicked:
-            return Touch(nearest)
+            return PointDrag(nearest)
         self.clicked = False
         x, y = (float(c) for c in points[nearest])
-        self._held, self._off = (name, nearest), (x - self.mouse[0], y - self.mouse[1])
-        return Touch(nearest, nearest, True, False, (x, y))
+        self._dragged, self._offset = (name, nearest), (x - self.mouse[0], y - self.mouse[1])
+        return PointDrag(nearest, nearest, True, False, (x, y))
 
     def picture(self, glo: int, box: Box, alpha: float = 1.0) -> None:
-        """A texture, its first row at the top of the box on the screen."""
+        """Draw a texture, its first row at the top of the box."""
         (left, low), (right, high) = self.on_screen([box[:2], box[2:]]).tolist()
         top, bottom = min(low, high), max(low, high)
         imgui.get_window_draw_list().add_image(
@@ -156,14 +155,14 @@ class Canvas:
         self, points: ArrayLike, ink: Ink, wide: float = 1.5, alpha: float = 1.0,
         closed: bool = False,
     ) -> None:  # fmt: skip
-        """A line through points (n, 2); `wide` in pointer units."""
+        """Draw a line through points (n, 2), `wide` pointer units."""
         places: list[Any] = [imgui.ImVec2(x, y) for x, y in self.on_screen(points).tolist()]
         if closed:
             places += places[:1]
         imgui.get_window_draw_list().add_polyline(places, colour(ink, alpha), wide, 0)
 
-    def area(self, points: ArrayLike, ink: Ink, alpha: float = 1.0) -> None:
-        """What lies within an outline (n, 2), which may be hollow but not cross itself."""
+    def polygon(self, points: ArrayLike, ink: Ink, alpha: float = 1.0) -> None:
+        """Fill an outline (n, 2), concave or not, that does not cross itself."""
         places: list[Any] = [imgui.ImVec2(x, y) for x, y in self.on_screen(points).tolist()]
         imgui.get_window_draw_list().add_concave_poly_filled(places, colour(ink, alpha))
 
@@ -171,7 +170,7 @@ class Canvas:
         self, points: ArrayLike, ink: Ink, radius: float = 3.0, alpha: float = 1.0,
         ring: bool = False,
     ) -> None:  # fmt: skip
-        """Points (n, 2), `radius` in pointer units; with `ring` hollow ones."""
+        """Draw points (n, 2) as discs or rings, `radius` in pointer units."""
         canvas, tint = imgui.get_window_draw_list(), colour(ink, alpha)
         for place in self.on_screen(np.asarray(points, float).reshape(-1, 2)).tolist():
             if ring:
@@ -180,22 +179,22 @@ class Canvas:
                 canvas.add_circle_filled(place, radius, tint)
 
     def text(
-        self, place: ArrayLike, words: str, ink: Ink = QUIET, share: tuple[float, float] = (0, 0)
+        self, place: ArrayLike, text: str, ink: Ink = QUIET, share: tuple[float, float] = (0, 0)
     ) -> None:
-        """Words at a place; `share` of their width and height lies left of and above it."""
-        (x, y), box = self.on_screen(place).tolist(), imgui.calc_text_size(words)
+        """Draw text; `share` of its width and height lies left of and above the place."""
+        (x, y), box = self.on_screen(place).tolist(), imgui.calc_text_size(text)
         at = x - share[0] * box.x, y - share[1] * box.y
         canvas = imgui.get_window_draw_list()
-        canvas.add_text((at[0] + 1.0, at[1] + 1.0), colour(GLASS, 0.9), words)
-        canvas.add_text(at, colour(ink), words)
+        canvas.add_text((at[0] + 1.0, at[1] + 1.0), colour(GLASS, 0.9), text)
+        canvas.add_text(at, colour(ink), text)
 
-    def caption(self, words: str, ink: Ink = INK) -> None:
-        """Words in the view's upper left corner."""
+    def caption(self, text: str, ink: Ink = INK) -> None:
+        """Draw text in the upper left corner."""
         gap = 0.4 * imgui.get_font_size()
-        self.text(self.own(self.place[0] + gap, self.place[1] + gap), words, ink)
+        self.text(self.from_screen(self.place[0] + gap, self.place[1] + gap), text, ink)
 
     def grid(self, ink: Ink = QUIET, alpha: float = 0.14) -> None:
-        """Lines at round numbers of its own units, about as far apart as five letters are high."""
+        """Draw lines at round coordinates, about five text heights apart."""
         step = 5.0 * imgui.get_font_size() / self.scale
         step = next(
             round_step
@@ -204,8 +203,8 @@ class Canvas:
             if round_step >= step
         )
         (x0, y0), (x1, y1) = (
-            self.own(*self.place),
-            self.own(self.place[0] + self.size[0], self.place[1] + self.size[1]),
+            self.from_screen(*self.place),
+            self.from_screen(self.place[0] + self.size[0], self.place[1] + self.size[1]),
         )
         low, high = min(y0, y1), max(y0, y1)
         for x in np.arange(math.ceil(x0 / step), math.floor(x1 / step) + 1) * step:
@@ -213,44 +212,44 @@ class Canvas:
         for y in np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step:
             self.line([(x0, y), (x1, y)], ink, 1.0, alpha)
 
-    def _look(self) -> None:
-        """Fit, zoom, and where the pointer is then."""
+    def _zoom(self) -> None:
+        """Fit or zoom the view, and locate the pointer."""
         left, low, right, high = self.box
-        room = [(1.0 - 2.0 * EDGE) * length for length in self.size]
+        room = [(1.0 - 2.0 * MARGIN) * length for length in self.size]
         fitted = max(min(room[0] / max(right - left, 1e-9), room[1] / max(high - low, 1e-9)), 1e-9)
         if self._fits:
             self.scale, self._middle = fitted, ((left + right) / 2, (low + high) / 2)
         io, pointer = imgui.get_io(), imgui.get_mouse_pos()
         if self.hovered and io.mouse_wheel:
-            before = self.own(pointer.x, pointer.y)
+            before = self.from_screen(pointer.x, pointer.y)
             zoomed = self.scale * ZOOM**io.mouse_wheel
-            self.scale = min(max(zoomed, FARTHEST * fitted), CLOSEST * fitted)
-            after = self.own(pointer.x, pointer.y)
+            self.scale = min(max(zoomed, LEAST_ZOOM * fitted), MOST_ZOOM * fitted)
+            after = self.from_screen(pointer.x, pointer.y)
             self._middle = tuple(  # type: ignore[assignment]
                 m + b - a for m, b, a in zip(self._middle, before, after, strict=True)
             )
             self._fits = False
         there = imgui.is_mouse_pos_valid()
-        self.mouse = self.own(pointer.x, pointer.y) if there else self.mouse
+        self.mouse = self.from_screen(pointer.x, pointer.y) if there else self.mouse
         self.clicked = self.hovered and imgui.is_mouse_clicked(0)
 
-    def _drag(self) -> None:
-        """The hand that holds nothing moves the view."""
+    def _pan(self) -> None:
+        """Pan when no point is dragged; fit after a double click."""
         if self.hovered and (
             imgui.is_mouse_clicked(1) or imgui.is_mouse_clicked(2) or self.clicked
         ):
-            self._moves = True
+            self._panning = True
             if self.clicked and imgui.is_mouse_double_clicked(0):
                 self.fit()
         down = any(imgui.is_mouse_down(button) for button in range(3))
-        self._moves = self._moves and down and self._held is None
+        self._panning = self._panning and down and self._dragged is None
         moved = imgui.get_io().mouse_delta
-        if self._moves and (moved.x or moved.y):
+        if self._panning and (moved.x or moved.y):
             sign = -1.0 if self.up else 1.0
             self._middle = (
                 self._middle[0] - moved.x / self.scale,
                 self._middle[1] - sign * moved.y / self.scale,
             )
             self._fits = False
-        if self._held is not None and not imgui.is_mouse_down(0):
-            self._held = None  # whose points were not asked for
+        if self._dragged is not None and not imgui.is_mouse_down(0):
+            self._dragged = None  # its points were not drawn in this frame

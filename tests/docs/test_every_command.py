@@ -37,7 +37,7 @@ from subsea.core.resources import ROOT, resource_names
 from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
 from subsea.fish.photo.fitting import silhouette
-from subsea.fish.photo.side_view import across
+from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species
 from subsea.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
@@ -176,7 +176,7 @@ class Workshop:
     @staticmethod
     def _photograph():
         plan = load_species("moon_wrasse").surface
-        mask = silhouette(plan, across(140, 96, plan), (96, 140))
+        mask = silhouette(plan, centred_matrix(140, 96, plan), (96, 140))
         pixels = np.full((96, 140, 4), (230, 120, 30, 255), np.uint8)
         pixels[~mask] = (0, 0, 255, 0)
         return Image.fromarray(pixels)

@@ -16,7 +16,7 @@ from subsea.fish.paint import (
     paint,
     paint_all,
 )
-from subsea.fish.species import FinSkin, Patch, Stripes, load_species, species_names
+from subsea.fish.species import FinSkin, SkinPatch, Stripes, load_species, species_names
 
 SIZE = (256, 160)
 
@@ -180,7 +180,7 @@ def test_stripes_run_along_or_upright(painted):
 @pytest.mark.parametrize("over_fins", [False, True])
 def test_a_patch_lies_under_the_fins_or_over_them(painted_sheet, over_fins):
     outline = [(0.36, -0.1), (0.36, 0.2), (0.5, 0.2), (0.5, -0.1)]
-    picture = painted_sheet(patches=[Patch(outline=outline, colour=RED, over_fins=over_fins)])
+    picture = painted_sheet(patches=[SkinPatch(outline=outline, colour=RED, over_fins=over_fins)])
     assert reddest(texel(load_species("fusilier"), picture, 0.43, 0.05))
     dorsal = framed(picture, DORSAL).astype(int)
     begin, end = load_species("fusilier").surface.dorsal.base
@@ -207,7 +207,7 @@ def test_gill_slits_are_counted(painted):
 
 
 def test_a_patch_beyond_the_skin_changes_nothing(painted):
-    outside = Patch(outline=[(0.2, 3.0), (0.3, 3.2), (0.4, 3.0)], colour=RED)
+    outside = SkinPatch(outline=[(0.2, 3.0), (0.3, 3.2), (0.4, 3.0)], colour=RED)
     with_it, without = painted(patches=[outside]), painted(patches=[])
     np.testing.assert_array_equal(with_it(0.3, 0.0), without(0.3, 0.0))
 
@@ -216,7 +216,7 @@ def test_the_outline_of_a_patch_is_where_it_was_drawn(painted):
     """A large disc of red: its area, within the blur of its border."""
     angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     outline = [(0.45 + 0.07 * np.cos(a), 0.07 * np.sin(a)) for a in angle]
-    at = painted(cape=None, flank=BLUE, patches=[Patch(outline=outline, colour=RED)])
+    at = painted(cape=None, flank=BLUE, patches=[SkinPatch(outline=outline, colour=RED)])
     axis = np.linspace(-0.1, 0.1, 101)
     share = np.mean([reddest(at(0.45 + x, y)) for x in axis for y in axis])
     assert share == pytest.approx(np.pi * 0.07**2 / 0.2**2, rel=0.06)
@@ -226,7 +226,7 @@ def test_wings_are_painted_on_both_sides():
     ray = load_species("spotted_eagle_ray")
     skin = ray.skin
     disc = structs.replace(skin.spots, colour=RED, radius=(0.006, 0.006), spacing=0.02, rings=0.0)
-    patch = Patch(outline=[(0.14, 0.08), (0.2, 0.08), (0.2, 0.14), (0.14, 0.14)], colour=GREEN)
+    patch = SkinPatch(outline=[(0.14, 0.08), (0.2, 0.08), (0.2, 0.14), (0.14, 0.14)], colour=GREEN)
     changed = structs.replace(
         skin, back=BLUE, flank=BLUE, belly=(0.8, 0.8, 0.8), spots=disc, patches=[patch]
     )

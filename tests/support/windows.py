@@ -83,6 +83,15 @@ class Hands:
             time.sleep(0.01)
         assert true()
 
+    @staticmethod
+    def double_click(running: Any) -> None:
+        """Click twice; imgui measures the pause in seconds, and frames are slow here."""
+        io = imgui.get_io()
+        usual, io.mouse_double_click_time = io.mouse_double_click_time, 5.0
+        Hands.do("click", "--repeat", 2, "--delay", 60, 1)
+        Hands.glide(running, 1.0)
+        io.mouse_double_click_time = usual
+
     def point(self, running: Any, x: float, y: float) -> None:
         """Move the pointer, in two steps, to a place given in [-1, 1] from the middle."""
         (left, top), (width, height) = running.window.position, running.window.points

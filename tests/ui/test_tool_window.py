@@ -1,4 +1,4 @@
-"""The makers' bench: a window for a tool, in which real hands move points, undo, save and leave."""
+"""A window for a tool, used by real events: points are dragged, undone, saved."""
 
 import math
 import signal
@@ -16,8 +16,8 @@ from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.gui import INK, MARK
-from subsea.ui.tool_window import Bench, work
-from subsea.ui.viewport2d import Canvas
+from subsea.ui.tool_window import ToolWindow, run_tool
+from subsea.ui.viewport2d import Viewport2D
 
 SIZE = 640, 480
 POINTS = ((0.0, 0.0), (5.0, 2.0), (10.0, 0.0))
@@ -25,12 +25,12 @@ RED = np.full((8, 16, 3), (200, 30, 30), np.uint8)
 
 
 class Line:
-    """A craft: a line through three points, which are dragged."""
+    """A tool: a line through three points, which are dragged."""
 
-    def __init__(self, bench):
-        self.bench, self.history = bench, History(POINTS)
-        self.canvas = Canvas((-1.0, -3.0, 11.0, 3.0), up=True)
-        self.shown = ImageTexture(bench.context, RED)
+    def __init__(self, window):
+        self.window, self.history = window, History(POINTS)
+        self.view = Viewport2D((-1.0, -3.0, 11.0, 3.0), up=True)
+        self.shown = ImageTexture(window.context, RED)
         self.trial, self.fault, self.refuses = None, None, False
         self.frames, self.due = 0, math.inf
 
@@ -54,7 +54,7 @@ class Line:
     def redo(self):
         self.history.redo()
 
-    def bar(self):
+    def draw_menu(self):
         imgui.menu_item("Entry", "", False)
 
     def close(self):
@@ -62,22 +62,21 @@ class Line:
 
     def draw(self, elapsed_s):
         self.frames += 1
-        left, top, width, height = self.bench.room
-        self.bench.hint = "Drag a point."
+        self.window.hint = "Drag a point."
         with (
-            self.bench.pane("View", left, top, width, height),
-            self.canvas.drawn("view", tuple(imgui.get_content_region_avail())) as canvas,
+            self.window.panel("View", self.window.area),
+            self.view.drawn("view", tuple(imgui.get_content_region_avail())) as view,
         ):
-            canvas.picture(self.shown.glo, (7.0, -2.8, 10.0, -1.3))
-            canvas.grid()
-            canvas.line(self.points, MARK)
-            touch = canvas.touch("points", self.points)
-            canvas.dots(self.points, INK)
-            if touch.held is not None:
+            view.picture(self.shown.glo, (7.0, -2.8, 10.0, -1.3))
+            view.grid()
+            view.line(self.points, MARK)
+            drag = view.drag_points("points", self.points)
+            view.dots(self.points, INK)
+            if drag.dragged is not None:
                 points = list(self.points)
-                points[touch.held] = touch.to
+                points[drag.dragged] = drag.to
                 self.trial = tuple(points)
-                if touch.ended:
+                if drag.ended:
                     self.history.do(self.trial)
                     self.trial = None
             if self.fault:
@@ -90,172 +89,172 @@ def test_without_a_display_it_says_so_in_one_line(monkeypatch):
     for key in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(key, raising=False)
     with pytest.raises(UserError, match=r"no display .*; without one, `subsea skin --auto` works"):
-        work("line", Line, "`subsea skin --auto` works")
+        run_tool("line", Line, "`subsea skin --auto` works")
 
 
-def test_ctrl_c_waits_until_the_craft_is_made(display, monkeypatch):
+def test_ctrl_c_waits_until_the_tool_is_made(display, monkeypatch):
     closed = []
 
     class Slow(Line):
-        def __init__(self, bench):
+        def __init__(self, window):
             signal.raise_signal(signal.SIGINT)
-            super().__init__(bench)
+            super().__init__(window)
 
         def close(self):
             super().close()
             closed.append(self.frames)
 
     with pytest.raises(KeyboardInterrupt):
-        work("slow", Slow, "no")
+        run_tool("slow", Slow, "no")
     assert closed == [0]
 
 
 @pytest.fixture(scope="module")
-def table(display):
-    with closing(Bench("line", Line, SIZE)) as bench:
+def window(display):
+    with closing(ToolWindow("line", Line, SIZE)) as window:
         for _ in range(5):
-            bench.frame(0.1)
-        yield bench
+            window.frame(0.1)
+        yield window
 
 
-def at(bench, x, y):
-    """Where on the display a place of the canvas is."""
-    left, top = bench.window.position
-    across, down = bench.craft.canvas.on_screen((x, y))
+def at(window, x, y):
+    """Where on the display a place of the view is."""
+    left, top = window.window.position
+    across, down = window.tool.view.on_screen((x, y))
     return round(left + across), round(top + down)
 
 
-def drag(bench, hands, begin, end, button=1):
+def drag(window, hands, begin, end, button=1):
     for words in (
         ("mousemove", *begin), ("mousedown", button), ("mousemove", *end), ("mouseup", button),
     ):  # fmt: skip
         hands.do(*words)
-        hands.glide(bench, 0.3)
+        hands.glide(window, 0.3)
 
 
-def test_a_point_is_dragged_undone_redone_and_saved(table, hands, spots):
-    line = table.craft
-    drag(table, hands, at(table, 5.0, 2.0), at(table, 6.0, -1.0))
-    hands.until(table, lambda: line.points[1] == pytest.approx((6.0, -1.0), abs=0.05))
+def test_a_point_is_dragged_undone_redone_and_saved(window, hands, spots):
+    line = window.tool
+    drag(window, hands, at(window, 5.0, 2.0), at(window, 6.0, -1.0))
+    hands.until(window, lambda: line.points[1] == pytest.approx((6.0, -1.0), abs=0.05))
     assert (line.points[0], line.points[2]) == (POINTS[0], POINTS[2])
     moved = line.points
     assert line.unsaved
     hands.do("key", "ctrl+z")
-    hands.until(table, lambda: line.points == POINTS)
+    hands.until(window, lambda: line.points == POINTS)
     assert not line.unsaved
     hands.do("key", "ctrl+y")
-    hands.until(table, lambda: line.points == moved)
-    spots.click(table, "Undo")
-    hands.until(table, lambda: line.points == POINTS)
+    hands.until(window, lambda: line.points == moved)
+    spots.click(window, "Undo")
+    hands.until(window, lambda: line.points == POINTS)
     hands.do("key", "ctrl+shift+z")
-    hands.until(table, lambda: line.points == moved)
+    hands.until(window, lambda: line.points == moved)
     hands.do("key", "ctrl+s")
-    hands.until(table, lambda: not line.unsaved)
-    spots.click(table, "Undo")
-    hands.until(table, lambda: line.unsaved)
-    spots.click(table, "Save")
-    hands.until(table, lambda: not line.unsaved)
+    hands.until(window, lambda: not line.unsaved)
+    spots.click(window, "Undo")
+    hands.until(window, lambda: line.unsaved)
+    spots.click(window, "Save")
+    hands.until(window, lambda: not line.unsaved)
 
 
-def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves_the_view(table, hands):
-    canvas = table.craft.canvas
-    fitted, place = canvas.scale, at(table, 2.0, -2.0)
+def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves_the_view(window, hands):
+    view = window.tool.view
+    fitted, place = view.scale, at(window, 2.0, -2.0)
     hands.do("mousemove", *place)
-    hands.glide(table, 0.3)
+    hands.glide(window, 0.3)
     hands.do("click", 4, "click", 4)
-    hands.until(table, lambda: canvas.scale > 1.3 * fitted)
-    assert at(table, 2.0, -2.0) == pytest.approx(place, abs=1)
+    hands.until(window, lambda: view.scale > 1.3 * fitted)
+    assert at(window, 2.0, -2.0) == pytest.approx(place, abs=1)
     for button in (1, 2, 3):
-        before = canvas.own(100.0, 100.0)
-        drag(table, hands, place, (place[0] + 40, place[1] - 30), button)
-        x, y = canvas.own(100.0, 100.0)
-        assert x == pytest.approx(before[0] - 40 / canvas.scale, abs=1e-6)
-        assert y == pytest.approx(before[1] - 30 / canvas.scale, abs=1e-6)
-    assert table.craft.points == table.craft.history.present
-    hands.glide(table, 0.5)
-    hands.do("click", "--repeat", 2, "--delay", 60, 1)
-    hands.until(table, lambda: canvas.scale == pytest.approx(fitted))
+        before = view.own(100.0, 100.0)
+        drag(window, hands, place, (place[0] + 40, place[1] - 30), button)
+        x, y = view.own(100.0, 100.0)
+        assert x == pytest.approx(before[0] - 40 / view.scale, abs=1e-6)
+        assert y == pytest.approx(before[1] - 30 / view.scale, abs=1e-6)
+    assert window.tool.points == window.tool.history.present
+    hands.glide(window, 0.5)
+    hands.double_click(window)
+    hands.until(window, lambda: view.scale == pytest.approx(fitted))
 
 
-def test_pictures_are_shown_as_they_are(table, hands):
-    hands.glide(table, 0.2)
-    left, top = table.window.position
-    x, y = at(table, 8.7, -1.7)
-    assert np.abs(hands.screen(table)[y - top, x - left] - RED[0, 0]).max() < 12
-    assert (table.picture()[y - top, x - left] == hands.screen(table)[y - top, x - left]).all()
+def test_pictures_are_shown_as_they_are(window, hands):
+    hands.glide(window, 0.2)
+    left, top = window.window.position
+    x, y = at(window, 8.7, -1.7)
+    assert np.abs(hands.screen(window)[y - top, x - left] - RED[0, 0]).max() < 12
+    assert (window.picture()[y - top, x - left] == hands.screen(window)[y - top, x - left]).all()
 
 
-def test_closing_asks_once_about_unsaved_work(table, hands, spots):
+def test_closing_asks_once_about_unsaved_work(window, hands, spots):
     import glfw
 
-    line = table.craft
+    line = window.tool
     line.history.do(((0.0, 0.0), (5.0, 1.0), (10.0, 0.0)))
-    close = lambda: glfw.set_window_should_close(table.window.handle, True)  # noqa: E731
+    close = lambda: glfw.set_window_should_close(window.window.handle, True)  # noqa: E731
     close()
-    hands.glide(table, 0.3)
-    assert table.open
-    assert table.asks
-    spots.click(table, "Go on##answer")
-    hands.until(table, lambda: not table.asks)
-    assert table.open and line.unsaved
+    hands.glide(window, 0.3)
+    assert window.open
+    assert window.asking
+    spots.click(window, "Go on##answer")
+    hands.until(window, lambda: not window.asking)
+    assert window.open and line.unsaved
     line.refuses = True
     close()
-    hands.glide(table, 0.3)
-    spots.click(table, "Save##answer")
-    hands.glide(table, 0.2)
-    assert table.open and line.unsaved and table.told == "the disk is full"
+    hands.glide(window, 0.3)
+    spots.click(window, "Save##answer")
+    hands.glide(window, 0.2)
+    assert window.open and line.unsaved and window.message == "the disk is full"
     line.refuses = False
     # Ctrl-C asks as well; a second one is the end.
-    assert not table.interrupted()
-    hands.glide(table, 0.2)
-    assert table.interrupted()
+    assert not window.interrupted()
+    hands.glide(window, 0.2)
+    assert window.interrupted()
     hands.do("key", "Escape")
-    hands.glide(table, 0.3)
-    assert not table.interrupted()
-    hands.glide(table, 0.2)
-    spots.click(table, "Save##answer")
-    hands.until(table, lambda: not table.open)
+    hands.glide(window, 0.3)
+    assert not window.interrupted()
+    hands.glide(window, 0.2)
+    spots.click(window, "Save##answer")
+    hands.until(window, lambda: not window.open)
     assert not line.unsaved
-    table._left = False
+    window.open = True
 
 
-def test_a_fault_is_told_and_costs_no_work(table, hands):
-    line = table.craft
+def test_a_fault_is_told_and_costs_no_work(window, hands):
+    line = window.tool
     line.fault = UserError("fish.toml: no such fish")
-    hands.glide(table, 0.2)
-    assert table.told == "fish.toml: no such fish"
+    hands.glide(window, 0.2)
+    assert window.message == "fish.toml: no such fish"
     line.fault = ZeroDivisionError("by zero")
     with pytest.warns(RuntimeWarning, match="ZeroDivisionError"):
-        hands.glide(table, 0.3)
-    assert "by zero" in table.told
+        hands.glide(window, 0.3)
+    assert "by zero" in window.message
     line.fault = None
     frames = line.frames
-    hands.glide(table, 0.2)
+    hands.glide(window, 0.2)
     assert line.frames == frames + 2
 
 
-def test_work_behind_brings_its_result_or_its_fault(table, hands):
+def test_work_behind_brings_its_result_or_its_fault(window, hands):
     results = []
-    table.behind(lambda: 6 * 7, results.append)
-    assert table.busy
-    hands.until(table, lambda: results == [42])
-    assert not table.busy
+    window.run_in_background(lambda: 6 * 7, results.append)
+    assert window.busy
+    hands.until(window, lambda: results == [42])
+    assert not window.busy
 
     def fails():
         raise UserError("too dark")
 
-    table.behind(fails, results.append, "looking", lambda: results.append("failed"))
-    hands.until(table, lambda: table.told == "too dark")
+    window.run_in_background(fails, results.append, "looking", lambda: results.append("failed"))
+    hands.until(window, lambda: window.message == "too dark")
     assert results == [42, "failed"]
 
 
-def test_it_draws_in_a_window_of_one_pixel(table, hands):
+def test_it_draws_in_a_window_of_one_pixel(window, hands):
     import glfw
 
     for size in ((1, 1), (30, 400), (400, 30), SIZE):
-        glfw.set_window_size(table.window.handle, *size)
-        hands.until(table, lambda size=size: table.window.points == size)
-        hands.glide(table, 0.3)
+        glfw.set_window_size(window.window.handle, *size)
+        hands.until(window, lambda size=size: window.window.points == size)
+        hands.glide(window, 0.3)
 
 
 def test_ctrl_c_in_the_terminal_ends_the_builder(display):
@@ -273,18 +272,18 @@ def test_ctrl_c_in_the_terminal_ends_the_builder(display):
     assert told.splitlines()[-1:] == ["subsea: interrupted"]
 
 
-def test_an_idle_bench_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
+def test_an_idle_window_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
     program = tmp_path / "idle.py"
     program.write_text(
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "from test_tool_window import Line\n"
-        "from subsea.ui.tool_window import work\n"
+        "from subsea.ui.tool_window import run_tool\n"
         "from subsea.core.command_line import answer\n"
         "class Counted(Line):\n"
         "    def draw(self, elapsed_s):\n"
         "        print(self.frames, flush=True)\n"
         "        return super().draw(elapsed_s)\n"
-        "sys.exit(answer('subsea', lambda: work('idle', Counted, 'no')))\n"
+        "sys.exit(answer('subsea', lambda: run_tool('idle', Counted, 'no')))\n"
     )
     frames = tmp_path / "frames"
     with frames.open("w") as out:

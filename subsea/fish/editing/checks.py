@@ -1,7 +1,6 @@
-"""What is asked of a fish that is being built, in plain sentences that say what to do.
+"""Checks of an edited species, as sentences that say what to do.
 
-Numbers of the file are judged at once; how it swims is tried in a test swim with its controllers,
-which takes some hundredths of a second once its kernels are compiled.
+`static_checks` read the numbers; `swim_checks` judge a test swim with the fish's own controllers.
 """
 
 from enum import IntEnum
@@ -26,29 +25,29 @@ from subsea.fish.species import Species
 from subsea.fish.surface import SurfacePlan, along
 
 
-class Mark(IntEnum):
-    """How well a remark speaks of the fish."""
+class Severity(IntEnum):
+    """How serious a finding is."""
 
     GOOD = 0
-    MIND = 1  # it works, but is not as it might be
-    BAD = 2  # it will not work
+    WARNING = 1  # it works, but not well
+    FAULT = 2  # it will not work
 
 
-class Remark(NamedTuple):
+class Finding(NamedTuple):
     """A sentence about the fish."""
 
-    mark: Mark
+    severity: Severity
     text: str
 
 
-GOOD, MIND, BAD = Mark
-AFLOAT = (0.7, 1.4)  # mass over that of the displaced water
-SLENDER_STEP = 1.05  # the longest stable step over the usual one
-OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # a ring's height over the outline's that is usual
-REAR = 0.02  # body lengths by which the centre of mass lies behind the fins
+GOOD, WARNING, FAULT = Severity
+AFLOAT = (0.7, 1.4)  # mass over mass of the displaced water
+LEAST_STEP = 1.05  # longest stable step over the step of the simulation
+OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # usual height of rings over that of the outline
+REAR = 0.02  # body lengths from the fins back to the centre of mass
 PER_BEAT = 0.35  # body lengths in fast swimming: docs/biomechanics.md
-DRIFT_DEG, ASIDE = 1.0, 0.02  # in the beats that are measured
-BEATS, MEASURED = 40, 10  # of a test swim, the last of them
+DRIFT_DEG, ASIDE = 1.0, 0.02  # in the measured beats
+BEATS, MEASURED = 40, 10  # of a test swim; the last ones are measured
 SWEEP = (0.12, 0.3)  # of the tail, body lengths
 TURN_OFF_DEG = 10.0
 UNIT_NAMES = ("muscle", "cross unit", "unit")
@@ -59,17 +58,22 @@ NODE_PLACES = (
 )
 
 
-def standing(species: Species) -> list[Remark]:
-    """What can be told without a swim."""
-    remarks = _shape(species.surface)
+def static_checks(species: Species) -> list[Finding]:
+    """Check shape, scaffold, buoyancy and material."""
+    findings = _shape(species.surface)
     if species.body:
         body = build_body(species.body)
-        remarks += [*_faces(body), *_rings(species), *_buoyancy(species), *_material(species, body)]
-    return remarks
+        findings += [
+            *check_faces(body),
+            *_rings(species),
+            *_buoyancy(species),
+            *_material(species, body),
+        ]
+    return findings
 
 
 def displaced_cm3(species: Species) -> float:
-    """Volume of the drawn body without fins at the length of its model, cm³."""
+    """Return the volume of the drawn body without fins at model length, cm³."""
     surface = species.surface
     x = np.linspace(0.0, surface.tail.begin, 200)
     tall = np.clip(along(surface.back, x) - along(surface.belly, x), 0.0, None)
@@ -77,12 +81,14 @@ def displaced_cm3(species: Species) -> float:
     return float(np.trapezoid(0.5 * np.pi * tall * wide, x)) * species.length_cm**3
 
 
-def _shape(surface: SurfacePlan) -> list[Remark]:
+def _shape(surface: SurfacePlan) -> list[Finding]:
     x = np.linspace(0.01, surface.tail.begin, 120)
     width = along(surface.width, x)
     if (width <= 0.0).any():
         at = float(x[int(np.argmin(width))])
-        return [Remark(BAD, f"The body has no width at {at:.2f}: raise the line in the top view.")]
+        return [
+            Finding(FAULT, f"The body has no width at {at:.2f}: raise the line in the top view.")
+        ]
     for name in ("dorsal", "ventral"):
         fin = getattr(surface, name)
         sign = 1.0 if name == "dorsal" else -1.0
@@ -92,13 +98,13 @@ def _shape(surface: SurfacePlan) -> list[Remark]:
             above = sign * (edge[:, 1] - along(ridge, edge[:, 0]))
             if (above < 0.005).all():
                 return [
-                    Remark(MIND, f"The {name} fin lies inside the body: drag its edge outward.")
+                    Finding(WARNING, f"The {name} fin lies inside the body: drag its edge outward.")
                 ]
-    return [Remark(GOOD, "The outline is whole: back above belly, and width all along.")]
+    return [Finding(GOOD, "The outline is whole: back above belly, and width all along.")]
 
 
-def _faces(body: Body) -> list[Remark]:
-    """Hull faces that look inward: a ring that is drawn through another."""
+def check_faces(body: Body) -> list[Finding]:
+    """Check for hull faces that look inward, as after a ring passed another."""
     a, b, c = (body.rest[TRIANGLES[:, k]] for k in range(3))
     middle = (a + b + c) / 3
     outward = middle * (0.0, 1.0, 1.0)
@@ -107,13 +113,16 @@ def _faces(body: Body) -> list[Remark]:
     if len(wrong):
         place = NODE_PLACES[int(TRIANGLES[wrong[0]].min())]
         return [
-            Remark(BAD, f"The scaffold is folded behind {place}: its faces look inward. "
-                   "Make the rings there more alike, or move them apart.")
-        ]  # fmt: skip
-    return [Remark(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
+            Finding(
+                FAULT,
+                f"The scaffold is folded behind {place}: its faces look inward. "
+                "Make the rings there more alike, or move them apart.",
+            )
+        ]
+    return [Finding(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
 
 
-def _rings(species: Species) -> list[Remark]:
+def _rings(species: Species) -> list[Finding]:
     body, surface = species.body, species.surface
     assert body
     at = np.array(body.stations[1:6]) / body.length
@@ -122,83 +131,99 @@ def _rings(species: Species) -> list[Remark]:
     if (over > 1.0).any():
         ring = int(over.argmax())
         return [
-            Remark(MIND, f"Ring {ring + 1} stands out of the body: "
-                   f"{body.half_heights[ring]:.2f} cm against {half[ring]:.2f} cm. "
-                   "Lower it in the side view.")
-        ]  # fmt: skip
-    return [Remark(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
+            Finding(
+                WARNING,
+                f"Ring {ring + 1} stands out of the body: "
+                f"{body.half_heights[ring]:.2f} cm against {half[ring]:.2f} cm. "
+                "Lower it in the side view.",
+            )
+        ]
+    return [Finding(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
 
 
-def _buoyancy(species: Species) -> list[Remark]:
+def _buoyancy(species: Species) -> list[Finding]:
     body = species.body
     assert body
     water = displaced_cm3(species)
     share = body.mass / water
     dense = body.mass / body.hull_volume
-    told = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
-    remarks = []
+    masses = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
+    findings = []
     if AFLOAT[0] <= share <= AFLOAT[1]:
-        remarks.append(Remark(GOOD, f"About neutrally buoyant: {told}."))
+        findings.append(Finding(GOOD, f"About neutrally buoyant: {masses}."))
     else:
         way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
-        remarks.append(
-            Remark(MIND, f"Too {way}. There are {told}; Neutral, in tab Body, sets its masses.")
+        findings.append(
+            Finding(
+                WARNING, f"Too {way}. There are {masses}; Neutral, in tab Body, sets its masses."
+            )
         )
     low, high = DENSITIES
     if dense < 1.5 * low or dense > high / 1.5:
-        remarks.append(
-            Remark(MIND, f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
-                   f"{low:g} to {high:g}.")
-        )  # fmt: skip
+        findings.append(
+            Finding(
+                WARNING,
+                f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
+                f"{low:g} to {high:g}.",
+            )
+        )
     heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
     behind = (heart - body.stations[2]) / body.length
     if behind < REAR:
-        remarks.append(
-            Remark(MIND, "Its weight lies too far forward: the fins push on ring 2, and the centre "
-                   f"of mass should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
-                   "Move mass to ring 3.")
-        )  # fmt: skip
-    return remarks
+        findings.append(
+            Finding(
+                WARNING,
+                "Its weight lies too far forward: the fins push on ring 2, and the centre "
+                f"of mass should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
+                "Move mass to ring 3.",
+            )
+        )
+    return findings
 
 
-def _material(species: Species, body: Body) -> list[Remark]:
+def _material(species: Species, body: Body) -> list[Finding]:
     limit, node = longest_step(body)
     spare = limit / STEP
-    if spare < SLENDER_STEP:
+    if spare < LEAST_STEP:
         return [
-            Remark(MIND, f"The step of the simulation is only {100 * (spare - 1):.0f}% below the "
-                   f"longest that the body bears. Make {NODE_PLACES[node]} heavier, or the units "
-                   "softer.")
-        ]  # fmt: skip
-    return [Remark(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")]
+            Finding(
+                WARNING,
+                f"The step of the simulation is only {100 * (spare - 1):.0f}% below the "
+                f"longest that the body bears. Make {NODE_PLACES[node]} heavier, or the units "
+                "softer.",
+            )
+        ]
+    return [
+        Finding(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")
+    ]
 
 
-class Swum(NamedTuple):
-    """What a test swim showed."""
+class SwimTrial(NamedTuple):
+    """Measures of a test swim."""
 
     sound: bool
-    strain: tuple[float, float]  # least and greatest length of any unit over its length at rest
-    worst: str  # which unit came nearest to a limit, in words
+    strain: tuple[float, float]  # least and greatest length of a unit over its rest length
+    worst: str  # the unit that came nearest to a limit
     speed_bl_s: float
     per_beat: float  # body lengths
-    drift_deg: float  # of the heading, over the beats that were measured
+    drift_deg: float  # change of heading over the measured beats
     aside: float  # off the straight line, body lengths
     sweep: float  # of the tail, body lengths
-    turned_deg: float  # in a sharp turn to the left; NaN where it lost its shape
+    turned_deg: float  # in a sharp turn to the left; NaN if it lost its shape
     step_cm: float  # greatest change of a muscle's length in one step
 
 
 def beat_of(swim: SwimPlan, amplitude: float = 1.0) -> Floats:
-    """Contractions (6 T, 12) of a beat from phase 0."""
+    """Return the contractions (6 T, 12) of a beat from phase 0."""
     steps = swim.ticks_per_beat * STEPS_PER_TICK
     return swim_contraction(swim, 2 * np.pi * np.arange(steps) / steps, amplitude)
 
 
-def tried(muscles: Muscles) -> Swum:
-    """Swim fast from rest, straight on; then turn sharply out of medium speed."""
+def try_swimming(muscles: Muscles) -> SwimTrial:
+    """Swim fast from rest; then turn sharply at medium speed."""
     plan, swim, _ = muscles
     body = build_body(plan)
-    with np.errstate(all="ignore"):  # a body that loses its shape may end in numbers that are none
+    with np.errstate(all="ignore"):  # a body that loses its shape may end in NaN
         frames, state = _from_rest(body, beat_of(swim), BEATS)
         measured = frames[-MEASURED * swim.ticks_per_beat - 1 :]
         sound = is_sound(state)
@@ -207,68 +232,92 @@ def tried(muscles: Muscles) -> Swum:
         drift, aside = _straight(measured, swim.ticks_per_beat)
         beat_s = swim.ticks_per_beat * TICK_S
         step = float(np.abs(np.diff(muscle_lengths(body, beat_of(swim)), axis=0)).max())
-        return Swum(
-            sound, strain, worst, per_beat / plan.length / beat_s, per_beat / plan.length,
-            drift, aside / plan.length, _sweep(measured[-swim.ticks_per_beat - 1 :]) / plan.length,
-            _turned(body, muscles), step,
-        )  # fmt: skip
+        return SwimTrial(
+            sound,
+            strain,
+            worst,
+            per_beat / plan.length / beat_s,
+            per_beat / plan.length,
+            drift,
+            aside / plan.length,
+            _sweep(measured[-swim.ticks_per_beat - 1 :]) / plan.length,
+            _turned(body, muscles),
+            step,
+        )
 
 
-def told(swum: Swum, muscles: Muscles) -> list[Remark]:
-    """The same in sentences."""
+def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[Finding]:
+    """Judge a test swim."""
     low, high = STRAIN_LIMITS
-    stretch = f"units keep within {swum.strain[0]:.2f} to {swum.strain[1]:.2f} of their length"
-    if not swum.sound:
+    stretch = f"units keep within {swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length"
+    if not swim.sound:
         return [
-            Remark(BAD, f"It loses its shape: {swum.worst} leaves {low:g} to {high:g} of its "
-                   "length at rest. Contract the muscles less, or make the ring there wider.")
-        ]  # fmt: skip
-    remarks = [Remark(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
-    speed = f"{swum.speed_bl_s:.2f} body lengths a second, {swum.per_beat:.2f} a beat"
-    if swum.per_beat < PER_BEAT:
-        remarks.append(
-            Remark(MIND, f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds "
-                   "better controllers.")
-        )  # fmt: skip
+            Finding(
+                FAULT,
+                f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its "
+                "length at rest. Contract the muscles less, or make the ring there wider.",
+            )
+        ]
+    findings = [Finding(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
+    speed = f"{swim.speed_bl_s:.2f} body lengths a second, {swim.per_beat:.2f} a beat"
+    if swim.per_beat < PER_BEAT:
+        findings.append(
+            Finding(
+                WARNING,
+                f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds "
+                "better controllers.",
+            )
+        )
     else:
-        remarks.append(Remark(GOOD, f"It swims {speed}."))
-    if swum.drift_deg > DRIFT_DEG or swum.aside > ASIDE:
-        remarks.append(
-            Remark(MIND, f"It drifts by {swum.drift_deg:.1f}° in {MEASURED} beats: it has not "
-                   "settled. Raise the viscosity a little.")
-        )  # fmt: skip
+        findings.append(Finding(GOOD, f"It swims {speed}."))
+    if swim.drift_deg > DRIFT_DEG or swim.aside > ASIDE:
+        findings.append(
+            Finding(
+                WARNING,
+                f"It drifts by {swim.drift_deg:.1f}° in {MEASURED} beats: it has not "
+                "settled. Raise the viscosity a little.",
+            )
+        )
     else:
-        remarks.append(Remark(GOOD, f"It swims straight: {swum.drift_deg:.2f}° of drift."))
-    if not SWEEP[0] <= swum.sweep <= SWEEP[1]:
-        much = "little" if swum.sweep < SWEEP[0] else "far"
-        remarks.append(
-            Remark(MIND, f"Its tail sweeps {much}: {swum.sweep:.2f} body lengths; fishes' sweep "
-                   "about 0.2.")
-        )  # fmt: skip
+        findings.append(Finding(GOOD, f"It swims straight: {swim.drift_deg:.2f}° of drift."))
+    if not SWEEP[0] <= swim.sweep <= SWEEP[1]:
+        much = "little" if swim.sweep < SWEEP[0] else "far"
+        findings.append(
+            Finding(
+                WARNING,
+                f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2.",
+            )
+        )
     asked = muscles.turn.sharp
-    if not np.isfinite(swum.turned_deg):
-        remarks.append(
-            Remark(BAD, "It loses its shape in a sharp turn. Contract the turning muscles less.")
+    if not np.isfinite(swim.turned_deg):
+        findings.append(
+            Finding(FAULT, "It loses its shape in a sharp turn. Contract the turning muscles less.")
         )
-    elif abs(swum.turned_deg - asked) > TURN_OFF_DEG:
-        remarks.append(
-            Remark(MIND, f"A sharp turn of {asked:.0f}° turns it by {swum.turned_deg:.0f}°. Learn "
-                   "fits the steering map to this body.")
-        )  # fmt: skip
+    elif abs(swim.turned_deg - asked) > TURN_OFF_DEG:
+        findings.append(
+            Finding(
+                WARNING,
+                f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°. Learn "
+                "fits the steering map to this body.",
+            )
+        )
     else:
-        remarks.append(
-            Remark(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swum.turned_deg:.0f}°.")
+        findings.append(
+            Finding(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°.")
         )
-    if swum.step_cm > S_MAX * 1.01:
-        remarks.append(
-            Remark(MIND, f"Its muscles contract by {swum.step_cm:.3f} cm a step, faster than the "
-                   f"{S_MAX:g} cm that muscles can. Contract less, or take more ticks a beat.")
-        )  # fmt: skip
-    return remarks
+    if swim.step_cm > S_MAX * 1.01:
+        findings.append(
+            Finding(
+                WARNING,
+                f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the "
+                f"{S_MAX:g} cm that muscles can. Contract less, or take more ticks a beat.",
+            )
+        )
+    return findings
 
 
 def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]:
-    """Nodes (T, 23, 3) tick by tick; the first beat raises all from nothing."""
+    """Return nodes (T, 23, 3) by tick; the amplitude rises during the first beat."""
     state = at_rest(body)
     first = simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     rest = simulate(body, state, np.tile(beat, (beats - 1, 1)))
@@ -276,7 +325,7 @@ def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]
 
 
 def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, float], str]:
-    """The extremes, and the unit that came nearest to a limit."""
+    """Return the extremes, and the unit that came nearest to a limit."""
     i, j = UNITS.T
     ratio = np.linalg.norm(frames[:, j] - frames[:, i], axis=2) / body.length
     least, most = ratio.min(axis=0), ratio.max(axis=0)
@@ -291,7 +340,7 @@ def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, 
 
 
 def _straight(frames: Floats, ticks: int) -> tuple[float, float]:
-    """Degrees between the ways of the first and the last beat, and cm off the line."""
+    """Return the angle between first and last beat, degrees, and the distance off the line, cm."""
     centres = frames[::ticks].mean(axis=1)
     ways = np.diff(centres, axis=0)
     cos = ways[0] @ ways[-1] / max(float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[-1])), 1e-12)
@@ -303,7 +352,7 @@ def _straight(frames: Floats, ticks: int) -> tuple[float, float]:
 
 
 def _sweep(frames: Floats) -> float:
-    """Peak to peak of the tail across the way of a beat, cm."""
+    """Return the peak-to-peak sweep of the tail in a beat, cm."""
     way = frames[-1].mean(axis=0) - frames[0].mean(axis=0)
     way = way / max(float(np.linalg.norm(way)), 1e-12)
     aside = np.cross((0.0, 1.0, 0.0), way)
@@ -312,7 +361,7 @@ def _sweep(frames: Floats) -> float:
 
 
 def _turned(body: Body, muscles: Muscles) -> float:
-    """Degrees by which a sharp turn to the left changes the mean heading of a beat."""
+    """Return the change of the mean heading by a sharp turn to the left, degrees."""
     _, swim, turn = muscles
     beat = beat_of(swim, swim.medium)
     frames, state = _from_rest(body, beat, BEATS)

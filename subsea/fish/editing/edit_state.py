@@ -1,68 +1,68 @@
-"""What is being edited: the drafts so far, the one that a hand still drags, what is chosen."""
+"""The state of the fish builder: undo history, the edit in progress, the selection."""
 
 from collections.abc import Callable
 
 from subsea.core.undo import History
-from subsea.fish.editing.draft import Draft, EditError, Path_
+from subsea.fish.editing.draft import EditError, KeyPath, SpeciesDraft
 
 
-class Editing:
-    """The state of the builder's work, without a window."""
+class EditState:
+    """Drafts with undo, and a drag in progress."""
 
-    def __init__(self, draft: Draft, new: bool = False) -> None:
-        """Begin with a draft; one that is `new` is not saved yet."""
+    def __init__(self, draft: SpeciesDraft, new: bool = False) -> None:
+        """Begin with a draft; a `new` one counts as unsaved."""
         self.history = History(draft)
         self.history.saved(not new)
-        self.chosen: Path_ | None = None  # a point of a view
-        self.over: Path_ | None = None  # the one that the pointer is on
-        self.refused = ""  # why the last edit was not made
-        self._held: Draft | None = None
+        self.selected: KeyPath | None = None  # a point of a view
+        self.hovered: KeyPath | None = None  # the point under the pointer
+        self.refused = ""  # why the last edit was refused
+        self._dragged: SpeciesDraft | None = None
 
     @property
-    def present(self) -> Draft:
+    def present(self) -> SpeciesDraft:
         """The draft that is shown."""
-        return self._held or self.history.present
+        return self._dragged or self.history.present
 
     @property
-    def held(self) -> bool:
-        """Whether a hand is in the midst of something."""
-        return self._held is not None
+    def dragging(self) -> bool:
+        """Whether a drag is in progress."""
+        return self._dragged is not None
 
-    def hold(self, edit: Callable[[Draft], Draft]) -> None:
-        """A hand drags: the present draft is shown edited, and can still become another one."""
-        self._held = self._tried(edit) or self._held
+    def drag(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> None:
+        """Show an edit of the present draft that `commit` will put into the history."""
+        self._dragged = self._tried(edit) or self._dragged
 
-    def settle(self) -> None:
-        """The hand has let go: what it made holds, and can be undone at once."""
-        if self._held is not None:
-            self.history.do(self._held)
-        self._held = None
+    def commit(self) -> None:
+        """End the drag: its result can be undone."""
+        if self._dragged is not None:
+            self.history.do(self._dragged)
+        self._dragged = None
 
-    def do(self, edit: Callable[[Draft], Draft]) -> bool:
-        """Make an edit; whether it was made."""
+    def do(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> bool:
+        """Make an edit; return False if it is refused."""
         draft = self._tried(edit)
         if draft is not None:
-            self._held = None
+            self._dragged = None
             self.history.do(draft)
         return draft is not None
 
     def undo(self) -> None:
-        """Go back by one edit, that in the hand first; a point may be there no more."""
-        self.settle()
-        self.chosen = None
+        """Go back by one edit, a drag in progress first."""
+        self.commit()
+        self.selected = None  # the point may not exist then
         self.history.undo()
 
     def redo(self) -> None:
-        """Go forth by one edit."""
-        self.settle()
-        self.chosen = None
+        """Go forward by one edit."""
+        self.commit()
+        self.selected = None
         self.history.redo()
 
-    def _tried(self, edit: Callable[[Draft], Draft]) -> Draft | None:
+    def _tried(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> SpeciesDraft | None:
         try:
             draft = edit(self.present)
-        except EditError as why:
-            self.refused = str(why)
+        except EditError as fault:
+            self.refused = str(fault)
             return None
         self.refused = ""
         return draft

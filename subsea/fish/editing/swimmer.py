@@ -1,7 +1,7 @@
-"""The fish that swims in the builder: by simulation with its own controllers, or by its spine.
+"""A swimming fish for previews: simulated with its own controllers, or moved by its spine.
 
-It keeps swimming while it is changed; where it loses its shape it begins anew. What is shown stays
-in place: its axes neither sway nor yaw with the beat, but go along.
+It keeps swimming while it is edited, and restarts if it loses its shape. It is shown in axes that
+move along with it, averaged over a beat, so it neither sways nor yaws in place.
 """
 
 from collections import deque
@@ -18,31 +18,31 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
 from subsea.core.arrays import Array
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species
-from subsea.fish.spine import MIDDLES, Gait, SpinePlan, carried, flapped, spines
+from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, carried, flapped, spines
 from subsea.fish.surface import SurfacePlan, along, fitted, rest_control_points, rest_surface
 
-Way = Literal["rest", "slow", "medium", "fast", "left", "right"]
-WAYS: tuple[Way, ...] = get_args(Way)
-EASE = 0.06  # of the way to another amplitude or bend, each tick
-MOST_TICKS = 4  # made up for after a slow picture
-QUIET_CM = 1e-3  # so little contraction is none
+Mode = Literal["rest", "slow", "medium", "fast", "left", "right"]
+MODES: tuple[Mode, ...] = get_args(Mode)
+EASE = 0.06  # share of the way to the target amplitude and bend, per tick
+MOST_TICKS = 4  # caught up after a slow frame
+STILL = 1e-3  # contraction below this is rest
 
 
 class Swimmer:
-    """A fish in motion, as control points from tick to tick."""
+    """A fish in motion, as control points."""
 
     def __init__(self, species: Species) -> None:
-        """At rest, and about to swim at grade medium."""
-        self.way: Way = "medium"
-        self._left_s = 0.0  # time that is not made yet
+        """Begin at rest, and swim at grade medium."""
+        self.mode: Mode = "medium"
+        self._left_s = 0.0  # time not simulated yet
         self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
         self._state: BodyState | None = None
-        self._beat: deque[tuple[Array, Array]] = deque(maxlen=1)  # origins, ways ahead
-        self.contraction = np.zeros(MUSCLES)  # at present, shares of the rest length
+        self._beat: deque[tuple[Array, Array]] = deque(maxlen=1)  # origins, headings
+        self.contraction = np.zeros(MUSCLES)  # shares of the rest length
         self.reshape(species)
 
     def reshape(self, species: Species) -> None:
-        """Go on as this species; one with another scaffold begins at rest where it must."""
+        """Continue as another species, from rest if its scaffold has another length."""
         self._muscles, self._spine, self._surface = species.muscles, species.spine, species.surface
         if self._muscles:
             body = build_body(self._muscles.body)
@@ -56,15 +56,8 @@ class Swimmer:
                 self._beat = deque(self._beat, maxlen=ticks + 1)
         self._now = self._then = self._points()
 
-    def rest(self) -> None:
-        """Begin anew, lying still."""
-        self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
-        if self._muscles:
-            self._begin(self._body)
-        self._now = self._then = self._points()
-
-    def swum(self, elapsed_s: float) -> Array:
-        """Control points (426, 3) after so much more time, cm, ahead, up and right of the fish."""
+    def advance(self, elapsed_s: float) -> Array:
+        """Return control points (426, 3) later, cm, in axes ahead, up and right of the fish."""
         self._left_s = min(self._left_s + elapsed_s, MOST_TICKS * TICK_S)
         while self._left_s >= TICK_S:
             self._left_s -= TICK_S
@@ -75,14 +68,14 @@ class Swimmer:
         return np.asarray((1.0 - share) * self._then + share * self._now)
 
     @property
-    def turns(self) -> bool:
-        """Whether it can be seen to turn: what its spine moves swims straight on here."""
+    def can_turn(self) -> bool:
+        """Whether it can turn here: a fish that is moved by its spine swims straight on."""
         return self._muscles is not None
 
     @property
-    def moves(self) -> bool:
-        """Whether it will look different by itself."""
-        return self.way != "rest" or self._amplitude > QUIET_CM or abs(self._bend) > QUIET_CM
+    def moving(self) -> bool:
+        """Whether the next frame differs."""
+        return self.mode != "rest" or self._amplitude > STILL or abs(self._bend) > STILL
 
     def _begin(self, body: Body) -> None:
         self._state = at_rest(body)
@@ -99,8 +92,8 @@ class Swimmer:
             self._phase += 1.0 / self._gait(self._spine).ticks_per_beat
 
     def _goal(self) -> tuple[float, float]:
-        """The amplitude and the bend that it eases to."""
-        if self.way == "rest":
+        """Return target amplitude and bend."""
+        if self.mode == "rest":
             return 0.0, 0.0
         if self._spine:
             return self._gait(self._spine).amplitude, 0.0
@@ -108,13 +101,13 @@ class Swimmer:
         swim = self._muscles.swim
         grades = {"slow": swim.slow, "fast": 1.0}
         sides = {"left": LEFT, "right": RIGHT}
-        return grades.get(self.way, swim.medium), sides.get(self.way, 0.0)
+        return grades.get(self.mode, swim.medium), sides.get(self.mode, 0.0)
 
-    def _gait(self, spine: SpinePlan) -> Gait:
-        return {"slow": spine.slow, "fast": spine.fast}.get(self.way, spine.medium)
+    def _gait(self, spine: SpinePlan) -> SpineGait:
+        return {"slow": spine.slow, "fast": spine.fast}.get(self.mode, spine.medium)
 
     def _swim(self, muscles: Muscles) -> None:
-        """One tick of the simulation; a body that loses its shape begins anew."""
+        """Simulate a tick; restart if the body loses its shape."""
         assert self._state is not None
         per_beat = muscles.swim.ticks_per_beat * STEPS_PER_TICK
         phase = self._phase + 2 * np.pi * np.arange(STEPS_PER_TICK) / per_beat
@@ -141,10 +134,10 @@ class Swimmer:
         return by_spine(self._spine, self._surface, self._phase, self._amplitude)
 
     def _frame(self) -> tuple[Array, Array]:
-        """Origin and axes (columns ahead, up, right) that go along evenly, from the last beat's."""
+        """Return origin and axes (columns ahead, up, right), averaged over the last beat."""
         origins = np.array([one for one, _ in self._beat])
         middle = origins.mean(axis=0)
-        if len(origins) > 1:  # half a beat ahead of the mean is where it is now
+        if len(origins) > 1:  # from the middle of the beat to now
             middle = middle + 0.5 * (origins[-1] - origins[0])
         ahead = np.mean([one for _, one in self._beat], axis=0)
         ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
@@ -153,7 +146,7 @@ class Swimmer:
 
 
 def by_spine(plan: SpinePlan, surface: SurfacePlan, beat: float, amplitude: float) -> Array:
-    """Control points (426, 3), cm, of a fish that its spine moves, swimming straight on (KS II)."""
+    """Return control points (426, 3), cm, of a spine-driven fish that swims straight (KS II)."""
     rest = rest_surface(surface)
     at = np.array([beat])
     tall = along(surface.back, MIDDLES) - along(surface.belly, MIDDLES)
@@ -163,5 +156,5 @@ def by_spine(plan: SpinePlan, surface: SurfacePlan, beat: float, amplitude: floa
     if plan.wings and surface.wing:
         body = flapped(plan.wings, rest, surface.wing.span, at, amplitude)
     points = fitted(carried(spine, body))[0] * plan.length
-    points[:, 0] += (0.5 - plan.centre) * plan.length  # the middle of the fish is the origin's
+    points[:, 0] += (0.5 - plan.centre) * plan.length  # origin in the middle of the fish
     return np.asarray(points)

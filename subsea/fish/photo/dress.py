@@ -11,11 +11,11 @@ from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
 from subsea.core.resources import ROOT, is_path
 from subsea.fish.color_sheet import picture_of, wear, write
-from subsea.fish.photo.deformable_mesh import BODY, Net, meshes, root
-from subsea.fish.photo.fitting import Found, found, outline_error, under
-from subsea.fish.photo.lift import covered, lifted
-from subsea.fish.photo.photograph import Photograph, read
-from subsea.fish.photo.side_view import across, laid
+from subsea.fish.photo.deformable_mesh import BODY, FishMeshes, attach_fins
+from subsea.fish.photo.fitting import FishFit, find_fish, outline_error, segment_under
+from subsea.fish.photo.lift import lift_sheet, mesh_mask
+from subsea.fish.photo.photograph import Photograph, read_photograph
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import Species, is_shipped, load_species, species_file
 
 GOOD = 0.015  # body lengths
@@ -38,18 +38,18 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
         )
     check_sheet(photo, name, out)
     check_mesh(mesh, flip)
-    photograph = read(photo)
+    photograph = read_photograph(photo)
     with deferred_interrupts() as check:
         if mesh is not None and mesh.exists():
-            net = load_mesh(mesh, photograph, species)
-            one = Found(net, under(photograph, net), 1.0)
+            meshes = load_mesh(mesh, photograph, species)
+            one = FishFit(meshes, segment_under(photograph, meshes), 1.0)
         else:
-            one = found(photograph, species.surface, flip)
+            one = find_fish(photograph, species.surface, flip)
         check()
-        sheet = lifted(photograph.colour, one.net, species, one.mask)
+        sheet = lift_sheet(photograph.colour, one.meshes, species, one.mask)
         check()
         if mesh is not None and not mesh.exists():
-            save_mesh(mesh, photograph, one.net)
+            save_mesh(mesh, photograph, one.meshes)
             print(f"{mesh}: the meshes, to be mended by hand or used again")
         if out is None:
             print(f"{wear(path, sheet)}: the sheet")
@@ -59,11 +59,11 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
             print(
                 f"{out}: the sheet; a species wears it by skin.sheet, with the PNG beside its file"
             )
-    error = outline_error(one.net, one.mask)
+    error = outline_error(one.meshes, one.mask)
     print(f"outline: {100 * error:.1f}% of the length, on average, from what was told apart")
     if not error <= GOOD:
         print("  that is much: look at the sheet, and mend the meshes in `subsea skin PHOTO`")
-    left = one.net.body.nodes[4, 0, 0] < one.net.body.nodes[4, -1, 0]
+    left = one.meshes.body.nodes[4, 0, 0] < one.meshes.body.nodes[4, -1, 0]
     mend = f"give --flip without {mesh}" if mesh is not None else "give --flip"
     print(f"heading: {'left' if left else 'right'}; if it is the other way, {mend}")
     if out is None and not is_path(name, ".toml"):
@@ -101,7 +101,7 @@ def may_wear(name: str) -> bool:
     return is_path(name, ".toml") or not is_shipped(name) or (ROOT / "pyproject.toml").exists()
 
 
-def save_mesh(path: Path, photograph: Photograph, net: Net) -> None:
+def save_mesh(path: Path, photograph: Photograph, meshes: FishMeshes) -> None:
     """Write meshes as shares of a photograph's size, so that a larger copy of it fits too."""
     size = np.array(photograph.colour.shape[1::-1], float)
     content: dict[str, Any] = {
@@ -112,7 +112,7 @@ def save_mesh(path: Path, photograph: Photograph, net: Net) -> None:
                 for k, j in np.argwhere(np.isfinite(one.anchors[..., 0])).tolist()
             ],
         }
-        for name, one in meshes(net).items()
+        for name, one in meshes.parts.items()
     }
     with replacing(path) as temporary:
         temporary.write_text(
@@ -121,16 +121,16 @@ def save_mesh(path: Path, photograph: Photograph, net: Net) -> None:
         )
 
 
-def load_mesh(path: Path, photograph: Photograph, species: Species) -> Net:
+def load_mesh(path: Path, photograph: Photograph, species: Species) -> FishMeshes:
     """Meshes as `save_mesh` writes them; what is no such file is a UserError."""
     height, width = photograph.colour.shape[:2]
-    net = laid(species.surface, across(width, height, species.surface))
+    meshes = make_fish_meshes(species.surface, centred_matrix(width, height, species.surface))
     size = np.array([width, height], float)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))["meshes"]
-        if set(content) != set(meshes(net)):
-            raise ValueError(f"expected meshes {', '.join(meshes(net))}")
-        for name, one in meshes(net).items():
+        if set(content) != set(meshes.parts):
+            raise ValueError(f"expected meshes {', '.join(meshes.parts)}")
+        for name, one in meshes.parts.items():
             nodes = np.array(content[name]["nodes"], float)
             if nodes.shape != one.nodes.shape or not (np.abs(nodes) < FAR).all():
                 m, n, _ = one.nodes.shape
@@ -141,13 +141,13 @@ def load_mesh(path: Path, photograph: Photograph, species: Species) -> Net:
                 if anchor.shape != (2,) or not (np.abs(anchor) < FAR).all():
                     raise ValueError("expected anchors about the photograph")
                 one.anchors[k, j] = anchor * size
-        if np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, -1])) < LEAST:
+        if np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, -1])) < LEAST:
             raise ValueError(f"expected a {BODY} that is at least {LEAST:.0f} pixels long")
-        if not covered(Net(net.body, {}), (height, width)).any():
+        if not mesh_mask(FishMeshes(meshes.body, {}), (height, width)).any():
             raise ValueError(f"expected a {BODY} over the photograph")
     except OSError as fault:
         raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
     except (ValueError, KeyError, TypeError, IndexError, OverflowError, RecursionError) as fault:
         raise UserError(f"no meshes of this species ({fault})", file=path) from fault
-    root(net)
-    return net
+    attach_fins(meshes)
+    return meshes

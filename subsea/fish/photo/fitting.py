@@ -17,11 +17,31 @@ import numpy as np
 
 from subsea.core.arrays import Array, Bools, Bytes
 from subsea.core.errors import UserError
-from subsea.fish.photo.deformable_mesh import LAW, Field, Net, field, relax, settle, transform
+from subsea.fish.photo.deformable_mesh import (
+    DEFAULT,
+    EdgeField,
+    FishMeshes,
+    edge_field,
+    relax,
+    set_rest_shape,
+    transform,
+)
 from subsea.fish.photo.eye_detection import eye_near
-from subsea.fish.photo.lift import covered
-from subsea.fish.photo.photograph import Photograph, cleaned, guesses, small, told_apart
-from subsea.fish.photo.side_view import across, at_rest, finer, laid, placed
+from subsea.fish.photo.lift import mesh_mask
+from subsea.fish.photo.photograph import (
+    Photograph,
+    downscale,
+    grab_cut,
+    initial_masks,
+    largest_region,
+)
+from subsea.fish.photo.side_view import (
+    centred_matrix,
+    make_fish_meshes,
+    side_view,
+    subdivide,
+    to_picture,
+)
 from subsea.fish.surface import SurfacePlan
 
 ALIKE = 128  # pixels of the longer side, where shapes are compared
@@ -48,53 +68,53 @@ NEAR = 0.008  # the photograph's own edges are felt so near to what was told apa
 CLOSE = 0.005  # and smoothed so much
 
 
-class Found(NamedTuple):
+class FishFit(NamedTuple):
     """A fish in a photograph."""
 
-    net: Net  # over the photograph
+    meshes: FishMeshes  # over the photograph
     mask: Bools  # (h, w) of the photograph: what was told apart
     likeness: float  # of the species' shape to that, 0 to 1
 
 
-def found(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> Found:
+def find_fish(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> FishFit:
     """The fish in a photograph, with meshes on its outline; if there is none, a UserError.
 
     Which way it heads follows from its shape and its eye; `flip` takes the other one.
     """
-    colour, share = small(photograph)
+    colour, share = downscale(photograph)
     if photograph.opacity is None:
         mask, matrix, likeness = _told(colour, plan)
     else:
         size = colour.shape[1::-1]
         opacity = cv2.resize(photograph.opacity, size, interpolation=cv2.INTER_AREA)
-        mask = cleaned(opacity > 127)
-        matrix, likeness = aligned(plan, mask)
+        mask = largest_region(opacity > 127)
+        matrix, likeness = align_shape(plan, mask)
     if likeness < POOR:
         raise UserError(
             "no fish of this shape found; lay the mesh by hand, without --auto,"
             " or cut the fish out: clear pixels around it are taken for the background",
             file=photograph.path,
         )
-    ways = [(matrix, likeness), aligned(plan, mask, not _heads_right(matrix))]
+    ways = [(matrix, likeness), align_shape(plan, mask, not _heads_right(matrix))]
     plain = [like + EYE * _eye(photograph, plan, one, share)[1] for one, like in ways]
     matrix, likeness = ways[int(plain[1] > plain[0]) ^ int(flip)]
     if photograph.opacity is None:
         mask, matrix, likeness = _closer(colour, plan, mask, matrix, likeness)
-    net = laid(plan, matrix)
-    hold(net, colour, mask)
+    meshes = make_fish_meshes(plan, matrix)
+    snap_to_outline(meshes, colour, mask)
     # Middles of pixels are at whole numbers, in the small picture and the large one.
     middle = np.full(2, 0.5 / share - 0.5)
-    transform(net, np.eye(2) / share, np.zeros(2), middle)
-    take_eye(net, photograph, plan)
-    return Found(net, _enlarged(mask, photograph), likeness)
+    transform(meshes, np.eye(2) / share, np.zeros(2), middle)
+    align_eye(meshes, photograph, plan)
+    return FishFit(meshes, _enlarged(mask, photograph), likeness)
 
 
-def take_eye(net: Net, photograph: Photograph, plan: SurfacePlan) -> None:
+def align_eye(meshes: FishMeshes, photograph: Photograph, plan: SurfacePlan) -> None:
     """Let the inside of the meshes follow the eye in a photograph, if a plain one is near.
 
     So it comes to lie where the species has its eye, which bulges; the border stays.
     """
-    body, rest = net.body, at_rest(plan).body
+    body, rest = meshes.body, side_view(plan).body
     column = float(np.interp(plan.eye.at, rest[4, :15, 0], np.arange(15)))
     j, t = int(column), column % 1.0
     heights = (1.0 - t) * rest[:, j, 1] + t * rest[:, j + 1, 1]
@@ -106,22 +126,22 @@ def take_eye(net: Net, photograph: Photograph, plan: SurfacePlan) -> None:
     there, plain = eye_near(photograph.colour, here, radius)
     if plain < PLAIN or np.hypot(*(there - here)) > OFF * radius:
         return
-    held = np.zeros(body.feels.shape, bool)
+    held = np.zeros(body.edge_weight.shape, bool)
     held[[0, -1]] = held[:, [0, -1]] = True
     body.anchors[held] = body.nodes[held]
     inside = [(a, b) for a in (k, k + 1) for b in (j, j + 1) if not held[a, b]]
     for at in inside:
         body.anchors[at] = body.nodes[at] + there - here
-    relax(net, None, LAW._replace(anchor=HOLDING), still=0.01, most=600)
+    relax(meshes, None, DEFAULT._replace(anchor=HOLDING), still=0.01, most=600)
     body.anchors[:] = np.nan
-    settle(net)
+    set_rest_shape(meshes)
 
 
 def _eye(
     photograph: Photograph, plan: SurfacePlan, matrix: Array, share: float
 ) -> tuple[Array, float]:
     """The eye, and how plain it is, if the species lies so in the small picture."""
-    place = placed(matrix, np.array([plan.eye.at, plan.eye.height]))
+    place = to_picture(matrix, np.array([plan.eye.at, plan.eye.height]))
     radius = plan.eye.radius * float(np.hypot(*matrix[:, 0]))
     return eye_near(photograph.colour, (place + 0.5) / share - 0.5, radius / share)
 
@@ -130,17 +150,17 @@ def _heads_right(matrix: Array) -> bool:
     return bool(np.linalg.det(matrix[:, :2]) > 0.0)
 
 
-def under(photograph: Photograph, net: Net) -> Bools:
+def segment_under(photograph: Photograph, meshes: FishMeshes) -> Bools:
     """The fish (h, w) that is told apart where meshes lie over a photograph, by hand or by `found`.
 
     It ends near them: the meshes are believed.
     """
-    colour, share = small(photograph)
-    inside = covered(net, photograph.colour.shape)
+    colour, share = downscale(photograph)
+    inside = mesh_mask(meshes, photograph.colour.shape)
     size = colour.shape[1::-1]
     there = cv2.resize(inside.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
-    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, -1]))) * share
-    mask = told_apart(colour, _about(there, length, *HELD)) if there.any() else there
+    length = float(np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, -1]))) * share
+    mask = grab_cut(colour, _about(there, length, *HELD)) if there.any() else there
     return _enlarged(mask, photograph) if mask.any() else inside
 
 
@@ -157,14 +177,14 @@ def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
     """What is told apart in a small picture, the species' place in it, and their likeness."""
     best: tuple[Bools, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
     blank = colour.std(axis=(0, 1)).max() < BLANK
-    for guess in () if blank else (*guesses(colour), *_likely(colour, plan)):
+    for guess in () if blank else (*initial_masks(colour), *_likely(colour, plan)):
         if best[2] > SURE:
             break
         for _ in range(1 + ROUNDS):
-            mask = told_apart(colour, guess)
+            mask = grab_cut(colour, guess)
             if not SMALLEST < mask.mean() < LARGEST:
                 break
-            matrix, likeness = aligned(plan, mask)
+            matrix, likeness = align_shape(plan, mask)
             likeness -= _cut_off(mask)
             if likeness > best[2]:
                 best = mask, matrix, likeness
@@ -178,11 +198,11 @@ def _closer(
     """The same once more, where it is known about where the fish is and which way it heads."""
     right = _heads_right(matrix)
     for _ in range(ROUNDS):
-        closer = told_apart(colour, _shaped(plan, matrix, mask.shape, CLOSER))
+        closer = grab_cut(colour, _shaped(plan, matrix, mask.shape, CLOSER))
         if not closer.any():
             break
         mask = closer
-        matrix, likeness = aligned(plan, mask, right)
+        matrix, likeness = align_shape(plan, mask, right)
     return mask, matrix, likeness
 
 
@@ -199,7 +219,7 @@ def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
     middle = np.array([width / 2, height / 2])
     for size in LIKELY:
         for mirror in (1.0, -1.0):
-            matrix = across(width, height, plan)
+            matrix = centred_matrix(width, height, plan)
             matrix[:, 2] -= middle
             matrix = np.diag([mirror * size, size]) @ matrix
             matrix[:, 2] += middle
@@ -230,20 +250,22 @@ def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
 def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bools:
     """Which pixels (h, w) the species covers in its own shape."""
     out = np.zeros(shape[:2], np.uint8)
-    rest = at_rest(plan)
-    body = finer(rest.body)
+    rest = side_view(plan)
+    body = subdivide(rest.body)
     rings = [np.concatenate([body[0], body[1:, -1], body[-1, -2::-1], body[-2:0:-1, 0]])]
     rings += [
-        np.concatenate([one.root, finer(np.stack([one.root, one.edge]))[1, ::-1]])
+        np.concatenate([one.root, subdivide(np.stack([one.root, one.edge]))[1, ::-1]])
         for one in rest.fins.values()
     ]
     for ring in rings:
-        pixels = np.round(placed(matrix, ring) * 16.0).astype(np.int32)
+        pixels = np.round(to_picture(matrix, ring) * 16.0).astype(np.int32)
         cv2.fillPoly(out, [pixels], 1, shift=4)
     return out.astype(bool)
 
 
-def aligned(plan: SurfacePlan, mask: Bools, heads_right: bool | None = None) -> tuple[Array, float]:
+def align_shape(
+    plan: SurfacePlan, mask: Bools, heads_right: bool | None = None
+) -> tuple[Array, float]:
     """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
 
     Tried from many tilts, heading either way or as is said.
@@ -342,34 +364,40 @@ def _climbed(
     return best, values
 
 
-def hold(net: Net, colour: Bytes, mask: Bools) -> None:
+def snap_to_outline(meshes: FishMeshes, colour: Bytes, mask: Bools) -> None:
     """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
 
     ``mask`` (h, w) is what was told apart from the background.
     """
-    body = net.body.nodes
+    body = meshes.body.nodes
     length = float(np.hypot(*(body[4, 0] - body[4, -1])))
     for width in AFAR:
-        relax(net, field(mask, max(width * length, 1.0)), still=0.02, most=600)
-        settle(net)
+        relax(meshes, edge_field(mask, max(width * length, 1.0)), still=0.02, most=600)
+        set_rest_shape(meshes)
     outline = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     off = cv2.distanceTransform(1 - outline, cv2.DIST_L2, 5)
     near = np.exp(-0.5 * (off / max(NEAR * length, 1.5)) ** 2).astype(np.float32)
-    seen = field(colour, max(CLOSE * length, 1.0))
+    seen = edge_field(colour, max(CLOSE * length, 1.0))
     height = seen.height * near
     down, right = np.gradient(height)
-    relax(net, Field(height, np.dstack([right, down]).astype(np.float32)), LAW, 0.02, 600)
+    relax(
+        meshes,
+        EdgeField(height, np.dstack([right, down]).astype(np.float32)),
+        DEFAULT,
+        0.02,
+        600,
+    )
 
 
-def outline_error(net: Net, mask: Bools) -> float:
+def outline_error(meshes: FishMeshes, mask: Bools) -> float:
     """Mean distance of the outlines of meshes and of a mask (h, w), both ways, body lengths."""
-    first, second = _border(covered(net, mask.shape)), _border(mask)
+    first, second = _border(mesh_mask(meshes, mask.shape)), _border(mask)
     if not first.any() or not second.any():
         return np.inf
     far = [
         cv2.distanceTransform((~one).astype(np.uint8), cv2.DIST_L2, 5) for one in (first, second)
     ]
-    body = net.body.nodes
+    body = meshes.body.nodes
     length = float(np.hypot(*(body[4, 0] - body[4, -1])))
     return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / length)
 

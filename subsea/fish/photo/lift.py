@@ -18,8 +18,8 @@ from msgspec import structs
 from subsea.core.arrays import Array, Bools, Bytes
 from subsea.core.kernels import kernel
 from subsea.fish import paint
-from subsea.fish.photo.deformable_mesh import DORSAL, VENTRAL, Mesh, Net
-from subsea.fish.photo.side_view import Rest, RestFin, at_rest, finer, outlines
+from subsea.fish.photo.deformable_mesh import DORSAL, VENTRAL, DeformableMesh, FishMeshes
+from subsea.fish.photo.side_view import SideView, SideViewFin, mesh_outlines, side_view, subdivide
 from subsea.fish.species import Colour, SkinPlan, Species
 from subsea.fish.surface import FIN_V, SurfacePlan
 from subsea.geometry.spline import basis_at, dense, greville, through
@@ -52,17 +52,19 @@ class _Flank(NamedTuple):
     steep: float  # how much light from above was in it
 
 
-def lifted(colour: Bytes, net: Net, species: Species, fish: Bools | None = None) -> Bytes:
+def lift_sheet(
+    colour: Bytes, meshes: FishMeshes, species: Species, fish: Bools | None = None
+) -> Bytes:
     """The sheet (640, 1024, 4) of a species, bottom row first, from a photograph (h, w, 3).
 
     ``fish`` (h, w) is what was told apart from the background: near the outline only colours from
     there are taken, and fins have gaps where it has. Without it the meshes alone decide.
     """
     surface, skin = species.surface, species.skin
-    rest = at_rest(surface)
-    source = _source(colour, net, surface, fish)
+    rest = side_view(surface)
+    source = _source(colour, meshes, surface, fish)
     planes = np.zeros((4, *paint.SIZE[::-1]), np.float32)
-    flank, tail = _lift_flank(source, net, rest, surface, skin)
+    flank, tail = _lift_flank(source, meshes, rest, surface, skin)
     paint.framed(planes, paint.BODY)[:] = flank.picture.transpose(2, 0, 1)
     typical = [tail]
     for name, frame, plan, look, ridge in (
@@ -72,7 +74,7 @@ def lifted(colour: Bytes, net: Net, species: Species, fish: Bools | None = None)
         if plan and look:
             part = paint.framed(planes, frame)
             made, tone = _lift_fin(
-                source, flank, net.fins[name].mesh, rest.fins[name],
+                source, flank, meshes.fins[name].mesh, rest.fins[name],
                 np.dstack(paint.fin_places(plan, ridge, *_shares(part.shape[1:]))),
                 look.opacity, float(name == DORSAL),
             )  # fmt: skip
@@ -87,19 +89,21 @@ def lifted(colour: Bytes, net: Net, species: Species, fish: Bools | None = None)
     return sheet
 
 
-def _source(colour: Bytes, net: Net, surface: SurfacePlan, fish: Bools | None) -> _Source:
+def _source(colour: Bytes, meshes: FishMeshes, surface: SurfacePlan, fish: Bools | None) -> _Source:
     """The part of a photograph that the meshes lie in, the fish's own colours all over it."""
-    length = float(np.hypot(*(net.body.nodes[4, 0] - net.body.nodes[4, 14]))) / surface.tail.begin
-    window, corner = _around(colour, net, length)
-    within = covered(net, colour.shape)[window]
+    length = (
+        float(np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, 14]))) / surface.tail.begin
+    )
+    window, corner = _around(colour, meshes, length)
+    within = mesh_mask(meshes, colour.shape)[window]
     there = within if fish is None else fish[window]
-    light = bled(_linear(colour[window]), _sure(within, there, length).astype(np.float32))
+    light = pull_push(_linear(colour[window]), _sure(within, there, length).astype(np.float32))
     opaque = cv2.GaussianBlur(np.asarray(there | _deep(within, length), np.float32), (0, 0), 1.0)
     return _Source(np.dstack([light, opaque]), corner)
 
 
 def _lift_flank(
-    source: _Source, net: Net, rest: Rest, surface: SurfacePlan, skin: SkinPlan
+    source: _Source, meshes: FishMeshes, rest: SideView, surface: SurfacePlan, skin: SkinPlan
 ) -> tuple[_Flank, Colour | None]:
     """Body and tail, and the typical colour of the latter."""
     height, width = paint.framed(np.empty((4, *paint.SIZE[::-1])), paint.BODY).shape[1:]
@@ -107,11 +111,13 @@ def _lift_flank(
     top, tail = paint.half_height(surface), surface.tail.begin
     low = np.array([front, -top])
     size = np.array([width / (rear - front), height / (2.0 * top)])
-    texels = (finer(rest.body, FINE_MESH) - low) * size - 0.5
-    places = drawn(texels, finer(net.body.nodes, FINE_MESH) - source.corner, (height, width))
+    texels = (subdivide(rest.body, FINE_MESH) - low) * size - 0.5
+    places = rasterize(
+        texels, subdivide(meshes.body.nodes, FINE_MESH) - source.corner, (height, width)
+    )
     inside = np.isfinite(places[..., 0])
     picture = _looked_up(source.picture, places)
-    picture[..., :3] = bled(picture[..., :3], inside.astype(np.float32))
+    picture[..., :3] = pull_push(picture[..., :3], inside.astype(np.float32))
     s = front + (np.arange(width) + 0.5) / size[0]
     trunk = inside & (s < tail)
     level = _level(trunk)
@@ -125,9 +131,14 @@ def _lift_flank(
 
 
 def _lift_fin(
-    source: _Source, flank: _Flank, fin: Mesh, rest: RestFin, places: Array, opacity: float,
+    source: _Source,
+    flank: _Flank,
+    fin: DeformableMesh,
+    rest: SideViewFin,
+    places: Array,
+    opacity: float,
     level: float,
-) -> tuple[Array, Colour | None]:  # fmt: skip
+) -> tuple[Array, Colour | None]:
     """A fin (h, w, 4) whose texels lie at `places` (h, w, 2) on the fish, and its typical colour.
 
     What of it lies within the body has the body's colours.
@@ -142,7 +153,7 @@ def _lift_fin(
     out = rise > 0.0
     picture = np.where(out[..., None], beyond, within)
     seen = ~out | (picture[..., 3] > 0.5)
-    picture[..., :3] = bled(picture[..., :3], seen.astype(np.float32))
+    picture[..., :3] = pull_push(picture[..., :3], seen.astype(np.float32))
     clear = (1.0 - opacity) * _smooth(rise)
     picture[..., 3] = np.where(out, picture[..., 3] * (1.0 - clear), 1.0)
     return picture, _typical(picture[..., :3], seen & (rise > 0.2))
@@ -154,15 +165,15 @@ def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
     return (np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None]
 
 
-def covered(net: Net, shape: tuple[int, ...]) -> Bools:
+def mesh_mask(meshes: FishMeshes, shape: tuple[int, ...]) -> Bools:
     """Which pixels (h, w) lie under the meshes."""
     mask = np.zeros(shape[:2], np.uint8)
-    for ring in outlines(net):
+    for ring in mesh_outlines(meshes):
         cv2.fillPoly(mask, [np.round(ring * 16.0).astype(np.int32)], 1, shift=4)
     return mask.astype(bool)
 
 
-def bled(values: Array, share: Array) -> Array:
+def pull_push(values: Array, share: Array) -> Array:
     """Values (h, w, k) where `share` (h, w) is 1; elsewhere those around go on, ever more blurred.
 
     By a pyramid of means, as mipmaps are made (push and pull).
@@ -183,7 +194,7 @@ def bled(values: Array, share: Array) -> Array:
     return np.asarray(filled)
 
 
-def drawn(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
+def rasterize(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
     """Values (h, w, k) on texels under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
 
     Linear on its triangles; nan outside.
@@ -221,9 +232,9 @@ def _draw(corners: Any, values: Any, out: Any) -> None:
                         )
 
 
-def _around(colour: Bytes, net: Net, length: float) -> tuple[tuple[slice, slice], Array]:
+def _around(colour: Bytes, meshes: FishMeshes, length: float) -> tuple[tuple[slice, slice], Array]:
     """The part of a photograph that the meshes lie in, and its corner."""
-    every = np.concatenate(outlines(net))
+    every = np.concatenate(mesh_outlines(meshes))
     margin = 0.1 * length
     low = np.maximum(np.floor(every.min(axis=0) - margin), 0).astype(int)
     high = np.ceil(every.max(axis=0) + margin).astype(int)
@@ -262,7 +273,7 @@ def _looked_up(picture: Array, places: Array) -> Array:
     return np.asarray(found)
 
 
-def _risen(rest: RestFin, share: Array, up: Array) -> Array:
+def _risen(rest: SideViewFin, share: Array, up: Array) -> Array:
     """How far texels (h, w) of a fin's frame are from where it leaves the body, 0, to its edge, 1.
 
     Negative within the body, and all along where the fin does not show.

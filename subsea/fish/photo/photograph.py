@@ -34,7 +34,7 @@ class Photograph(NamedTuple):
     opacity: Bytes | None  # (h, w); None where the file has none or all is opaque
 
 
-def read(path: Path) -> Photograph:
+def read_photograph(path: Path) -> Photograph:
     """The photograph, upright as its camera was held, its longer side at most `WORK` pixels.
 
     What is no picture, damaged, too large or too small is a UserError.
@@ -113,7 +113,7 @@ def _eight_bits(image: Image.Image, white: float) -> Image.Image:
     return Image.fromarray(grey).convert("RGB")
 
 
-def small(photograph: Photograph, side: int = TOLD_APART) -> tuple[Bytes, float]:
+def downscale(photograph: Photograph, side: int = TOLD_APART) -> tuple[Bytes, float]:
     """The colours at a longer side of at most `side` pixels, and that over the photograph's."""
     colour = photograph.colour
     height, width = colour.shape[:2]
@@ -122,7 +122,7 @@ def small(photograph: Photograph, side: int = TOLD_APART) -> tuple[Bytes, float]
     return np.asarray(cv2.resize(colour, size, interpolation=cv2.INTER_AREA), np.uint8), share
 
 
-def guesses(colour: Bytes) -> list[Bytes]:
+def initial_masks(colour: Bytes) -> list[Bytes]:
     """First guesses where the fish is, in GrabCut's words, the likeliest first.
 
     What differs from the colours along the border; what lies in the middle.
@@ -166,7 +166,7 @@ def _strangeness(colour: Bytes) -> Array:
     return np.asarray(cv2.GaussianBlur(np.minimum(far, 12.0), (0, 0), 2.0))
 
 
-def told_apart(colour: Bytes, guess: Bytes) -> Bools:
+def grab_cut(colour: Bytes, guess: Bytes) -> Bools:
     """The fish in `colour` (h, w, 3) by GrabCut, which begins with a guess in its own words."""
     words = guess.copy()
     fish = (words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD)
@@ -179,11 +179,11 @@ def told_apart(colour: Bytes, guess: Bytes) -> Bools:
             smooth, words, None, np.zeros((1, 65)), np.zeros((1, 65)), ROUNDS, cv2.GC_INIT_WITH_MASK
         )
     except cv2.error:  # too few colours for its clusters
-        return cleaned(fish)
-    return cleaned((words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD))
+        return largest_region(fish)
+    return largest_region((words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD))
 
 
-def cleaned(mask: Bools) -> Bools:
+def largest_region(mask: Bools) -> Bools:
     """The largest piece of a mask (h, w), without threads and holes."""
     reach = max(1, round(0.004 * max(mask.shape)))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1,) * 2)

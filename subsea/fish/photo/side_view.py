@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
-from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, Net, fin, mesh, meshes
+from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, FishMeshes, make_fin, make_mesh
 from subsea.fish.surface import (
     FIN_V,
     RIGHT,
@@ -30,7 +30,7 @@ FINER = 4  # times as many places as nodes, where a mesh is looked at closely
 SHOWS = 0.006  # body lengths by which the edge of a fin stands out where it is drawn
 
 
-class RestFin(NamedTuple):
+class SideViewFin(NamedTuple):
     """A dorsal or ventral fin; its twelve stations are at shares `greville(12)` of its base."""
 
     row: int  # of the body that it is rooted on
@@ -41,14 +41,14 @@ class RestFin(NamedTuple):
     shows: NDArray[np.bool_]  # (12,) whether it stands out there, or runs within the body
 
 
-class Rest(NamedTuple):
+class SideView(NamedTuple):
     """Nodes of the flank and its fins, which lie where the drawn surface lies at rest."""
 
     body: Array  # (9, 21, 2): rows from the back to the belly, columns from the snout
-    fins: dict[str, RestFin]
+    fins: dict[str, SideViewFin]
 
 
-def at_rest(plan: SurfacePlan) -> Rest:
+def side_view(plan: SurfacePlan) -> SideView:
     """The side of a fish; one with wings has none, which is a UserError."""
     if plan.wing:
         raise UserError("a body with wings needs a photograph from above, which is not supported")
@@ -65,10 +65,10 @@ def at_rest(plan: SurfacePlan) -> Rest:
     ):
         if one:
             fins[name] = _rest_fin(one, row, body[row], np.asarray(ridge, np.float64))
-    return Rest(body, fins)
+    return SideView(body, fins)
 
 
-def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> RestFin:
+def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> SideViewFin:
     """A fin, from where the way from its sunk root to its edge crosses the ridge."""
     share = greville(FIN_V)
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
@@ -84,40 +84,40 @@ def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> RestFin:
     root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(FIN_V)], base))
     places = np.interp(root_x, line[:, 0], np.arange(V))
     root = np.stack([np.interp(places, np.arange(V), axis) for axis in line.T], axis=1)
-    return RestFin(row, places, root, up[left, 0], edge, shows)
+    return SideViewFin(row, places, root, up[left, 0], edge, shows)
 
 
-def laid(plan: SurfacePlan, matrix: Array) -> Net:
+def make_fish_meshes(plan: SurfacePlan, matrix: Array) -> FishMeshes:
     """Meshes in a picture, at rest in the species' own shape. They feel what can be an outline.
 
     That is neither the back under a fin nor the belly where pelvic fins hang down, nor where the
     edge of a fin runs within the body.
     """
-    rest = at_rest(plan)
-    body = mesh(placed(matrix, rest.body))
+    rest = side_view(plan)
+    body = make_mesh(to_picture(matrix, rest.body))
     if plan.pelvic:
         begin, end = plan.pelvic.at - 0.02, plan.pelvic.at + plan.pelvic.length
         under = (rest.body[-1, :, 0] > begin) & (rest.body[-1, :, 0] < end)
-        body.feels[-1, under] = 0.0
+        body.edge_weight[-1, under] = 0.0
     fins = {}
     for name, one in rest.fins.items():
-        fins[name] = fin(body, one.row, one.places, placed(matrix, one.edge))
-        fins[name].mesh.feels[1, ~one.shows] = 0.0
+        fins[name] = make_fin(body, one.row, one.places, to_picture(matrix, one.edge))
+        fins[name].mesh.edge_weight[1, ~one.shows] = 0.0
         column = np.arange(V)
         under = (column > one.places[0]) & (column < one.places[-1])
         hidden = np.interp(column, one.places, one.shows.astype(float)) < 0.5
-        body.feels[one.row, under & hidden] = 1.0  # the back between two fins
-    return Net(body, fins)
+        body.edge_weight[one.row, under & hidden] = 1.0  # the back between two fins
+    return FishMeshes(body, fins)
 
 
-def placed(matrix: Array, places: Array) -> Array:
+def to_picture(matrix: Array, places: Array) -> Array:
     """Places (…, 2) on a fish at rest, in the picture."""
     return np.asarray(places @ np.asarray(matrix)[:, :2].T + np.asarray(matrix)[:, 2])
 
 
-def across(width: float, height: float, plan: SurfacePlan) -> Array:
+def centred_matrix(width: float, height: float, plan: SurfacePlan) -> Array:
     """The matrix of a fish that heads left in the middle of a picture and fills most of it."""
-    rest = at_rest(plan)
+    rest = side_view(plan)
     every = np.concatenate([rest.body.reshape(-1, 2), *(one.edge for one in rest.fins.values())])
     low, high = every.min(axis=0), every.max(axis=0)
     length = 0.8 * min(width / (high - low)[0], height / (high - low)[1])
@@ -130,7 +130,7 @@ def across(width: float, height: float, plan: SurfacePlan) -> Array:
     )
 
 
-def finer(nodes: Array, times: int = FINER) -> Array:
+def subdivide(nodes: Array, times: int = FINER) -> Array:
     """A mesh (m, n, 2) with `times` as many places between nodes each way, by smooth curves.
 
     They meet the nodes, as the drawn surface meets those it is made from.
@@ -147,11 +147,11 @@ def finer(nodes: Array, times: int = FINER) -> Array:
     return nodes
 
 
-def outlines(net: Net, times: int = FINER) -> list[Array]:
+def mesh_outlines(meshes: FishMeshes, times: int = FINER) -> list[Array]:
     """Closed outlines (k, 2) of all meshes, which overlap where a fin is rooted."""
     out = []
-    for name, one in meshes(net).items():
-        nodes = finer(one.nodes, times)
+    for name, one in meshes.parts.items():
+        nodes = subdivide(one.nodes, times)
         if name == BODY:
             ring = [nodes[0], nodes[1:, -1], nodes[-1, -2::-1], nodes[-2:0:-1, 0]]
         else:

@@ -16,7 +16,7 @@ from subsea.core.disk_cache import cached
 from subsea.fish import paint
 from subsea.fish.color_sheet import sheets
 from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
-from subsea.fish.species import Display, Species
+from subsea.fish.species import CourtshipColours, Species
 from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.render.fish import speck as fish_speck
@@ -309,7 +309,7 @@ def look(
     gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
     soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * paint.head_size(surface)
     teeth = TEETH if species.kind == "predator" else 0.0
-    vary, show = skin.variation, skin.display or Display(of=(0, 0, 0), to=(0, 0, 0))
+    vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))
     shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
         place,

@@ -123,7 +123,7 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
     return out
 
 
-def _framed(frame: paint.Frame, within: Array) -> Array:
+def _framed(frame: paint.SheetRegion, within: Array) -> Array:
     """Coordinates (n, 2) on the sheet of points in a frame, 0 to 1 both ways."""
     half = 0.5 * 2**COARSEST / np.array(paint.SIZE)
     low, high = np.array(frame[:2]) + half, np.array(frame[2:]) - half

@@ -1,4 +1,4 @@
-"""What makes a drawn fish swim: learning and recording, processes of their own; a first dive."""
+"""Learning and recording of an edited species as processes, and a first dive with it."""
 
 import subprocess
 import sys
@@ -6,48 +6,45 @@ from collections.abc import Callable
 from pathlib import Path
 
 from subsea.fish.species import repertoire_file, species_names
-from subsea.ui.fish_builder.processes import Run
+from subsea.ui.fish_builder.processes import CommandProcess
 
-SEA, SHOAL = "peaceful", "fish.1"  # whose place a new species takes in its first dive
-TRIES = 300  # of a search for controllers, as many as the command takes
+SEA, SHOAL = "peaceful", "fish.1"  # the shoal that a new species replaces in its first dive
+TRIES = 300  # of a search for controllers, the default of the command
 FEWEST, MOST = 20, 3000
-USER_FAULT = 2  # exit code of a command that told in a line what can be mended
-LINES = 5.2  # height of its pane, in heights of letters
+USER_FAULT = 2  # exit code after a one-line error of the user
 
 
-class Making:
+class CaptureJobs:
     """At most one command of the capture tool at a time, and dives beside it."""
 
-    height = LINES
-
     def __init__(self, wake: Callable[[], object]) -> None:
-        """Nothing runs; `wake` is called when something that runs has news."""
-        self.told = ""  # how the last one ended
+        """Start nothing; `wake` is called when a process has news."""
+        self.message = ""  # how the last job ended
         self.tries = TRIES
         self._wake = wake
-        self._run: tuple[str, str, Run] | None = None
+        self._process: tuple[str, str, CommandProcess] | None = None
         self._dives: list[subprocess.Popen[bytes]] = []
 
     @property
-    def runs(self) -> bool:
-        """Whether something is learned or recorded."""
-        return self._run is not None
+    def running(self) -> bool:
+        """Whether a job runs."""
+        return self._process is not None
 
     @property
-    def share(self) -> float:
-        """How far it is, 0 to 1."""
-        return self._run[2].share if self._run else 0.0
+    def progress(self) -> float:
+        """The share that is done, 0 to 1."""
+        return self._process[2].progress if self._process else 0.0
 
     @property
     def doing(self) -> str:
-        """What it is at."""
-        if self._run is None:
+        """The stage of the job."""
+        if self._process is None:
             return ""
-        kind, _, run = self._run
-        return run.doing or {"learn": "learning…", "record": "recording…"}[kind]
+        kind, _, process = self._process
+        return process.doing or {"learn": "learning…", "record": "recording…"}[kind]
 
     def learn(self, path: Path) -> None:
-        """Search for the controllers of a species file, and write what is better into it."""
+        """Search for better controllers of a species file, and write them into it."""
         self._begin("learn", path.stem, [str(path), "--budget", str(self.tries)])
 
     def record(self, key: str) -> None:
@@ -55,21 +52,21 @@ class Making:
         self._begin("record", key, [key, "--progress"])
 
     def stop(self) -> None:
-        """Stop what runs; nothing half-written is left."""
-        if self._run:
-            self._run[2].stop()
+        """Stop the job; files stay whole."""
+        if self._process:
+            self._process[2].stop()
 
     def ended(self) -> tuple[str, int] | None:
-        """What was learned or recorded since this was last asked, with the exit code."""
+        """Return kind and exit code of a job that has ended since the last call."""
         for dive in [one for one in self._dives if one.poll() is not None]:
             self._dives.remove(dive)
             if dive.returncode == USER_FAULT:
-                self.told = "The dive did not open: the terminal says why."
-        if self._run is None or (code := self._run[2].code) is None:
+                self.message = "The dive did not open: the terminal says why."
+        if self._process is None or (code := self._process[2].code) is None:
             return None
-        kind, key, run = self._run
-        self._run = None
-        self.told = _told(kind, key, run, code)
+        kind, key, process = self._process
+        self._process = None
+        self.message = _describe_end(kind, key, process, code)
         return kind, code
 
     def dive(self, key: str) -> None:
@@ -82,16 +79,16 @@ class Making:
                 start_new_session=True,  # Ctrl-C in the terminal is for the builder
             )
         )
-        self.told = "A dive opens in a window of its own: look for your fish."
+        self.message = "A dive opens in a window of its own: look for your fish."
 
     def close(self) -> None:
-        """Stop what is learned or recorded; a dive is left to whoever is in it."""
-        if self._run:
-            self._run[2].close()
+        """Stop the job; dives go on."""
+        if self._process:
+            self._process[2].close()
 
     def _begin(self, kind: str, key: str, rest: list[str]) -> None:
-        self.told = ""
-        self._run = kind, key, Run(["capture", kind, *rest], self._wake)
+        self.message = ""
+        self._process = kind, key, CommandProcess(["capture", kind, *rest], self._wake)
 
 
 def recorded(key: str) -> bool:
@@ -99,9 +96,9 @@ def recorded(key: str) -> bool:
     return key in species_names() and repertoire_file(key).is_file()
 
 
-def _told(kind: str, key: str, run: Run, code: int) -> str:
-    """How a command ended, in a sentence."""
-    if run.stopped:
+def _describe_end(kind: str, key: str, process: CommandProcess, code: int) -> str:
+    """Describe in a sentence how a command ended."""
+    if process.stopped:
         kept = {"learn": "the file is as it was", "record": "Record goes on where it stopped"}
         return f"Stopped; {kept[kind]}."
     if code == 0 and kind == "learn":
@@ -110,4 +107,4 @@ def _told(kind: str, key: str, run: Run, code: int) -> str:
         return f"{key} can swim: name it in a scenario, or dive with it now."
     if code == 1 and kind == "learn":
         return "Nothing better was found; the file is as it was. More tries may find something."
-    return f"That failed: {run.last or f'exit code {code}'}"
+    return f"That failed: {process.last or f'exit code {code}'}"

@@ -1,7 +1,7 @@
 """Panels with the numbers of a species: shape, body, motion, colours and names.
 
-What is dragged or typed is shown at once and holds when it is let go of. What a file may not say is
-not taken over; why stands at the foot of the window.
+A dragged or typed number is shown at once and recorded when it is released. An invalid one is
+refused with a message in the status line.
 """
 
 from functools import partial
@@ -12,10 +12,11 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.biomechanics.body_plan import MODEL_LENGTHS, NODES_AT_STATION
-from subsea.fish.editing import draft as drafts
 from subsea.fish.editing.checks import displaced_cm3
-from subsea.fish.editing.draft import FINS, PADDLES, Draft, Path_, Spot, View
-from subsea.fish.editing.edit_state import Editing
+from subsea.fish.editing.draft import KeyPath, SpeciesDraft, value_at, with_value
+from subsea.fish.editing.edit_state import EditState
+from subsea.fish.editing.handles import FINS, PAIRED_FINS, Handle, View, drag_handle, handles
+from subsea.fish.editing.proportions import with_fin, with_length, with_mass
 from subsea.ui.fish_builder.views import RINGS
 from subsea.ui.gui import GLASS, QUIET
 
@@ -23,33 +24,33 @@ KINDS = ("pacifist", "prey", "predator")
 KIND_WORDS = "pacifist: harmless, courts", "prey: flees and schools", "predator: hunts"
 COUPLINGS = ("sections", "patches", "tetrahedra")
 ROWS = ("nose", "ring 1", "ring 2", "ring 3", "ring 4", "ring 5", "tail tips")
-NAMES_LONG = 60  # letters at most
+NAMES_LONG = 60  # characters at most
 
 
-class Panels:
-    """Tabs of numbers; `over` tells which ring's row the pointer is on."""
+class NumberPanels:
+    """Tabs of numbers; `hovered` is the ring whose row is under the pointer."""
 
     def __init__(self) -> None:
-        """No row is pointed at."""
-        self.show = ""  # the tab to open with the next frame
-        self.over: Path_ | None = None
-        self._text: dict[Path_, str] = {}  # that is being typed
+        """Open the first tab."""
+        self.show = ""  # the tab to open in the next frame
+        self.hovered: KeyPath | None = None
+        self._text: dict[KeyPath, str] = {}  # being typed
 
-    def draw(self, editing: Editing) -> None:
-        """The tabs but for the first, in the present tab bar."""
-        self.over = None
+    def draw(self, editing: EditState) -> None:
+        """Draw the tabs, except Checks, into the present tab bar."""
+        self.hovered = None
         imgui.get_style().set_color_(imgui.Col_.table_header_bg.value, (*GLASS, 1.0))
         muscular = bool(editing.present.species.muscles)
         for name, panel in (
             ("Shape", self._shape), ("Body", self._body), ("Motion", self._motion),
             ("Colours", self._colours), ("Names", self._names),
         ):  # fmt: skip
-            if imgui.begin_tab_item(name, None, self.opens(name))[0]:
+            if imgui.begin_tab_item(name, None, self.tab_flags(name))[0]:
                 imgui.begin_child(f"##{name}")
                 if muscular or panel not in (self._body, self._motion):
                     panel(editing)
                 else:
-                    _said(
+                    _note(
                         "Its spine moves this fish, not muscles: how it swings is written in the "
                         "table [spine] of its file, which docs/spine.md explains and this window "
                         "leaves as it is. Its outline, fins, colours and names can be changed here."
@@ -58,32 +59,32 @@ class Panels:
                 imgui.end_tab_item()
         self.show = ""
 
-    def opens(self, name: str) -> int:
-        """What a tab of this name is to be told: whether it opens now."""
+    def tab_flags(self, name: str) -> int:
+        """Return the flags that open the tab now, if it was asked for."""
         return imgui.TabItemFlags_.set_selected.value if self.show == name else 0
 
-    def _shape(self, editing: Editing) -> None:
-        """The chosen point, fins, the eye."""
-        _head("Chosen point")
-        path = editing.chosen
+    def _shape(self, editing: EditState) -> None:
+        """Draw the selected point, fins, eye and skin."""
+        imgui.separator_text("Chosen point")
+        path = editing.selected
         sides: tuple[View, ...] = ("side", "top")
         found = [
-            (view, spot)
+            (view, handle)
             for view in sides
-            for spot in drafts.spots(editing.present, view)
-            if spot.path == path
+            for handle in handles(editing.present, view)
+            if handle.path == path
         ]
-        for number, (view, spot) in enumerate(found):
-            _spot(editing, view, spot, (0, 1) if number == 0 else (1,))
+        for number, (view, handle) in enumerate(found):
+            _handle(editing, view, handle, (0, 1) if number == 0 else (1,))
         if not found:
             imgui.text_disabled("none: click one in a view")
-        _head("Fins")
-        for name in (*FINS, *PADDLES):
+        imgui.separator_text("Fins")
+        for name in (*FINS, *PAIRED_FINS):
             there = bool(editing.present.content["surface"].get(name))
-            changed, now = imgui.checkbox(f"{name} fin{'s' if name in PADDLES else ''}", there)
+            changed, now = imgui.checkbox(f"{name} fin{'s' if name in PAIRED_FINS else ''}", there)
             if changed:
-                editing.do(partial(drafts.with_fin, name=name, there=now))
-            elif there and name in PADDLES:
+                editing.do(partial(with_fin, name=name, there=now))
+            elif there and name in PAIRED_FINS:
                 for key, low, high, step in (
                     ("length", 0.01, 1.0, 0.002), ("width", 0.005, 1.0, 0.002),
                     ("droop", -90.0, 90.0, 0.5),
@@ -91,15 +92,15 @@ class Panels:
                     _number(editing, ("surface", name, key), f"{key}##{name}", low, high, step)
                 _tick(editing, ("surface", name, "wing"), f"held out stiffly##{name}")
         _tick(editing, ("surface", "stiff_fins"), "stiff dorsal, ventral and tail fins")
-        _head("Eye and skin")
+        imgui.separator_text("Eye and skin")
         _number(editing, ("surface", "eye", "radius"), "radius of the eye", 0.002, 0.2, 0.0005)
         _choice(editing, ("surface", "coupling"), "skin hangs by", COUPLINGS, COUPLINGS)
 
-    def _body(self, editing: Editing) -> None:
-        """Stations, half-widths, half-heights and masses; then what the units are like."""
+    def _body(self, editing: EditState) -> None:
+        """Draw stations, half-widths, half-heights and masses, then the units."""
         draft = editing.present
         body = draft.content["body"]
-        _head("Scaffold, cm, and grams on each node")
+        imgui.separator_text("Scaffold, cm, and grams on each node")
         columns = ("", "behind", "wide", "high", "mass")
         if imgui.begin_table("##rings", len(columns), imgui.TableFlags_.sizing_stretch_same.value):
             for name in columns:
@@ -116,13 +117,13 @@ class Panels:
                 if row and imgui.is_window_hovered():
                     y = imgui.get_mouse_pos().y
                     if low.y <= y <= high.y:
-                        self.over = ring
+                        self.hovered = ring
             imgui.end_table()
         water = displaced_cm3(draft.species)
         weight = sum(m * n for m, n in zip(body["masses"], NODES_AT_STATION, strict=True))
         imgui.text(f"{weight:.0f} g in all; the body displaces {water:.0f} g of water")
         if imgui.button("Neutral"):
-            editing.do(lambda d: drafts.as_heavy(d, displaced_cm3(d.species)))
+            editing.do(lambda d: with_mass(d, displaced_cm3(d.species)))
         imgui.set_item_tooltip("Masses in proportion, as heavy as the water displaced")
         imgui.same_line()
         imgui.set_next_item_width(6.0 * imgui.get_font_size())
@@ -131,9 +132,9 @@ class Panels:
             "length of the model, cm", long, 0.1, *MODEL_LENGTHS, "%.2f"
         )
         if changed and new > 1.0:
-            editing.hold(lambda d: drafts.as_long(d, new))
-        _settled(editing)
-        _head("Units")
+            editing.drag(lambda d: with_length(d, new))
+        _commit_after(editing)
+        imgui.separator_text("Units")
         for key, words, step in (
             ("muscle_stiffness", "muscles, g/tu²", 1.0),
             ("cross_stiffness", "cross units, g/tu²", 1.0),
@@ -143,7 +144,7 @@ class Panels:
         ):  # fmt: skip
             _number(editing, ("body", key), words, 0.001, 1e5, step, "%.4g")
 
-    def _ring_cells(self, editing: Editing, row: int, body: dict[str, Any]) -> None:
+    def _ring_cells(self, editing: EditState, row: int, body: dict[str, Any]) -> None:
         imgui.table_next_column()
         if 1 <= row <= 5:
             _cell(editing, ("body", "stations", row), 0.02)
@@ -158,28 +159,28 @@ class Panels:
         imgui.table_next_column()
         _cell(editing, ("body", "masses", row), 0.02)
 
-    def _motion(self, editing: Editing) -> None:
-        """The swim and the turn controller."""
-        _head("Swimming")
+    def _motion(self, editing: EditState) -> None:
+        """Draw the swim and the turn controller."""
+        imgui.separator_text("Swimming")
         _number(editing, ("swim", "ticks_per_beat"), "ticks a beat", 4, 60, 0.1, whole=True)
         for k, part in enumerate(("anterior", "posterior")):
             _number(editing, ("swim", "contraction", k), f"contraction, {part}", 0.0, 0.6, 0.002)
         _number(editing, ("swim", "lag"), "lag of the posterior, rad", 0.0, 3.2, 0.01)
         _number(editing, ("swim", "slow"), "slow, over fast", 0.01, 0.99, 0.005)
         _number(editing, ("swim", "medium"), "medium, over fast", 0.01, 0.99, 0.005)
-        _head("Turning")
+        imgui.separator_text("Turning")
         for k, part in enumerate(("anterior", "posterior")):
             _number(editing, ("turn", "gradual", k), f"gradual, {part}", 0.0, 0.6, 0.001)
         _number(editing, ("turn", "sharp"), "sharp turn, degrees", 1.0, 90.0, 0.5, "%.1f")
         _number(editing, ("turn", "amplitude"), "beat in it, over fast", 0.0, 1.0, 0.005)
-        _head("Steering map")
+        imgui.separator_text("Steering map")
         columns = ("angle", "anterior", "posterior", "bend", "hold", "restore")
         if imgui.begin_table("##map", len(columns), imgui.TableFlags_.sizing_stretch_same.value):
             for name in columns:
                 imgui.table_setup_column(name)
             imgui.table_headers_row()
             for row in range(len(editing.present.content["turn"]["steering"])):
-                at: Path_ = ("turn", "steering", row)
+                at: KeyPath = ("turn", "steering", row)
                 imgui.table_next_row()
                 for path, step in (
                     ((*at, "angle"), 0.5), ((*at, "contraction", 0), 0.001),
@@ -190,32 +191,32 @@ class Panels:
                     _cell(editing, path, step)
             imgui.end_table()
 
-    def _colours(self, editing: Editing) -> None:
-        """Every colour of the skin, then how it shines."""
+    def _colours(self, editing: EditState) -> None:
+        """Draw the colours of the skin, then how it shines."""
         skin = editing.present.content["skin"]
         if "sheet" in skin:
-            _said("A picture dresses this species: subsea skin makes it. What is painted instead:")
+            _note("A picture dresses this species: subsea skin makes it. What is painted instead:")
             if imgui.button("Take the picture off"):
-                editing.do(partial(drafts.changed, path=("skin", "sheet"), value=None))
-        _said("Click a colour to change it.")
+                editing.do(partial(with_value, path=("skin", "sheet"), value=None))
+        _note("Click a colour to change it.")
         for path in _coloured(skin):
-            value = [_encoded(x) for x in drafts.at_path(editing.present, ("skin", *path))]
+            value = [_encoded(x) for x in value_at(editing.present, ("skin", *path))]
             flags = imgui.ColorEditFlags_.float.value | imgui.ColorEditFlags_.no_inputs.value
             changed, new = imgui.color_edit3(_colour_name(path), value, flags)
             if changed:
                 linear = [round(_decoded(x), 4) for x in new]
-                at: Path_ = ("skin", *path)
-                editing.hold(partial(drafts.changed, path=at, value=linear))
-            _settled(editing)
-        _head("How it shines")
+                at: KeyPath = ("skin", *path)
+                editing.drag(partial(with_value, path=at, value=linear))
+            _commit_after(editing)
+        imgui.separator_text("How it shines")
         for key in ("gloss", "silver", "scales", "rays", "blotches", "clear_back", "pupil"):
             _number(editing, ("skin", key), key.replace("_", " "), 0.0, 1.0, 0.005)
-        _said("Stripes, patches and spots are written in the file: docs/species.md.")
+        _note("Stripes, patches and spots are written in the file: docs/species.md.")
 
-    def _names(self, editing: Editing) -> None:
-        """What it is called, what it is, and how large."""
+    def _names(self, editing: EditState) -> None:
+        """Draw names, kind and size."""
         for key, words in (("name", "name"), ("scientific_name", "scientific name")):
-            path: Path_ = (key,)
+            path: KeyPath = (key,)
             value = self._text.get(path, str(editing.present.content[key]))
             imgui.set_next_item_width(16.0 * imgui.get_font_size())
             changed, text = imgui.input_text(words, value)
@@ -223,45 +224,41 @@ class Panels:
                 self._text[path] = text[:NAMES_LONG]
             if imgui.is_item_deactivated_after_edit() and path in self._text:
                 typed = self._text.pop(path).strip()
-                editing.do(partial(drafts.changed, path=path, value=typed))
+                editing.do(partial(with_value, path=path, value=typed))
         _choice(editing, ("kind",), "kind", KINDS, KIND_WORDS)
         _tick(editing, ("schooling",), "it swims in schools")
         for k, words in enumerate(("smallest adult, cm", "largest adult, cm")):
             _number(editing, ("size_cm", k), words, 2.0, 300.0, 0.2, "%.1f")
 
 
-def _spot(editing: Editing, view: View, spot: Spot, axes: tuple[int, ...]) -> None:
-    """Where a point of a view lies, along these of its axes."""
+def _handle(editing: EditState, view: View, handle: Handle, axes: tuple[int, ...]) -> None:
+    """Draw the coordinates of a point along some axes of a view."""
     for axis in axes:
         words = "behind the snout" if axis == 0 else "aside" if view == "top" else "up"
         imgui.set_next_item_width(7.0 * imgui.get_font_size())
         changed, new = imgui.drag_float(
-            f"{words}, lengths##{view}", spot.at[axis], 0.001, -1.0, 1.0, "%.4f"
+            f"{words}, lengths##{view}", handle.at[axis], 0.001, -1.0, 1.0, "%.4f"
         )
         if changed:
-            to = (new, spot.at[1]) if axis == 0 else (spot.at[0], new)
-            editing.hold(partial(drafts.moved, view=view, path=spot.path, to=to))
-        _settled(editing)
+            to = (new, handle.at[1]) if axis == 0 else (handle.at[0], new)
+            editing.drag(partial(drag_handle, view=view, path=handle.path, to=to))
+        _commit_after(editing)
 
 
-def _said(words: str) -> None:
+def _note(words: str) -> None:
     imgui.push_text_wrap_pos(0.0)
     imgui.text_colored((*QUIET, 1.0), words)
     imgui.pop_text_wrap_pos()
 
 
-def _head(words: str) -> None:
-    imgui.separator_text(words)
-
-
-def _settled(editing: Editing) -> None:
-    """What was dragged holds when it is let go of."""
+def _commit_after(editing: EditState) -> None:
+    """Record a drag when it ends."""
     if imgui.is_item_deactivated():
-        editing.settle()
+        editing.commit()
 
 
-def _value(draft: Draft, path: Path_) -> Any:
-    """What holds there, also where the file leaves it out."""
+def _value(draft: SpeciesDraft, path: KeyPath) -> Any:
+    """Return a value of the species, also if the file leaves it out."""
     here: Any = msgspec.to_builtins(draft.species)
     for step in path:
         here = here[step]
@@ -269,23 +266,23 @@ def _value(draft: Draft, path: Path_) -> Any:
 
 
 def _number(
-    editing: Editing, path: Path_, words: str, low: float, high: float, step: float,
+    editing: EditState, path: KeyPath, words: str, low: float, high: float, step: float,
     form: str = "%.4g", whole: bool = False,
 ) -> None:  # fmt: skip
-    """A number that is dragged, or typed after a double click."""
+    """Draw a number to drag, or to type after a double click."""
     imgui.set_next_item_width(7.0 * imgui.get_font_size())
     _drag(editing, path, words, low, high, step, "%.0f" if whole else form, whole)
 
 
-def _cell(editing: Editing, path: Path_, step: float) -> None:
-    """A number of a table."""
+def _cell(editing: EditState, path: KeyPath, step: float) -> None:
+    """Draw a number of a table."""
     imgui.set_next_item_width(-1.0)
     name = ".".join(map(str, path))
     _drag(editing, path, f"##{name}", 0.0, 1e4, step, "%.3f", False)
 
 
 def _drag(
-    editing: Editing, path: Path_, words: str, low: float, high: float, step: float, form: str,
+    editing: EditState, path: KeyPath, words: str, low: float, high: float, step: float, form: str,
     whole: bool,
 ) -> None:  # fmt: skip
     value = _value(editing.present, path)
@@ -294,52 +291,52 @@ def _drag(
     if changed:
         short: float = round(new) if whole else float(f"{new:.4g}")
         if short != value:
-            editing.hold(lambda d: drafts.changed(d, path, short))
-    _settled(editing)
+            editing.drag(lambda d: with_value(d, path, short))
+    _commit_after(editing)
 
 
-def _tick(editing: Editing, path: Path_, words: str) -> None:
+def _tick(editing: EditState, path: KeyPath, words: str) -> None:
     changed, now = imgui.checkbox(words, bool(_value(editing.present, path)))
     if changed:
-        editing.do(lambda d: drafts.changed(d, path, now))
+        editing.do(lambda d: with_value(d, path, now))
 
 
 def _choice(
-    editing: Editing, path: Path_, words: str, values: tuple[str, ...], shown: tuple[str, ...]
+    editing: EditState, path: KeyPath, words: str, values: tuple[str, ...], shown: tuple[str, ...]
 ) -> None:
     imgui.set_next_item_width(14.0 * imgui.get_font_size())
     now = values.index(_value(editing.present, path))
     changed, number = imgui.combo(words, now, list(shown))
     if changed:
-        editing.do(lambda d: drafts.changed(d, path, values[number]))
+        editing.do(lambda d: with_value(d, path, values[number]))
 
 
-def _coloured(skin: dict[str, Any]) -> list[Path_]:
-    """Where a skin names a colour, in the order of its file; what is plain first."""
-    plain: list[Path_] = [(key,) for key in ("back", "flank", "belly", "iris") if key in skin]
+def _coloured(skin: dict[str, Any]) -> list[KeyPath]:
+    """Return the paths of the colours of a skin, in the order of its file, plain ones first."""
+    plain: list[KeyPath] = [(key,) for key in ("back", "flank", "belly", "iris") if key in skin]
     for key, value in skin.items():
         rows = (
             value if isinstance(value, list) and value and isinstance(value[0], dict) else [value]
         )
         for k, row in enumerate(rows):
             if isinstance(row, dict):
-                at: Path_ = (key, k) if row is not value else (key,)
+                at: KeyPath = (key, k) if row is not value else (key,)
                 plain += [(*at, name) for name in ("colour", "rim", "of", "to") if name in row]
     return plain
 
 
-def _colour_name(path: Path_) -> str:
-    """As people call it: patches are counted from 1, and courting males change colours."""
+def _colour_name(path: KeyPath) -> str:
+    """Return a label: patches count from 1, and `display` is for courting males."""
     steps = [str(step + 1) if isinstance(step, int) else step for step in path]
     words = " ".join(step for step in steps if step != "colour").replace("patches", "patch")
     return words.replace("display of", "courting, from").replace("display to", "courting, to")
 
 
 def _encoded(x: float) -> float:
-    """Linear light to sRGB."""
+    """Convert linear light to sRGB."""
     return float(12.92 * x if x <= 0.0031308 else 1.055 * np.power(x, 1 / 2.4) - 0.055)
 
 
 def _decoded(x: float) -> float:
-    """And back."""
+    """Convert sRGB to linear light."""
     return float(x / 12.92 if x <= 0.04045 else np.power((x + 0.055) / 1.055, 2.4))

@@ -1,4 +1,4 @@
-"""Commands of the capture tool as processes: their progress as it is told, and how they ended."""
+"""Commands as processes: their progress and their exit codes."""
 
 import re
 import signal
@@ -9,19 +9,19 @@ from collections.abc import Callable
 from typing import IO
 
 PROGRESS = re.compile(r"(\d+)/(\d+)\D")
-PATIENCE_S = 10.0  # for one that was asked to stop
-KEPT = 200  # lines
+PATIENCE_S = 10.0  # until a process that should stop is killed
+KEPT_LINES = 200
 
 
-class Run:
-    """A command that runs by itself; what it says is read by threads of its own."""
+class CommandProcess:
+    """A command whose output is read by threads."""
 
     def __init__(self, arguments: list[str], wake: Callable[[], object] = lambda: None) -> None:
-        """Begin ``python -m MODULE …``; `wake` is called whenever there is something new."""
+        """Start ``python -m MODULE …``; `wake` is called, in a thread, on every news."""
         self.arguments = arguments
-        self.lines: list[str] = []  # that it has printed, the last ones
-        self.doing, self.share = "", 0.0  # what it is at, and how far that is
-        self.stopped = False  # whether it was asked to
+        self.lines: list[str] = []  # the last ones
+        self.doing, self.progress = "", 0.0  # the present stage, and its share done
+        self.stopped = False  # on request
         self._wake = wake
         self._process = subprocess.Popen(
             [sys.executable, "-m", *arguments],
@@ -37,14 +37,14 @@ class Run:
 
     @property
     def code(self) -> int | None:
-        """Its exit code, None while it runs."""
+        """The exit code, None while it runs."""
         if any(reader.is_alive() for reader in self._readers):
             return None
         return self._process.poll()
 
     @property
     def last(self) -> str:
-        """What it said last."""
+        """The last line."""
         return self.lines[-1] if self.lines else ""
 
     def stop(self) -> None:
@@ -54,7 +54,7 @@ class Run:
             self._process.send_signal(signal.SIGINT)
 
     def close(self) -> None:
-        """Stop it, and wait until it has: it may be in the midst of writing."""
+        """Stop it, and wait: it may be writing."""
         self.stop()
         try:
             self._process.wait(PATIENCE_S)
@@ -65,25 +65,26 @@ class Run:
             reader.join()
 
     def _read(self, pipe: IO[bytes]) -> None:
-        """Lines, and what a bar of progress writes over and over into one line."""
+        """Read lines and the updates of a progress bar."""
         with pipe:
             part = b""
             while piece := pipe.read1(4096):  # type: ignore[attr-defined]
                 *whole, part = re.split(rb"[\r\n]", part + piece)
                 for line in filter(None, (one.decode("utf-8", "replace").strip() for one in whole)):
-                    self._heard(line)
+                    self.parse(line)
             if part.strip():
-                self._heard(part.decode("utf-8", "replace").strip())
+                self.parse(part.decode("utf-8", "replace").strip())
         self._wake()
 
-    def _heard(self, line: str) -> None:
+    def parse(self, line: str) -> None:
+        """Take progress from a line of a progress bar, else keep the line."""
         found = PROGRESS.search(line)
         if found and "%|" in line:
             done, total = map(int, found.groups())
             best = re.search(r"best [\d.]+", line)
             self.doing = line.partition(":  ")[0].partition("%|")[0].rstrip("0123456789 :")
             self.doing += f" · {best[0]}" if best else ""
-            self.share = done / max(total, 1)
+            self.progress = done / max(total, 1)
         else:
-            self.lines = [*self.lines, line][-KEPT:]
+            self.lines = [*self.lines, line][-KEPT_LINES:]
         self._wake()

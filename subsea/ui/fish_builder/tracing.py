@@ -1,37 +1,37 @@
-"""A photograph behind the side view, to draw the outline over it."""
+"""A photograph behind the side view, to trace its outline."""
 
 from typing import Any
 
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
-from subsea.fish.editing.draft import Box
+from subsea.fish.editing.handles import Box
 from subsea.render.gl.image_texture import ImageTexture
 
-FIELD = 7.0  # width of a field, in heights of letters
+FIELD = 7.0  # width of an input, text heights
 
 
-class Tracing:
-    """Where a photograph lies, in body lengths of the side view."""
+class PhotoOverlay:
+    """A photograph and its place, in body lengths of the side view."""
 
     def __init__(self, context: Any, pixels: NDArray[Any]) -> None:
-        """Pixels (h, w, 3), top row first: at first as wide as the fish is long."""
+        """Take pixels (h, w, 3), top row first; at first as wide as the fish is long."""
         self.shown = ImageTexture(context, pixels)
-        self.high = pixels.shape[0] / pixels.shape[1]  # over its width
+        self.high = pixels.shape[0] / pixels.shape[1]  # height over width
         self.left, self.middle, self.wide = 0.0, 0.0, 1.0
         self.flipped = False
 
     @property
     def box(self) -> Box:
-        """Left, low, right, high; right and left changed over where it is flipped."""
+        """Left, low, right, high; left and right are swapped if it is flipped."""
         half = 0.5 * self.wide * self.high
         left, right = self.left, self.left + self.wide
         if self.flipped:
             left, right = right, left
         return left, self.middle - half, right, self.middle + half
 
-    def panel(self) -> None:
-        """A button, and where the photograph is to lie."""
+    def draw_options(self) -> None:
+        """Draw a button that opens the options of its place."""
         if imgui.button("Photograph"):
             imgui.open_popup("##photograph")
         if imgui.begin_popup("##photograph"):

@@ -1,7 +1,7 @@
-"""The side view and the top view of a fish: outline and scaffold, and hands that move their points.
+"""The side and the top view of a fish: outline and scaffold, with points to drag.
 
-Both have the same scale and the same place along the body. The nodes of a ring have the same colour
-in both, and what a point in one view stands for is lit in the other (KS I.B).
+Both keep the same scale and place along the body. The nodes of a ring have the same colour in both,
+and a point in one view is highlighted in the other (KS I.B).
 """
 
 import numpy as np
@@ -12,55 +12,56 @@ from PIL import Image, ImageDraw
 from subsea.biomechanics.body import KINDS, MUSCLES, UNITS, rest_nodes
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
-from subsea.fish.editing import draft as drafts
-from subsea.fish.editing.draft import Draft, Path_, Spot, View
-from subsea.fish.editing.edit_state import Editing
+from subsea.fish.editing.draft import KeyPath, SpeciesDraft
+from subsea.fish.editing.edit_state import EditState
+from subsea.fish.editing.handles import Box, Handle, View, drag_handle, handles
+from subsea.fish.editing.outline_points import add_point, nearest_line
 from subsea.fish.paint import BODY, borders, half_height
 from subsea.fish.species import Species
 from subsea.fish.surface import PaddlePlan, along, travelled
 from subsea.ui.gui import INK, MARK, QUIET
-from subsea.ui.viewport2d import Canvas
+from subsea.ui.viewport2d import Viewport2D
 
 Ink = tuple[float, float, float]
 
-BOX = -0.05, -0.3, 1.06, 0.3  # that both views show at first, body lengths
+BOX = -0.05, -0.3, 1.06, 0.3  # of both views at first, body lengths
 RINGS: tuple[Ink, ...] = (
     (1.0, 0.45, 0.42), (1.0, 0.72, 0.30), (0.62, 0.86, 0.36), (0.35, 0.80, 0.95),
     (0.72, 0.58, 1.0), (1.0, 0.58, 0.86),
 )  # fmt: skip
 SLACK, TIGHT = (0.75, 0.45, 0.42), (1.0, 0.16, 0.10)  # muscles
-FULL = 0.35  # contraction at which a muscle is drawn as tight
+FULL = 0.35  # contraction that is drawn as tight
 BODY_INK, FIN_INK = (0.55, 0.72, 0.80), (0.45, 0.62, 0.72)
 
 
-class Views:
-    """Both views, and what hands do in them."""
+class OutlineViews:
+    """Both views, and the editing of points in them."""
 
     def __init__(self) -> None:
-        """The fish as large as fits; nothing is hidden."""
-        self.side, self.top = Canvas(BOX, up=True), Canvas(BOX, up=True)
-        self.outline, self.scaffold = True, True  # whether they are shown, and can be taken hold of
-        self.soft = False  # whether the neighbours of a point go along with it
-        self.adding = False  # whether the next click adds a point
-        self._leads: Canvas = self.side
-        self._drawn_of: Draft | None = None
+        """Fit the fish; show everything."""
+        self.side, self.top = Viewport2D(BOX, up=True), Viewport2D(BOX, up=True)
+        self.outline, self.scaffold = True, True  # shown, and can be dragged
+        self.soft = False  # neighbours follow a dragged point
+        self.adding = False  # the next click adds a point
+        self._leads: Viewport2D = self.side
+        self._drawn_of: SpeciesDraft | None = None
         self._shapes: dict[str, Array] = {}
 
     @property
     def view(self) -> View:
-        """The view that was touched last."""
+        """The view that was used last."""
         return "side" if self._leads is self.side else "top"
 
     def fit(self) -> None:
-        """The whole fish again."""
+        """Fit the fish again."""
         self._leads = self.side
         self.side.fit()
 
     def draw(
-        self, view: View, editing: Editing, size: tuple[float, float], contraction: Array,
-        dressed: tuple[int, drafts.Box] | None,
+        self, view: View, editing: EditState, size: tuple[float, float], contraction: Array,
+        backdrop: tuple[int, Box] | None,
     ) -> None:  # fmt: skip
-        """A view; `contraction` (12,) of the muscles, `dressed` a texture and its place."""
+        """Draw a view; `contraction` (12,) of the muscles, `backdrop` a texture and its place."""
         canvas = self.side if view == "side" else self.top
         other = self.top if view == "side" else self.side
         if canvas is not self._leads:
@@ -70,34 +71,34 @@ class Views:
             if canvas.hovered:
                 self._leads = canvas
             canvas.grid()
-            if dressed:
-                canvas.picture(*dressed, alpha=0.85 if self.outline else 0.5)
+            if backdrop:
+                canvas.picture(*backdrop, alpha=0.85 if self.outline else 0.5)
             self._draw_shape(canvas, view, draft)
             if self.scaffold and draft.species.body:
                 _draw_scaffold(canvas, view, draft.species, contraction)
-            spots = [spot for spot in drafts.spots(draft, view) if self._shown(spot)]
-            _draw_spots(canvas, spots, editing)
-            self._hair(canvas, view, editing)
-            self._hands(canvas, view, editing, spots)
+            points = [handle for handle in handles(draft, view) if self._shown(handle)]
+            _draw_points(canvas, points, editing)
+            self._draw_crosshair(canvas, view, editing)
+            self._edit_points(canvas, view, editing, points)
             canvas.caption("Side view" if view == "side" else "Top view")
 
-    def _shown(self, spot: Spot) -> bool:
-        return self.scaffold if spot.path[0] == "body" else self.outline
+    def _shown(self, handle: Handle) -> bool:
+        return self.scaffold if handle.path[0] == "body" else self.outline
 
-    def _draw_shape(self, canvas: Canvas, view: View, draft: Draft) -> None:
+    def _draw_shape(self, canvas: Viewport2D, view: View, draft: SpeciesDraft) -> None:
         if draft is not self._drawn_of:
             self._drawn_of, self._shapes = draft, outlines(draft.species)
         for name, points in self._shapes.items():
             if name.startswith(view):
                 fin = "fin" in name
                 if fin:
-                    canvas.area(points, FIN_INK, 0.16)
+                    canvas.polygon(points, FIN_INK, 0.16)
                 ink = FIN_INK if fin else BODY_INK
                 canvas.line(points, ink, 1.2 if fin else 1.6, 0.9 if self.outline else 0.4, True)
 
-    def _hair(self, canvas: Canvas, view: View, editing: Editing) -> None:
-        """A line through both views at what is pointed at, or else chosen."""
-        path = editing.over or editing.chosen
+    def _draw_crosshair(self, canvas: Viewport2D, view: View, editing: EditState) -> None:
+        """Draw a line through both views at the hovered or else the selected point."""
+        path = editing.hovered or editing.selected
         if path is None:
             return
         draft = editing.present
@@ -114,45 +115,47 @@ class Views:
             )
             canvas.dots([(x, y) for y in values], MARK, 4.0, ring=True)
 
-    def _hands(self, canvas: Canvas, view: View, editing: Editing, spots: list[Spot]) -> None:
-        """Points are dragged, added and chosen."""
+    def _edit_points(
+        self, canvas: Viewport2D, view: View, editing: EditState, points: list[Handle]
+    ) -> None:
+        """Drag, add and select points."""
         twice = canvas.clicked and imgui.is_mouse_double_clicked(0)
         if canvas.clicked and (self.adding or (twice and self._near_line(canvas, view, editing))):
             self._add(canvas, view, editing)
             return
-        mirrored = [spot for spot in spots if spot.mirror]
-        places = [spot.at for spot in spots] + [(x, -y) for (x, y) in (m.at for m in mirrored)]
-        touch = canvas.touch(view, places)
-        if canvas.hovered or touch.held is not None:
-            editing.over = None
-        if touch.over is None:
+        mirrored = [handle for handle in points if handle.mirrored]
+        places = [handle.at for handle in points] + [(x, -y) for (x, y) in (m.at for m in mirrored)]
+        drag = canvas.drag_points(view, places)
+        if canvas.hovered or drag.dragged is not None:
+            editing.hovered = None
+        if drag.hovered is None:
             if canvas.clicked:
-                editing.chosen = None
+                editing.selected = None
             return
-        path = [*spots, *mirrored][touch.over].path
-        editing.over = path
-        if touch.held is not None:
-            editing.chosen = path
-            editing.hold(lambda draft: drafts.moved(draft, view, path, touch.to, self.soft))
-            if touch.ended:
-                editing.settle()
+        path = [*points, *mirrored][drag.hovered].path
+        editing.hovered = path
+        if drag.dragged is not None:
+            editing.selected = path
+            editing.drag(lambda draft: drag_handle(draft, view, path, drag.to, self.soft))
+            if drag.ended:
+                editing.commit()
 
-    def _near_line(self, canvas: Canvas, view: View, editing: Editing) -> bool:
+    def _near_line(self, canvas: Viewport2D, view: View, editing: EditState) -> bool:
         reach = 0.8 * imgui.get_font_size() / canvas.scale
-        return drafts.nearest_line(editing.present, view, canvas.mouse)[1] < reach
+        return nearest_line(editing.present, view, canvas.mouse)[1] < reach
 
-    def _add(self, canvas: Canvas, view: View, editing: Editing) -> None:
+    def _add(self, canvas: Viewport2D, view: View, editing: EditState) -> None:
         canvas.clicked = self.adding = False
 
-        def edit(draft: Draft) -> Draft:
-            after, editing.chosen = drafts.added(draft, view, canvas.mouse)
+        def edit(draft: SpeciesDraft) -> SpeciesDraft:
+            after, editing.selected = add_point(draft, view, canvas.mouse)
             return after
 
         editing.do(edit)
 
 
 def outlines(species: Species) -> dict[str, Array]:
-    """Closed lines (n, 2) of each view in body lengths, by the view and what they are of."""
+    """Return closed lines (n, 2) in body lengths, by view and part, such as "side body"."""
     surface = species.surface
     begin = surface.tail.begin
     x = np.concatenate([np.linspace(0.0, 0.1, 12), np.linspace(0.115, begin, 40)])
@@ -204,7 +207,7 @@ def _round(x: float, y: float, radius: float) -> Array:
 
 
 def _paddle(plan: PaddlePlan) -> Array:
-    """A paired fin as if it lay on the flank; about as `skins.mesh` has it."""
+    """Return a paired fin laid flat on the flank, about as `fish.mesh` has it."""
     out, side = np.linspace(0.0, 1.0, 14), np.linspace(1.0, -1.0, 9)
     half = 0.5 * plan.width * (0.25 + 0.75 * np.sin(0.76 * np.pi * out))
     edge = out - 0.3 * out**2
@@ -216,25 +219,25 @@ def _paddle(plan: PaddlePlan) -> Array:
     return np.asarray(root + np.outer(plan.length * way, tail) + np.outer(across, up))
 
 
-def place_of(draft: Draft, path: Path_) -> float | None:
-    """How far behind the snout a point is; None where it is no more."""
+def place_of(draft: SpeciesDraft, path: KeyPath) -> float | None:
+    """Return the distance of a point from the snout; None if it does not exist."""
     for view in ("side", "top"):
-        for spot in drafts.spots(draft, view):
-            if spot.path == path:
-                return spot.at[0]
+        for handle in handles(draft, view):
+            if handle.path == path:
+                return handle.at[0]
     return None
 
 
 def scaffold(view: View, species: Species) -> Array:
-    """The nodes (23, 2) of a view, body lengths."""
+    """Return the nodes (23, 2) in a view, body lengths."""
     assert species.body
     nodes = rest_nodes(species.body)
     across = nodes[:, 1 if view == "side" else 2]
     return np.stack([species.body.stations[2] - nodes[:, 0], across], axis=1) / species.body.length
 
 
-def _draw_scaffold(canvas: Canvas, view: View, species: Species, contraction: Array) -> None:
-    """Units, the muscles as red as they are contracted, and nodes in the colours of their rings."""
+def _draw_scaffold(canvas: Viewport2D, view: View, species: Species, contraction: Array) -> None:
+    """Draw units, red where muscles contract, and nodes in the colours of their rings."""
     nodes = scaffold(view, species)
     for number, (i, j) in enumerate(UNITS):
         pair = nodes[[i, j]]
@@ -253,24 +256,26 @@ def _draw_scaffold(canvas: Canvas, view: View, species: Species, contraction: Ar
     canvas.dots(nodes[:1], INK, 3.0)
 
 
-def _draw_spots(canvas: Canvas, spots: list[Spot], editing: Editing) -> None:
-    """Points that can be dragged; the one that is chosen, and the one that is pointed at."""
-    plain = [spot for spot in spots if spot.path[0] != "body"]
-    for spot in plain:
-        twins = [spot.at, (spot.at[0], -spot.at[1])] if spot.mirror else [spot.at]
-        special = spot.path[-1] in ("begin", "at", "length") or spot.path[2:3] == ("base",)
+def _draw_points(canvas: Viewport2D, points: list[Handle], editing: EditState) -> None:
+    """Draw the points; mark the selected and the hovered one."""
+    plain = [handle for handle in points if handle.path[0] != "body"]
+    for handle in plain:
+        twins = [handle.at, (handle.at[0], -handle.at[1])] if handle.mirrored else [handle.at]
+        special = handle.path[-1] in ("begin", "at", "length") or handle.path[2:3] == ("base",)
         canvas.dots(twins, FIN_INK if special else INK, 3.2, 0.95)
-    for path, radius in ((editing.chosen, 7.0), (editing.over, 6.0)):
-        for spot in spots:
-            if spot.path == path:
-                twins = [spot.at, (spot.at[0], -spot.at[1])] if spot.mirror else [spot.at]
+    for path, radius in ((editing.selected, 7.0), (editing.hovered, 6.0)):
+        for handle in points:
+            if handle.path == path:
+                twins = (
+                    [handle.at, (handle.at[0], -handle.at[1])] if handle.mirrored else [handle.at]
+                )
                 canvas.dots(twins, MARK, radius, ring=True)
 
 
-def dressed(species: Species, sheet: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], drafts.Box]:
-    """The fish from the side, of a flat one from above, as its sheet has it: pixels and place.
+def textured_view(species: Species, sheet: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Box]:
+    """Return the sheet cut out along the outline, for the side view or that of a ray from above.
 
-    (h, w, 4), top row first, clear outside of the outline; left, low, right, high in body lengths.
+    Pixels (h, w, 4), top row first; box in body lengths.
     """
     surface = species.surface
     rows, columns = sheet.shape[0], sheet.shape[1]

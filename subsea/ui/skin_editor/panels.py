@@ -1,17 +1,18 @@
-"""The panels of `subsea skin`: hands and views, the fish, what is done to the mesh, the sheet."""
+"""The panels of the skin editor: view options, the preview, the mesh, the sheet."""
 
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 from imgui_bundle import imgui
 
 from subsea.fish.photo import mesh_edit
-from subsea.fish.photo.deformable_mesh import BODY, DORSAL, LAW, VENTRAL, meshes
+from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL
 from subsea.fish.species import species_names
-from subsea.ui.skin_editor.photo_canvas import HANDS
-
-if TYPE_CHECKING:
-    from subsea.ui.skin_editor.window import Dressing
+from subsea.render.gl.image_texture import ImageTexture
+from subsea.ui.preview_panel import PreviewPanel
+from subsea.ui.skin_editor.document import MeshSliders, SkinDocument
+from subsea.ui.skin_editor.photo_canvas import MODES, PhotoCanvas
 
 PARTS = {
     "All": (BODY, DORSAL, VENTRAL),
@@ -19,150 +20,157 @@ PARTS = {
     "Dorsal": (DORSAL,),
     "Ventral": (VENTRAL,),
 }
-SMOOTHING = 1.8  # pixels of the small picture
 
 
-class Sliders(NamedTuple):
-    """What is felt how much."""
+@dataclass(frozen=True)
+class MeshActions:
+    """What the buttons of the mesh panel do."""
 
-    tension: float = LAW.tension
-    rigidity: float = LAW.rigidity
-    picture: float = LAW.picture
-    smoothing: float = SMOOTHING  # σ, pixels of the small picture
-    found: bool = True  # whether the outline of the fish that was found is felt, not all edges
-    reach: float = 0.15  # so far about the hand the mesh follows it, of the body's length
+    choose: Callable[[str], object]  # another species
+    find: Callable[[], object]
+    reset: Callable[[], object]
+    flip: Callable[[], object]
 
 
-def tools(table: "Dressing") -> None:
-    """Hands, and what is shown."""
-    easel = table.easel
-    for number, (hand, (words, tip)) in enumerate(HANDS.items()):
+def draw_view_options(canvas: PhotoCanvas) -> None:
+    """Draw the choice of the mouse mode, and of what is shown."""
+    for number, (mode, (label, tip)) in enumerate(MODES.items()):
         if number:
-            _beside(table, words)
-        if imgui.radio_button(words, easel.hand == hand):
-            easel.hand = hand
+            _same_line(label)
+        if imgui.radio_button(label, canvas.mode == mode):
+            canvas.mode = mode
         imgui.set_item_tooltip(tip)
-    _beside(table, "Photograph Edges", gap=1.5)
-    if imgui.radio_button("Photograph", not easel.edges):
-        easel.edges = False
-    _beside(table, "Edges")
-    if imgui.radio_button("Edges", easel.edges):
-        easel.edges = True
-        _ = table.field
-    _beside(table, "Mesh lines")
-    easel.lines = imgui.checkbox("Mesh lines", easel.lines)[1]
-    _beside(table, "Whole picture")
+    _same_line("Photograph Edges", gap=1.5)
+    if imgui.radio_button("Photograph", not canvas.edges):
+        canvas.edges = False
+    _same_line("Edges")
+    if imgui.radio_button("Edges", canvas.edges):
+        canvas.edges = True
+    _same_line("Mesh lines")
+    canvas.lines = imgui.checkbox("Mesh lines", canvas.lines)[1]
+    _same_line("Whole picture")
     if imgui.button("Whole picture"):
-        easel.canvas.fit()
+        canvas.view.fit()
 
 
-def _beside(table: "Dressing", words: str, gap: float = 0.0) -> None:
-    """What comes next stands beside the last, if there is room for its words."""
-    imgui.same_line(0.0, imgui.get_style().item_spacing.x + gap * table.bench.line)
-    wide = imgui.calc_text_size(words).x + 2.0 * table.bench.line
-    if imgui.get_content_region_avail().x < wide:
+def _same_line(label: str, gap: float = 0.0) -> None:
+    """Put the next widget beside the last, if there is room for its label."""
+    line = imgui.get_font_size()
+    imgui.same_line(0.0, imgui.get_style().item_spacing.x + gap * line)
+    if imgui.get_content_region_avail().x < imgui.calc_text_size(label).x + 2.0 * line:
         imgui.new_line()
 
 
-def fish(table: "Dressing", elapsed_s: float) -> None:
-    """The preview."""
+@dataclass
+class PreviewOptions:
+    """How the fish is previewed."""
+
+    swims: bool = True
+    painted: bool = False  # show the painted sheet, for comparison
+
+
+def draw_preview(
+    preview: PreviewPanel, options: PreviewOptions, scale: float, elapsed_s: float
+) -> bool:
+    """Draw the fish; return whether it shall show another sheet."""
     room = imgui.get_content_region_avail()
-    foot = imgui.get_frame_height_with_spacing()
-    window = table.bench.window
-    pixels = window.size[0] / window.points[0]
-    table.preview.draw((room.x, room.y - foot), pixels, elapsed_s)
-    table.preview.swims = imgui.checkbox("Swims", table.preview.swims)[1]
-    for words, painted in (("After", False), ("Before", True)):
-        _beside(table, words)
-        if imgui.radio_button(words, table.painted == painted):
-            table.painted = painted
-            table.dress()
+    size = room.x, room.y - imgui.get_frame_height_with_spacing()
+    preview.draw(size, scale, elapsed_s if options.swims else 0.0)
+    options.swims = imgui.checkbox("Swims", options.swims)[1]
+    changed = False
+    for label, painted in (("After", False), ("Before", True)):
+        _same_line(label)
+        if imgui.radio_button(label, options.painted == painted):
+            options.painted, changed = painted, True
+    return changed
 
 
-def mesh(table: "Dressing") -> None:
-    """What is done to the meshes, from the beginning to the end."""
-    line = table.bench.line
-    imgui.push_item_width(-7.5 * line)
-    if imgui.begin_combo("species", table.species.name):
-        for one in species_names():
-            if imgui.selectable(one.replace("_", " "), one == table.name)[0]:
-                table.bench.later(partial(table.choose, one))
+def draw_mesh(
+    document: SkinDocument,
+    canvas: PhotoCanvas,
+    actions: MeshActions,
+    defer: Callable[[Callable[[], object]], None],
+    searching: bool,
+) -> None:
+    """Draw the species, the actions on the meshes, and the sliders."""
+    imgui.push_item_width(-7.5 * imgui.get_font_size())
+    if imgui.begin_combo("species", document.species.name):
+        for name in species_names():
+            if imgui.selectable(name.replace("_", " "), name == document.name)[0]:
+                defer(lambda name=name: actions.choose(name))  # type: ignore[misc]
         imgui.end_combo()
-    imgui.begin_disabled(table.searching)
+    imgui.begin_disabled(searching)
     if imgui.button("Place"):
-        table.bench.later(table.find)
-    imgui.set_item_tooltip("Look for the fish, and lay the mesh over it.")
+        defer(actions.find)
+    imgui.set_item_tooltip("Find the fish, and lay the mesh over it.")
     imgui.end_disabled()
     imgui.same_line()
     if imgui.button("Anew"):
-        table.bench.later(table.anew)
+        defer(actions.reset)
     imgui.set_item_tooltip("Lay the mesh across the picture in its own shape.")
     imgui.same_line()
     if imgui.button("Flip"):
-        table.bench.later(table.flip)
+        defer(actions.flip)
     imgui.set_item_tooltip("The fish heads the other way.")
     imgui.same_line()
-    if imgui.button("Stop###relax" if table.relaxing else "Relax###relax"):
-        table.relax(not table.relaxing)
-    imgui.set_item_tooltip("Let the mesh take hold of the edges, and come to rest.")
+    if imgui.button("Stop###relax" if document.relaxing else "Relax###relax"):
+        document.relax(not document.relaxing)
+    imgui.set_item_tooltip("Let the mesh snap to the edges, and come to rest.")
     imgui.same_line()
-    imgui.begin_disabled(not mesh_edit.anchors(table.net))
+    imgui.begin_disabled(not mesh_edit.anchored_nodes(document.meshes))
     if imgui.button("Lift anchors"):
-        table.net = mesh_edit.without_anchors(table.net)
-        table.did()
+        document.meshes = mesh_edit.without_anchors(document.meshes)
+        document.record()
     imgui.end_disabled()
-    if table.error is not None:
-        imgui.text(f"outline: {100.0 * table.error:.1f} % of the length off the fish")
-        imgui.set_item_tooltip("Mean distance to the outline of what was told apart.")
+    if document.error is not None:
+        imgui.text(f"outline: {100.0 * document.error:.1f} % of the length off the fish")
+        imgui.set_item_tooltip("Mean distance to the outline of the fish that was found.")
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("touch")
-    for words, parts in PARTS.items():
-        if all(part in meshes(table.net) for part in parts) or words == "All":
-            _beside(table, words)
-            if imgui.radio_button(words, table.easel.parts == parts):
-                table.easel.parts = parts
-    _slide(table)
+    for label, parts in PARTS.items():
+        if all(part in document.meshes.parts for part in parts) or label == "All":
+            _same_line(label)
+            if imgui.radio_button(label, canvas.parts == parts):
+                canvas.parts = parts
+    _draw_sliders(document)
     imgui.pop_item_width()
 
 
-def _slide(table: "Dressing") -> None:
-    was = table.sliders
+def _draw_sliders(document: SkinDocument) -> None:
     clamp = imgui.SliderFlags_.always_clamp.value
-    for key, words, low, high, tip in (
-        ("tension", "tension", 0.0, 1.0, "How much the mesh resists being stretched."),
-        ("rigidity", "rigidity", 0.0, 0.6, "How much it resists being bent."),
-        ("picture", "pull of edges", 0.0, 20.0, "How much its border is drawn to edges."),
-        ("smoothing", "smoothing", 0.7, 12.0, "σ: from how far away edges are felt."),
-        ("reach", "reach of the hand", 0.03, 1.0, "How far about it the mesh follows."),
+    for key, label, low, high, tip in (
+        ("tension", "tension", 0.0, 1.0, "How much the mesh resists stretching."),
+        ("rigidity", "rigidity", 0.0, 0.6, "How much it resists bending."),
+        ("picture", "pull of edges", 0.0, 20.0, "How much edges attract its border."),
+        ("smoothing", "smoothing", 0.7, 12.0, "σ: from how far away edges attract."),
+        ("reach", "reach of the hand", 0.03, 1.0, "How far around the hand the mesh follows."),
     ):  # fmt: skip
-        value: Any = getattr(table.sliders, key)
-        _, value = imgui.slider_float(words, value, low, high, "%.2f", clamp)
+        value: Any = getattr(document.sliders, key)
+        _, value = imgui.slider_float(label, value, low, high, "%.2f", clamp)
         imgui.set_item_tooltip(tip)
-        table.sliders = table.sliders._replace(**{key: value})
+        document.sliders = document.sliders._replace(**{key: value})
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("edges of")
-    for words, told in (("all", False), ("the fish found", True)):
-        _beside(table, words)
-        imgui.begin_disabled(told and not table.knows_fish)
-        chosen = table.sliders.found and table.knows_fish
-        if imgui.radio_button(words, chosen == told):
-            table.sliders = table.sliders._replace(found=told)
+    known = document.fish_known
+    for label, found in (("all", False), ("the fish found", True)):
+        _same_line(label)
+        imgui.begin_disabled(found and not known)
+        if imgui.radio_button(label, (document.sliders.found and known) == found):
+            document.sliders = document.sliders._replace(found=found)
         imgui.end_disabled()
     imgui.same_line()
     if imgui.button("Usual"):
-        table.sliders = Sliders()
-    if table.sliders != was and (table.easel.edges or table.relaxing):
-        _ = table.field
+        document.sliders = MeshSliders()
 
 
-def sheet(table: "Dressing") -> None:
-    """The sheet as it will be saved, over squares where it is clear."""
+def draw_sheet(texture: ImageTexture, shape: tuple[int, ...]) -> None:
+    """Draw the sheet (h, w) as it will be saved."""
     room = imgui.get_content_region_avail()
-    height, width = table.sheet.shape[:2]
+    height, width = shape[:2]
     scale = min(room.x / width, room.y / height)
     corner = imgui.get_cursor_screen_pos()
     x, y = corner.x + (room.x - scale * width) / 2, corner.y
     imgui.get_window_draw_list().add_image(
-        imgui.ImTextureRef(table.shown_sheet.glo), (x, y), (x + scale * width, y + scale * height)
+        imgui.ImTextureRef(texture.glo), (x, y), (x + scale * width, y + scale * height)
     )
     imgui.dummy((room.x, scale * height))

@@ -11,15 +11,25 @@ from hypothesis import strategies as st
 from subsea.core.errors import UserError
 from subsea.core.toml_files import load_toml
 from subsea.fish.color_sheet import read, wear, write
-from subsea.fish.editing import draft as drafts
-from subsea.fish.editing.draft import EditError
+from subsea.fish.editing.draft import (
+    EditError,
+    copy_draft,
+    read_draft,
+    save_draft,
+    to_toml,
+    with_sheet_path,
+    with_value,
+)
+from subsea.fish.editing.handles import FINS, PAIRED_FINS, drag_handle, handles
+from subsea.fish.editing.outline_points import add_point, remove_point
+from subsea.fish.editing.proportions import with_fin, with_length, with_mass
 from subsea.fish.species import Species, species_file, species_names
 
 NAMES = species_names()
 
 
 def drawn(name):
-    return drafts.read(species_file(name))
+    return read_draft(species_file(name))
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +40,14 @@ def clownfish():
 @pytest.mark.parametrize("name", NAMES)
 def test_an_untouched_file_is_written_byte_for_byte(name):
     draft = drawn(name)
-    assert drafts.to_toml(draft) == species_file(name).read_text(encoding="utf-8")
+    assert to_toml(draft) == species_file(name).read_text(encoding="utf-8")
 
 
 def test_ends_of_lines_stay_as_they_were(tmp_path, clownfish):
     path = tmp_path / "fish.toml"
-    text = drafts.to_toml(drafts.changed(clownfish, ("name",), "Before"))
+    text = to_toml(with_value(clownfish, ("name",), "Before"))
     path.write_bytes(text.replace("\n", "\r\n").encode())
-    drafts.save(drafts.changed(drafts.read(path), ("name",), "After"), path)
+    save_draft(with_value(read_draft(path), ("name",), "After"), path)
     assert path.read_bytes() == text.replace("\n", "\r\n").replace("Before", "After").encode()
 
 
@@ -45,11 +55,11 @@ def test_ends_of_lines_stay_as_they_were(tmp_path, clownfish):
 def test_every_point_lies_where_the_surface_or_the_scaffold_has_it(name):
     draft = drawn(name)
     for view in ("side", "top"):
-        for spot in drafts.spots(draft, view):
+        for spot in handles(draft, view):
             assert -0.01 <= spot.at[0] <= 1.01 and abs(spot.at[1]) <= 1.0
-            assert drafts.moved(draft, view, spot.path, spot.at).species == draft.species or (
+            assert drag_handle(draft, view, spot.path, spot.at).species == draft.species or (
                 np.allclose(
-                    next(s.at for s in drafts.spots(draft, view) if s.path == spot.path),
+                    next(s.at for s in handles(draft, view) if s.path == spot.path),
                     spot.at,
                     atol=1e-3,
                 )
@@ -69,22 +79,22 @@ EDITS = st.lists(
 
 def done(draft, kind, view, number, to):
     """The draft after some edit, which may be refused."""
-    spots = drafts.spots(draft, view)
+    spots = handles(draft, view)
     spot = spots[number % len(spots)]
     try:
         if kind == "move":
-            return drafts.moved(draft, view, spot.path, to, soft=number % 2 == 0)
+            return drag_handle(draft, view, spot.path, to, soft=number % 2 == 0)
         if kind == "add":
-            return drafts.added(draft, view, to)[0]
+            return add_point(draft, view, to)[0]
         if kind == "remove":
-            return drafts.removed(draft, spot.path)
+            return remove_point(draft, spot.path)
         if kind == "fin":
-            fin = (*drafts.FINS, *drafts.PADDLES)[number % 4]
-            return drafts.with_fin(draft, fin, number % 8 < 4)
+            fin = (*FINS, *PAIRED_FINS)[number % 4]
+            return with_fin(draft, fin, number % 8 < 4)
         if kind == "weight" and draft.species.body:
-            return drafts.as_heavy(draft, 5.0 + number)
+            return with_mass(draft, 5.0 + number)
         if kind == "length" and draft.species.body:
-            return drafts.as_long(draft, 5.0 + number % 40)
+            return with_length(draft, 5.0 + number % 40)
     except EditError as why:
         assert str(why)
     return draft
@@ -97,7 +107,7 @@ def test_whatever_is_done_what_is_saved_loads_and_is_what_was_shown(tmp_path_fac
     for edit in edits:
         draft = done(draft, *edit)
     path = tmp_path_factory.mktemp("drafts") / "fish.toml"
-    drafts.save(draft, path)
+    save_draft(draft, path)
     assert load_toml(path, Species) == draft.species
     assert tomllib.loads(path.read_text(encoding="utf-8")) == draft.content
     kept = [line for line in first.text.splitlines() if line.startswith("#")]
@@ -106,8 +116,8 @@ def test_whatever_is_done_what_is_saved_loads_and_is_what_was_shown(tmp_path_fac
 
 
 def test_one_moved_point_changes_one_line(clownfish):
-    after = drafts.moved(clownfish, "top", ("surface", "width", 4), (0.29, 0.09))
-    old, new = (drafts.to_toml(one).splitlines() for one in (clownfish, after))
+    after = drag_handle(clownfish, "top", ("surface", "width", 4), (0.29, 0.09))
+    old, new = (to_toml(one).splitlines() for one in (clownfish, after))
     assert [k for k, (a, b) in enumerate(zip(old, new, strict=True)) if a != b] == [
         next(k for k, line in enumerate(old) if line.startswith("width = [["))
     ]
@@ -116,7 +126,7 @@ def test_one_moved_point_changes_one_line(clownfish):
 
 def test_a_fin_goes_along_with_the_ridge_that_it_stands_on(clownfish):
     before = clownfish.species.surface
-    after = drafts.moved(clownfish, "side", ("surface", "back", 7), (0.42, 0.228)).species.surface
+    after = drag_handle(clownfish, "side", ("surface", "back", 7), (0.42, 0.228)).species.surface
     rise = np.array(after.dorsal.edge) - before.dorsal.edge
     at = [x for x, _ in before.dorsal.edge].index(0.4)
     assert rise[at] == pytest.approx([0.0, 0.04], abs=0.005) and rise[-1] == pytest.approx([0, 0])
@@ -126,7 +136,7 @@ def test_a_fin_goes_along_with_the_ridge_that_it_stands_on(clownfish):
 def test_softly_the_points_beside_go_along_and_the_line_stays_smooth(clownfish):
     before = clownfish.species.surface.back
     place = (before[7][0], before[7][1] + 0.05)
-    after = drafts.moved(clownfish, "side", ("surface", "back", 7), place, soft=True)
+    after = drag_handle(clownfish, "side", ("surface", "back", 7), place, soft=True)
     rise = np.array(after.species.surface.back)[:, 1] - np.array(before)[:, 1]
     assert rise[7] == pytest.approx(0.05) and 0.01 < rise[6] < 0.05 and 0.01 < rise[8] < 0.05
     assert abs(rise[0]) < 0.001 and abs(rise[-1]) < 0.001
@@ -134,96 +144,96 @@ def test_softly_the_points_beside_go_along_and_the_line_stays_smooth(clownfish):
     many = clownfish
     for share in np.linspace(0.1, 1.0, 10):
         step = (place[0], before[7][1] + 0.05 * share)
-        many = drafts.moved(many, "side", ("surface", "back", 7), step, soft=True)
+        many = drag_handle(many, "side", ("surface", "back", 7), step, soft=True)
     np.testing.assert_allclose(many.species.surface.back, after.species.surface.back, atol=0.001)
 
 
 def test_a_moved_ring_is_the_same_ring_in_both_views_and_keeps_its_comment(clownfish):
     ring = ("body", "ring", 2)
-    wider = drafts.moved(clownfish, "top", ring, (0.57, -0.05))  # its twin, on the other side
+    wider = drag_handle(clownfish, "top", ring, (0.57, -0.05))  # its twin, on the other side
     body = wider.species.body
     assert body.half_widths[2] == pytest.approx(0.05 * 18) and body.stations[3] == 0.57 * 18
     assert body.half_heights == clownfish.species.body.half_heights
-    tall = drafts.moved(wider, "side", ring, (0.57, 0.1)).species.body
+    tall = drag_handle(wider, "side", ring, (0.57, 0.1)).species.body
     assert tall.half_heights[2] == pytest.approx(0.1 * 18) and tall.half_widths == body.half_widths
-    assert "# cm, of the five rings" in drafts.to_toml(wider)
+    assert "# cm, of the five rings" in to_toml(wider)
 
 
 def test_points_keep_between_their_neighbours_and_back_above_belly(clownfish):
-    far = drafts.moved(clownfish, "side", ("surface", "back", 4), (0.9, -0.4))
+    far = drag_handle(clownfish, "side", ("surface", "back", 4), (0.9, -0.4))
     back = far.species.surface.back
     assert back[3][0] < back[4][0] < back[5][0] and back[4][1] > 0
-    ring = drafts.moved(clownfish, "side", ("body", "ring", 1), (0.99, 0.08)).species.body
+    ring = drag_handle(clownfish, "side", ("body", "ring", 1), (0.99, 0.08)).species.body
     assert list(ring.stations) == sorted(ring.stations)
-    tail = drafts.moved(clownfish, "side", ("surface", "tail", "begin"), (0.05, 0.0))
+    tail = drag_handle(clownfish, "side", ("surface", "tail", "begin"), (0.05, 0.0))
     assert tail.species.surface.tail.begin == pytest.approx(0.3, abs=0.01)  # as far as may be
 
 
 def test_a_point_is_added_on_the_nearest_line_and_taken_away_again(clownfish):
-    more, path = drafts.added(clownfish, "side", (0.36, 0.2))
+    more, path = add_point(clownfish, "side", (0.36, 0.2))
     assert path[:2] == ("surface", "back") and len(more.species.surface.back) == 18
-    assert drafts.removed(more, path).species == clownfish.species
+    assert remove_point(more, path).species == clownfish.species
     with pytest.raises(EditError, match="already"):
-        drafts.added(more, "side", tuple(more.species.surface.back[path[2]]))
-    fin, path = drafts.added(clownfish, "side", (0.44, 0.26))
+        add_point(more, "side", tuple(more.species.surface.back[path[2]]))
+    fin, path = add_point(clownfish, "side", (0.44, 0.26))
     assert path[:3] == ("surface", "dorsal", "edge")
     assert len(fin.species.surface.dorsal.edge) == 1 + len(clownfish.species.surface.dorsal.edge)
     with pytest.raises(EditError, match="five rings"):
-        drafts.removed(clownfish, ("body", "ring", 0))
+        remove_point(clownfish, ("body", "ring", 0))
 
 
 def test_a_line_keeps_the_fewest_points_that_make_it(clownfish):
     draft = clownfish
     with pytest.raises(EditError, match="at least"):
         for _ in range(30):
-            draft = drafts.removed(draft, ("surface", "width", 1))
+            draft = remove_point(draft, ("surface", "width", 1))
     assert len(draft.species.surface.width) == 3
 
 
 def test_a_fin_taken_away_and_a_new_one(clownfish):
-    bare = drafts.with_fin(clownfish, "dorsal", False)
+    bare = with_fin(clownfish, "dorsal", False)
     assert bare.species.surface.dorsal is None
-    assert "dorsal = {" not in drafts.to_toml(bare)
-    finned = drafts.with_fin(bare, "dorsal", True)
-    assert finned.species.surface.dorsal and "dorsal = {" in drafts.to_toml(finned)
+    assert "dorsal = {" not in to_toml(bare)
+    finned = with_fin(bare, "dorsal", True)
+    assert finned.species.surface.dorsal and "dorsal = {" in to_toml(finned)
 
 
 def test_a_species_from_another_under_its_own_name(clownfish, tmp_path):
-    new = drafts.copied(clownfish, "red_snapper", "Red snapper")
-    drafts.save(new, tmp_path / "red_snapper.toml")
+    new = copy_draft(clownfish, "red_snapper", "Red snapper")
+    save_draft(new, tmp_path / "red_snapper.toml")
     assert load_toml(tmp_path / "red_snapper.toml", Species).name == "Red snapper"
     for key, name in (("fusilier", "Red"), ("", "Red"), ("red/fish", "Red"), ("red", " ")):
         with pytest.raises(EditError):
-            drafts.copied(clownfish, key, name)
+            copy_draft(clownfish, key, name)
 
 
 def test_a_copy_wears_a_picture_of_its_own(clownfish, tmp_path):
     path = tmp_path / "jewel.toml"
-    drafts.save(drafts.copied(clownfish, "jewel", "Jewel"), path)
+    save_draft(copy_draft(clownfish, "jewel", "Jewel"), path)
     sheet = np.full((640, 1024, 4), 200, np.uint8)
     wear(path, sheet)
-    source = drafts.read(path)
-    assert Path(drafts.worn(source).skin.sheet) == tmp_path / "jewel.png"
-    copy = drafts.copied(source, "gem", "Gem")
+    source = read_draft(path)
+    assert Path(with_sheet_path(source).skin.sheet) == tmp_path / "jewel.png"
+    copy = copy_draft(source, "gem", "Gem")
     (tmp_path / "own").mkdir()
-    drafts.save(copy, tmp_path / "own" / "gem.toml")
+    save_draft(copy, tmp_path / "own" / "gem.toml")
     np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet)
     assert load_toml(tmp_path / "own" / "gem.toml", Species).skin.sheet == "gem.png"
     write(tmp_path / "own" / "gem.png", sheet // 2)  # dressed anew meanwhile
-    drafts.save(drafts.changed(copy, ("name",), "Ruby"), tmp_path / "own" / "gem.toml")
+    save_draft(with_value(copy, ("name",), "Ruby"), tmp_path / "own" / "gem.toml")
     np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet // 2)
-    bare = drafts.changed(copy, ("skin", "sheet"), None)
-    assert drafts.worn(bare).skin.sheet is None
+    bare = with_value(copy, ("skin", "sheet"), None)
+    assert with_sheet_path(bare).skin.sheet is None
 
 
 def test_what_no_file_may_say_is_refused_with_the_reason(clownfish):
     with pytest.raises(EditError, match="masses"):
-        drafts.as_heavy(clownfish, 1e5)
+        with_mass(clownfish, 1e5)
     with pytest.raises(EditError, match="size_cm"):
-        drafts.changed(clownfish, ("size_cm",), [20.0, 10.0])
+        with_value(clownfish, ("size_cm",), [20.0, 10.0])
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(clownfish, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="file"):
-        drafts.save(clownfish, tmp_path / "file" / "fish.toml")
+        save_draft(clownfish, tmp_path / "file" / "fish.toml")

@@ -11,10 +11,10 @@ from PIL import Image
 from subsea.cli.main import main
 from subsea.fish import paint
 from subsea.fish.photo import dress
-from subsea.fish.photo.deformable_mesh import copied, meshes
+from subsea.fish.photo.deformable_mesh import copy_meshes
 from subsea.fish.photo.fitting import silhouette
-from subsea.fish.photo.photograph import read
-from subsea.fish.photo.side_view import across, laid
+from subsea.fish.photo.photograph import read_photograph
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species, own_species, species_file
 
 NAME = "my_wrasse"
@@ -34,7 +34,7 @@ def own():
 def photo(tmp_path_factory):
     """An orange fish that is cut out: quickly found."""
     plan = load_species("moon_wrasse").surface
-    mask = silhouette(plan, across(300, 200, plan), (200, 300))
+    mask = silhouette(plan, centred_matrix(300, 200, plan), (200, 300))
     pixels = np.full((200, 300, 4), (230, 120, 30, 255), np.uint8)
     pixels[~mask] = (0, 0, 255, 0)
     path = tmp_path_factory.mktemp("photo") / "wrasse.png"
@@ -70,18 +70,18 @@ def test_a_sheet_alone_and_meshes_that_are_used_again(capsys, own, photo, tmp_pa
     code, out, _ = run(capsys, *command)
     assert code == 0 and sheet.exists() and str(mesh) in out
     assert own.read_text() == before and not own.with_suffix(".png").exists()
-    photograph, species = read(photo), load_species(NAME)
-    net = dress.load_mesh(mesh, photograph, species)
+    photograph, species = read_photograph(photo), load_species(NAME)
+    meshes = dress.load_mesh(mesh, photograph, species)
     other = tmp_path / "other.json"
-    dress.save_mesh(other, photograph, net)
+    dress.save_mesh(other, photograph, meshes)
     both = [json.loads(path.read_text())["meshes"] for path in (mesh, other)]
     for name in both[0]:
         np.testing.assert_allclose(both[1][name]["nodes"], both[0][name]["nodes"], atol=3e-6)
     # Meshes that are there are used as they are: this one is half a picture off.
-    for one in meshes(net).values():
+    for one in meshes.parts.values():
         one.nodes[:] += (0.0, 60.0)
-    net.body.anchors[0, 3] = 20.0, 30.0
-    dress.save_mesh(mesh, photograph, net)
+    meshes.body.anchors[0, 3] = 20.0, 30.0
+    dress.save_mesh(mesh, photograph, meshes)
     again = dress.load_mesh(mesh, photograph, species)
     np.testing.assert_allclose(again.body.anchors[0, 3], (20.0, 30.0), atol=1e-3)
     told, first = mesh.read_bytes(), sheet.read_bytes()
@@ -105,14 +105,14 @@ def test_faults_are_one_line_and_change_nothing(capsys, own, photo, tmp_path, mo
     )
     mesh = tmp_path / "mesh.json"
     far = json.dumps({"meshes": {"body": {"nodes": [[[1e300, 0]] * 21] * 9, "anchors": []}}})
-    photograph, species = read(photo), load_species(NAME)
-    fresh = laid(species.surface, across(300, 200, species.surface))
+    photograph, species = read_photograph(photo), load_species(NAME)
+    fresh = make_fish_meshes(species.surface, centred_matrix(300, 200, species.surface))
 
     def changed(act):
-        net = copied(fresh)
-        for one in meshes(net).values():
+        meshes = copy_meshes(fresh)
+        for one in meshes.parts.values():
             act(one.nodes)
-        dress.save_mesh(mesh, photograph, net)
+        dress.save_mesh(mesh, photograph, meshes)
         return mesh.read_text()
 
     point = changed(lambda nodes: nodes.fill(100.0))
@@ -161,7 +161,7 @@ def test_an_interrupted_one_leaves_nothing(capsys, own, photo, tmp_path, monkeyp
         raise KeyboardInterrupt
 
     before = own.read_text()
-    monkeypatch.setattr(dress, "lifted", interrupted)
+    monkeypatch.setattr(dress, "lift_sheet", interrupted)
     code, _, err = run(capsys, photo, "--species", NAME, "--auto", "--mesh", tmp_path / "m.json")
     assert code == 130 and err.startswith("subsea: interrupted")
     assert own.read_text() == before and not own.with_suffix(".png").exists()

@@ -10,11 +10,16 @@ from msgspec import structs
 
 from subsea.core.errors import UserError
 from subsea.fish import paint
-from subsea.fish.photo.deformable_mesh import meshes
-from subsea.fish.photo.fitting import aligned, found, outline_error, silhouette, under
-from subsea.fish.photo.lift import covered, lifted
+from subsea.fish.photo.fitting import (
+    align_shape,
+    find_fish,
+    outline_error,
+    segment_under,
+    silhouette,
+)
+from subsea.fish.photo.lift import lift_sheet, mesh_mask
 from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.side_view import across, laid, outlines, placed
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes, mesh_outlines, to_picture
 from subsea.fish.species import load_species
 
 
@@ -23,9 +28,9 @@ from subsea.fish.species import load_species
 def test_outlines_are_found(accuracy, name):
     case = accuracy.CASES[name]
     photograph, truth = accuracy.made(case)
-    one = found(photograph, load_species(case.species).surface)
-    assert outline_error(one.net, truth) < accuracy.MOST
-    head, tail = one.net.body.nodes[4, [0, -1], 0]
+    one = find_fish(photograph, load_species(case.species).surface)
+    assert outline_error(one.meshes, truth) < accuracy.MOST
+    head, tail = one.meshes.body.nodes[4, [0, -1], 0]
     assert (head > tail) == case.right
 
 
@@ -35,8 +40,10 @@ def test_the_table_fails_where_an_outline_is_off_too_far(
 ):
     monkeypatch.setattr(accuracy, "CASES", {"one": accuracy.Case("clownfish")})
     monkeypatch.setattr(accuracy, "made", lambda case: clownfish_photo)
-    monkeypatch.setattr(accuracy, "found", lambda photograph, plan: SimpleNamespace(net=None))
-    monkeypatch.setattr(accuracy, "outline_error", lambda net, truth: off)
+    monkeypatch.setattr(
+        accuracy, "find_fish", lambda photograph, plan: SimpleNamespace(meshes=None)
+    )
+    monkeypatch.setattr(accuracy, "outline_error", lambda meshes, truth: off)
     monkeypatch.setattr("sys.argv", ["skin_accuracy.py"])
     assert accuracy.main() == code
 
@@ -51,12 +58,12 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
         [190.0 * turn @ np.diag([-1.0 if right else 1.0, -1.0]), (300.0 if right else 130.0, 200)]
     )
     mask = silhouette(plan, matrix, (400, 440))
-    got, likeness = aligned(plan, mask)
+    got, likeness = align_shape(plan, mask)
     assert likeness > 0.93
     both = silhouette(plan, got, mask.shape)
     assert (both & mask).sum() > 0.93 * (both | mask).sum()
     assert (got[0, 0] < 0) == right
-    other, less = aligned(plan, mask, heads_right=not right)
+    other, less = align_shape(plan, mask, heads_right=not right)
     assert (other[0, 0] > 0) == right and less < likeness
 
 
@@ -67,7 +74,7 @@ def test_an_opacity_tells_the_fish_apart(clownfish_photo):
     cut = photograph._replace(
         colour=np.full_like(photograph.colour, 90), opacity=np.where(truth, 255, 0).astype(np.uint8)
     )
-    assert outline_error(found(cut, plan).net, truth) < 0.01
+    assert outline_error(find_fish(cut, plan).meshes, truth) < 0.01
 
 
 def test_no_fish_is_one_line(clownfish_photo):
@@ -75,30 +82,30 @@ def test_no_fish_is_one_line(clownfish_photo):
     photograph = clownfish_photo.photograph
     blank = photograph._replace(colour=np.full_like(photograph.colour, 128))
     with pytest.raises(UserError, match="no fish of this shape"):
-        found(blank, plan)
+        find_fish(blank, plan)
     clear = np.zeros(photograph.colour.shape[:2], np.uint8)
     with pytest.raises(UserError, match="no fish of this shape"):
-        found(photograph._replace(opacity=clear), plan)
+        find_fish(photograph._replace(opacity=clear), plan)
 
 
 def test_what_lies_under_meshes_is_told_apart(clownfish_photo):
     photograph, truth = clownfish_photo
     plan = load_species("clownfish").surface
-    net = found(photograph, plan).net
-    mask = under(photograph, net)
+    meshes = find_fish(photograph, plan).meshes
+    mask = segment_under(photograph, meshes)
     assert (mask & truth).sum() > 0.95 * (mask | truth).sum()
 
 
 def test_the_outline_error_is_a_distance():
     plan = load_species("clownfish").surface
-    net = laid(plan, across(800, 600, plan))
-    mask = covered(net, (600, 800))
-    assert outline_error(net, mask) < 1e-6
-    for one in meshes(net).values():
+    meshes = make_fish_meshes(plan, centred_matrix(800, 600, plan))
+    mask = mesh_mask(meshes, (600, 800))
+    assert outline_error(meshes, mask) < 1e-6
+    for one in meshes.parts.values():
         one.nodes[:] += (0.0, 8.0)
-    length = np.ptp(outlines(net)[0][:, 0])
+    length = np.ptp(mesh_outlines(meshes)[0][:, 0])
     # Up and down the whole way, along the flanks less.
-    assert 0.5 * 8 / length < outline_error(net, mask) < 8 / length
+    assert 0.5 * 8 / length < outline_error(meshes, mask) < 8 / length
 
 
 @pytest.mark.parametrize("right", [False, True])
@@ -108,12 +115,12 @@ def test_the_eye_tells_which_way_a_fish_heads(right):
     shape = np.hypot((x - 160) / 110, (y - 100) / 42) < 1
     colour = np.full((200, 320, 3), (210, 120, 40), np.uint8)
     plan = load_species("clownfish").surface
-    matrix, _ = aligned(plan, shape, right)
-    eye = np.round(placed(matrix, np.array([plan.eye.at, plan.eye.height]))).astype(int)
+    matrix, _ = align_shape(plan, shape, right)
+    eye = np.round(to_picture(matrix, np.array([plan.eye.at, plan.eye.height]))).astype(int)
     cv2.circle(colour, eye.tolist(), 4, (5, 5, 5), -1, cv2.LINE_AA)
     photograph = Photograph(Path("fish.png"), colour, np.where(shape, 255, 0).astype(np.uint8))
     for flip in (False, True):
-        nodes = found(photograph, plan, flip).net.body.nodes
+        nodes = find_fish(photograph, plan, flip).meshes.body.nodes
         assert (nodes[4, 0, 0] > nodes[4, -1, 0]) == (right ^ flip)
 
 
@@ -124,10 +131,10 @@ def test_the_meshes_follow_the_eye(accuracy):
     # A species that has its eye elsewhere.
     eye = structs.replace(species.surface.eye, at=0.14, height=0.035)
     other = structs.replace(species, surface=structs.replace(species.surface, eye=eye))
-    one = found(photograph, other.surface)
-    assert outline_error(one.net, truth) < 0.01
+    one = find_fish(photograph, other.surface)
+    assert outline_error(one.meshes, truth) < 0.01
     body = paint.framed(
-        lifted(photograph.colour, one.net, other, one.mask).transpose(2, 0, 1), paint.BODY
+        lift_sheet(photograph.colour, one.meshes, other, one.mask).transpose(2, 0, 1), paint.BODY
     )
     front, rear = paint.borders(other.surface)
     top = paint.half_height(other.surface)

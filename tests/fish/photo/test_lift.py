@@ -5,9 +5,9 @@ import pytest
 
 from subsea.fish import paint
 from subsea.fish.photo.deformable_mesh import transform
-from subsea.fish.photo.fitting import found
-from subsea.fish.photo.lift import bled, covered, drawn, lifted
-from subsea.fish.photo.side_view import across, laid
+from subsea.fish.photo.fitting import find_fish
+from subsea.fish.photo.lift import lift_sheet, mesh_mask, pull_push, rasterize
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species
 from subsea.fish.surface import along
 
@@ -33,23 +33,23 @@ def clownfish():
 
 @pytest.fixture(scope="module")
 def marked(clownfish):
-    """A picture before magenta whose red tells how far behind the snout a place is, and its net."""
+    """A fish on magenta whose red is the distance from the snout, its meshes and its mask."""
     plan = clownfish.surface
-    matrix = across(800.0, 600.0, plan)
-    net = laid(plan, matrix)
+    matrix = centred_matrix(800.0, 600.0, plan)
+    meshes = make_fish_meshes(plan, matrix)
     x = (np.arange(800) - matrix[0, 2]) / matrix[0, 0]
     y = (np.arange(600) - matrix[1, 2]) / matrix[1, 1]
     picture = np.zeros((600, 800, 3), np.uint8)
     picture[..., 0] = (60 + 150 * x).clip(0, 255)
     picture[..., 1] = (128 - 300 * y[:, None]).clip(0, 255)
-    fish = covered(net, picture.shape)
+    fish = mesh_mask(meshes, picture.shape)
     picture[~fish] = MAGENTA
-    return picture, net, fish
+    return picture, meshes, fish
 
 
 def test_every_place_of_the_flank_has_the_colour_of_its_own_place(clownfish, marked):
-    picture, net, fish = marked
-    sheet = lifted(picture, net, clownfish, fish)
+    picture, meshes, fish = marked
+    sheet = lift_sheet(picture, meshes, clownfish, fish)
     assert sheet.shape == (640, 1024, 4) and sheet.dtype == np.uint8
     for s, y in ((0.1, 0.05), (0.3, 0.1), (0.5, -0.1), (0.7, 0.0), (0.9, 0.05), (0.95, -0.06)):
         red, green = texel(clownfish, sheet, s, y)[:2]
@@ -58,19 +58,19 @@ def test_every_place_of_the_flank_has_the_colour_of_its_own_place(clownfish, mar
 
 
 def test_the_other_flank_is_its_mirror_image(clownfish, marked):
-    picture, net, fish = marked
-    from subsea.fish.photo.deformable_mesh import copied
+    picture, meshes, fish = marked
+    from subsea.fish.photo.deformable_mesh import copy_meshes
 
-    other = copied(net)
+    other = copy_meshes(meshes)
     transform(other, np.diag([-1.0, 1.0]), np.array([399.5, 0.0]), np.zeros(2))
-    mirrored = lifted(np.ascontiguousarray(picture[:, ::-1]), other, clownfish, fish[:, ::-1])
-    plain = lifted(picture, net, clownfish, fish)
+    mirrored = lift_sheet(np.ascontiguousarray(picture[:, ::-1]), other, clownfish, fish[:, ::-1])
+    plain = lift_sheet(picture, meshes, clownfish, fish)
     assert np.abs(mirrored.astype(int) - plain).mean() < 0.5
 
 
 def test_fins_have_their_own_colours_and_go_on_within_the_body(clownfish, marked):
-    picture, net, fish = marked
-    sheet = lifted(picture, net, clownfish, fish)
+    picture, meshes, fish = marked
+    sheet = lift_sheet(picture, meshes, clownfish, fish)
     plan = clownfish.surface.dorsal
     dorsal = framed(sheet, paint.DORSAL)
     share, up = 0.5, 0.8
@@ -86,25 +86,25 @@ def test_fins_have_their_own_colours_and_go_on_within_the_body(clownfish, marked
 
 
 def test_nothing_of_the_background_is_left(clownfish, marked):
-    picture, net, fish = marked
+    picture, meshes, fish = marked
     for told in (fish, None):
-        sheet = lifted(picture, net, clownfish, told)
+        sheet = lift_sheet(picture, meshes, clownfish, told)
         for frame in (paint.BODY, paint.DORSAL, paint.VENTRAL):
             part = framed(sheet, frame)
             blue = part[..., 2] - np.minimum(part[..., 0], part[..., 1])
             assert blue.max() < 40  # of 255 in the background; the fish has no blue
     # And at the coarsest mipmap neither: what lies beyond the outline goes on in its colours.
-    body = framed(lifted(picture, net, clownfish, fish), paint.BODY)
+    body = framed(lift_sheet(picture, meshes, clownfish, fish), paint.BODY)
     assert body[-1, :, 2].max() < 40 and body[0, :, 2].max() < 40
 
 
 def test_the_body_is_opaque_and_gaps_in_fins_stay_gaps(clownfish, marked):
-    picture, net, fish = marked
+    picture, meshes, fish = marked
     fish, picture = fish.copy(), picture.copy()
-    edge = net.fins["dorsal"].mesh.nodes[1, 5].astype(int)
+    edge = meshes.fins["dorsal"].mesh.nodes[1, 5].astype(int)
     fish[edge[1] - 12 : edge[1] + 20, edge[0] - 6 : edge[0] + 6] = False
     picture[~fish] = MAGENTA
-    sheet = lifted(picture, net, clownfish, fish)
+    sheet = lift_sheet(picture, meshes, clownfish, fish)
     body = framed(sheet, paint.BODY)
     front, rear = paint.borders(clownfish.surface)
     tail = int((clownfish.surface.tail.begin - front) / (rear - front) * body.shape[1])
@@ -115,10 +115,10 @@ def test_the_body_is_opaque_and_gaps_in_fins_stay_gaps(clownfish, marked):
 
 
 def test_light_from_above_is_evened_out_but_not_a_dark_back(clownfish, marked):
-    _, net, fish = marked
+    _, meshes, fish = marked
     y = np.linspace(1.0, 0.0, 600)[:, None, None] * np.ones((1, 800, 3))
     for picture, evened in ((60 + 130 * y, True), (60 + 130 * (1 - y), False)):
-        sheet = lifted(picture.astype(np.uint8), net, clownfish, fish)
+        sheet = lift_sheet(picture.astype(np.uint8), meshes, clownfish, fish)
         back, belly = (texel(clownfish, sheet, 0.4, h)[:3].mean() for h in (0.14, -0.14))
         own = [picture[np.round(400 - 700 * h).astype(int)].mean() for h in (0.14, -0.14)]
         # Of what the back is brighter than the belly little is left, or all of the opposite.
@@ -129,9 +129,9 @@ def test_light_from_above_is_evened_out_but_not_a_dark_back(clownfish, marked):
 
 
 def test_paired_fins_take_the_photographs_colours(clownfish, marked):
-    _, net, fish = marked
+    _, meshes, fish = marked
     grey = np.where(fish[..., None], np.uint8(70), np.uint8(200)) * np.ones(3, np.uint8)
-    pectoral = framed(lifted(grey, net, clownfish, fish), paint.PECTORAL)
+    pectoral = framed(lift_sheet(grey, meshes, clownfish, fish), paint.PECTORAL)
     seen = pectoral[pectoral[..., 3] > 100][:, :3]
     assert np.ptp(seen, axis=1).mean() < 12  # no orange is left
     painted = framed(paint.paint(clownfish), paint.PECTORAL)
@@ -141,8 +141,8 @@ def test_paired_fins_take_the_photographs_colours(clownfish, marked):
 def test_a_species_is_lifted_from_a_photograph_of_itself(clownfish, clownfish_photo):
     """Painted, photographed, found and lifted: the sheet is the painted one again, about."""
     photograph, _ = clownfish_photo
-    one = found(photograph, clownfish.surface)
-    sheet = lifted(photograph.colour, one.net, clownfish, one.mask)
+    one = find_fish(photograph, clownfish.surface)
+    sheet = lift_sheet(photograph.colour, one.meshes, clownfish, one.mask)
     painted = paint.paint(clownfish)
     off = []
     for s in np.linspace(0.1, 0.75, 30):
@@ -159,12 +159,12 @@ def test_colours_bleed_beyond_and_stay_within():
     share[20:40, 30:60] = 1.0
     values[20:40, 30:60] = (0.2, 0.5, 0.9)
     values[share == 0] = 7.0  # never seen
-    out = bled(values, share)
+    out = pull_push(values, share)
     np.testing.assert_allclose(out, np.broadcast_to((0.2, 0.5, 0.9), out.shape), atol=1e-3)
 
 
 def test_meshes_are_drawn_linear_between_their_places():
     y, x = np.mgrid[:5, :7].astype(float)
-    out = drawn(np.stack([4 * x + 3, 3 * y + 2], 2), np.stack([x, y], 2), (30, 40))
+    out = rasterize(np.stack([4 * x + 3, 3 * y + 2], 2), np.stack([x, y], 2), (30, 40))
     assert np.isnan(out[0, 0]).all() and np.isfinite(out[2:15, 3:28]).all()
     assert out[8, 13] == pytest.approx((2.5, 2.0))

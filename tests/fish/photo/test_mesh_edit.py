@@ -4,95 +4,98 @@ import numpy as np
 import pytest
 
 from subsea.fish.photo import mesh_edit
-from subsea.fish.photo.deformable_mesh import BODY, DORSAL, LAW, VENTRAL, copied, meshes
-from subsea.fish.photo.mesh_edit import Node
-from subsea.fish.photo.side_view import across, at_rest, laid
+from subsea.fish.photo.deformable_mesh import BODY, DEFAULT, DORSAL, VENTRAL, copy_meshes
+from subsea.fish.photo.mesh_edit import MeshNode
+from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes, side_view
 from subsea.fish.species import load_species
 
 PLAN = load_species("clownfish").surface
 ALL = BODY, DORSAL, VENTRAL
-BACK = Node(BODY, 0, 8)
+BACK = MeshNode(BODY, 0, 8)
 
 
 @pytest.fixture
-def net():
-    return laid(PLAN, across(400.0, 300.0, PLAN))
+def meshes():
+    return make_fish_meshes(PLAN, centred_matrix(400.0, 300.0, PLAN))
 
 
 def same(a, b, **near):
-    return all(
-        np.allclose(one.nodes, meshes(b)[name].nodes, **near) for name, one in meshes(a).items()
-    )
+    return all(np.allclose(one.nodes, b.parts[name].nodes, **near) for name, one in a.parts.items())
 
 
-def test_the_border_is_every_node_on_an_outline_once(net):
-    nodes = mesh_edit.border(net, ALL)
+def test_the_border_is_every_node_on_an_outline_once(meshes):
+    nodes = mesh_edit.border_nodes(meshes, ALL)
     assert len(nodes) == len(set(nodes)) == 2 * 21 + 2 * 7 + 12 + 12
     assert all(node.row == 1 for node in nodes if node.part != BODY)
-    assert {node.part for node in mesh_edit.border(net, (DORSAL,))} == {DORSAL}
-    assert len(mesh_edit.inside(net, ALL)) == 7 * 19
-    assert not mesh_edit.inside(net, (DORSAL,))
+    assert {node.part for node in mesh_edit.border_nodes(meshes, (DORSAL,))} == {DORSAL}
+    assert len(mesh_edit.inner_nodes(meshes, ALL)) == 7 * 19
+    assert not mesh_edit.inner_nodes(meshes, (DORSAL,))
 
 
-def test_a_pulled_node_goes_to_the_hand_and_what_is_far_stays(net):
-    start, before = mesh_edit.places(net, [BACK])[0], copied(net)
+def test_a_pulled_node_goes_to_the_hand_and_what_is_far_stays(meshes):
+    start, before = mesh_edit.node_places(meshes, [BACK])[0], copy_meshes(meshes)
     to = start + (4.0, -30.0)
-    held = mesh_edit.beyond(net, start, 60.0)
+    held = mesh_edit.nodes_beyond(meshes, start, 60.0)
     for _ in range(10):
-        mesh_edit.pull(net, BACK, tuple(to), held, LAW, 40)
-    moved = np.hypot(*(net.body.nodes - before.body.nodes).transpose(2, 0, 1))
+        mesh_edit.pull_node(meshes, BACK, tuple(to), held, DEFAULT, 40)
+    moved = np.hypot(*(meshes.body.nodes - before.body.nodes).transpose(2, 0, 1))
     assert moved[0, 8] > 0.85 * 30.0
     assert not moved[held[BODY]].any() and held[BODY].sum() > 100
     # Those beside it follow, the farther the less; the fin that is rooted there comes along.
     assert moved[0, 8] > moved[0, 9] > moved[0, 10] > 0.0
-    root = net.fins[DORSAL].mesh.nodes[0]
-    assert np.allclose(root, net.fins[DORSAL].share @ net.body.nodes[0])
-    assert np.isnan(net.body.pulls).all()
+    root = meshes.fins[DORSAL].mesh.nodes[0]
+    assert np.allclose(root, meshes.fins[DORSAL].root_weights @ meshes.body.nodes[0])
+    assert np.isnan(meshes.body.mouse).all()
     # It stays so once that shape is the one it rests in.
-    resting = mesh_edit.kept(net)
-    mesh_edit.pull(
-        resting, BACK, tuple(resting.body.nodes[0, 8]), mesh_edit.beyond(net, start, 1e9), LAW, 50
+    resting = mesh_edit.with_rest_shape(meshes)
+    mesh_edit.pull_node(
+        resting,
+        BACK,
+        tuple(resting.body.nodes[0, 8]),
+        mesh_edit.nodes_beyond(meshes, start, 1e9),
+        DEFAULT,
+        50,
     )
-    assert same(resting, net, atol=0.05)
+    assert same(resting, meshes, atol=0.05)
 
 
-def test_an_anchor_holds_a_node_where_it_was_put_and_goes_with_it(net):
-    node = Node(VENTRAL, 1, 5)
-    held = mesh_edit.with_anchor(net, node, (123.0, 45.0))
-    assert mesh_edit.anchors(held) == [node] and mesh_edit.anchored(held, node)
-    assert not mesh_edit.anchors(net)  # the net itself is as it was
-    mesh_edit.tug(held, node, (130.0, 50.0))
+def test_an_anchor_holds_a_node_where_it_was_put_and_goes_with_it(meshes):
+    node = MeshNode(VENTRAL, 1, 5)
+    held = mesh_edit.with_anchor(meshes, node, (123.0, 45.0))
+    assert mesh_edit.anchored_nodes(held) == [node] and mesh_edit.is_anchored(held, node)
+    assert not mesh_edit.anchored_nodes(meshes)  # the meshes itself is as it was
+    mesh_edit.set_mouse_target(held, node, (130.0, 50.0))
     assert held.fins[VENTRAL].mesh.anchors[1, 5].tolist() == [130.0, 50.0]
-    assert not mesh_edit.anchors(mesh_edit.with_anchor(held, node, None))
-    assert not mesh_edit.anchors(mesh_edit.without_anchors(held))
+    assert not mesh_edit.anchored_nodes(mesh_edit.with_anchor(held, node, None))
+    assert not mesh_edit.anchored_nodes(mesh_edit.without_anchors(held))
 
 
-def test_the_frame_is_about_all_nodes_and_along_the_fish(net):
-    net = mesh_edit.turned(net, np.array([200.0, 150.0]), 0.4)
-    frame = mesh_edit.frame(net)
-    for name in meshes(net):
-        for place in meshes(net)[name].nodes.reshape(-1, 2):
-            assert mesh_edit.within(frame, tuple(place))
+def test_the_frame_is_about_all_nodes_and_along_the_fish(meshes):
+    meshes = mesh_edit.rotate(meshes, np.array([200.0, 150.0]), 0.4)
+    frame = mesh_edit.transform_box(meshes)
+    for name in meshes.parts:
+        for place in meshes.parts[name].nodes.reshape(-1, 2):
+            assert mesh_edit.is_inside(frame, tuple(place))
     assert frame.ahead @ (-np.cos(0.4), -np.sin(0.4)) == pytest.approx(1.0, abs=1e-3)
-    back, belly = net.body.nodes[0].mean(axis=0), net.body.nodes[-1].mean(axis=0)
+    back, belly = meshes.body.nodes[0].mean(axis=0), meshes.body.nodes[-1].mean(axis=0)
     assert frame.up @ (back - belly) > 0.0
-    assert not mesh_edit.within(frame, tuple(frame.knob))
+    assert not mesh_edit.is_inside(frame, tuple(frame.knob))
 
 
 @pytest.mark.parametrize("grip", range(10))
-def test_grips_take_what_they_hold_along_and_back(net, grip):
-    frame = mesh_edit.frame(net)
+def test_grips_take_what_they_hold_along_and_back(meshes, grip):
+    frame = mesh_edit.transform_box(meshes)
     grips = np.concatenate([frame.corners, frame.sides, frame.knob[None], frame.middle[None]])
     begin = grips[grip]
     away = (begin - frame.middle) * 0.2 if grip < 8 else np.array([30.0, 10.0])
-    there = mesh_edit.placed_by(net, frame, grip, begin, begin + away)
-    assert not same(there, net, atol=1.0)
-    grown = np.sqrt(np.abs(np.linalg.det(_affine(net, there))))
+    there = mesh_edit.drag_grip(meshes, frame, grip, begin, begin + away)
+    assert not same(there, meshes, atol=1.0)
+    grown = np.sqrt(np.abs(np.linalg.det(_affine(meshes, there))))
     assert grown == pytest.approx(1.1 if grip < 4 else np.sqrt(1.1) if grip < 8 else 1.0, rel=1e-6)
     if grip < 8:  # what lies on the other side stays
         other = grips[(grip + 2) % 4 + (4 if grip > 3 else 0)]
-        assert _affine(net, there) @ other + _shift(net, there) == pytest.approx(other)
-    assert same(mesh_edit.placed_by(net, frame, grip, begin, begin), net)
+        assert _affine(meshes, there) @ other + _shift(meshes, there) == pytest.approx(other)
+    assert same(mesh_edit.drag_grip(meshes, frame, grip, begin, begin), meshes)
 
 
 def _affine(a, b):
@@ -108,31 +111,40 @@ def _solved(a, b):
     return np.linalg.lstsq(np.column_stack([x, np.ones(len(x))]), y, rcond=None)[0]
 
 
-def test_flipped_twice_it_is_as_it_was_and_once_it_heads_the_other_way(net):
-    net = mesh_edit.turned(net, np.array([10.0, 20.0]), -0.3)
-    other = mesh_edit.flipped(net)
-    assert mesh_edit.frame(other).ahead == pytest.approx(-mesh_edit.frame(net).ahead)
-    assert mesh_edit.frame(other).up == pytest.approx(mesh_edit.frame(net).up)
-    assert mesh_edit.frame(other).middle == pytest.approx(mesh_edit.frame(net).middle)
-    assert same(mesh_edit.flipped(other), net)
-
-
-def test_springs_as_stiff_as_sliders_allow_never_explode(net):
-    law = mesh_edit.stable(LAW._replace(tension=1.0, rigidity=0.6, anchor=2.0))
-    rng, before = np.random.default_rng(1), copied(net)
-    for one in meshes(net).values():
-        one.nodes[:] += rng.normal(0.0, 4.0, one.nodes.shape)
-    mesh_edit.pull(
-        net, BACK, (200.0, 0.0), mesh_edit.beyond(net, net.body.nodes[0, 8], 1e9), law, 600
+def test_flipped_twice_it_is_as_it_was_and_once_it_heads_the_other_way(meshes):
+    meshes = mesh_edit.rotate(meshes, np.array([10.0, 20.0]), -0.3)
+    other = mesh_edit.flip(meshes)
+    assert mesh_edit.transform_box(other).ahead == pytest.approx(
+        -mesh_edit.transform_box(meshes).ahead
     )
-    assert np.isfinite(net.body.nodes).all()
-    assert np.abs(net.body.nodes - before.body.nodes).max() < 400.0
+    assert mesh_edit.transform_box(other).up == pytest.approx(mesh_edit.transform_box(meshes).up)
+    assert mesh_edit.transform_box(other).middle == pytest.approx(
+        mesh_edit.transform_box(meshes).middle
+    )
+    assert same(mesh_edit.flip(other), meshes)
 
 
-def test_the_eye_lies_where_the_species_has_it(net):
-    rest = at_rest(PLAN)
-    matrix = across(400.0, 300.0, PLAN)
-    rim = mesh_edit.eye(net, rest, PLAN.eye)
+def test_springs_as_stiff_as_sliders_allow_never_explode(meshes):
+    params = mesh_edit.stable_parameters(DEFAULT._replace(tension=1.0, rigidity=0.6, anchor=2.0))
+    rng, before = np.random.default_rng(1), copy_meshes(meshes)
+    for one in meshes.parts.values():
+        one.nodes[:] += rng.normal(0.0, 4.0, one.nodes.shape)
+    mesh_edit.pull_node(
+        meshes,
+        BACK,
+        (200.0, 0.0),
+        mesh_edit.nodes_beyond(meshes, meshes.body.nodes[0, 8], 1e9),
+        params,
+        600,
+    )
+    assert np.isfinite(meshes.body.nodes).all()
+    assert np.abs(meshes.body.nodes - before.body.nodes).max() < 400.0
+
+
+def test_the_eye_lies_where_the_species_has_it(meshes):
+    rest = side_view(PLAN)
+    matrix = centred_matrix(400.0, 300.0, PLAN)
+    rim = mesh_edit.eye_outline(meshes, rest, PLAN.eye)
     middle = matrix[:, :2] @ (PLAN.eye.at, PLAN.eye.height) + matrix[:, 2]
     assert (rim.min(axis=0) + rim.max(axis=0)) / 2 == pytest.approx(middle, abs=1.0)
     assert np.ptp(rim, axis=0) == pytest.approx(2 * PLAN.eye.radius * matrix[0, 0], rel=0.1)

@@ -9,7 +9,7 @@ from PIL import Image
 
 from subsea.core.errors import UserError
 from subsea.fish.photo import photograph
-from subsea.fish.photo.photograph import WORK, cleaned, read, told_apart
+from subsea.fish.photo.photograph import WORK, grab_cut, largest_region, read_photograph
 
 
 def ramp(width=160, height=120):
@@ -20,7 +20,7 @@ def ramp(width=160, height=120):
 
 def fails(path, *words):
     with pytest.raises(UserError) as fault:
-        read(path)
+        read_photograph(path)
     text = str(fault.value)
     assert str(path) in text and "\n" not in text
     for word in words:
@@ -32,7 +32,7 @@ def fails(path, *words):
 def test_pictures_of_many_formats_are_read(tmp_path, ending):
     path = tmp_path / f"fish.{ending}"
     Image.fromarray(ramp()).save(path)
-    got = read(path)
+    got = read_photograph(path)
     assert got.colour.shape == (120, 160, 3) and got.colour.dtype == np.uint8
     assert got.opacity is None
     assert abs(got.colour.astype(int) - ramp()).mean() < 12
@@ -44,7 +44,7 @@ def test_a_pixel_that_is_no_number_is_dark(tmp_path):
     for first in (0.0, np.nan):
         grey[0, 0] = first
         Image.fromarray(grey).save(tmp_path / "fish.tif")
-        means.append(read(tmp_path / "fish.tif").colour.mean())
+        means.append(read_photograph(tmp_path / "fish.tif").colour.mean())
     assert means[0] == means[1] > 100
 
 
@@ -63,7 +63,7 @@ def test_pictures_of_any_mode_are_brought_to_colours(tmp_path, mode, width):
         path = path.with_suffix(".png")
         image.info["transparency"] = 0
     image.save(path)
-    got = read(path).colour
+    got = read_photograph(path).colour
     # Its left is darker than its right, whatever it is kept as.
     assert got[:, :40].mean() + 20 < got[:, -40:].mean()
 
@@ -72,10 +72,10 @@ def test_opacity_is_kept_where_it_tells_something(tmp_path):
     path = tmp_path / "cut.png"
     pixels = np.dstack([ramp(), np.full((120, 160), 255, np.uint8)])
     Image.fromarray(pixels).save(path)
-    assert read(path).opacity is None
+    assert read_photograph(path).opacity is None
     pixels[:, :50, 3] = 0
     Image.fromarray(pixels).save(path)
-    opacity = read(path).opacity
+    opacity = read_photograph(path).opacity
     assert (opacity[:, :50] == 0).all() and (opacity[:, 50:] == 255).all()
 
 
@@ -85,7 +85,7 @@ def test_a_camera_held_on_its_side_is_turned_upright(tmp_path):
     exif = image.getexif()
     exif[0x0112] = 6  # the right side is up
     image.save(path, exif=exif, quality=95)
-    got = read(path).colour
+    got = read_photograph(path).colour
     assert got.shape[:2] == (160, 120)
     assert got[:20].mean() < got[-20:].mean()  # its dark left is its top now
 
@@ -93,7 +93,7 @@ def test_a_camera_held_on_its_side_is_turned_upright(tmp_path):
 def test_large_ones_are_scaled_down(tmp_path):
     path = tmp_path / "large.jpg"
     Image.fromarray(ramp(4000, 3000)).save(path)
-    assert read(path).colour.shape == (WORK * 3 // 4, WORK, 3)
+    assert read_photograph(path).colour.shape == (WORK * 3 // 4, WORK, 3)
 
 
 def test_what_is_no_photograph_gets_one_line(tmp_path):
@@ -129,7 +129,7 @@ def test_damaged_ones_get_one_line(tmp_path, ending):
         broken[rng.integers(0, len(broken), 40)] = rng.integers(0, 256, 40)
         path.write_bytes(broken.tobytes())
         try:
-            read(path)
+            read_photograph(path)
         except UserError as fault:
             assert str(path) in str(fault)
 
@@ -160,8 +160,8 @@ def test_the_largest_piece_is_kept_and_filled():
     mask[50, 150:190] = True  # a thread
     want = np.zeros_like(mask)
     want[20:80, 40:150] = True
-    assert (cleaned(mask) != want).mean() < 0.002
-    assert not cleaned(np.zeros((50, 60), bool)).any()
+    assert (largest_region(mask) != want).mean() < 0.002
+    assert not largest_region(np.zeros((50, 60), bool)).any()
 
 
 def test_colours_are_told_apart():
@@ -171,5 +171,5 @@ def test_colours_are_told_apart():
     fish = np.hypot((x - 100) / 60, (y - 75) / 30) < 1
     picture[fish] = rng.normal((210, 120, 40), 8, (fish.sum(), 3))
     picture = picture.clip(0, 255).astype(np.uint8)
-    for guess in photograph.guesses(picture):
-        assert (told_apart(picture, guess) != fish).mean() < 0.01
+    for guess in photograph.initial_masks(picture):
+        assert (grab_cut(picture, guess) != fish).mean() < 0.01

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.fish.species import Display, Variation
+from subsea.fish.species import CourtshipColours, Variation
 from subsea.render import Renderer
 from subsea.view.display_rigs import display_rig
 
@@ -79,7 +79,7 @@ def test_a_torn_fin_lets_the_water_show(drawn):
 
 def test_mating_colours_replace_what_is_near_one_colour(drawn):
     yellow, red = (0.98, 0.60, 0.02), (0.9, 0.02, 0.02)
-    draw = drawn(variation=ALIKE, display=Display(of=yellow, to=red, reach=0.5))
+    draw = drawn(variation=ALIKE, display=CourtshipColours(of=yellow, to=red, reach=0.5))
     plain, courting = draw(), draw(display=1.0)
     gold = (plain[..., 1] > 1.6 * plain[..., 2]) & (plain[..., 0] > 100)
     assert gold.mean() > 0.05
