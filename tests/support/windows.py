@@ -87,10 +87,11 @@ class Hands:
     def double_click(running: Any) -> None:
         """Click twice; imgui measures the pause in seconds, and frames are slow here."""
         io = imgui.get_io()
-        usual, io.mouse_double_click_time = io.mouse_double_click_time, 5.0
+        usual = io.mouse_double_click_time, io.mouse_single_click_delay
+        io.mouse_double_click_time, io.mouse_single_click_delay = 5.0, 6.0
         Hands.do("click", "--repeat", 2, "--delay", 60, 1)
         Hands.glide(running, 1.0)
-        io.mouse_double_click_time = usual
+        io.mouse_double_click_time, io.mouse_single_click_delay = usual
 
     def point(self, running: Any, x: float, y: float) -> None:
         """Move the pointer, in two steps, to a place given in [-1, 1] from the middle."""

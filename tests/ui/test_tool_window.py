@@ -165,9 +165,9 @@ def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves_the_view(window, han
     hands.until(window, lambda: view.scale > 1.3 * fitted)
     assert at(window, 2.0, -2.0) == pytest.approx(place, abs=1)
     for button in (1, 2, 3):
-        before = view.own(100.0, 100.0)
+        before = view.from_screen(100.0, 100.0)
         drag(window, hands, place, (place[0] + 40, place[1] - 30), button)
-        x, y = view.own(100.0, 100.0)
+        x, y = view.from_screen(100.0, 100.0)
         assert x == pytest.approx(before[0] - 40 / view.scale, abs=1e-6)
         assert y == pytest.approx(before[1] - 30 / view.scale, abs=1e-6)
     assert window.tool.points == window.tool.history.present

@@ -123,7 +123,7 @@ def test_from_a_copy_to_a_fish_in_the_sea(window, hands, spots):
 
     # It is judged by swimming, ...
     wait(window, lambda: builder.findings is not None, 60.0)
-    assert any("recorded" in finding.text for finding in builder.findings)
+    assert any("swims" in finding.text for finding in builder.findings)
     # ... recorded, ...
     spots.click(window, "Record")
     wait(window, lambda: builder.jobs.running or builder.recorded, 20.0)
