@@ -254,7 +254,10 @@ def test_it_draws_in_a_window_of_one_pixel(window, hands):
     for size in ((1, 1), (30, 400), (400, 30), SIZE):
         glfw.set_window_size(window.window.handle, *size)
         hands.until(window, lambda size=size: window.window.points == size)
+        frames = window.tool.frames
+        window.wake()
         hands.glide(window, 0.3)
+        assert window.tool.frames > frames
 
 
 def test_ctrl_c_in_the_terminal_ends_the_builder(display):
