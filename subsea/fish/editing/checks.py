@@ -33,7 +33,7 @@ class Severity(IntEnum):
     FAULT = 2  # it will not work
 
 
-class Finding(NamedTuple):
+class FishFinding(NamedTuple):
     """A sentence about the fish."""
 
     severity: Severity
@@ -58,7 +58,7 @@ NODE_PLACES = (
 )
 
 
-def static_checks(species: Species) -> list[Finding]:
+def static_checks(species: Species) -> list[FishFinding]:
     """Check shape, scaffold, buoyancy and material."""
     findings = _shape(species.surface)
     if species.body:
@@ -81,13 +81,15 @@ def displaced_cm3(species: Species) -> float:
     return float(np.trapezoid(0.5 * np.pi * tall * wide, x)) * species.length_cm**3
 
 
-def _shape(surface: SurfacePlan) -> list[Finding]:
+def _shape(surface: SurfacePlan) -> list[FishFinding]:
     x = np.linspace(0.01, surface.tail.begin, 120)
     width = along(surface.width, x)
     if (width <= 0.0).any():
         at = float(x[int(np.argmin(width))])
         return [
-            Finding(FAULT, f"The body has no width at {at:.2f}: raise the line in the top view.")
+            FishFinding(
+                FAULT, f"The body has no width at {at:.2f}: raise the line in the top view."
+            )
         ]
     for name in ("dorsal", "ventral"):
         fin = getattr(surface, name)
@@ -98,12 +100,14 @@ def _shape(surface: SurfacePlan) -> list[Finding]:
             above = sign * (edge[:, 1] - along(ridge, edge[:, 0]))
             if (above < 0.005).all():
                 return [
-                    Finding(WARNING, f"The {name} fin lies inside the body: drag its edge outward.")
+                    FishFinding(
+                        WARNING, f"The {name} fin lies inside the body: drag its edge outward."
+                    )
                 ]
-    return [Finding(GOOD, "The outline is whole: back above belly, and width all along.")]
+    return [FishFinding(GOOD, "The outline is whole: back above belly, and width all along.")]
 
 
-def check_faces(body: Body) -> list[Finding]:
+def check_faces(body: Body) -> list[FishFinding]:
     """Check for hull faces that look inward, as after a ring passed another."""
     a, b, c = (body.rest[TRIANGLES[:, k]] for k in range(3))
     middle = (a + b + c) / 3
@@ -113,16 +117,16 @@ def check_faces(body: Body) -> list[Finding]:
     if len(wrong):
         place = NODE_PLACES[int(TRIANGLES[wrong[0]].min())]
         return [
-            Finding(
+            FishFinding(
                 FAULT,
                 f"The scaffold is folded behind {place}: its faces look inward. "
                 "Make the rings there more alike, or move them apart.",
             )
         ]
-    return [Finding(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
+    return [FishFinding(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
 
 
-def _rings(species: Species) -> list[Finding]:
+def _rings(species: Species) -> list[FishFinding]:
     body, surface = species.body, species.surface
     assert body
     at = np.array(body.stations[1:6]) / body.length
@@ -131,17 +135,17 @@ def _rings(species: Species) -> list[Finding]:
     if (over > 1.0).any():
         ring = int(over.argmax())
         return [
-            Finding(
+            FishFinding(
                 WARNING,
                 f"Ring {ring + 1} stands out of the body: "
                 f"{body.half_heights[ring]:.2f} cm against {half[ring]:.2f} cm. "
                 "Lower it in the side view.",
             )
         ]
-    return [Finding(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
+    return [FishFinding(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
 
 
-def _buoyancy(species: Species) -> list[Finding]:
+def _buoyancy(species: Species) -> list[FishFinding]:
     body = species.body
     assert body
     water = displaced_cm3(species)
@@ -150,18 +154,18 @@ def _buoyancy(species: Species) -> list[Finding]:
     masses = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
     findings = []
     if AFLOAT[0] <= share <= AFLOAT[1]:
-        findings.append(Finding(GOOD, f"About neutrally buoyant: {masses}."))
+        findings.append(FishFinding(GOOD, f"About neutrally buoyant: {masses}."))
     else:
         way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING, f"Too {way}. There are {masses}; Neutral, in tab Body, sets its masses."
             )
         )
     low, high = DENSITIES
     if dense < 1.5 * low or dense > high / 1.5:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
                 f"{low:g} to {high:g}.",
@@ -171,7 +175,7 @@ def _buoyancy(species: Species) -> list[Finding]:
     behind = (heart - body.stations[2]) / body.length
     if behind < REAR:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 "Its weight lies too far forward: the fins push on ring 2, and the centre "
                 f"of mass should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
@@ -181,12 +185,12 @@ def _buoyancy(species: Species) -> list[Finding]:
     return findings
 
 
-def _material(species: Species, body: Body) -> list[Finding]:
+def _material(species: Species, body: Body) -> list[FishFinding]:
     limit, node = longest_step(body)
     spare = limit / STEP
     if spare < LEAST_STEP:
         return [
-            Finding(
+            FishFinding(
                 WARNING,
                 f"The step of the simulation is only {100 * (spare - 1):.0f}% below the "
                 f"longest that the body bears. Make {NODE_PLACES[node]} heavier, or the units "
@@ -194,7 +198,7 @@ def _material(species: Species, body: Body) -> list[Finding]:
             )
         ]
     return [
-        Finding(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")
+        FishFinding(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")
     ]
 
 
@@ -246,44 +250,44 @@ def try_swimming(muscles: Muscles) -> SwimTrial:
         )
 
 
-def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[Finding]:
+def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[FishFinding]:
     """Judge a test swim."""
     low, high = STRAIN_LIMITS
     stretch = f"units keep within {swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length"
     if not swim.sound:
         return [
-            Finding(
+            FishFinding(
                 FAULT,
                 f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its "
                 "length at rest. Contract the muscles less, or make the ring there wider.",
             )
         ]
-    findings = [Finding(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
+    findings = [FishFinding(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
     speed = f"{swim.speed_bl_s:.2f} body lengths a second, {swim.per_beat:.2f} a beat"
     if swim.per_beat < PER_BEAT:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds "
                 "better controllers.",
             )
         )
     else:
-        findings.append(Finding(GOOD, f"It swims {speed}."))
+        findings.append(FishFinding(GOOD, f"It swims {speed}."))
     if swim.drift_deg > DRIFT_DEG or swim.aside > ASIDE:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"It drifts by {swim.drift_deg:.1f}° in {MEASURED} beats: it has not "
                 "settled. Raise the viscosity a little.",
             )
         )
     else:
-        findings.append(Finding(GOOD, f"It swims straight: {swim.drift_deg:.2f}° of drift."))
+        findings.append(FishFinding(GOOD, f"It swims straight: {swim.drift_deg:.2f}° of drift."))
     if not SWEEP[0] <= swim.sweep <= SWEEP[1]:
         much = "little" if swim.sweep < SWEEP[0] else "far"
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2.",
             )
@@ -291,11 +295,13 @@ def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[Finding]:
     asked = muscles.turn.sharp
     if not np.isfinite(swim.turned_deg):
         findings.append(
-            Finding(FAULT, "It loses its shape in a sharp turn. Contract the turning muscles less.")
+            FishFinding(
+                FAULT, "It loses its shape in a sharp turn. Contract the turning muscles less."
+            )
         )
     elif abs(swim.turned_deg - asked) > TURN_OFF_DEG:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°. Learn "
                 "fits the steering map to this body.",
@@ -303,11 +309,11 @@ def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[Finding]:
         )
     else:
         findings.append(
-            Finding(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°.")
+            FishFinding(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°.")
         )
     if swim.step_cm > S_MAX * 1.01:
         findings.append(
-            Finding(
+            FishFinding(
                 WARNING,
                 f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the "
                 f"{S_MAX:g} cm that muscles can. Contract less, or take more ticks a beat.",

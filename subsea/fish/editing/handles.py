@@ -38,7 +38,7 @@ CM_DIGITS = 3
 BISECTIONS = 9  # to find how far toward an invalid place a point can go
 
 
-class Handle(NamedTuple):
+class DragHandle(NamedTuple):
     """A point of a view that can be dragged."""
 
     path: KeyPath  # the value of the draft that it sets
@@ -46,60 +46,64 @@ class Handle(NamedTuple):
     mirrored: bool = False  # it has a twin on the other side of the spine
 
 
-def handles(draft: SpeciesDraft, view: View) -> list[Handle]:
+def handles(draft: SpeciesDraft, view: View) -> list[DragHandle]:
     """Return the points of a view that can be dragged, the scaffold's first."""
     surface, found = draft.content["surface"], _ring_handles(draft, view)
     if view == "top":
         found += [
-            Handle(("surface", "width", k), tuple(p), True) for k, p in enumerate(surface["width"])
+            DragHandle(("surface", "width", k), tuple(p), True)
+            for k, p in enumerate(surface["width"])
         ]
         if wing := surface.get("wing"):
             found += [
-                Handle(("surface", "wing", "outline", k), tuple(p), True)
+                DragHandle(("surface", "wing", "outline", k), tuple(p), True)
                 for k, p in enumerate(wing["outline"])
             ]
         return found
     for name in CURVES[:2]:
-        found += [Handle(("surface", name, k), tuple(p)) for k, p in enumerate(surface[name])]
+        found += [DragHandle(("surface", name, k), tuple(p)) for k, p in enumerate(surface[name])]
     for name in FINS:
         if fin := surface.get(name):
             ridge = draft.content["surface"]["back" if name == "dorsal" else "belly"]
             for k, x in enumerate(fin["base"]):
                 y = float(along(ridge, np.array([x]))[0])
-                found.append(Handle(("surface", name, "base", k), (x, y)))
+                found.append(DragHandle(("surface", name, "base", k), (x, y)))
             found += [
-                Handle(("surface", name, "edge", k), tuple(p)) for k, p in enumerate(fin["edge"])
+                DragHandle(("surface", name, "edge", k), tuple(p))
+                for k, p in enumerate(fin["edge"])
             ]
     tail = surface["tail"]
-    found.append(Handle(("surface", "tail", "begin"), (tail["begin"], 0.0)))
+    found.append(DragHandle(("surface", "tail", "begin"), (tail["begin"], 0.0)))
     middle, radius = tail_heights(draft)
     for k, (share, x) in enumerate(tail["edge"]):
-        found.append(Handle(("surface", "tail", "edge", k), (x, middle + share * radius)))
+        found.append(DragHandle(("surface", "tail", "edge", k), (x, middle + share * radius)))
     for name in PAIRED_FINS:
         if fin := surface.get(name):
             root = fin["at"], fin["height"]
             droop = np.radians(fin["droop"])
             tip = root[0] + fin["length"] * np.cos(droop), root[1] - fin["length"] * np.sin(droop)
-            found.append(Handle(("surface", name, "at"), root))
-            found.append(Handle(("surface", name, "length"), (float(tip[0]), float(tip[1]))))
+            found.append(DragHandle(("surface", name, "at"), root))
+            found.append(DragHandle(("surface", name, "length"), (float(tip[0]), float(tip[1]))))
     eye = surface["eye"]
     if not surface.get("wing"):
-        found.append(Handle(("surface", "eye"), (eye["at"], eye["height"])))
+        found.append(DragHandle(("surface", "eye"), (eye["at"], eye["height"])))
     return found
 
 
-def _ring_handles(draft: SpeciesDraft, view: View) -> list[Handle]:
+def _ring_handles(draft: SpeciesDraft, view: View) -> list[DragHandle]:
     body = draft.content.get("body")
     if not body:
         return []
     length = body["stations"][-1]
     sizes = body["half_heights"] if view == "side" else body["half_widths"]
     found = [
-        Handle(("body", "ring", k), (x / length, size / length), True)
+        DragHandle(("body", "ring", k), (x / length, size / length), True)
         for k, (x, size) in enumerate(zip(body["stations"][1:6], sizes, strict=True))
     ]
     if view == "side":
-        found.append(Handle(("body", "ring", 5), (1.0, body["tail_half_height"] / length), True))
+        found.append(
+            DragHandle(("body", "ring", 5), (1.0, body["tail_half_height"] / length), True)
+        )
     return found
 
 

@@ -1,12 +1,8 @@
-"""Laying deformable meshes over the fish in a photograph, without a hand (Tu §5.2.1).
+"""Fit deformable meshes to the fish in a photograph automatically (Tu §5.2.1).
 
-The meshes begin in the shape of the species. They are turned, scaled, flattened and mirrored until
-they cover best what was told apart from the background; as that is told apart better where it is
-known about where the fish is, both are done in turn. Then the meshes take hold of its outline: from
-afar of what was told apart, at last of the edges of the photograph itself, but of those alone that
-lie near.
-
-Needs the extra `skin` (OpenCV).
+Meshes in the shape of the species are turned, scaled and mirrored until they cover the segmented
+fish best; segmentation and alignment alternate. Then the meshes snap to the outline: first of the
+segmented fish, at last of the photograph near it. Needs the extra `skin` (OpenCV).
 """
 
 from collections.abc import Iterator
@@ -60,8 +56,7 @@ OFF = 2.2  # radii from where it is expected, at most
 HOLDING = 1.0  # λ of the anchors that hold the border meanwhile
 POOR = 0.55  # likeness below which no fish was found
 ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
-# Body lengths: so deep inside a silhouette all is fish, so far outside of it nothing is, while the
-# fish is looked for, when it was found, and when meshes hold it.
+# Body lengths inside (outside) a silhouette from which on all (nothing) is fish, by stage.
 WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
 AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
 NEAR = 0.008  # the photograph's own edges are felt so near to what was told apart
@@ -266,10 +261,7 @@ def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bool
 def align_shape(
     plan: SurfacePlan, mask: Bools, heads_right: bool | None = None
 ) -> tuple[Array, float]:
-    """The matrix (2, 3) that lays the species best over a mask, and their likeness, 0 to 1.
-
-    Tried from many tilts, heading either way or as is said.
-    """
+    """Return the matrix (2, 3) that fits the species best to a mask, and their likeness."""
     share = min(1.0, ALIKE / max(mask.shape))
     size = round(mask.shape[1] * share), round(mask.shape[0] * share)
     there = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)

@@ -8,7 +8,13 @@ from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
 from subsea.fish.color_sheet import sheet_of
-from subsea.fish.editing.checks import Finding, Severity, static_checks, swim_checks, try_swimming
+from subsea.fish.editing.checks import (
+    FishFinding,
+    Severity,
+    static_checks,
+    swim_checks,
+    try_swimming,
+)
 from subsea.fish.editing.draft import SpeciesDraft, with_sheet_path
 from subsea.fish.editing.handles import Box
 from subsea.fish.paint import paint
@@ -27,7 +33,7 @@ BADGES = {
 class Assessment(NamedTuple):
     """The findings on a draft, and what it looks like."""
 
-    findings: list[Finding]
+    findings: list[FishFinding]
     sheet: Picture
     backdrop: Picture  # the fish in the side view, of a ray in the top view
     box: Box
@@ -43,16 +49,16 @@ def assess(draft: SpeciesDraft) -> Assessment:
     return Assessment([*findings, *faults], sheet, *textured_view(species, sheet))
 
 
-def draft_sheet(draft: SpeciesDraft) -> tuple[Picture, list[Finding]]:
+def draft_sheet(draft: SpeciesDraft) -> tuple[Picture, list[FishFinding]]:
     """Return the sheet of a draft; a painted one and a finding if its picture is faulty."""
     try:
         return sheet_of(with_sheet_path(draft)), []
     except UserError as fault:
-        finding = Finding(Severity.FAULT, f"Its picture cannot be used: {fault}.")
+        finding = FishFinding(Severity.FAULT, f"Its picture cannot be used: {fault}.")
         return paint(draft.species), [finding]
 
 
-def draw_findings(findings: list[Finding] | None, muscular: bool) -> None:
+def draw_findings(findings: list[FishFinding] | None, muscular: bool) -> None:
     """Draw findings, the worst first; None: not known yet."""
     if findings is None:
         imgui.text_disabled("trying how it swims…")

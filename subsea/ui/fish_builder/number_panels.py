@@ -15,7 +15,7 @@ from subsea.biomechanics.body_plan import MODEL_LENGTHS, NODES_AT_STATION
 from subsea.fish.editing.checks import displaced_cm3
 from subsea.fish.editing.draft import KeyPath, SpeciesDraft, value_at, with_value
 from subsea.fish.editing.edit_state import EditState
-from subsea.fish.editing.handles import FINS, PAIRED_FINS, Handle, View, drag_handle, handles
+from subsea.fish.editing.handles import FINS, PAIRED_FINS, DragHandle, View, drag_handle, handles
 from subsea.fish.editing.proportions import with_fin, with_length, with_mass
 from subsea.ui.fish_builder.views import RINGS
 from subsea.ui.gui import GLASS, QUIET
@@ -231,7 +231,7 @@ class NumberPanels:
             _number(editing, ("size_cm", k), words, 2.0, 300.0, 0.2, "%.1f")
 
 
-def _handle(editing: EditState, view: View, handle: Handle, axes: tuple[int, ...]) -> None:
+def _handle(editing: EditState, view: View, handle: DragHandle, axes: tuple[int, ...]) -> None:
     """Draw the coordinates of a point along some axes of a view."""
     for axis in axes:
         words = "behind the snout" if axis == 0 else "aside" if view == "top" else "up"

@@ -14,7 +14,7 @@ from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
 from subsea.fish.editing.draft import KeyPath, SpeciesDraft
 from subsea.fish.editing.edit_state import EditState
-from subsea.fish.editing.handles import Box, Handle, View, drag_handle, handles
+from subsea.fish.editing.handles import Box, DragHandle, View, drag_handle, handles
 from subsea.fish.editing.outline_points import add_point, nearest_line
 from subsea.fish.paint import BODY, borders, half_height
 from subsea.fish.species import Species
@@ -82,7 +82,7 @@ class OutlineViews:
             self._edit_points(canvas, view, editing, points)
             canvas.caption("Side view" if view == "side" else "Top view")
 
-    def _shown(self, handle: Handle) -> bool:
+    def _shown(self, handle: DragHandle) -> bool:
         return self.scaffold if handle.path[0] == "body" else self.outline
 
     def _draw_shape(self, canvas: Viewport2D, view: View, draft: SpeciesDraft) -> None:
@@ -116,7 +116,7 @@ class OutlineViews:
             canvas.dots([(x, y) for y in values], MARK, 4.0, ring=True)
 
     def _edit_points(
-        self, canvas: Viewport2D, view: View, editing: EditState, points: list[Handle]
+        self, canvas: Viewport2D, view: View, editing: EditState, points: list[DragHandle]
     ) -> None:
         """Drag, add and select points."""
         twice = canvas.clicked and imgui.is_mouse_double_clicked(0)
@@ -256,7 +256,7 @@ def _draw_scaffold(canvas: Viewport2D, view: View, species: Species, contraction
     canvas.dots(nodes[:1], INK, 3.0)
 
 
-def _draw_points(canvas: Viewport2D, points: list[Handle], editing: EditState) -> None:
+def _draw_points(canvas: Viewport2D, points: list[DragHandle], editing: EditState) -> None:
     """Draw the points; mark the selected and the hovered one."""
     plain = [handle for handle in points if handle.path[0] != "body"]
     for handle in plain:

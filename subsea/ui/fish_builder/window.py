@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 
 from subsea.biomechanics.body import MUSCLES
 from subsea.core.errors import UserError
-from subsea.fish.editing.checks import Finding
+from subsea.fish.editing.checks import FishFinding
 from subsea.fish.editing.draft import (
     EditError,
     KeyPath,
@@ -86,7 +86,7 @@ class FishBuilder:
         self.window, self.path = window, path
         self.editing, self.views, self.panels = EditState(draft), OutlineViews(), NumberPanels()
         self.jobs = CaptureJobs(window.wake)
-        self.findings: list[Finding] | None = None  # on the present draft; None: not known yet
+        self.findings: list[FishFinding] | None = None  # on the present draft; None: not known yet
         self.naming = NameDialog(draft.key) if asks else None
         self._before_naming = self.editing, path  # restored if the dialog is cancelled
         self._file = draft if path else None  # as read or written last
