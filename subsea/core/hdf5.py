@@ -21,6 +21,7 @@ SHUFFLE, DEFLATE = h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE
 PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
 Kind = Literal["f", "i", "u", "b"]
 KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
+NOUNS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
 LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
 
 
@@ -175,11 +176,11 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     a damaged heap the HDF5 library searches for ever.
     """
     if name not in group.attrs:
-        raise UserError(f"attribute {name!r} is missing, expected {kind.__name__}", file=where)
+        raise UserError(f"attribute {name!r} is missing, expected {NOUNS[kind]}", file=where)
     stored = group.attrs.get_id(name)
     plain = stored.dtype.kind in "Sbiuf" and stored.shape == ()
     if not plain or stored.dtype.itemsize > MAX_ATTRIBUTE_BYTES:
-        raise UserError(f"attribute {name!r} is not a plain {kind.__name__}", file=where)
+        raise UserError(f"attribute {name!r} is not {NOUNS[kind]}", file=where)
     value: Any = group.attrs[name]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
@@ -188,7 +189,7 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if not isinstance(value, kind):
-        raise UserError(f"attribute {name!r} is {value!r}, expected {kind.__name__}", file=where)
+        raise UserError(f"attribute {name!r} is {value!r}, expected {NOUNS[kind]}", file=where)
     if isinstance(value, float) and not math.isfinite(value):
         raise UserError(f"attribute {name!r} is {value!r}, expected a finite number", file=where)
     return value

@@ -141,9 +141,9 @@ DAMAGE = {
         _replace("segments/swim_slow/nodes", h5py.ExternalLink("/etc/passwd", "/x")),
         "expected a dataset",
     ),
-    "a string in the heap": (_set("source", "biomechanics"), "not a plain str"),
-    "a reference for a number": (_set("tick_s", h5py.Reference()), "not a plain float"),
-    "numbers for a number": (_set("tick_s", [0.033, 0.033]), "not a plain float"),
+    "a string in the heap": (_set("source", "biomechanics"), "is not a text"),
+    "a reference for a number": (_set("tick_s", h5py.Reference()), "is not a number"),
+    "numbers for a number": (_set("tick_s", [0.033, 0.033]), "is not a number"),
     "a glide into another species": (
         _replace("transitions/entry", np.full((84, 7), 84, np.int16)),
         "transitions/entry: leads into swim_slow",

@@ -1,4 +1,4 @@
-"""Small seas that stay equal, addresses nobody uses, and nodes that run in threads."""
+"""Small equal worlds, free addresses, and nodes that run in threads."""
 
 import socket
 import threading
@@ -47,8 +47,8 @@ def free_address():
         return f"127.0.0.1:{taken.getsockname()[1]}"
 
 
-class Crew(threading.Thread):
-    """A node at work: `seen` has tick and checksum after each of its pictures, by number."""
+class NodeThread(threading.Thread):
+    """A running node: `seen` has tick and checksum after each of its pictures, by number."""
 
     def __init__(self, node):
         super().__init__(daemon=True)
@@ -72,7 +72,7 @@ class Crew(threading.Thread):
             self.node.close()
 
     def rest(self):
-        """Do nothing from now on, until it is not `asleep` any more."""
+        """Pause until `asleep` is reset."""
         self._resting.clear()
         self.asleep = True
         assert self._resting.wait(60.0)
@@ -83,8 +83,8 @@ class Crew(threading.Thread):
         assert not self.is_alive()
 
 
-class Bridge:
-    """A master whose dive is made picture by picture, and what it has told."""
+class MasterHarness:
+    """A master that makes pictures on request, and what it reported."""
 
     def __init__(self, world, address, nodes=("left", "right"), keys=None, timeout_s=TIMEOUT_S):
         self.told, self.seen, self._timeout_s = [], {}, timeout_s
@@ -93,22 +93,22 @@ class Bridge:
         self._stack.callback(self.master.close)
 
     def node(self, world, name, keys=None, told=None):
-        """A new node at work."""
+        """Start a new node."""
         tell = (lambda words: None) if told is None else told.append
         node = Follower(world, name, "master", self.address, keys, self._timeout_s, tell)
-        return self._stack.enter_context(closing(Crew(node)))
+        return self._stack.enter_context(closing(NodeThread(node)))
 
-    def sail(self, pictures=1, ticks=1):
+    def show_pictures(self, pictures=1, ticks=1):
         for _ in range(pictures):
             self.master.picture([Helm(surge=0.5, yaw=0.3)] * ticks, 0.25)
             self.master.swap()
             world = self.master.world
             self.seen[self.master._number] = world.state.tick, snapshot.checksum(world)
 
-    def sail_until(self, true, seconds=60.0):
+    def show_until(self, true, seconds=60.0):
         end = time.monotonic() + seconds
         while not true() and time.monotonic() < end:
-            self.sail()
+            self.show_pictures()
             time.sleep(0.002)
         assert true()
 
@@ -117,15 +117,15 @@ class Bridge:
 
 
 @pytest.fixture
-def bridges():
-    """A maker of bridges that are left in the end."""
+def make_harness():
+    """A function that makes master harnesses, which are closed at the end."""
     with ExitStack() as stack:
-        yield lambda *given, **more: stack.enter_context(closing(Bridge(*given, **more)))
+        yield lambda *given, **more: stack.enter_context(closing(MasterHarness(*given, **more)))
 
 
 @pytest.fixture
-def bridge(bridges, seas, address):
-    return bridges(seas[0], address)
+def harness(make_harness, seas, address):
+    return make_harness(seas[0], address)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-TRIAL = Path(__file__).with_name("trial.py")
+NODE_PROCESS = Path(__file__).with_name("node_process.py")
 TICKS = 1000
 
 
@@ -18,7 +18,7 @@ class Process:
         self._out, self._err = folder / f"{call}.out", folder / f"{call}.err"
         with self._out.open("w") as out, self._err.open("w") as err:
             self.process = subprocess.Popen(
-                [sys.executable, str(TRIAL), *map(str, arguments)], stdout=out, stderr=err
+                [sys.executable, str(NODE_PROCESS), *map(str, arguments)], stdout=out, stderr=err
             )
 
     @property

@@ -16,144 +16,144 @@ from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, WorldState, encode
 from subsea.world import snapshot
 
 
-def told(bridge, *words):
-    return any(all(word in line for word in words) for line in bridge.told)
+def told(harness, *words):
+    return any(all(word in line for word in words) for line in harness.told)
 
 
-def late(bridge):
+def late(harness):
     """How often a node was waited for in vain."""
-    return sum("has not drawn" in line for line in bridge.told)
+    return sum("has not drawn" in line for line in harness.told)
 
 
-def both_in_step(bridge, seas):
-    left, right = bridge.node(seas[1], "left"), bridge.node(seas[2], "right")
-    bridge.sail_until(lambda: len(bridge.master.in_step()) == 2)
+def both_in_step(harness, seas):
+    left, right = harness.node(seas[1], "left"), harness.node(seas[2], "right")
+    harness.show_until(lambda: len(harness.master.in_step()) == 2)
     return left, right
 
 
-def sails_on(bridge, *crews, pictures=20):
+def assert_all_show_the_same(harness, *nodes, pictures=20):
     """All see the same for some pictures."""
-    bridge.sail_until(lambda: len(bridge.master.in_step()) == len(crews))
-    first = bridge.master._number + 1
-    bridge.sail(pictures, ticks=2)
+    harness.show_until(lambda: len(harness.master.in_step()) == len(nodes))
+    first = harness.master._number + 1
+    harness.show_pictures(pictures, ticks=2)
     for number in range(first, first + pictures):
-        for crew in crews:
-            assert crew.seen[number] == bridge.seen[number]
+        for node in nodes:
+            assert node.seen[number] == harness.seen[number]
 
 
-def test_all_see_the_same(bridge, seas):
-    left, right = both_in_step(bridge, seas)
-    sails_on(bridge, left, right, pictures=40)
+def test_all_see_the_same(harness, seas):
+    left, right = both_in_step(harness, seas)
+    assert_all_show_the_same(harness, left, right, pictures=40)
     assert left.node.waiting == ""
-    for line in bridge.master.report():
+    for line in harness.master.report():
         assert "ms on average" in line
         assert "late" not in line
         assert "dropped" not in line
 
 
-def test_a_picture_without_a_tick_is_one(bridge, seas):
-    left = bridge.node(seas[1], "left")
-    bridge.sail_until(lambda: bridge.master.in_step() == ["left"])
-    tick = bridge.master.world.state.tick
-    bridge.sail(5, ticks=0)
-    assert bridge.master.world.state.tick == tick
-    assert left.seen[bridge.master._number] == bridge.seen[bridge.master._number]
+def test_a_picture_without_a_tick_is_one(harness, seas):
+    left = harness.node(seas[1], "left")
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
+    tick = harness.master.world.state.tick
+    harness.show_pictures(5, ticks=0)
+    assert harness.master.world.state.tick == tick
+    assert left.seen[harness.master._number] == harness.seen[harness.master._number]
 
 
-def test_lights_are_switched_on_for_all(bridge, seas):
-    left, right = both_in_step(bridge, seas)
-    lights = bridge.master.world.state.submarine.lights
+def test_lights_are_switched_on_for_all(harness, seas):
+    left, right = both_in_step(harness, seas)
+    lights = harness.master.world.state.submarine.lights
     for on in (True, False):
         lights[:] = on
-        sails_on(bridge, left, right)
+        assert_all_show_the_same(harness, left, right)
         assert all(bool(sea.state.submarine.lights[0]) == on for sea in seas)
-    assert not told(bridge, "differs")
+    assert not told(harness, "differs")
 
 
-def test_a_node_that_is_late_is_left_behind_and_comes_back(bridges, seas, address):
-    bridge = bridges(seas[0], address, timeout_s=1.0)
-    left, right = both_in_step(bridge, seas)
+def test_a_node_that_is_late_is_left_behind_and_comes_back(make_harness, seas, address):
+    harness = make_harness(seas[0], address, timeout_s=1.0)
+    left, right = both_in_step(harness, seas)
     right.rest()
     start = time.monotonic()
-    bridge.sail(2)
+    harness.show_pictures(2)
     assert time.monotonic() - start > 0.9
-    bridge.sail(20)
-    assert bridge.master.in_step() == ["left"]
-    assert told(bridge, "node right", "has not drawn", "going on")
-    assert late(bridge) == 1  # nobody waits for it any more
+    harness.show_pictures(20)
+    assert harness.master.in_step() == ["left"]
+    assert told(harness, "node right", "has not drawn", "going on")
+    assert late(harness) == 1  # nobody waits for it any more
     right.asleep = False
-    bridge.sail_until(lambda: len(bridge.master.in_step()) == 2)
-    assert told(bridge, "node right", "in step again")
-    sails_on(bridge, left, right)
-    assert any("late once; rejoined once" in line for line in bridge.master.report())
+    harness.show_until(lambda: len(harness.master.in_step()) == 2)
+    assert told(harness, "node right", "in step again")
+    assert_all_show_the_same(harness, left, right)
+    assert any("late once; rejoined once" in line for line in harness.master.report())
 
 
-def test_a_node_that_hangs_up_is_not_waited_for(bridge, seas):
-    left, right = both_in_step(bridge, seas)
+def test_a_node_that_hangs_up_is_not_waited_for(harness, seas):
+    left, right = both_in_step(harness, seas)
     right.close()
-    bridge.sail(10)
-    assert bridge.master.in_step() == ["left"]
-    assert told(bridge, "node right", "going on without it")
-    assert late(bridge) == 0
-    sails_on(bridge, left)
-    again = bridge.node(seas[2], "right")
-    sails_on(bridge, left, again)
+    harness.show_pictures(10)
+    assert harness.master.in_step() == ["left"]
+    assert told(harness, "node right", "going on without it")
+    assert late(harness) == 0
+    assert_all_show_the_same(harness, left)
+    again = harness.node(seas[2], "right")
+    assert_all_show_the_same(harness, left, again)
 
 
-def test_a_second_node_of_the_same_name_takes_over(bridge, seas):
-    first = bridge.node(seas[1], "left")
-    bridge.sail_until(lambda: bridge.master.in_step() == ["left"])
-    second = bridge.node(seas[2], "left")
-    bridge.sail_until(lambda: first.fault is not None)
+def test_a_second_node_of_the_same_name_takes_over(harness, seas):
+    first = harness.node(seas[1], "left")
+    harness.show_until(lambda: harness.master.in_step() == ["left"])
+    second = harness.node(seas[2], "left")
+    harness.show_until(lambda: first.fault is not None)
     assert first.fault == "another computer has come as node left"
-    sails_on(bridge, second)
+    assert_all_show_the_same(harness, second)
 
 
-def test_a_node_that_lost_a_picture_fetches_the_state(bridge, seas):
-    left = bridge.node(seas[1], "left")
-    sails_on(bridge, left)
+def test_a_node_that_lost_a_picture_fetches_the_state(harness, seas):
+    left = harness.node(seas[1], "left")
+    assert_all_show_the_same(harness, left)
     left.node._number -= 1
-    bridge.sail_until(lambda: left.node._number == bridge.master._number)
-    sails_on(bridge, left)
+    harness.show_until(lambda: left.node._number == harness.master._number)
+    assert_all_show_the_same(harness, left)
 
 
-def test_a_world_that_differs_is_told_and_mended_but_only_once(bridge, seas):
+def test_a_world_that_differs_is_told_and_mended_but_only_once(harness, seas):
     words = []
-    left = bridge.node(seas[1], "left", told=words)
-    sails_on(bridge, left)
+    left = harness.node(seas[1], "left", told=words)
+    assert_all_show_the_same(harness, left)
     left.rest()
     seas[1].state.fishes.position[0, 0] += 0.001
     left.asleep = False
-    bridge.sail_until(lambda: told(bridge, "node left", "its world differs", "fetches the state"))
+    harness.show_until(lambda: told(harness, "node left", "its world differs", "fetches the state"))
     assert any("this world differs from the master's" in line for line in words)
-    sails_on(bridge, left)
+    assert_all_show_the_same(harness, left)
     left.rest()
     seas[1].state.fishes.position[1, 2] += 0.001
     left.asleep = False
-    bridge.sail_until(lambda: left.fault is not None)
+    harness.show_until(lambda: left.fault is not None)
     assert left.fault.startswith("the master refuses node left: its world differed")
-    assert told(bridge, "node left", "differed from the master's again")
-    bridge.sail(5)
-    assert bridge.master.in_step() == []
+    assert told(harness, "node left", "differed from the master's again")
+    harness.show_pictures(5)
+    assert harness.master.in_step() == []
 
 
-def refused(bridge, crew):
-    bridge.sail_until(lambda: crew.fault is not None)
-    return crew.fault
+def refused(harness, node):
+    harness.show_until(lambda: node.fault is not None)
+    return node.fault
 
 
-def test_another_scenario_or_seed_is_refused_on_both_sides(bridge, seas, make_sea):
-    left = bridge.node(seas[1], "left")
-    fault = refused(bridge, bridge.node(make_sea(seed=99), "right"))
+def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_sea):
+    left = harness.node(seas[1], "left")
+    fault = refused(harness, harness.node(make_sea(seed=99), "right"))
     version = identity.version("subsea")
     assert fault == (
         f"the master refuses node right: it has subsea {version} with seed 99, expected 3"
     )
-    assert told(bridge, "node right: has subsea", "seed 99, expected 3", "refused")
-    fault = refused(bridge, bridge.node(make_sea(fish=5), "right"))
+    assert told(harness, "node right: has subsea", "seed 99, expected 3", "refused")
+    fault = refused(harness, harness.node(make_sea(fish=5), "right"))
     assert "with another sea, made of the same scenario" in fault
-    assert told(bridge, "node right", "another sea")
-    sails_on(bridge, left)
+    assert told(harness, "node right", "another sea")
+    assert_all_show_the_same(harness, left)
 
 
 @pytest.mark.parametrize(
@@ -179,49 +179,49 @@ def test_what_would_not_stay_equal_is_named(seas, changes, words):
     assert words in identity.difference(msgspec.structs.replace(ours, **changes), ours)
 
 
-def test_a_node_of_no_name_in_the_theatre_is_refused(bridge, seas):
-    fault = refused(bridge, bridge.node(seas[1], "middle"))
+def test_a_node_of_no_name_in_the_theatre_is_refused(harness, seas):
+    fault = refused(harness, harness.node(seas[1], "middle"))
     assert "not among the nodes of the theatre: left, right" in fault
-    assert told(bridge, "node middle", "refused")
+    assert told(harness, "node middle", "refused")
 
 
-def test_one_that_tries_again_and_again_does_not_fill_the_log(bridge, seas):
+def test_one_that_tries_again_and_again_does_not_fill_the_log(harness, seas):
     ours = identity.identity_of(seas[0])
     other = msgspec.structs.replace(ours, seed=4)
     with zmq.Context() as context:
         stranger = context.socket(zmq.DEALER)
         stranger.linger = 0
-        stranger.connect(f"tcp://{bridge.address}")
+        stranger.connect(f"tcp://{harness.address}")
         for k in range(30):
             stranger.send(encode(Hello("left", other)))
             stranger.send(encode(Hello(f"node{k}", ours)))
-        bridge.sail_until(lambda: bridge.master._strangers == 30)
+        harness.show_until(lambda: harness.master._strangers == 30)
         stranger.close()
-    assert sum("seed 4, expected 3: refused" in line for line in bridge.told) == 1
-    assert sum("not among the nodes" in line for line in bridge.told) == 2
+    assert sum("seed 4, expected 3: refused" in line for line in harness.told) == 1
+    assert sum("not among the nodes" in line for line in harness.told) == 2
 
 
-def test_garbage_does_not_stop_the_dive(bridge, seas):
-    left, right = both_in_step(bridge, seas)
-    host, port = bridge.address.split(":")
+def test_garbage_does_not_stop_the_dive(harness, seas):
+    left, right = both_in_step(harness, seas)
+    host, port = harness.address.split(":")
     with zmq.Context() as context, socket.create_connection((host, int(port))) as raw:
         stranger = context.socket(zmq.DEALER)
         stranger.linger = 0
-        stranger.connect(f"tcp://{bridge.address}")
+        stranger.connect(f"tcp://{harness.address}")
         raw.sendall(b"GET / HTTP/1.1\r\n\r\n" * 1000)
         for words in (b"", b"garbage", MAGIC, MAGIC + b"\xff" * 50, b"x" * (SMALL - 10)):
             stranger.send(words)
         stranger.send_multipart([b"one", b"two", b"three"])
         stranger.send(encode(Hello("left", identity.identity_of(seas[0])))[:-1])
-        sails_on(bridge, left, right)
-        bridge.sail_until(lambda: told(bridge, "refused: what was received is no message"))
+        assert_all_show_the_same(harness, left, right)
+        harness.show_until(lambda: told(harness, "refused: what was received is no message"))
         stranger.send(b"x" * (SMALL + 1))  # too long: ends the connection
         for _ in range(50):
             stranger.send(b"garbage")
-        sails_on(bridge, left, right)
+        assert_all_show_the_same(harness, left, right)
         stranger.close()
-    assert sum(line.startswith("refused") for line in bridge.told) <= 4  # not one a message
-    assert set(bridge.master.in_step()) == {"left", "right"}
+    assert sum(line.startswith("refused") for line in harness.told) <= 4  # not one a message
+    assert set(harness.master.in_step()) == {"left", "right"}
 
 
 def test_a_follower_takes_no_garbage_for_a_master(seas, address):
@@ -263,19 +263,19 @@ def test_what_is_told_of_a_state_does_not_steer_the_terminal(seas, address):
     assert str(caught.value).isprintable()
 
 
-def test_a_master_that_comes_back_begins_a_new_dive(bridges, seas, address):
+def test_a_master_that_comes_back_begins_a_new_dive(make_harness, seas, address):
     words = []
-    bridge = bridges(seas[0], address, timeout_s=1.0)
-    left = bridge.node(seas[1], "left", told=words)
-    sails_on(bridge, left)
-    bridge.master.close()
-    bridge._stack.pop_all()  # the crew stays
+    harness = make_harness(seas[0], address, timeout_s=1.0)
+    left = harness.node(seas[1], "left", told=words)
+    assert_all_show_the_same(harness, left)
+    harness.master.close()
+    harness._stack.pop_all()  # the node stays
     end = time.monotonic() + 60.0
     while not left.node.waiting and time.monotonic() < end:
         time.sleep(0.01)
     assert left.node.waiting == f"waiting for the master at {address}"
-    another = bridges(seas[2], address)
-    sails_on(another, left)
+    another = make_harness(seas[2], address)
+    assert_all_show_the_same(another, left)
     assert left.node.waiting == ""
     left.close()
     assert sum("waiting for the master" in line for line in words) == 2
@@ -288,30 +288,30 @@ def keyed(tmp_path_factory):
     return folder
 
 
-def test_with_keys_only_those_who_are_known_take_part(bridges, seas, address, keyed):
-    bridge = bridges(seas[0], address, keys=read_keys(keyed, "master", ["left", "right"]))
-    left = bridge.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
-    sails_on(bridge, left)
-    thief = bridge.node(seas[2], "right", keys=read_keys(keyed, "thief", ["master"]))
-    assert "does not know the key of node right" in refused(bridge, thief)
-    bridge.sail_until(lambda: told(bridge, "refused: a connection without a key that is known"))
-    swapped = bridge.node(seas[2], "right", keys=read_keys(keyed, "left", ["master"]))
-    assert "it has the key of another node" in refused(bridge, swapped)
-    keyless = bridge.node(seas[2], "right")
-    assert "one uses keys and the other does not" in refused(bridge, keyless)
-    right = bridge.node(seas[2], "right", keys=read_keys(keyed, "right", ["master"]))
-    sails_on(bridge, left, right)
+def test_with_keys_only_those_who_are_known_take_part(make_harness, seas, address, keyed):
+    harness = make_harness(seas[0], address, keys=read_keys(keyed, "master", ["left", "right"]))
+    left = harness.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
+    assert_all_show_the_same(harness, left)
+    thief = harness.node(seas[2], "right", keys=read_keys(keyed, "thief", ["master"]))
+    assert "does not know the key of node right" in refused(harness, thief)
+    harness.show_until(lambda: told(harness, "refused: a connection without a key that is known"))
+    swapped = harness.node(seas[2], "right", keys=read_keys(keyed, "left", ["master"]))
+    assert "it has the key of another node" in refused(harness, swapped)
+    keyless = harness.node(seas[2], "right")
+    assert "one uses keys and the other does not" in refused(harness, keyless)
+    right = harness.node(seas[2], "right", keys=read_keys(keyed, "right", ["master"]))
+    assert_all_show_the_same(harness, left, right)
 
 
-def test_a_node_does_not_follow_a_master_with_another_key(bridges, seas, address, keyed):
+def test_a_node_does_not_follow_a_master_with_another_key(make_harness, seas, address, keyed):
     """Somebody who knows the nodes but has not the master's secret listens in its place."""
     false = read_keys(keyed, "thief", ["left"])
-    bridge = bridges(seas[0], address, nodes=["left"], keys=false)
-    left = bridge.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
-    bridge.sail(50)
+    harness = make_harness(seas[0], address, nodes=["left"], keys=false)
+    left = harness.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
+    harness.show_pictures(50)
     time.sleep(1.0)
-    bridge.sail(5)
-    assert bridge.master.in_step() == []
+    harness.show_pictures(5)
+    assert harness.master.in_step() == []
     assert not left.seen
     assert left.node.waiting or left.fault
 
@@ -347,6 +347,6 @@ def test_keys_that_cannot_be_end_what_was_begun(seas, address):
         Follower(seas[0], "left", "master", address, keys)
 
 
-def test_an_address_in_use_is_told(bridge, seas):
+def test_an_address_in_use_is_told(harness, seas):
     with pytest.raises(UserError, match="cannot listen there"):
-        Master(seas[1], ["left"], bridge.address)
+        Master(seas[1], ["left"], harness.address)

@@ -1,6 +1,6 @@
 """A node without a window, in a process of its own: what a dive does, and a line for each picture.
 
-    python trial.py master|NODE ADDRESS SCENARIO PICTURES NODES [KEYS]
+    python node_process.py master|NODE ADDRESS SCENARIO PICTURES NODES [KEYS]
 
 A master waits until all NODES (a,b) are in step, makes PICTURES pictures (-1 for ever), and
 reports. Every line of standard output is `TICK CHECKSUM`; what nodes are told goes to standard
