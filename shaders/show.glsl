@@ -1,14 +1,14 @@
-// Where the colour of a pixel goes. With MARKS it goes nowhere: from the same triangles a pixel gets
-// the mark of what hides at least half of what lies behind, and how far that is along the view.
+// Output of a pixel: its colour, or with MARKS the object id of what hides at least half of what lies
+// behind it, and the distance along the view.
 #ifdef MARKS
 #ifdef OWN_MARKS
-flat in float v_mark;  // each vertex knows its own
+flat in float v_mark;  // per vertex
 #else
 uniform float u_mark;
 #define v_mark u_mark
 #endif
 
-out vec2 f_mark;  // mark; cm
+out vec2 f_mark;  // object id; cm
 
 void show(vec4 colour) {
     if (colour.a < 0.5) discard;

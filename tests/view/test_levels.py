@@ -40,18 +40,20 @@ def test_every_level_has_its_sizes():
     np.testing.assert_array_equal(finer, [0, 0, 1, 2, 3])
 
 
-@pytest.mark.parametrize("threshold", THRESHOLDS_PX)
-def test_a_level_changes_once_on_an_approach_and_a_retreat(threshold):
+def test_a_level_changes_once_on_an_approach_and_a_retreat():
     """At HYSTERESIS beyond the threshold either way; sizes within that never change it."""
-    span = 1.0 + HYSTERESIS
-    sizes = threshold * np.linspace(0.8, 1.25, 200)
-    memory = empty_lod_state(1)
-    up = [int(_level(size, memory, 10.0 * k)[0]) for k, size in enumerate(sizes)]
-    down = [int(_level(size, memory, 1e4 + 10.0 * k)[0]) for k, size in enumerate(sizes[::-1])]
-    assert up[0] - up[-1] == 1
-    assert down[-1] - down[0] == 1
-    assert sizes[np.argmax(np.diff(up) != 0)] == pytest.approx(threshold * span, rel=0.01)
-    assert sizes[::-1][np.argmax(np.diff(down) != 0)] == pytest.approx(threshold / span, rel=0.01)
+    for threshold in THRESHOLDS_PX:
+        span = 1.0 + HYSTERESIS
+        sizes = threshold * np.linspace(0.8, 1.25, 200)
+        memory = empty_lod_state(1)
+        up = [int(_level(size, memory, 10.0 * k)[0]) for k, size in enumerate(sizes)]
+        down = [int(_level(size, memory, 1e4 + 10.0 * k)[0]) for k, size in enumerate(sizes[::-1])]
+        assert up[0] - up[-1] == 1
+        assert down[-1] - down[0] == 1
+        assert sizes[np.argmax(np.diff(up) != 0)] == pytest.approx(threshold * span, rel=0.01)
+        assert sizes[::-1][np.argmax(np.diff(down) != 0)] == pytest.approx(
+            threshold / span, rel=0.01
+        )
 
 
 @given(st.lists(st.floats(0.95, 1.05), min_size=3, max_size=30))

@@ -39,11 +39,9 @@ def row(*degrees):
     return CameraRig((10 * n, 10), ((10, 10),) * n, tuple(eyes), tuple(patches))
 
 
-@pytest.mark.parametrize(
-    ("degrees", "number"), [((-60, 0, 60), 1), ((0, 90), 0), ((-90, 180, 20), 2), ((-30, 30), 0)]
-)
-def test_the_front_is_what_is_most_straight_ahead(degrees, number):
-    assert front(row(*degrees)).output == number
+def test_the_front_is_what_is_most_straight_ahead():
+    for degrees, number in [((-60, 0, 60), 1), ((0, 90), 0), ((-90, 180, 20), 2), ((-30, 30), 0)]:
+        assert front(row(*degrees)).output == number
 
 
 def test_a_frustum_that_leans_aside_is_not_the_front():
@@ -52,9 +50,9 @@ def test_a_frustum_that_leans_aside_is_not_the_front():
     assert front(rig._replace(eyes=(leaning, rig.eyes[1]))).output == 1
 
 
-@pytest.mark.parametrize("display", DISPLAYS)
-def test_every_display_has_a_front(display):
-    assert front(display_rig(display, (64, 48))).output == 0
+def test_every_display_has_a_front():
+    for display in DISPLAYS:
+        assert front(display_rig(display, (64, 48))).output == 0
 
 
 def test_a_part_has_its_outputs_and_only_the_eyes_that_they_need():
@@ -68,25 +66,27 @@ def test_a_part_has_its_outputs_and_only_the_eyes_that_they_need():
         assert seen_by(part, patch)[0].viewport == patch.left
 
 
-@pytest.mark.parametrize("display", DISPLAYS)
-def test_the_whole_is_a_part(display):
-    rig = display_rig(display, (64, 48))
-    assert select_outputs(rig, [0]) == rig
+def test_the_whole_is_a_part():
+    for display in DISPLAYS:
+        rig = display_rig(display, (64, 48))
+        assert select_outputs(rig, [0]) == rig
 
 
-@pytest.mark.parametrize("size", [(800, 600), (600, 800), (501, 499)])
-@pytest.mark.parametrize("squeezed", [(1.0, 1.0), (2.0, 1.0), (1.0, 2.0)])
-def test_of_a_dome_all_is_seen_in_the_square_within_its_circle(size, squeezed):
-    (patch,) = display_rig("dome", size).patches
-    assert seen_part(patch._replace(shape=Projection.PANORAMA)) == patch.place
-    across, up = (int(n / by) for n, by in zip(size, squeezed, strict=True))
-    x, y, width, height = seen_part(patch._replace(place=(7, 9, across, up), squeezed=squeezed))
-    corners = np.array([(a, b) for a in (x, x + width) for b in (y, y + height)], float)
-    off = (corners - [7, 9]) * squeezed - np.array(size) / 2  # from the middle, on the screen
-    radius = min(size) / 2
-    np.testing.assert_allclose(np.linalg.norm(off, axis=1), radius, atol=3.0)
-    shown = directions("dome", size, ALL_ROUND, np.array(size) / 2 + 0.98 * off)
-    assert not np.isnan(shown).any()
+def test_of_a_dome_all_is_seen_in_the_square_within_its_circle():
+    for size in [(800, 600), (600, 800), (501, 499)]:
+        for squeezed in [(1.0, 1.0), (2.0, 1.0), (1.0, 2.0)]:
+            (patch,) = display_rig("dome", size).patches
+            assert seen_part(patch._replace(shape=Projection.PANORAMA)) == patch.place
+            across, up = (int(n / by) for n, by in zip(size, squeezed, strict=True))
+            x, y, width, height = seen_part(
+                patch._replace(place=(7, 9, across, up), squeezed=squeezed)
+            )
+            corners = np.array([(a, b) for a in (x, x + width) for b in (y, y + height)], float)
+            off = (corners - [7, 9]) * squeezed - np.array(size) / 2  # from the middle
+            radius = min(size) / 2
+            np.testing.assert_allclose(np.linalg.norm(off, axis=1), radius, atol=3.0)
+            shown = directions("dome", size, ALL_ROUND, np.array(size) / 2 + 0.98 * off)
+            assert not np.isnan(shown).any()
 
 
 def masked(factors, added=0.0, place=(10, 20, 400, 300)):
@@ -110,18 +110,18 @@ def test_a_patch_is_clear_between_its_blends():
     assert seen_part(masked(factors)) == (10 + 40, 20, 280, 240)
 
 
-@pytest.mark.parametrize("size", [(7, 5), (90, 62), (1440, 1000)])
-def test_no_clear_pixel_is_blended(size):
-    s, t = (np.arange(n) / n for n in size)
-    hill = np.minimum.outer(1.0 - (2 * t - 1.1) ** 6, 1.0 - (2 * s - 0.9) ** 8)
-    place = (10, 20, 360, 250)
-    x, y, width, height = seen_part(masked(hill, place=place))
-    assert width > 120
-    assert height > 84
-    columns = (np.arange(x - 10, x - 10 + width) + 0.5) / 360 * size[0]
-    rows = (np.arange(270 - y - height, 270 - y) + 0.5) / 250 * size[1]
-    inside = hill[np.ix_(rows.astype(int), columns.astype(int))]
-    assert inside.min() > 0.94  # a step between two values that are asked
+def test_no_clear_pixel_is_blended():
+    for size in [(7, 5), (90, 62), (1440, 1000)]:
+        s, t = (np.arange(n) / n for n in size)
+        hill = np.minimum.outer(1.0 - (2 * t - 1.1) ** 6, 1.0 - (2 * s - 0.9) ** 8)
+        place = (10, 20, 360, 250)
+        x, y, width, height = seen_part(masked(hill, place=place))
+        assert width > 120
+        assert height > 84
+        columns = (np.arange(x - 10, x - 10 + width) + 0.5) / 360 * size[0]
+        rows = (np.arange(270 - y - height, 270 - y) + 0.5) / 250 * size[1]
+        inside = hill[np.ix_(rows.astype(int), columns.astype(int))]
+        assert inside.min() > 0.94  # a step between two values that are asked
 
 
 def test_where_all_is_blended_no_part_is_better():
@@ -139,14 +139,16 @@ def seen_apart(rig, distance):
     return places[0] - places[1]
 
 
-@pytest.mark.parametrize("display", LAYOUTS)
-def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far(display):
-    rig = display_rig(display, (64, 48))
-    near = limit_separation(rig, 0.32)  # a tenth of a person's
-    assert np.linalg.norm(near.eyes[0].offset - near.eyes[1].offset) == pytest.approx(0.64)
-    for distance in (60.0, 120.0, 1000.0):
-        assert seen_apart(near, distance / 10) == pytest.approx(seen_apart(rig, distance), abs=1e-6)
-    assert abs(seen_apart(near, 12.0)) < 1e-6 < seen_apart(near, 6.0) < seen_apart(rig, 6.0) / 9
+def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far():
+    for display in LAYOUTS:
+        rig = display_rig(display, (64, 48))
+        near = limit_separation(rig, 0.32)  # a tenth of a person's
+        assert np.linalg.norm(near.eyes[0].offset - near.eyes[1].offset) == pytest.approx(0.64)
+        for distance in (60.0, 120.0, 1000.0):
+            assert seen_apart(near, distance / 10) == pytest.approx(
+                seen_apart(rig, distance), abs=1e-6
+            )
+        assert abs(seen_apart(near, 12.0)) < 1e-6 < seen_apart(near, 6.0) < seen_apart(rig, 6.0) / 9
 
 
 def test_eyes_that_are_near_enough_stay():

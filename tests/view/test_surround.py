@@ -27,22 +27,22 @@ def test_an_equirectangular_picture_has_the_front_in_its_middle_and_the_zenith_o
     np.testing.assert_allclose(astern, [0, 0, -1], atol=1e-12)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 30.0, 90.0])
-def test_a_dome_is_equidistant_from_its_middle_and_has_the_front_below(tilt):
-    surround = Surround(tilt_deg=tilt)
-    pixels = np.random.default_rng(1).uniform(0, 300, (200, 2))
-    found = look_at("dome", *pixels, surround=surround)
-    middle = [0.0, np.cos(np.radians(tilt)), np.sin(np.radians(tilt))]
-    away = np.linalg.norm(pixels - 150, axis=1) / 150
-    inside = away <= 1
-    np.testing.assert_allclose(
-        np.degrees(np.arccos(found[inside] @ middle)), 90 * away[inside], atol=1e-6
-    )
-    assert np.isnan(found[~inside]).all()
-    below, right = look_at("dome", (150, 1e-9), (300 - 1e-9, 150), surround=surround)
-    np.testing.assert_allclose(below, [0, -np.sin(np.radians(tilt)), np.cos(np.radians(tilt))],
-                               atol=1e-6)  # fmt: skip
-    np.testing.assert_allclose(right, [1, 0, 0], atol=1e-6)
+def test_a_dome_is_equidistant_from_its_middle_and_has_the_front_below():
+    for tilt in [0.0, 30.0, 90.0]:
+        surround = Surround(tilt_deg=tilt)
+        pixels = np.random.default_rng(1).uniform(0, 300, (200, 2))
+        found = look_at("dome", *pixels, surround=surround)
+        middle = [0.0, np.cos(np.radians(tilt)), np.sin(np.radians(tilt))]
+        away = np.linalg.norm(pixels - 150, axis=1) / 150
+        inside = away <= 1
+        np.testing.assert_allclose(
+            np.degrees(np.arccos(found[inside] @ middle)), 90 * away[inside], atol=1e-6
+        )
+        assert np.isnan(found[~inside]).all()
+        below, right = look_at("dome", (150, 1e-9), (300 - 1e-9, 150), surround=surround)
+        np.testing.assert_allclose(below, [0, -np.sin(np.radians(tilt)), np.cos(np.radians(tilt))],
+                                   atol=1e-6)  # fmt: skip
+        np.testing.assert_allclose(right, [1, 0, 0], atol=1e-6)
 
 
 @given(angle=st.floats(30, 359))
@@ -57,31 +57,33 @@ def test_a_panorama_spans_its_angle_and_has_square_pixels_at_the_horizon(angle):
     assert above[1] / above[2] == pytest.approx(np.radians(angle) / 400)
 
 
-@pytest.mark.parametrize("display", SIZES)
-@pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=60.0, tilt_deg=0.0)])
-def test_faces_lie_apart_and_hold_all_that_the_picture_shows(display, surround):
+def test_faces_lie_apart_and_hold_all_that_the_picture_shows():
     """A direction is inside one face, or near the edge of two or three."""
-    size, observer = SIZES[display], pose_from_angles(EYE, 0.7, 0.0)
-    rig = display_rig(display, size, surround=surround)
-    face = face_size(display, size, surround)
-    covered = np.zeros(rig.canvas, int)
-    for x, y, w, h in (eye.viewport for eye in rig.eyes):
-        assert x // face == (x + w - 1) // face
-        assert y // face == (y + h - 1) // face
-        covered[x : x + w, y : y + h] += 1
-    assert covered.max() == 1
-    pixels = np.random.default_rng(2).uniform(0, 1, (2000, 2)) * size
-    d = directions(display, size, surround, pixels)
-    d = d[~np.isnan(d[:, 0])]
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
-    seen = np.zeros(len(d), int)
-    for view in views(rig, observer):
-        points = np.column_stack([EYE + 100.0 * d @ axes, np.ones(len(d))])
-        clip = points @ (view.projection @ view.view).T
-        inside = (clip[:, 3] > 0) & (np.abs(clip[:, :2]) <= clip[:, 3:]).all(axis=1)
-        seen += inside
-    assert seen.min() == 1
-    assert (seen > 1).mean() < 12 * MARGIN_PX / face
+    for display in SIZES:
+        for surround in [ALL_ROUND, Surround(angle_deg=60.0, tilt_deg=0.0)]:
+            size, observer = SIZES[display], pose_from_angles(EYE, 0.7, 0.0)
+            rig = display_rig(display, size, surround=surround)
+            face = face_size(display, size, surround)
+            covered = np.zeros(rig.canvas, int)
+            for x, y, w, h in (eye.viewport for eye in rig.eyes):
+                assert x // face == (x + w - 1) // face
+                assert y // face == (y + h - 1) // face
+                covered[x : x + w, y : y + h] += 1
+            assert covered.max() == 1
+            pixels = np.random.default_rng(2).uniform(0, 1, (2000, 2)) * size
+            d = directions(display, size, surround, pixels)
+            d = d[~np.isnan(d[:, 0])]
+            axes = np.stack(
+                [np.cross(observer.forward, observer.up), observer.up, observer.forward]
+            )
+            seen = np.zeros(len(d), int)
+            for view in views(rig, observer):
+                points = np.column_stack([EYE + 100.0 * d @ axes, np.ones(len(d))])
+                clip = points @ (view.projection @ view.view).T
+                inside = (clip[:, 3] > 0) & (np.abs(clip[:, :2]) <= clip[:, 3:]).all(axis=1)
+                seen += inside
+            assert seen.min() == 1
+            assert (seen > 1).mean() < 12 * MARGIN_PX / face
 
 
 def test_what_a_picture_does_not_show_is_not_drawn():
@@ -96,9 +98,9 @@ def test_what_a_picture_does_not_show_is_not_drawn():
     assert not astern
 
 
-@pytest.mark.parametrize(("display", "level"), [("equirectangular", True), ("panorama", False)])
-def test_only_pictures_of_all_directions_keep_the_horizon_level(display, level):
-    pitched = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.4))
-    upright = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.0))
-    same = all(np.allclose(a.view, b.view) for a, b in zip(pitched, upright, strict=True))
-    assert same == level
+def test_only_pictures_of_all_directions_keep_the_horizon_level():
+    for display, level in [("equirectangular", True), ("panorama", False)]:
+        pitched = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.4))
+        upright = views_for(display, SIZES[display], pose_from_angles(EYE, 0.7, 0.0))
+        same = all(np.allclose(a.view, b.view) for a, b in zip(pitched, upright, strict=True))
+        assert same == level
