@@ -225,7 +225,7 @@ def test_what_was_placed_is_saved_and_is_the_same_world_in_another_process(lagoo
     assert "# The one that is moved." in text and "[[vent]]" in text
     scenario, _ = load_scenario(str(path))
     assert scenario == replace(lagoon.scenario, physics=scenario.physics)
-    words = "from subsea.scenario.schema import load_scenario; "
+    words = "from subsea.scenario.load import load_scenario; "
     words += "from subsea.world.build import create_world; "
     words += "from subsea.world import snapshot; import sys; "
     words += "print(snapshot.checksum(create_world(load_scenario(sys.argv[1])[0])))"
