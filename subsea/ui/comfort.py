@@ -1,4 +1,4 @@
-"""Against motion sickness: a horizon while the nose is up or down, and a vignette in fast turns."""
+"""Reduce motion sickness: a horizon while pitched, and a vignette in fast turns."""
 
 import math
 
@@ -9,13 +9,13 @@ from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
 
-TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # pitch: horizon begins to show, and does
-SHOWN = 0.55  # its opacity then
+TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # pitch: horizon starts to show; shows fully
+SHOWN = 0.55  # its full opacity
 FAR_CM = 1e6
 ASIDE = math.radians(8.0)  # from straight ahead, where its height is computed
 PARTS = ((0.30, 0.44), (0.56, 0.70))  # shares of the width that it covers: the middle stays free
 EASE_S = 0.4
-FEW, SEGMENTS = 0.35, 48  # share of the fastest turn that darkens nothing; segments of the rim
+FEW, SEGMENTS = 0.35, 48  # share of the fastest turn without darkening; rim segments
 DARK = (0.0, 0.03, 0.05)
 
 

@@ -1,4 +1,4 @@
-"""What keys, buttons and panels may command in a dive, apart from steering."""
+"""Commands of keys, buttons and panels in a dive, apart from steering."""
 
 from collections.abc import Callable
 
@@ -64,7 +64,7 @@ class Commands:
             self._toggle_teleop()
 
     def set_pace(self, pace: float) -> None:
-        """Let time go at one of `timeline.RATES`; 0: pause."""
+        """Set the rate of time, one of `timeline.RATES`; 0: pause."""
         time = self._dive.timeline
         if time is not None and pace == 0.0:
             time.pause()
@@ -75,7 +75,7 @@ class Commands:
         if self._dive.picture.pattern:
             self._toggle_pattern()
         else:
-            self._dive.window.take_keyboard()  # Esc may have been pressed in another
+            self._dive.window.take_keyboard()  # Esc may have been pressed in another window
             self._menu.show()
 
     def _show_help(self) -> None:
@@ -127,7 +127,7 @@ class Commands:
                 self._hint(("follow", follow_hint), ("reins", "steer it"), ("alight", "back"))
 
     def _toggle_behind(self) -> None:
-        """Look at a fish from behind, or again through its eyes."""
+        """Toggle between looking from behind a fish and through its eyes."""
         picture = self._dive.picture
         behind = picture.ride is None or not picture.ride.behind
         if picture.ride is None:
@@ -137,18 +137,18 @@ class Commands:
             picture.jump()
 
     def _toggle_teleop(self) -> None:
-        """Steer the fish that is ridden, or let it go."""
+        """Start or stop steering the ridden fish."""
         picture, ticks = self._dive.picture, self._dive.tick_source
         if picture.ride is None:
             self._ride_nearest()
         if picture.ride is not None:
-            self._dive.pilot.full_stop()  # inputs held before are not meant for the fish
+            self._dive.pilot.full_stop()  # inputs held before must not steer the fish
             ticks.steered_fish = picture.ride.by.fish if ticks.steered_fish is None else None
             if ticks.steered_fish is not None:
                 self._hint(("reins", "let it go"), before="steer it as the submarine")
 
     def _hint(self, *hints: tuple[ControlName, str], before: str = "") -> None:
-        """Show for a while what keys do now."""
+        """Show for a while the current functions of keys."""
         inputs = ((self._dive.pilot.bindings.inputs(name), text) for name, text in hints)
         words = [f"{names[0]} {text}" for names, text in inputs if names]
         self._dive.overlay.note("   ".join([before, *words] if before else words))

@@ -1,4 +1,4 @@
-"""What panels, the menu and key commands know of the dive, and may ask of it."""
+"""The interface of the dive to panels, the menu and key commands."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +22,7 @@ class DiveContext(Protocol):
     """The dive as its panels, menu and commands see it."""
 
     world: World
-    scenario: Scenario  # that the world began with
+    scenario: Scenario  # of the world at its start
     source: Path  # the scenario's file
     known: bytes  # content of that file when it was read or written
     gui: Gui
@@ -30,11 +30,11 @@ class DiveContext(Protocol):
     picture: ScenePicture
     pilot: Pilot
     tick_source: TickSource
-    see_brightness: bool  # a fish that is ridden reacts to the light in its eyes
+    see_brightness: bool  # a ridden fish reacts to the light in its eyes
 
     @property
     def inspector(self) -> "PanelContext":
-        """What panels share."""
+        """The state that panels share."""
 
     @property
     def window(self) -> GlWindow:
@@ -50,7 +50,7 @@ class DiveContext(Protocol):
 
     @property
     def steers_fish(self) -> bool:
-        """Whether the pilot steers the fish that is ridden."""
+        """Whether the pilot steers the ridden fish."""
 
     @property
     def filming(self) -> bool:
@@ -68,11 +68,11 @@ class DiveContext(Protocol):
     ) -> bool:
         """Replace the world by that of a scenario; False, with a note, if it has a fault.
 
-        With `keep` the submarine and all that lives go on from where they are.
+        With `keep` the submarine and everything alive keep their state.
         """
 
     def run_command(self, command: Command) -> None:
-        """Do what a key bound to this command does."""
+        """Run the command as a key bound to it does."""
 
     def note(self, text: str) -> None:
         """Show a line on the terminal, and for a while in the window."""
@@ -91,9 +91,9 @@ class DiveContext(Protocol):
 
 
 class PanelContext:
-    """What a panel may use. It acts at once on the world, within a frame of the gui.
+    """The interface of a panel to the world, used within a frame of the gui.
 
-    What would replace that world is done after the frame.
+    Changes act at once; a replacement of the world waits until after the frame.
     """
 
     def __init__(self, dive: DiveContext) -> None:
@@ -123,6 +123,6 @@ class PanelContext:
         return changed
 
     def take_waiting(self) -> list[Callable[[], object]]:
-        """What `later` was asked for since the last call."""
+        """The calls deferred by `later` since the last call."""
         waiting, self._after_frame = self._after_frame, []
         return waiting

@@ -111,7 +111,7 @@ def _in_theatre(
 
 
 class Dive:
-    """The windows, the pilot, and the world that they show."""
+    """The windows, the pilot and the shown world."""
 
     def __init__(
         self,
@@ -121,7 +121,7 @@ class Dive:
         opening: Opening | None = None,
         check: Callable[[], None] = lambda: None,
     ) -> None:
-        """Open the windows first, then the world, so that something is seen at once.
+        """Open the windows before loading the world, so that something shows at once.
 
         The rig and the windows are those of the `installation`, else one window. `check` is called
         while loading, and may raise. If anything fails, all that was opened is closed again.
@@ -138,7 +138,7 @@ class Dive:
         self._shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self._picture_wanted = False
         self._loading = True
-        self._seen_tick = 0  # in which the fish that is ridden has seen the light last
+        self._seen_tick = 0  # when the ridden fish last saw the light
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
@@ -155,7 +155,7 @@ class Dive:
             start = self.scenario, self.source, options.seed
             self.world = self._create(*start)
             self._wait("starting OpenGL")
-            self._of_world = ExitStack()  # what is closed when the world is replaced
+            self._of_world = ExitStack()  # closed when the world is replaced
             undo.callback(lambda: self._of_world.close())
             first_tour = None if options.tour is None else tour
             self._show_world(self.world, lambda: self._wait(None), first_tour)
@@ -189,7 +189,7 @@ class Dive:
 
     @property
     def steers_fish(self) -> bool:
-        """Whether the pilot steers the fish that is ridden."""
+        """Whether the pilot steers the ridden fish."""
         return self.tick_source.steered_fish is not None
 
     @property
@@ -211,7 +211,7 @@ class Dive:
         self.window.ask_to_close()
 
     def run_command(self, command: Command) -> None:
-        """Do what a key bound to this command does."""
+        """Run the command as a key bound to it does."""
         self.commands.run(command)
 
     def note(self, text: str) -> None:
@@ -232,7 +232,7 @@ class Dive:
     ) -> bool:
         """Replace the world by that of a scenario; False, with a note, if it has a fault.
 
-        `source` is the scenario's file. With `keep` the submarine and all that lives go on from
+        `source` is the scenario's file. With `keep` the submarine and everything alive go on from
         where they are (`world.migrate.migrate`), and so does time.
         """
         before, ride, time = self.world, self.picture.ride, self.timeline
@@ -321,7 +321,7 @@ class Dive:
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
     ) -> None:
-        """Draw a world and make its ticks from now on, on a `tour` if one is named.
+        """Draw and tick this world from now on, on a `tour` if one is named.
 
         `check` is called while loading, and may raise.
         """
@@ -343,7 +343,7 @@ class Dive:
             say(line)
 
     def _see_light(self) -> None:
-        """Have the fish that is ridden react to the light it sees now, until the next picture."""
+        """Let the ridden fish react to the light it sees now, until the next picture."""
         ride, tick = self.picture.ride, self.world.state.tick
         if ride is None or not self.see_brightness or self._seen_tick == tick:
             return

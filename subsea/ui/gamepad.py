@@ -37,7 +37,7 @@ Read = Callable[[], Mapping[int, GamepadState | None]]  # by number; None: not a
 
 
 class Gamepads:
-    """All connected gamepads, which steer the same submarine and may come and go."""
+    """All connected gamepads, which steer the same submarine and can be hot-plugged."""
 
     def __init__(self, pilot: Pilot, commands: list[Command], read: Read | None = None) -> None:
         """Actions go to the `pilot`, others are added to the `commands`."""
@@ -48,9 +48,9 @@ class Gamepads:
         self._names: dict[int, str | None] = {}
 
     def poll(self, listener: Listener | None = None) -> list[str]:
-        """Process changes since the last call, which the `listener` may take.
+        """Process changes since the last call; the `listener` may consume them.
 
-        Returns lines on gamepads that came or went.
+        Returns lines on gamepads that were connected or disconnected.
         """
         there = self.read()
         lines = self._told({number: state and state.name for number, state in there.items()})
@@ -111,7 +111,7 @@ class Gamepads:
 
 
 def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
-    """Amounts in (0, 1] of the parts of a gamepad that are moved, by input name."""
+    """Amounts in (0, 1] of the moved parts of a gamepad, by input name."""
     found = {}
     for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
         if down:

@@ -13,14 +13,14 @@ from imgui_bundle import imgui
 from subsea.view.text_viewports import WHOLE, TextViewport
 
 TEXT_PT = 18.0
-ROOM = 34.0, 20.0  # the least screen for the help, in heights of its letters
+ROOM = 34.0, 20.0  # smallest screen for the help, in heights of its letters
 SQUEEZED = 1.2  # factor on text in squeezed viewports, which is also bold
 INK = (0.93, 0.97, 1.0)
 QUIET = (0.62, 0.76, 0.84)
 DEEP = (0.02, 0.13, 0.20)
 GLASS = (0.01, 0.06, 0.10)  # background of panels
 LIT = (0.16, 0.52, 0.66)
-MARK = (0.55, 0.90, 1.0)  # what is chosen, and curves
+MARK = (0.55, 0.90, 1.0)  # the chosen item, and curves
 SHADE = (0.0, 0.05, 0.08)  # behind text over the sea
 
 KEYS = {
@@ -112,7 +112,7 @@ class Gui:
     ) -> None:  # fmt: skip
         """Begin a frame on a window of a size in pointer units and in pixels.
 
-        What follows is drawn in each of the `viewports`, for both eyes at the depth of the screen.
+        All later drawing goes to each of the `viewports`, for both eyes at the depth of the screen.
         """
         imgui.backends.opengl3_new_frame()
         now = time.perf_counter()
@@ -207,13 +207,13 @@ class Gui:
     def keyed(self, key: int, down: bool, modifiers: int) -> bool:
         """A key went down or up; True if a text field takes it.
 
-        Also just after a click, when it is not yet known whether that was on a text field.
+        Also True just after a click, until it is known whether that was on a text field.
         """
         self.heard += 1
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._io.add_key_event(name, bool(modifiers & bit))
-            # Modifiers of an event are those before it.
+            # ImGui expects the modifiers of an event before it.
             for name, keys in PRESSED.items():
                 if key in keys:
                     self._io.add_key_event(name, down)
@@ -250,7 +250,7 @@ class Gui:
 
 @contextmanager
 def recovering_errors() -> Iterator[None]:
-    """If drawing fails within, end all scopes of ImGui that it has begun."""
+    """End all open scopes of ImGui if drawing fails within."""
     before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
     imgui.internal.error_recovery_store_state(before)
     try:
@@ -301,7 +301,7 @@ def _within(viewport: TextViewport, x: float, y: float) -> bool:
 
 
 def _dress(style: Any) -> None:
-    """Style panels: dark glass over the sea, one light colour for what is chosen."""
+    """Style panels: dark glass over the sea, one light colour for the chosen item."""
     style.window_rounding, style.frame_rounding, style.grab_rounding = 8.0, 4.0, 4.0
     style.popup_rounding, style.scrollbar_rounding, style.tab_rounding = 6.0, 6.0, 4.0
     style.window_border_size, style.popup_border_size = 0.0, 0.0

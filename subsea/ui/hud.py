@@ -13,7 +13,7 @@ from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
 STILL_S = 6.0  # they fade after this time without change
 FADE_S, SHOW_S = 1.5, 0.3
 TAPE = 15.0  # width of the compass, in heights of letters
-SPAN_DEG = 60.0  # that the compass shows to either side
+SPAN_DEG = 60.0  # range of the compass to either side
 BAR = 5.5  # length of the speed bar
 HIGH = 4.4  # height of all instruments
 POINTS = {0: "N", 90: "E", 180: "S", 270: "W"}
@@ -32,7 +32,7 @@ class Reading(NamedTuple):
     stopping: bool
 
     def differs(self, other: "Reading") -> bool:
-        """Whether somebody would see it."""
+        """Whether the difference is visible."""
         turned = abs(math.remainder(self.heading_deg - other.heading_deg, 360.0))
         return (
             abs(self.depth_m - other.depth_m) > 0.15
@@ -43,7 +43,7 @@ class Reading(NamedTuple):
 
 
 def instrument_reading(submarine: Submarine, throttle: float, stopping: bool) -> Reading:
-    """The instruments of a submarine, whose wheel has set `throttle`."""
+    """The instruments of a submarine with the speed `throttle` set by the wheel."""
     heading, pitch = submarine.angles
     ahead = float(submarine.velocity @ hull_axes(heading, pitch)[0])
     compass = -math.degrees(heading) % 360.0
@@ -51,23 +51,23 @@ def instrument_reading(submarine: Submarine, throttle: float, stopping: bool) ->
 
 
 class Hud:
-    """How visible the instruments are, and their drawing."""
+    """Draws the instruments, and fades them in and out."""
 
     def __init__(self) -> None:
-        """Visible at first, and then as needed."""
+        """Visible at first, then as needed."""
         self.mode: Mode = "as needed"
         self.opacity = 1.0
         self._noted: Reading | None = None
         self._still_s = 0.0
 
     def turn(self) -> Mode:
-        """To the next of `MODES`."""
+        """Set the next of `MODES`, cyclically."""
         self.mode = MODES[(MODES.index(self.mode) + 1) % len(MODES)]
         self._still_s = 0.0
         return self.mode
 
     def look(self, now: Reading, dt: float, wanted: bool = True) -> None:
-        """Fade or come back, `dt` seconds after the last look; away if they are not `wanted`."""
+        """Fade in or out, `dt` seconds after the last call; hide unless `wanted`."""
         self._still_s += dt
         if self._noted is None or now.differs(self._noted):
             self._noted, self._still_s = now, 0.0
@@ -77,7 +77,7 @@ class Hud:
         self.opacity = min(max(self.opacity + step, 0.0), 1.0)
 
     def draw(self, now: Reading) -> None:
-        """Draw them in the present frame of the gui."""
+        """Draw them in the current frame of the gui."""
         if self.opacity == 0.0:
             return
         size, line = imgui.get_io().display_size, imgui.get_font_size()
@@ -92,7 +92,7 @@ class Hud:
 
 
 def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float) -> None:
-    """A shade under all that, darkest at the foot of the middle, without an edge."""
+    """Draw a soft shade under the instruments, darkest at the foot of the middle."""
     line = imgui.get_font_size()
     clear, shade = colour(SHADE, 0.0), colour(SHADE, 0.6 * opacity)
     top, reach = size.y - 1.5 * HIGH * line, wide / 2 + (BAR + 9.0) * line
@@ -114,7 +114,7 @@ def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float)
 def _compass(
     canvas: Any, x: float, foot: float, wide: float, heading: float, opacity: float
 ) -> None:
-    """A tape of headings that passes under a mark."""
+    """Draw a tape of headings that moves under a mark."""
     line = imgui.get_font_size()
     high = foot - 1.25 * line
     first = math.ceil((heading - SPAN_DEG) / 10.0) * 10
@@ -149,7 +149,7 @@ def _depth(canvas: Any, right: float, foot: float, depth_m: float, opacity: floa
 
 
 def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) -> None:
-    """In figures, and as a bar from astern to ahead on which a mark is what the wheel has set."""
+    """Draw the speed in figures and as a bar from astern to ahead; a mark shows the set speed."""
     line = imgui.get_font_size()
     figures = f"{abs(now.ahead_m_s):.1f} m/s"
     draw_shadowed_text((left, foot - 2.35 * line), figures, 1.45 * line, INK, opacity, 0.0)

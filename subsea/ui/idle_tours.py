@@ -1,4 +1,4 @@
-"""Tours of an unattended dive: when they begin and end, and what they show over the picture."""
+"""Start and end tours of an unattended dive, and draw over the picture."""
 
 import math
 from pathlib import Path
@@ -28,7 +28,7 @@ class TouredDive(DiveContext, Protocol):
 
 
 class IdleTours:
-    """Begins a tour when nobody is at the controls, and ends it at any input."""
+    """Starts a tour when there is no input, and ends it at any input."""
 
     def __init__(
         self, dive: TouredDive, name: str, after_s: float,
@@ -74,7 +74,7 @@ class IdleTours:
             dive.picture.colours = "colours"
             dive.open_world(*self._start)
         dive.pilot.reset()
-        dive.overlay.greet()  # the help is there again for the next visitor
+        dive.overlay.greet()  # the next visitor sees the help again
         if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
             follows = self.name == DIRECTED and is_directed(dive.world.scenario)
             tour = endless_tour(dive.world, self.name) if follows else steer_along(dive.world, None)
@@ -87,14 +87,14 @@ class IdleTours:
 
     @property
     def _directions_over(self) -> bool:
-        """Whether a kiosk that nobody uses has shown all that its directions show."""
+        """Whether an idle kiosk has shown all of its directions."""
         dive = self._dive
         shows = self.timer.touring and self._kiosk is not None and not dive.shared
         directed = self.name == DIRECTED and is_directed(dive.world.scenario)
         return shows and directed and is_over(dive.world)
 
     def draw(self) -> None:
-        """Draw the dark before a tour, and the invitation during it, in the current frame."""
+        """Draw the fade to dark before a tour, and the invitation during it."""
         size, line, timer = imgui.get_io().display_size, imgui.get_font_size(), self.timer
         if timer.shade > 0.0:
             canvas = imgui.get_background_draw_list()

@@ -55,7 +55,7 @@ class Inspector(PanelContext):
             gui.release_all()
 
     def reset(self) -> None:
-        """Forget what was chosen: there is another world."""
+        """Clear the choice, after the world was replaced."""
         self.chosen = None
         self.take_changes()
 
@@ -89,7 +89,7 @@ class Inspector(PanelContext):
         self.dragging &= imgui.is_mouse_down(0)
 
     def _bar(self) -> None:
-        """Draw an entry for each panel, and one that closes; closer together if narrow."""
+        """Draw an entry for each panel and one to close; closer together if narrow."""
         words = [*PANELS, BACK]
         screen, style = imgui.get_io().display_size, imgui.get_style()
         wide, gaps = sum(imgui.calc_text_size(word).x for word in words), 3 * len(words)
@@ -111,7 +111,7 @@ class Inspector(PanelContext):
 
     @contextmanager
     def _contained(self, what: str) -> Iterator[None]:
-        """Report an error within, close the panel `what`, and let the dive go on."""
+        """Report an error within, close the panel `what` and continue the dive."""
         try:
             yield
         except CancelledByUserError:
@@ -143,7 +143,7 @@ class Inspector(PanelContext):
         return margin + step, BAR * line + step
 
     def end_frame(self) -> None:
-        """Do what panels have deferred to the end of the frame."""
+        """Run the calls that panels deferred to the end of the frame."""
         if self.take_changes() and self.dive.timeline:
             self.dive.timeline.touch()
         for act in self.take_waiting():

@@ -25,7 +25,7 @@ def draw_labels(labels: Sequence[Label], front_view: FrontView | None) -> None:
     canvas = imgui.get_background_draw_list()
     places = front_view.places(np.array([label.place for label in labels]))
     for (x, y), label in zip(places.tolist(), labels, strict=True):
-        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # NaN for what is behind
+        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # NaN behind the viewer
             continue
         wide = SMALL * imgui.calc_text_size(label.text).x
         left, top = x * size.x - wide / 2, y * size.y - tall

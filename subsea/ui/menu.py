@@ -56,7 +56,7 @@ class Menu:
     """Pages of entries. Entries act after the frame."""
 
     def __init__(self, dive: DiveContext, kiosk: bool = False) -> None:
-        """Closed. In a `kiosk` it lacks entries that could block an exhibit."""
+        """Start closed. In a `kiosk` it lacks entries that could block an exhibit."""
         self.dive, self.kiosk = dive, kiosk
         self.open = False
         self.seed = 0  # value of its field

@@ -38,7 +38,7 @@ class Installation(NamedTuple):
 
     rig: CameraRig
     screens: Sequence[Screen]
-    source: str = ""  # the file that asks for them
+    source: str = ""  # the file that defines them
 
 
 class Monitor(NamedTuple):
@@ -114,7 +114,7 @@ def placed(
     """
     found: list[tuple[int, Monitor | None]] = []
     faults = []
-    taken: dict[int, str] = {}  # the windows that monitors have, by the monitors' numbers
+    taken: dict[int, str] = {}  # windows by the numbers of their monitors
     for number, screen in enumerate(screens):
         if screen.monitor is None:
             found.append((number, None))
@@ -142,7 +142,7 @@ def placed(
 
 
 def reason(fault: Exception) -> str:
-    """The window library's own words, without its error number, quotes and final stop."""
+    """The window library's error text, without its number, quotes and final stop."""
     text = str(fault)
     words = text.partition(") ")[2] or text
     return words.removeprefix("b").strip("'\"").rstrip(".")

@@ -107,5 +107,5 @@ class Overlay:
 
 
 def unbroken(text: str) -> str:
-    """The same text, to be wrapped only between parts, which three blanks separate."""
+    """Make a text wrap only between parts, which three blanks separate."""
     return re.sub(r"(?<! ) (?! )", "\u00a0", text)

@@ -1,4 +1,4 @@
-"""Draw the sea for the windows of a dive, at a quality that holds the frame time."""
+"""Draw the sea for the windows of a dive; adapt quality to hold the frame time."""
 
 import gc
 import traceback
@@ -40,12 +40,12 @@ from subsea.world.world import World
 class ScenePicture:
     """Draws a world for a set of windows.
 
-    Seen from the submarine's `eye`, or from a fish that is ridden; with diagrams and retina
+    Seen from the submarine's `eye` or from a ridden fish; with diagrams and retina
     pictures, or a test pattern instead.
     """
 
     def __init__(self, wall: WindowSet, fixed: CameraRig | None, display: DisplayOptions) -> None:
-        """Without a world. The rig is the `fixed` one, else that of the display mode."""
+        """Start without a world. The rig is the `fixed` one, else that of the display mode."""
         self.display = display.mode
         self.quality = display.quality
         self.alpha = 1.0  # the shown point between the last two ticks
@@ -57,7 +57,7 @@ class ScenePicture:
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
         self.wireframe = display.wireframe  # draw edges of triangles
         self.labels: Sequence[Label] = ()  # of diagrams
-        self.viewports: tuple[TextViewport, ...]  # where text goes
+        self.viewports: tuple[TextViewport, ...]  # for text
         self._window_set, self._fixed, self._options = wall, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._drawn: Packet | None = None
@@ -83,7 +83,7 @@ class ScenePicture:
                 check,
             )
         except BaseException as fault:
-            # Release what was made while the context exists: later it would crash.
+            # Release objects while the context exists: later it would crash.
             traceback.clear_frames(fault.__traceback__)
             gc.collect()
             raise
@@ -96,7 +96,7 @@ class ScenePicture:
         self.renderer.release()
 
     def jump(self) -> None:
-        """Reset fades: the next picture is from another place or time."""
+        """Reset fades before a picture from another place or time."""
         self._memory = empty_lod_state(len(self._world.state.fishes.species))
 
     def draw(self, clear: bool, chosen: int | None) -> None:
@@ -174,11 +174,11 @@ class ScenePicture:
             self.renderer.adapt(self._chosen())
 
     def finish(self) -> None:
-        """Wait until all is drawn."""
+        """Wait until all drawing is complete."""
         self._context.finish()
 
     def views(self) -> tuple[View, ...]:
-        """The views from the submarine, or from the fish that is ridden."""
+        """The views from the submarine, or from the ridden fish."""
         if self.ride is None:
             return views(self.rig, self.eye)
         return self.ride.views(self._world, self.rig, self.insets, self.alpha)
@@ -193,11 +193,11 @@ class ScenePicture:
         if self._drawn is None or self.pattern:
             return None
         picked = pick(self.renderer, self._drawn, x, y)
-        self._context.screen.use()  # text goes on being drawn over the picture
+        self._context.screen.use()  # text is still to be drawn over the picture
         return picked.number if picked is not None and picked.kind == FISH else None
 
     def brightness(self, ride: Ride) -> float:
-        """Brightness in the eyes of the fish that is ridden, in [0, 1]."""
+        """Brightness in the eyes of the ridden fish, in [0, 1]."""
         light = retina_brightness(self.renderer, self._world, ride.by)
         self._draw_pattern()  # the renderer's pictures were overwritten
         return light

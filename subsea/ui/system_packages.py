@@ -1,4 +1,4 @@
-"""What to type where system libraries are missing; `tools/setup.sh` installs the same."""
+"""Install commands for missing system libraries, as in `tools/setup.sh`."""
 
 HEADLESS = "libegl1 libgl1 libgl1-mesa-dri"
 WINDOW = "libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"

@@ -1,4 +1,4 @@
-"""All that is drawn over the picture in the pilot's window: text, instruments, panels, menu."""
+"""Draw text, instruments, panels and menu over the pilot's picture."""
 
 from subsea.dive.captions import caption_of
 from subsea.dive.settings import Settings
@@ -19,20 +19,20 @@ class TextLayer:
         self, dive: DiveContext, settings: Settings, menu: Menu, inspector: Inspector
     ) -> None:
         self.vignette = Vignette(settings.comfort.vignette)
-        self.horizon = settings.comfort.horizon  # whether one is drawn at the helm
+        self.horizon = settings.comfort.horizon  # whether to draw one at the helm
         self._dive, self._menu, self._inspector = dive, menu, inspector
 
     def draw(self, elapsed_s: float, tours: IdleTours) -> None:
-        """Draw all of it, `elapsed_s` after the last frame.
+        """Draw one frame, `elapsed_s` after the last.
 
-        Nothing over the test pattern, by which projectors are measured.
+        Draws nothing over the test pattern, which serves to measure projectors.
         """
         dive, picture, overlay = self._dive, self._dive.picture, self._dive.overlay
         if picture.pattern:
             return
         self._begin()
         draw_labels(picture.labels, picture.front_view)
-        if not self._menu.open:  # nor is a caption to be read behind the help
+        if not self._menu.open:  # nor draw a caption behind the help
             caption = caption_of(dive.world, picture.alpha)
             opacity = caption.opacity * (1.0 - overlay.help_opacity)
             subtitles.draw(caption._replace(opacity=opacity), picture.rig)
@@ -62,7 +62,7 @@ class TextLayer:
 
     @property
     def status(self) -> str:
-        """The fish that is ridden, and what is unusual about time, in one line."""
+        """The ridden fish and the state of time, unless normal, in one line."""
         dive, parts = self._dive, []
         if dive.picture.ride is not None:
             ride, colours = dive.picture.ride, dive.picture.colours

@@ -1,14 +1,14 @@
-"""What a tool window expects of the tool in it."""
+"""The interface of a tool to its window."""
 
 from typing import Protocol
 
 
 class Tool(Protocol):
-    """What is edited in a `ToolWindow`."""
+    """An editor inside a `ToolWindow`."""
 
     @property
     def unsaved(self) -> bool:
-        """Whether closing the window now would lose something."""
+        """Whether closing the window now would lose changes."""
 
     @property
     def may_undo(self) -> bool:
@@ -21,14 +21,14 @@ class Tool(Protocol):
     def draw(self, elapsed_s: float) -> float:
         """Draw everything, `elapsed_s` after the last frame.
 
-        Return the seconds until it looks different by itself: 0 while it moves, inf if never.
+        Return the seconds until it changes by itself: 0 while it moves, inf if never.
         """
 
     def draw_menu(self) -> None:
         """Add entries to the menu bar by ``imgui.menu_item``."""
 
     def save(self) -> bool:
-        """Save; return whether it was done. A UserError is shown."""
+        """Save; return whether that succeeded. The window shows a UserError."""
 
     def undo(self) -> None:
         """Go back by one edit."""

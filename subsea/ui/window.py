@@ -29,7 +29,7 @@ NUDGE = 3.0  # pointer units: smaller movements are noise
 class Listener(Protocol):
     """Receives all input of a window before the pilot.
 
-    If a method returns True, the listener takes the input and the pilot does not get it.
+    If a method returns True, the listener consumes the input and the pilot does not get it.
     """
 
     def pointed(self, x: float, y: float) -> bool:
@@ -72,7 +72,7 @@ class PointerRange(NamedTuple):
 
 @contextmanager
 def hidden_window(stereo: bool = False) -> Iterator[Callable[[str], Any] | None]:
-    """The loader of OpenGL functions of a hidden window, made current; None if that fails."""
+    """Make a hidden window current; yield its loader of OpenGL functions, None on failure."""
     _context_hints()
     glfw.window_hint(glfw.VISIBLE, False)
     glfw.window_hint(glfw.STEREO, stereo)
@@ -146,7 +146,7 @@ class GlWindow:
         self.listener: Listener | None = None
         self.pointer_range: PointerRange | None = None  # if larger than the window
         self._commands = commands
-        # Where the pointer was last noted; None: it has just entered.
+        # The last noted place of the pointer; None: it has just entered.
         self._rested: tuple[float, float] | None = None
         self.stays = False  # visitors cannot close it
         self.fixed = screen.fixed  # no full screen
@@ -188,7 +188,7 @@ class GlWindow:
 
     @property
     def open(self) -> bool:
-        """Whether it was not asked to close."""
+        """Whether nobody has asked it to close."""
         return not glfw.window_should_close(self.handle)
 
     @property
@@ -234,7 +234,7 @@ class GlWindow:
 
     @property
     def filled(self) -> tuple[int, int] | None:
-        """The position of the monitor that it fills; None if it fills none."""
+        """The position of the monitor that it fills, or None."""
         monitor = glfw.get_window_monitor(self.handle)
         if not monitor:
             return None
@@ -242,10 +242,10 @@ class GlWindow:
         return left, top
 
     def settle(self, free: Sequence[Monitor]) -> None:
-        """Adapt to monitors that came or went; `free` are those that no window fills.
+        """Adapt to connected and disconnected monitors; no window fills the `free` ones.
 
-        A window fills its monitor again when that is back. One that was put on a full screen which
-        is gone gets its former place and size, unless it `stays`.
+        A window fills its monitor again after reconnection. A window whose full-screen monitor
+        was removed gets its former place and size, unless it `stays`.
         """
         if self.filled is not None:
             return
@@ -286,7 +286,7 @@ class GlWindow:
         heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
-            self.pilot.release(name)  # even if the listener took it: it may have been held
+            self.pilot.release(name)  # even if the listener consumed it: it may have been held
         elif not heard:
             control = self.pilot.bindings.key(key, mods, self.pilot.riding)
             self._ask(control, name, action == glfw.REPEAT)

@@ -1,6 +1,6 @@
 """The windows of a dive: one for each output of the rig.
 
-All is drawn in the context of the front window, which is the pilot's. The others have contexts
+All drawing uses the context of the front window, which is the pilot's. The others have contexts
 that share its textures.
 """
 
@@ -56,7 +56,7 @@ class WindowSet:
                 context = window_context(window.get_proc_address)
                 self.page = page_switch(window.get_proc_address) if paged else one_page
                 shown[number] = _Shown(window, context, Presenter(context, self.page))
-                # Released while the window exists and is current: later it would crash.
+                # Release while the window exists and is current: later it would crash.
                 undo.callback(shown[number].presenter.release)
                 undo.callback(window.make_current)
                 # Only the window presented last waits for its display: otherwise a frame would
@@ -84,7 +84,7 @@ class WindowSet:
 
     @property
     def open(self) -> bool:
-        """Whether none was asked to close."""
+        """Whether nobody has asked a window to close."""
         return all(window.open for window in self.windows)
 
     def poll(self, wait_s: float = 0.0) -> list[Command]:
@@ -170,7 +170,7 @@ class WindowSet:
         )
 
     def _share_pointer(self) -> None:
-        """Let the pointer range over all windows; straight ahead is the middle of the front."""
+        """Share the pointer between all windows; straight ahead is the middle of the front one."""
         corners = [window.position for window in self.windows]
         ends = [
             (x + window.points[0], y + window.points[1])

@@ -67,7 +67,7 @@ class ChartState:
     """The chart of the chosen fish."""
 
     def __init__(self) -> None:
-        """No fish."""
+        """Start without a fish."""
         self.world: World | None = None
         self.chart = Chart(-1)
 
@@ -93,7 +93,7 @@ def panel(context: PanelContext) -> None:
 
 
 def _charts(values: NDArray[np.floating], nature: Nature) -> None:
-    """Charts of each mental state over the last minute, with its thresholds."""
+    """Draw a chart of each mental state over the last minute, with its thresholds."""
     line = imgui.get_font_size()
     canvas, size = imgui.get_window_draw_list(), (WIDE * line, HIGH * line)
     marks = ((nature.keen,), (nature.keen,), (nature.alarmed, nature.panicked))
@@ -122,12 +122,12 @@ def _charts(values: NDArray[np.floating], nature: Nature) -> None:
 
 
 def _intentions(world: World, fish: int) -> None:
-    """All intentions, the current one lit, and its target."""
+    """List all intentions, highlight the current one, and show its target."""
     minds, line = world.state.minds, imgui.get_font_size()
     names = imgui.Col_
     imgui.push_style_var(imgui.StyleVar_.disabled_alpha.value, 1.0)
     imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.25 * line, 0.25 * line))
-    imgui.begin_disabled()  # they are no buttons
+    imgui.begin_disabled()  # not buttons
     for code, name in enumerate(INTENTIONS):
         lit = code == minds.intention[fish]
         imgui.push_style_color(names.button.value, (*LIT, 1.0) if lit else (*GLASS, 0.5))
@@ -213,7 +213,7 @@ def _nature(context: PanelContext) -> None:
 
 
 def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:
-    """Draw a slider; whether it moved, and its value as precisely as shown."""
+    """Draw a slider; return whether it moved, and its value as precisely as shown."""
     moved, value = imgui.slider_float(
         slider.label, value, slider.low, slider.high, slider.form, slider.flags
     )

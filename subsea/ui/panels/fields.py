@@ -1,4 +1,4 @@
-"""Input fields for the tables of a scenario, with the limits of the file format."""
+"""Input fields for scenario tables, with the limits of the file format."""
 
 from collections.abc import Callable
 from functools import cache

@@ -1,4 +1,4 @@
-"""The head of all panels about one fish: choose the fish."""
+"""Choose a fish: the head of all panels about one fish."""
 
 import numpy as np
 from imgui_bundle import imgui

@@ -39,7 +39,7 @@ def _see_from(context: PanelContext, fish: int | None, behind: bool | None) -> N
 
 
 def _eyes(context: PanelContext) -> None:
-    """Gaze, retina pictures and teleoperation of the fish that is ridden."""
+    """Draw gaze, retina pictures and teleoperation of the ridden fish."""
     dive, ride = context.dive, context.dive.picture.ride
     gaze = ride.gaze if ride else Gaze()
     imgui.separator()

@@ -20,7 +20,7 @@ class HabitsScope:
     """Whether habits are set for one fish or all of its species."""
 
     def __init__(self) -> None:
-        """For one fish."""
+        """Start with one fish."""
         self.all_of_species = False
 
 

@@ -27,7 +27,7 @@ from subsea.world.inventory import KINDS, Counts, counts, with_counts
 from subsea.world.to_scenario import to_scenario
 
 MAX_PLANKTON = 100_000
-NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # how wide fields are, in heights of letters
+NUMBER, SEED, NAME = 6.5, 9.0, 14.0  # widths of fields, in heights of letters
 
 
 @dataclass
@@ -42,7 +42,7 @@ class InitialisationState:
     said: str = ""  # result of the last action
 
     def begin(self, scenario: Scenario, seed: int) -> Counts:
-        """Begin with the numbers of a scenario, and the seed of its dive."""
+        """Start from the numbers of a scenario and the seed of its dive."""
         self.base, self.counts = scenario, counts(scenario)
         self.counts.seed, self.names = seed, scenario_names()
         return self.counts

@@ -1,4 +1,4 @@
-"""Physics (Tu fig. 9.3): bodies and water of simulated fishes, and the current."""
+"""Physics (Tu fig. 9.3): bodies and water of simulated fishes, and currents."""
 
 import math
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ def panel(context: PanelContext) -> None:
 
 
 def _simulated(context: PanelContext) -> None:
-    """Number of simulated fishes, and whether the chosen one is simulated."""
+    """Set the number of simulated fishes, and whether the chosen one is simulated."""
     dive = context.dive
     world, line = dive.world, imgui.get_font_size()
     live = np.flatnonzero(world.state.fishes.live)

@@ -75,7 +75,7 @@ def panel(context: PanelContext) -> None:
         placing.history, placing.chosen = History(dive.scenario), None
         placing.reset_trial()
     frame = imgui.get_frame_count()
-    if frame > placing.frame + 1:  # it was hidden during a drag
+    if frame > placing.frame + 1:  # the panel was hidden during a drag
         placing.reset_trial()
     placing.frame = frame
     sea, scenario = dive.world.state.sea, placing.trial or dive.scenario
@@ -126,7 +126,7 @@ def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
 
 
 def undo(context: PanelContext, forth: bool = False) -> bool:
-    """Undo the last change, or with `forth` redo it; False if there is none."""
+    """Undo the last change, or with `forth` redo it; False without one."""
     history = context.state(PlacementState).history
     if history is None or not (history.may_redo if forth else history.may_undo):
         return False

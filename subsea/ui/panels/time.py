@@ -1,4 +1,4 @@
-"""Time: pause, single ticks, rates, and going back over the last minute."""
+"""Time: pause, single ticks, rates, and rewind over the last minute."""
 
 from imgui_bundle import imgui
 
