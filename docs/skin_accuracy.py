@@ -13,7 +13,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from subsea.fish import paint
+from subsea.fish import paint, sheet_layout
 from subsea.fish.photo.fitting import find_fish, outline_error
 from subsea.fish.photo.lift import rasterize
 from subsea.fish.photo.photograph import Photograph
@@ -79,15 +79,15 @@ def made(case: Case) -> Made:
     control = rest_control_points(plan, 1.0, 0.0) * (-1.0, 1.0, 1.0)
     sheet = paint.paint(species).astype(np.float32) / 255.0
     rows, columns = sheet.shape[:2]
-    front, rear = paint.borders(plan)
-    top = paint.half_height(plan)
+    front, rear = sheet_layout.borders(plan)
+    top = sheet_layout.half_height(plan)
     colour = _background(case, species, sheet)
     mask = np.zeros((height, width), bool)
     fine = np.linspace(0.0, 1.0, 97)
     along = dense(basis_at(FIN_V, fine), FIN_V)
     parts = []
     for frame, points, there in (
-        (paint.DORSAL, DORSAL, plan.dorsal), (paint.VENTRAL, VENTRAL, plan.ventral),
+        (sheet_layout.DORSAL, DORSAL, plan.dorsal), (sheet_layout.VENTRAL, VENTRAL, plan.ventral),
     ):  # fmt: skip
         if there:
             low, high = (along @ row for row in control[points].reshape(2, FIN_V, 3)[..., :2])
@@ -105,7 +105,7 @@ def made(case: Case) -> Made:
     body = np.einsum(
         "au,bv,uvx->abx", across, dense(basis_at(V, fine), V), control[LEFT].reshape(U, V, 3)
     )[..., :2]
-    scale = np.array([columns / (rear - front), paint.BODY.top * rows / (2 * top)])
+    scale = np.array([columns / (rear - front), sheet_layout.BODY.top * rows / (2 * top)])
     parts.append((pixels(body), (body - (front, -top)) * scale - 0.5))
     if plan.pelvic:  # a fin that hangs out of the outline
         t = np.linspace(0.0, 1.0, 20)[:, None]
@@ -145,7 +145,7 @@ def _background(case: Case, species: object, sheet: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(case.seed + 7)
     wide, high = case.size
     y, x = np.mgrid[:high, :wide].astype(np.float32)
-    body = paint.framed(sheet.transpose(2, 0, 1), paint.BODY)[:3]
+    body = sheet_layout.framed(sheet.transpose(2, 0, 1), sheet_layout.BODY)[:3]
     flank = 255.0 * np.median(body[:, 150:360, 300:700].reshape(3, -1), axis=1)
     plain = np.zeros((high, wide, 3), np.float32)
     if case.background == "plain":

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.core.resources import is_path
-from subsea.fish import paint
+from subsea.fish import sheet_layout
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.coupling import couple, place
 from subsea.fish.mesh import ABSENT, BODY, DETAILS, FIN, PECTORAL, PELVIC, Mesh, fish_mesh, outfit
@@ -264,17 +264,17 @@ def _paddle_axes(plan: PaddlePlan, side: float, along: Array) -> tuple[Array, Ar
 def _texture_coordinates(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
     """Texture coordinates (n, 2) of all vertices of a level."""
     part, side, along = mesh.vertices[:, 12], mesh.vertices[:, 14], mesh.vertices[:, 13]
-    (front, rear), top = paint.borders(plan), paint.half_height(plan)
+    (front, rear), top = sheet_layout.borders(plan), sheet_layout.half_height(plan)
     body = (own[:, :2] - (front, -top)) / (rear - front, 2.0 * top)
     fin, paddle = np.stack([own[:, 3], along], 1), np.stack([along, own[:, 3]], 1)
-    inset = np.array(INSET) / paint.SIZE
+    inset = np.array(INSET) / sheet_layout.SIZE
     out = np.zeros((len(own), 2))
     for frame, mine, within, gap in (
-        (paint.BODY, part == BODY, np.clip(body, 0.0, 1.0), 0.0),
-        (paint.DORSAL, (part == FIN) & (side > 0), fin, inset),
-        (paint.VENTRAL, (part == FIN) & (side < 0), fin, inset),
-        (paint.PECTORAL, part == PECTORAL, paddle, inset),
-        (paint.PELVIC, part == PELVIC, paddle, inset),
+        (sheet_layout.BODY, part == BODY, np.clip(body, 0.0, 1.0), 0.0),
+        (sheet_layout.DORSAL, (part == FIN) & (side > 0), fin, inset),
+        (sheet_layout.VENTRAL, (part == FIN) & (side < 0), fin, inset),
+        (sheet_layout.PECTORAL, part == PECTORAL, paddle, inset),
+        (sheet_layout.PELVIC, part == PELVIC, paddle, inset),
     ):
         low, high = np.array(frame[:2]) + gap, np.array(frame[2:]) - gap
         out[mine] = low + within[mine] * (high - low)

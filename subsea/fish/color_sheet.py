@@ -17,7 +17,7 @@ from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
 from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
-from subsea.fish import paint
+from subsea.fish import paint, sheet_layout
 from subsea.fish.species import Species
 
 
@@ -38,7 +38,7 @@ def sheets(species: Sequence[Species]) -> list[Bytes]:
 
 def read(path: Path) -> Bytes:
     """The sheet in a PNG file; anything else is a UserError."""
-    width, height = paint.SIZE
+    width, height = sheet_layout.SIZE
     expected = f"expected a PNG of {width}×{height} pixels with opacity (RGBA)"
     from PIL import Image  # most species are painted
 
@@ -46,7 +46,7 @@ def read(path: Path) -> Bytes:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of huge sizes, which are none that is expected
             with Image.open(path, formats=("PNG",)) as image:
-                if image.size != paint.SIZE or image.mode != "RGBA":
+                if image.size != sheet_layout.SIZE or image.mode != "RGBA":
                     about = f"{image.width}×{image.height} pixels, {image.mode}"
                     raise UserError(f"{about}; {expected}", file=path)
                 return np.ascontiguousarray(np.asarray(image, np.uint8)[::-1])

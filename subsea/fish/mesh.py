@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array, Ints
-from subsea.fish import paint
+from subsea.fish import sheet_layout
 from subsea.fish.surface import (
     DORSAL,
     FIN_U,
@@ -153,7 +153,7 @@ def outfit(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
     out[smooth, 0], out[smooth, 1] = -spots[:, 0], spots[:, 1]
     if plan.wing:
         body = part[smooth] == BODY
-        out[part == BODY, 1] = paint.unfolded(plan, spots[body, 2], mesh.upper[part == BODY])
+        out[part == BODY, 1] = sheet_layout.unfolded(plan, spots[body, 2], mesh.upper[part == BODY])
     out[:, 2], out[:, 3] = base, v
     for fin, _, sign in fins:
         if not fin:

@@ -8,7 +8,7 @@ from PIL import Image
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster.identity import _anywhere
-from subsea.fish import paint
+from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import read, sheet_of, sheets, wear, write
 from subsea.fish.species import load_species, own_species, species_file, species_names
 
@@ -26,7 +26,7 @@ def own():
 
 def picture():
     rng = np.random.default_rng(5)
-    return rng.integers(0, 256, (*paint.SIZE[::-1], 4), np.uint8)
+    return rng.integers(0, 256, (*sheet_layout.SIZE[::-1], 4), np.uint8)
 
 
 def test_a_sheet_is_read_as_it_was_written_with_its_upper_row_first(tmp_path):
@@ -34,7 +34,7 @@ def test_a_sheet_is_read_as_it_was_written_with_its_upper_row_first(tmp_path):
     write(tmp_path / "sheet.png", sheet)
     np.testing.assert_array_equal(read(tmp_path / "sheet.png"), sheet)
     with Image.open(tmp_path / "sheet.png") as image:
-        assert image.size == paint.SIZE and image.mode == "RGBA"
+        assert image.size == sheet_layout.SIZE and image.mode == "RGBA"
         np.testing.assert_array_equal(np.asarray(image)[0], sheet[-1])
 
 
@@ -102,7 +102,7 @@ def test_faulty_sheets_get_one_line(own):
         for word in (str(path), "1024×640", *words):
             assert word in text
 
-    Image.new("RGB", paint.SIZE).save(path)
+    Image.new("RGB", sheet_layout.SIZE).save(path)
     fails("RGB", "RGBA")
     Image.new("RGBA", (512, 320)).save(path)
     fails("512×320")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.fish.paint import (
+from subsea.fish.paint import paint, paint_all
+from subsea.fish.sheet_layout import (
     BODY,
     DORSAL,
     PECTORAL,
@@ -13,8 +14,6 @@ from subsea.fish.paint import (
     borders,
     eye_height,
     half_height,
-    paint,
-    paint_all,
 )
 from subsea.fish.species import FinSkin, SkinPatch, Stripes, load_species, species_names
 

@@ -17,7 +17,7 @@ from msgspec import structs
 
 from subsea.core.arrays import Array, Bools, Bytes
 from subsea.core.kernels import kernel
-from subsea.fish import paint
+from subsea.fish import paint, raster, sheet_layout
 from subsea.fish.photo.deformable_mesh import DORSAL, VENTRAL, DeformableMesh, FishMeshes
 from subsea.fish.photo.side_view import SideView, SideViewFin, mesh_outlines, side_view, subdivide
 from subsea.fish.species import Colour, SkinPlan, Species
@@ -63,29 +63,31 @@ def lift_sheet(
     surface, skin = species.surface, species.skin
     rest = side_view(surface)
     source = _source(colour, meshes, surface, fish)
-    planes = np.zeros((4, *paint.SIZE[::-1]), np.float32)
+    planes = np.zeros((4, *sheet_layout.SIZE[::-1]), np.float32)
     flank, tail = _lift_flank(source, meshes, rest, surface, skin)
-    paint.framed(planes, paint.BODY)[:] = flank.picture.transpose(2, 0, 1)
+    sheet_layout.framed(planes, sheet_layout.BODY)[:] = flank.picture.transpose(2, 0, 1)
     typical = [tail]
     for name, frame, plan, look, ridge in (
-        (VENTRAL, paint.VENTRAL, surface.ventral, skin.ventral, surface.belly),
-        (DORSAL, paint.DORSAL, surface.dorsal, skin.dorsal, surface.back),
+        (VENTRAL, sheet_layout.VENTRAL, surface.ventral, skin.ventral, surface.belly),
+        (DORSAL, sheet_layout.DORSAL, surface.dorsal, skin.dorsal, surface.back),
     ):
         if plan and look:
-            part = paint.framed(planes, frame)
+            part = sheet_layout.framed(planes, frame)
             made, tone = _lift_fin(
                 source, flank, meshes.fins[name].mesh, rest.fins[name],
-                np.dstack(paint.fin_places(plan, ridge, *_shares(part.shape[1:]))),
+                np.dstack(sheet_layout.fin_places(plan, ridge, *_shares(part.shape[1:]))),
                 look.opacity, float(name == DORSAL),
             )  # fmt: skip
             part[:] = made.transpose(2, 0, 1)
             typical.append(tone)
-    sheet = paint.encoded(planes)
+    sheet = raster.encoded(planes)
     fins = next((tone for tone in typical[::-1] if tone), None)
     plain = structs.replace(species, skin=_plain(skin, flank, fins))
     painted = paint.paint(plain).transpose(2, 0, 1)
-    for frame in (paint.PECTORAL, paint.PELVIC):
-        paint.framed(sheet.transpose(2, 0, 1), frame)[:] = paint.framed(painted, frame)
+    for frame in (sheet_layout.PECTORAL, sheet_layout.PELVIC):
+        sheet_layout.framed(sheet.transpose(2, 0, 1), frame)[:] = sheet_layout.framed(
+            painted, frame
+        )
     return sheet
 
 
@@ -106,9 +108,11 @@ def _lift_flank(
     source: _Source, meshes: FishMeshes, rest: SideView, surface: SurfacePlan, skin: SkinPlan
 ) -> tuple[_Flank, Colour | None]:
     """Body and tail, and the typical colour of the latter."""
-    height, width = paint.framed(np.empty((4, *paint.SIZE[::-1])), paint.BODY).shape[1:]
-    front, rear = paint.borders(surface)
-    top, tail = paint.half_height(surface), surface.tail.begin
+    height, width = sheet_layout.framed(
+        np.empty((4, *sheet_layout.SIZE[::-1])), sheet_layout.BODY
+    ).shape[1:]
+    front, rear = sheet_layout.borders(surface)
+    top, tail = sheet_layout.half_height(surface), surface.tail.begin
     low = np.array([front, -top])
     size = np.array([width / (rear - front), height / (2.0 * top)])
     texels = (subdivide(rest.body, FINE_MESH) - low) * size - 0.5

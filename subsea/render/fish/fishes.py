@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import cached
-from subsea.fish import paint
+from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheets
 from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
 from subsea.fish.species import CourtshipColours, Species
@@ -37,7 +37,7 @@ LOOKS_BINDING = 0  # of the uniform block
 
 # Texels around each skin that repeat its border: one texel at the coarsest mipmap.
 GUTTER = 2**COARSEST
-CELL = paint.SIZE[0] + 2 * GUTTER, paint.SIZE[1] + 2 * GUTTER
+CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
 # How far the lower jaw turns down.
 GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
@@ -241,8 +241,8 @@ def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
     return (
         (column * CELL[0] + GUTTER) / width,
         (row * CELL[1] + GUTTER) / height,
-        paint.SIZE[0] / width,
-        paint.SIZE[1] / height,
+        sheet_layout.SIZE[0] / width,
+        sheet_layout.SIZE[1] / height,
     )
 
 
@@ -303,18 +303,18 @@ def look(
     `length_cm` is that of the recorded fish, `place` the `cell` of its skin on the atlas.
     """
     surface, skin = species.surface, species.skin
-    top = paint.half_height(surface)
-    front, rear = paint.borders(surface)
+    top = sheet_layout.half_height(surface)
+    front, rear = sheet_layout.borders(surface)
     # The mouth of a ray is on its lower side, which is elsewhere on the skin.
     gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
-    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * paint.head_size(surface)
+    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * sheet_layout.head_size(surface)
     teeth = TEETH if species.kind == "predator" else 0.0
     vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))
     shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
         place,
         (front, -top, rear, top),
-        (surface.eye.at, paint.eye_height(surface), surface.eye.radius, 0.0),
+        (surface.eye.at, sheet_layout.eye_height(surface), surface.eye.radius, 0.0),
         (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
         (length_cm, surface.tail.begin, show.brightness, vary.torn),
         (vary.hue, vary.saturation, vary.brightness, vary.pattern),
@@ -332,8 +332,16 @@ def frames() -> list[tuple[float, ...]]:
 
     Fins are inset, so that they do not blend with their neighbours.
     """
-    inset = np.array([4.0, 1.0]) / paint.SIZE
-    parts = np.array([paint.DORSAL, paint.VENTRAL, paint.PECTORAL, paint.PELVIC, paint.BODY])
+    inset = np.array([4.0, 1.0]) / sheet_layout.SIZE
+    parts = np.array(
+        [
+            sheet_layout.DORSAL,
+            sheet_layout.VENTRAL,
+            sheet_layout.PECTORAL,
+            sheet_layout.PELVIC,
+            sheet_layout.BODY,
+        ]
+    )
     low, high = parts[:, :2], parts[:, 2:]
     low[:4], high[:4] = low[:4] + inset, high[:4] - inset
     return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]

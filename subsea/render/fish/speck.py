@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array, Ints
-from subsea.fish import paint
+from subsea.fish import sheet_layout
 from subsea.fish.mesh import ABSENT
 from subsea.fish.surface import (
     DORSAL,
@@ -106,15 +106,17 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
     rest = rest_control_points(plan, 1.0, 0.0)[shape.points]
     height = rest[:, 1]
     if plan.wing:
-        height = paint.unfolded(plan, rest[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0))
-    front, rear = paint.borders(plan)
-    top = paint.half_height(plan)
+        height = sheet_layout.unfolded(
+            plan, rest[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0)
+        )
+    front, rear = sheet_layout.borders(plan)
+    top = sheet_layout.half_height(plan)
     out = np.zeros((len(rest), 3))
     within = np.stack([(-rest[:, 0] - front) / (rear - front), (height + top) / (2.0 * top)], 1)
-    out[:, :2] = _framed(paint.BODY, within)
+    out[:, :2] = _framed(sheet_layout.BODY, within)
     for number, start, fin, frame in (
-        (1, DORSAL.start, plan.dorsal, paint.DORSAL),
-        (2, VENTRAL.start, plan.ventral, paint.VENTRAL),
+        (1, DORSAL.start, plan.dorsal, sheet_layout.DORSAL),
+        (2, VENTRAL.start, plan.ventral, sheet_layout.VENTRAL),
     ):
         mine = shape.fin == number
         row, column = np.divmod(shape.points[mine] - start, FIN_V)
@@ -123,8 +125,8 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
     return out
 
 
-def _framed(frame: paint.SheetRegion, within: Array) -> Array:
+def _framed(frame: sheet_layout.SheetRegion, within: Array) -> Array:
     """Coordinates (n, 2) on the sheet of points in a frame, 0 to 1 both ways."""
-    half = 0.5 * 2**COARSEST / np.array(paint.SIZE)
+    half = 0.5 * 2**COARSEST / np.array(sheet_layout.SIZE)
     low, high = np.array(frame[:2]) + half, np.array(frame[2:]) - half
     return np.clip(low - half + within * (high - low + 2.0 * half), low, high)

@@ -16,7 +16,7 @@ from subsea.fish.editing.draft import KeyPath, SpeciesDraft
 from subsea.fish.editing.edit_state import EditState
 from subsea.fish.editing.handles import Box, DragHandle, View, drag_handle, handles
 from subsea.fish.editing.outline_points import add_point, nearest_line
-from subsea.fish.paint import BODY, borders, half_height
+from subsea.fish.sheet_layout import BODY, borders, half_height
 from subsea.fish.species import Species
 from subsea.fish.surface import PaddlePlan, along, travelled
 from subsea.ui.gui import INK, MARK, QUIET

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from subsea.cli.main import main
-from subsea.fish import paint
+from subsea.fish import sheet_layout
 from subsea.fish.photo import dress
 from subsea.fish.photo.deformable_mesh import copy_meshes
 from subsea.fish.photo.fitting import silhouette
@@ -58,7 +58,7 @@ def test_a_species_of_ones_own_is_dressed(capsys, own, photo):
     assert own.read_text().replace(f'sheet = "{NAME}.png"\n', "") == before
     with Image.open(own.with_suffix(".png")) as image:
         sheet = np.asarray(image)
-    assert sheet.shape == (*paint.SIZE[::-1], 4)
+    assert sheet.shape == (*sheet_layout.SIZE[::-1], 4)
     body = sheet[round(0.2 * 640) :]
     assert np.abs(body[..., :3].astype(int) - (230, 120, 30)).max() < 6  # nowhere is it blue
 

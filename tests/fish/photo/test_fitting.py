@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 
 from subsea.core.errors import UserError
-from subsea.fish import paint
+from subsea.fish import sheet_layout
 from subsea.fish.photo.fitting import (
     align_shape,
     find_fish,
@@ -133,11 +133,12 @@ def test_the_meshes_follow_the_eye(accuracy):
     other = structs.replace(species, surface=structs.replace(species.surface, eye=eye))
     one = find_fish(photograph, other.surface)
     assert outline_error(one.meshes, truth) < 0.01
-    body = paint.framed(
-        lift_sheet(photograph.colour, one.meshes, other, one.mask).transpose(2, 0, 1), paint.BODY
+    body = sheet_layout.framed(
+        lift_sheet(photograph.colour, one.meshes, other, one.mask).transpose(2, 0, 1),
+        sheet_layout.BODY,
     )
-    front, rear = paint.borders(other.surface)
-    top = paint.half_height(other.surface)
+    front, rear = sheet_layout.borders(other.surface)
+    top = sheet_layout.half_height(other.surface)
     column = int((eye.at - front) / (rear - front) * body.shape[2])
     row = int((eye.height + top) / (2 * top) * body.shape[1])
     assert body[:3, row, column].max() < 90  # the pupil, in an orange face

@@ -11,7 +11,7 @@ from PIL import Image
 
 from subsea.cli.main import main
 from subsea.core.errors import UserError
-from subsea.fish import paint
+from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.photo import mesh_edit as edits
 from subsea.fish.photo.deformable_mesh import BODY, VENTRAL
@@ -54,7 +54,7 @@ def photographed(path):
             picture, [np.round(16 * ring).astype(np.int32)], (190, 70, 160), cv2.LINE_AA, 4
         )
     fine = subdivide(side_view(plan).body, 8)
-    (front, rear), top = paint.borders(plan), paint.half_height(plan)
+    (front, rear), top = sheet_layout.borders(plan), sheet_layout.half_height(plan)
     size = np.array([sheet.shape[1] / (rear - front), 0.8 * sheet.shape[0] / (2.0 * top)])
     texels = rasterize(to_picture(matrix, fine), (fine - (front, -top)) * size - 0.5, PICTURE[::-1])
     there = np.isfinite(texels[..., 0])

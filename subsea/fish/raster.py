@@ -1,0 +1,146 @@
+"""Raster helpers of painted skins: blending, distance fields, noise, and sRGB texels."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array
+from subsea.fish.species import Colour
+from subsea.fish.surface import Curve
+
+
+def texels_around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[slice, slice]:
+    """Rows and columns of the texels within `reach` of the box around an outline."""
+    low, high = np.min(outline, axis=0) - reach, np.max(outline, axis=0) + reach
+    rows, columns = (
+        np.searchsorted(y[:, 0], (low[1], high[1])),
+        np.searchsorted(s, (low[0], high[0])),
+    )
+    return slice(*rows), slice(*columns)
+
+
+def boxes_overlap(outline: Curve, s: Array, y: Array) -> bool:
+    """Whether the box around an outline has a share in that around some places."""
+    low, high = np.min(outline, axis=0) - 0.02, np.max(outline, axis=0) + 0.02
+    return bool(s.max() > low[0] and s.min() < high[0] and y.max() > low[1] and y.min() < high[1])
+
+
+def depth_inside(outline: Curve, s: Array, y: Array) -> Array:
+    """Distance (h, w) from a smooth closed outline, positive inside, in body lengths.
+
+    They are measured at every fourth texel each way and interpolated.
+    """
+    coarse = depth_at(outline, every_fourth(s), every_fourth(y[:, 0])[:, None])
+    return upsampled(upsampled(coarse.T, len(s)).T, len(y))
+
+
+def depth_at(outline: Curve, x: Array, h: Array) -> Array:
+    """The same at any places."""
+    corners = _rounded(np.asarray(outline, np.float32))
+    shape = np.broadcast_shapes(x.shape, h.shape)
+    inside = np.zeros(shape, bool)
+    nearest = np.full(shape, np.inf, np.float32)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        dx, dy = bx - ax, by - ay
+        t = (((x - ax) * dx + (h - ay) * dy) / max(dx * dx + dy * dy, 1e-12)).clip(0.0, 1.0)
+        nearest = np.minimum(nearest, (x - ax - t * dx) ** 2 + (h - ay - t * dy) ** 2)
+        if ay != by:
+            inside ^= ((ay > h) != (by > h)) & (x < ax + dx * (h - ay) / dy)
+    return np.where(inside, np.float32(1.0), np.float32(-1.0)) * np.sqrt(nearest)
+
+
+def every_fourth(x: Array) -> Array:
+    """Every fourth of evenly spaced numbers, on beyond the last."""
+    step = x[1] - x[0] if len(x) > 1 else 1.0
+    return single(x[0] + 4 * step * np.arange(len(x) // 4 + 2)) if len(x) else x
+
+
+def upsampled(values: Array, count: int) -> Array:
+    """Rows (count, n) from every fourth of them, linear between."""
+    cell, t = np.divmod(np.arange(count), 4)
+    share = single(t / 4)[:, None]
+    return np.asarray(values[cell] + share * (values[cell + 1] - values[cell]))
+
+
+def _rounded(corners: Array) -> Array:
+    """Twice Chaikin's corner cutting, which tends to the quadratic B-spline."""
+    for _ in range(2):
+        following = np.roll(corners, -1, axis=0)
+        pair = np.stack([0.75 * corners + 0.25 * following, 0.25 * corners + 0.75 * following], 1)
+        corners = pair.reshape(-1, 2)
+    return corners
+
+
+@cache
+def cloud_noise() -> Array:
+    """Unevenness of a skin (256, 512), deviation 1, whose edges meet; the same for all species."""
+    return _tile(lambda k: np.exp(-((k / 0.011) ** 2)))
+
+
+@cache
+def grain_noise() -> Array:
+    """Another one, finer."""
+    return _tile(lambda k: np.exp(-((k / 0.012) ** 2)) + 0.15 * np.exp(-((k / 0.1) ** 2)))
+
+
+def _tile(share: Callable[[Array], Array]) -> Array:
+    """Noise (256, 512) with a spectrum."""
+    noise = np.random.default_rng(0x5C1).normal(size=(256, 512))
+    k = np.hypot(np.fft.fftfreq(256)[:, None], np.fft.rfftfreq(512))
+    smooth = np.fft.irfft2(np.fft.rfft2(noise) * share(k), s=(256, 512))
+    return single(smooth / smooth.std())
+
+
+def tiled(tile: Array, shape: tuple[int, ...]) -> Array:
+    """A tile repeated over (h, w)."""
+    times = -(-shape[0] // tile.shape[0]), -(-shape[1] // tile.shape[1])
+    return np.tile(tile, times)[: shape[0], : shape[1]]
+
+
+def smoothstep(x: Array, low: float | Array, high: float | Array) -> Array:
+    """0 at `low`, 1 at `high`, smooth between; `high` may be the smaller one."""
+    return smooth_unit((x - low) / (high - low))
+
+
+def smooth_unit(t: Array) -> Array:
+    """0 below 0, 1 above 1, smooth between."""
+    t = np.clip(t, 0.0, 1.0)
+    smooth = 3.0 - 2.0 * t
+    smooth *= t
+    smooth *= t
+    return np.asarray(smooth)
+
+
+def blend(picture: Array, colour: Colour, share: Array) -> None:
+    """Mix a colour into the planes by `share` (h, w), 0 to 1, where it is not zero."""
+    rows, columns = (np.flatnonzero(share.any(axis=axis)) for axis in (1, 0))
+    if len(rows) == 0:
+        return
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    share = single(share[box])
+    for plane, value in zip(picture, colour, strict=False):  # opacity stays
+        under = plane[box]
+        under += (np.float32(value) - under) * share
+
+
+def single(values: Array) -> Array:
+    """Eight bits are kept in the end: single precision is ample, and twice as fast."""
+    return np.asarray(values, np.float32)
+
+
+def encoded(picture: Array) -> NDArray[np.uint8]:
+    """Planes (4, h, w) to texels (h, w, 4).
+
+    Colours become sRGB by a table of 4,096 steps, which eight bits do not show.
+    """
+    linear = np.linspace(0.0, 1.0, 4097)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    table = np.round(255.0 * encoded).astype(np.uint8)
+    texels = np.empty((*picture.shape[1:], 4), np.uint8)
+    for k in range(3):
+        steps = (np.float32(4096.0) * picture[k] + np.float32(0.5)).astype(np.int16)
+        texels[..., k] = table.take(steps, mode="clip")
+    texels[..., 3] = np.round(255.0 * picture[3].clip(0.0, 1.0))
+    return texels
