@@ -1,1 +1,1 @@
-"""A dive without its windows: clock, ticks, pilot, tours, settings."""
+"""A dive without windows: clock, ticks, pilot, tours, settings."""

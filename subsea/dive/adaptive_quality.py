@@ -80,7 +80,7 @@ def paced(pace: Pace, frame_ms: float, target_ms: float) -> Pace:
 
 
 def resumed(pace: Pace) -> Pace:
-    """Continue after other frames were drawn, which do not count."""
+    """Continue after other frames, which do not count."""
     return pace._replace(since=0, times=(), rose_from_ms=0.0)
 
 

@@ -35,7 +35,7 @@ def is_command(control: ControlName) -> TypeGuard[Command]:
 
 
 class Control(NamedTuple):
-    """What a control does, in words, and its default inputs."""
+    """The function of a control, in words, and its default inputs."""
 
     what: str
     inputs: tuple[str, ...]
@@ -96,7 +96,7 @@ PAD_BUTTONS = (
     "A", "B", "X", "Y", "left bumper", "right bumper", "back", "start", "guide", "left thumb",
     "right thumb", "up", "right", "down", "left",
 )  # fmt: skip
-# Where its axes lead at 1 and at -1: down and right are positive. A trigger at rest is at -1.
+# Directions of its axes at 1 and at -1: down and right are positive. A trigger rests at -1.
 PAD_AXES = (
     ("left stick right", "left stick left"), ("left stick down", "left stick up"),
     ("right stick right", "right stick left"), ("right stick down", "right stick up"),
@@ -152,7 +152,7 @@ def key_name(key: int, modifiers: int = 0) -> str:
 
 
 def input_name(text: str) -> str:
-    """The name of an input, from any case, with words apart by blanks, hyphens or underscores.
+    """The name of an input, in any case, its words separated by blanks, hyphens or underscores.
 
     A UserError, with the nearest name, if there is no such input.
     """
@@ -177,7 +177,7 @@ def bindings_of(table: Mapping[str, Sequence[str]]) -> Bindings:
 
     A control that is not named keeps its default inputs, except those that the table gives to
     another. A UserError on an unknown name, or on an input with two controls. Only "alight" may
-    share its inputs: it counts on a fish, the other control elsewhere.
+    share its inputs: it acts on a fish, the other control elsewhere.
     """
     found: dict[str, list[ControlName]] = {}
     for word, texts in table.items():

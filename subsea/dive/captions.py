@@ -20,13 +20,13 @@ from subsea.world.world import TICK_S, World
 Pixels = NDArray[np.uint8]
 
 FADE_S = 0.6
-READ_S, LETTER_S = 2.5, 0.06  # default time of a caption: to read it, with a part for each letter
+READ_S, LETTER_S = 2.5, 0.06  # default time of a caption: fixed, and for each letter
 TALL, NARROW = 0.045, 0.034  # of letters: share of the screen's height; at most of its width
 ROOM = 0.8  # longest line, share of the screen's width
 FOOT = 0.85  # where the last line ends, share of the screen's height
 LEADING = 1.3  # from line to line, in heights of letters
 INK, SHADE = (0.97, 0.98, 1.0), (0.0, 0.04, 0.06)
-# The part of an equirectangular picture before the viewer: left, top, width, height.
+# The part of an equirectangular picture in front of the viewer: left, top, width, height.
 BEFORE = 0.35, 0.25, 0.3, 0.42
 
 
@@ -38,7 +38,7 @@ class Caption(NamedTuple):
 
 
 def shown_s(words: str, for_s: float | None) -> float:
-    """How long a caption is shown: as its direction says, else the time to read it."""
+    """Duration of a caption, s: as its direction says, else the time to read it."""
     return READ_S + LETTER_S * len(words) if for_s is None else for_s
 
 
@@ -56,7 +56,7 @@ def caption_of(world: World, alpha: float) -> Caption:
 
 
 def room_of(rig: CameraRig) -> tuple[float, float, float, float]:
-    """Left, top, width and height of the part before the viewer, shares of the screen."""
+    """Left, top, width and height of the part ahead of the viewer, shares of the screen."""
     return BEFORE if front(rig).shape == Projection.EQUIRECTANGULAR else (0.0, 0.0, 1.0, 1.0)
 
 
@@ -108,7 +108,7 @@ def draw_caption(picture: Pixels, rig: CameraRig, output: int, caption: Caption)
 
 @lru_cache(maxsize=4)
 def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
-    """A picture (RGBA) of that size with the words near its foot, on a soft shade."""
+    """Draw an RGBA picture of that size with the words near its foot, on a soft shade."""
     from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
     width, height = max(size[0], 1), max(size[1], 1)

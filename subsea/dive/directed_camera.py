@@ -1,7 +1,7 @@
-"""The camera that directions cue, and a smooth way to each of its places.
+"""The camera cued by directions, with a smooth way to each of its places.
 
-Stateless: cues are in the state of the world, and a way goes on from the submarine's position and
-velocity, also after time went back or the pilot had steered.
+Stateless: cues are in the state of the world. A way continues from the submarine's position and
+velocity, also after a rewind or after the pilot steered.
 """
 
 import math
@@ -30,9 +30,9 @@ from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
 LOOK_S = 6.0  # default time to look from a place
-SHORTEST_S = 1.2  # least time for the rest of a way: it smooths how fishes are followed
+SHORTEST_S = 1.2  # least time for the rest of a way: smooths the pursuit of fishes
 LEAP_CM = 30.0
-ON_RAILS_CM = 0.5  # nearer to a tour than this, it is followed exactly
+ON_RAILS_CM = 0.5  # a tour nearer than this is followed exactly
 HASTE = 1.6  # peak over mean speed on a way with a smooth start and end
 AROUND = [math.radians(side * turn) for turn in range(0, 181, 20) for side in (1, -1)]
 RISES = (0.0, 0.4, 0.9)  # tangents of the higher views tried around obstacles
@@ -55,7 +55,7 @@ def is_directed(scenario: Scenario) -> bool:
 
 
 def check_tour(scenario: Scenario, tour: str) -> None:
-    """A UserError unless the tour exists: autopilot, directions, or one by name."""
+    """Raise a UserError unless the tour exists: autopilot, directions, or a named tour."""
     if tour == DIRECTED and not is_directed(scenario):
         raise UserError("tour 'directed': no [[direction]] of this scenario has a `camera`")
     known = [AUTOPILOT, *[DIRECTED] * is_directed(scenario), *(one.name for one in scenario.tour)]
@@ -64,7 +64,7 @@ def check_tour(scenario: Scenario, tour: str) -> None:
 
 
 def tour_steering(world: World, tour: str) -> Steer:
-    """Steering on a tour, which `check_tour` has accepted, from its beginning."""
+    """Steer on a tour from its beginning; `check_tour` must have accepted it."""
     if tour == DIRECTED:
         return directed_steering(world)
     return steer_along(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
@@ -73,7 +73,7 @@ def tour_steering(world: World, tour: str) -> Steer:
 def endless_tour(world: World, name: str) -> Steer:
     """Steer on a tour from now on, then by the autopilot.
 
-    A named tour begins at its beginning; directions go on from where they are. The autopilot also
+    A named tour starts at its beginning; directions continue from their state. The autopilot also
     takes over if the scenario has no tour of that name.
     """
     autopilot = Tour()
@@ -95,9 +95,9 @@ def endless_tour(world: World, name: str) -> Steer:
 
 
 def is_over(world: World) -> bool:
-    """Whether a direction has ended the film, or all cameras and captions were shown in full.
+    """Whether a direction ended the film, or all cameras and captions were shown in full.
 
-    Repeated ones count once shown.
+    Repeated ones count after they were shown once.
     """
     scenario, log = world.scenario, world.state.directions
     if any(one.end for one in scenario.direction):
@@ -120,7 +120,7 @@ def is_cut(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool
 
 
 def _lasts_s(scenario: Scenario, one: Direction) -> float:
-    """How long a direction shows its camera and caption."""
+    """Time that a direction shows its camera and caption, s."""
     words_s = 0.0 if one.caption is None else shown_s(one.caption, one.for_s)
     if one.camera is None:
         return words_s
@@ -151,7 +151,7 @@ def _toward(world: World, cue: int, courses: Mapping[str, Course]) -> Rail:
     """The submarine a tick later, on its way to a direction's camera."""
     camera = world.scenario.direction[cue].camera
     assert camera is not None
-    since = world.state.tick - int(world.state.directions.began[cue])  # ticks, 1 at first
+    since = world.state.tick - int(world.state.directions.began[cue])  # ticks, from 1
     goal = _goal(world, cue, camera, courses)
     cut = since == 1 and camera.over_s == 0.0
     if camera.tour is not None and not cut:
@@ -251,7 +251,7 @@ def _clear(world: World, place: Array) -> Array:
 
 
 def _detour(world: World, place: Array) -> Array:
-    """A place on a free way around what lies between the submarine and a place."""
+    """A place on a free way around obstacles between the submarine and a place."""
     sea, boat = world.state.sea, world.state.submarine
     ahead = (place - boat.position) / np.linalg.norm(place - boat.position)
     left = np.array([-ahead[1], ahead[0], 0.0]) / max(math.hypot(ahead[0], ahead[1]), 1e-6)

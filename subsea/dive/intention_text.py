@@ -28,7 +28,7 @@ CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
 BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
 NOTHING = "nothing"
 
-Focus = tuple[str, float | None]  # what, and its distance from the body, cm, if it is a place
+Focus = tuple[str, float | None]  # target, and its distance from the body, cm, if it is a place
 
 
 def name_of(world: World, fish: int) -> str:

@@ -19,7 +19,7 @@ class Chart:
     """
 
     def __init__(self, fish: int) -> None:
-        """Empty."""
+        """Start empty."""
         self.fish = fish
         self._values = np.zeros((len(MENTAL_STATES), 2 * SPAN), np.float32)
         self._tick, self._ticks = 0, 0  # the last known tick, and the number of known ticks

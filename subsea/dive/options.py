@@ -14,7 +14,7 @@ RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
 
 @dataclass(frozen=True)
 class DisplayOptions:
-    """The windows, how the sea is drawn in them, and what is drawn over it."""
+    """The windows, the drawing of the sea in them, and diagrams over it."""
 
     mode: str = "mono"  # one of `view.display_rigs.DISPLAYS`
     size: tuple[int, int] = (1280, 720)  # pixels of the one window; a theatre has its own
@@ -33,12 +33,12 @@ class TheatreOptions:
 
     name: str
     shrink: int = 1  # times fewer pixels a side
-    node: str | None = None  # the computer that this one is; None: it shows all windows
+    node: str | None = None  # name of this computer; None: it shows all windows
 
 
 @dataclass(frozen=True)
 class StartOptions:
-    """Where a dive begins: at the helm, or on a fish; and how fast time goes."""
+    """The start of a dive: at the helm or on a fish, and the rate of time."""
 
     follow: str | None = None  # the fish to look at from behind
     eyes: str | None = None  # the fish to look through
@@ -50,7 +50,7 @@ class StartOptions:
 
 @dataclass(frozen=True)
 class DiveOptions:
-    """Everything that `subsea dive` may be asked for."""
+    """All options of `subsea dive`."""
 
     scenario: str
     changes: Sequence[str] = ()  # to the scenario, such as "fish.0.number=20"
@@ -58,7 +58,7 @@ class DiveOptions:
     seconds: float | None = None  # the dive ends after; None: never
     tour: str | None = None  # begins at once; None: that of the settings, after their idle time
     kiosk: bool = False
-    see_brightness: bool = False  # a fish that is ridden reacts to the light in its eyes
+    see_brightness: bool = False  # a ridden fish reacts to the light in its eyes
     display: DisplayOptions = DisplayOptions()
     theatre: TheatreOptions | None = None
     start: StartOptions = StartOptions()

@@ -1,4 +1,4 @@
-"""Pick what is under the pointer, with the renderer's identity map.
+"""Pick the thing under the pointer, with the renderer's identity map.
 
 A place on the screen is mapped back to the canvas through the patch that shows it: directly,
 through a warp mesh, or from the faces of a cube, as in `shaders/resolve.frag`. If two eyes share
@@ -19,15 +19,15 @@ from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Projection, Rect, fr
 from subsea.view.surround import COLUMNS, ROWS, Surround, directions, half_tangent, on_faces
 from subsea.view.theatre.warp import sources_at
 
-NEAR_PX = 4  # radius in which a fish is picked if there is none under the pointer
+NEAR_PX = 4  # search radius if no fish is under the pointer
 DISPLAYS = {shape: display for display, shape in SURROUNDS.items()}
 
 
 class Picked(NamedTuple):
-    """What is visible at a place."""
+    """The visible thing at a place."""
 
     kind: int  # as `render.marks.KINDS` are numbered
-    number: int  # which one of that kind: of a fish its number in the world
+    number: int  # index within that kind: of a fish its number in the world
     place: Array  # (3,) cm, where the ray from the eye meets it; infinite in open water
 
 

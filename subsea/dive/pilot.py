@@ -30,7 +30,7 @@ class Pilot:
     """
 
     def __init__(self, settings: Settings = DEFAULTS) -> None:
-        """No pointer, nothing held, no speed set."""
+        """Start without a pointer, held inputs or a set speed."""
         self.settings, self.bindings = settings, settings.bindings
         self.pointer: tuple[float, float] | None = None
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
@@ -72,7 +72,7 @@ class Pilot:
         """The pointer is at (x, y) in [-1, 1]² from the middle of the window."""
         here = (min(max(x, -1.0), 1.0), min(max(y, -1.0), 1.0))
         if self.pointer is None:
-            self._rested = here  # it entered: wait for a movement
+            self._rested = here  # the pointer entered: wait for a movement
         self.pointer = here
         if self._rested is not None and math.dist(here, self._rested) > POINTER_MOVED:
             self._rested = None
@@ -149,7 +149,7 @@ class Pilot:
         return self.commanded(dt)
 
     def predicted(self, dt: float) -> Helm:
-        """What `helm` would return, without changing the state."""
+        """The result of `helm`, without changing the state."""
         return copy(self).helm(dt)
 
     def commanded(self, dt: float) -> Helm:

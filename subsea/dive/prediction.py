@@ -1,4 +1,4 @@
-"""Predict the pilot's eye, so that input is seen without delay.
+"""Predict the pilot's eye, so that input shows without delay.
 
 Fishes are drawn between the last two ticks, up to one tick late. The submarine is drawn between
 the last tick and the next, which is predicted from the current helm.
@@ -19,7 +19,7 @@ class Prediction:
     """The delay at which the submarine is drawn: 0 or, on tours, 1 tick."""
 
     def __init__(self) -> None:
-        """No delay."""
+        """Start without delay."""
         self._delay = 0.0
 
     def update(self, elapsed_s: float, known: bool) -> None:

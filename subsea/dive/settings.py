@@ -21,7 +21,7 @@ from subsea.dive.bindings import (
     input_name,
 )
 
-# Commands of visitors; all others have no inputs.
+# Commands of visitors; in a kiosk all others have no inputs.
 KIOSK_COMMANDS: tuple[Command, ...] = (
     "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
 )  # fmt: skip

@@ -47,7 +47,7 @@ class TickSource(Protocol):
 
     @property
     def waiting(self) -> str:
-        """What the dive waits for, as a text; empty while it runs."""
+        """The cause of a wait, as a text; empty while the dive runs."""
 
     @property
     def idle_s(self) -> float:
@@ -56,7 +56,7 @@ class TickSource(Protocol):
     def advance(self, elapsed_s: float) -> float | None:
         """Make the ticks that are due `elapsed_s` after the last picture.
 
-        Returns the share of the way from the last tick but one to the last at which to draw; None
+        Returns the point between the last two ticks at which to draw, in [0, 1]; None
         if there is nothing new to draw.
         """
 
@@ -64,7 +64,7 @@ class TickSource(Protocol):
         """The pose of the pilot's eye in that picture."""
 
     def set_tour(self, tour: Steer | None) -> None:
-        """Have a tour steer from the next tick on, until there is input; None: the pilot steers."""
+        """Let a tour steer from the next tick on, until there is input; None: the pilot steers."""
 
     def swap(self, drawn: Callable[[], None]) -> None:
         """Wait until the picture may be shown; `drawn` waits until it is drawn."""
@@ -109,7 +109,7 @@ class LocalTicks:
         return self.timeline.alpha
 
     def eye(self) -> CameraPose:
-        """Predicted, unless on a tour or while time is paused."""
+        """Predict the pose, unless on a tour or while time is paused."""
         return self._prediction.eye(self._world, self.timeline.alpha, self._pilot.predicted(TICK_S))
 
     def _orders(self, number: int) -> Iterator[Order]:
@@ -128,7 +128,7 @@ class LocalTicks:
         """Return at once."""
 
     def close(self) -> list[str]:
-        """Nothing to report."""
+        """Report nothing."""
         return []
 
 
@@ -159,7 +159,7 @@ class LeaderTicks:
         return self._clock.alpha
 
     def eye(self) -> CameraPose:
-        """Interpolated as on all nodes, a tick late."""
+        """Interpolate as on all nodes, a tick late."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
     def set_tour(self, tour: Steer | None) -> None:
@@ -172,7 +172,7 @@ class LeaderTicks:
         self._master.swap()
 
     def close(self) -> list[str]:
-        """Report how long each node was waited for."""
+        """Report the wait times for each node."""
         report = self._master.report()
         self._master.close()
         return report
@@ -203,7 +203,7 @@ class FollowerTicks:
         return alpha
 
     def eye(self) -> CameraPose:
-        """The master's."""
+        """The pose of the master's eye."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 
     def set_tour(self, tour: Steer | None) -> None:
@@ -215,7 +215,7 @@ class FollowerTicks:
         self._node.swap()
 
     def close(self) -> list[str]:
-        """Nothing to report: the master does."""
+        """Report nothing: the master does."""
         self._node.close()
         return []
 

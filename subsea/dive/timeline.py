@@ -1,12 +1,12 @@
-"""Pause, single ticks, slow and fast motion, and going back over the last minute.
+"""Pause, single ticks, slow and fast motion, and rewind over the last minute.
 
-The order of each tick of the last minute is kept, and a snapshot of the world about once a second.
-Any tick of that minute is restored from the snapshot before it by repeating the orders since: the
-same orders give the same world, to the byte (`snapshot.checksum`).
+The timeline stores the order of each tick of the last minute, and about one snapshot of the world a
+second. It restores any tick of that minute from the snapshot before by repeating the orders since:
+the same orders give the same world, to the byte (`snapshot.checksum`).
 
 Code that changes the world between two ticks, as a panel does, must call `Timeline.touch`, which
-keeps a snapshot there, too. While a slider is dragged these are many; where memory is short some
-are dropped, and less than a second of ticks after each cannot be restored.
+also stores a snapshot. Dragging a slider makes many. If memory is short some are dropped; less than
+a second of ticks after each dropped snapshot cannot be restored.
 """
 
 from typing import NamedTuple
@@ -20,9 +20,9 @@ from subsea.world.tunables import Tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
 
 RATES = (0.25, 0.5, 1.0, 2.0, 4.0)
-REACH_TICKS = round(60.0 / TICK_S)  # how far back orders and snapshots are kept
+REACH_TICKS = round(60.0 / TICK_S)  # range of stored orders and snapshots
 KEPT_TICKS = round(1.0 / TICK_S)  # between snapshots
-MOST_BYTES = 256 * 2**20  # of snapshots; if that is too little, time goes back less far
+MOST_BYTES = 256 * 2**20  # of snapshots; a full store shortens the range
 
 
 class _Kept(NamedTuple):
@@ -46,7 +46,7 @@ class Timeline:
     """The time of a world on one computer."""
 
     def __init__(self, world: World, most_bytes: int = MOST_BYTES) -> None:
-        """Begin with the world as it is. Snapshots take at most about `most_bytes`."""
+        """Start at the current world. Snapshots use at most about `most_bytes`."""
         self._world, self._most_bytes = world, most_bytes
         self._clock = TickClock(TICK_S)
         self._kept: list[_Kept] = []  # by rising tick
@@ -84,7 +84,7 @@ class Timeline:
 
     @property
     def text(self) -> str:
-        """What is unusual about time, as a text."""
+        """The state of time as a text, empty if normal."""
         words = ["paused"] if self.paused else []
         if self.rate != 1.0:
             words.append(f"time ×{self.rate:g}")
@@ -93,7 +93,7 @@ class Timeline:
         return ", ".join(words)
 
     def pause(self) -> None:
-        """Pause, or go on."""
+        """Pause or continue."""
         self.paused = not self.paused
         if not self.paused:
             self._clock.fill()  # the last tick was already shown in full
@@ -120,7 +120,7 @@ class Timeline:
     def rewind(self, seconds: float = 1.0) -> None:
         """Go back before the next picture, at most to `earliest`; repeated calls add up.
 
-        Time that runs goes on from there.
+        Running time continues from there.
         """
         tick = self.tick if self._wanted is None else self._wanted
         self._wanted = max(tick - round(seconds / TICK_S), self.earliest)
@@ -134,8 +134,8 @@ class Timeline:
     def due(self, elapsed_s: float) -> int:
         """The number of ticks to make, `elapsed_s` after the last call.
 
-        Ticks that were made before are restored here. Single ticks in the past are those that were
-        made then; time that runs makes new ones.
+        This restores past ticks. Single ticks in the past repeat the original ones; running time
+        makes new ones.
         """
         if self._wanted is not None:
             self.go(self._wanted)
@@ -178,7 +178,7 @@ class Timeline:
             step(self._world, made.order)
 
     def touch(self) -> None:
-        """Keep a snapshot now, because the world was changed since the last tick."""
+        """Store a snapshot now, because the world was changed since the last tick."""
         self._forget_later()
         if self._kept[-1].tick == self.tick:
             self._kept.pop()
@@ -192,7 +192,7 @@ class Timeline:
         self._kept[-1] = self._kept[-1]._replace(sure=np.inf)
 
     def _keep(self, touched: bool = False) -> None:
-        """Keep a snapshot, and drop old ones until all fit."""
+        """Store a snapshot, and drop old ones until all fit."""
         world, constants = snapshot.take(self._world), get_tunables(self._world)
         self._kept.append(_Kept(self.tick, world, constants, touched))
         begin, spare = self.earliest, self.bytes - self._most_bytes

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 # Kinds of subjects, the most interesting first.
 HOOK, HUNT, PAIR, SHOAL = range(4)
-KEEP_S = 4.0  # it keeps looking after its subject has ended, which may only be interrupted
+KEEP_S = 4.0  # time to keep looking at an ended subject: it may only be interrupted
 FAITH = 0.5  # factor on the distance of the current hunter or pair, which is preferred
 TURN_S = 2.0  # to change to another subject
 DIPPED_CM = 30.0  # least depth of a hook to look at
@@ -38,7 +38,7 @@ COURT_CM = 350.0  # largest distance of a pair to look at
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
 SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 115.0, 350.0
-# Three slow swings with periods that do not meet keep the view moving while the fishes hover.
+# Three slow swings with incommensurate periods keep the view moving while the fishes hover.
 NEARER, NEARER_S = 0.35, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
 ABOVE, ABOVE_S = 0.22, 17.0
@@ -53,7 +53,7 @@ Steer = Callable[[World], Helm | Rail]  # called once a tick; returns the comman
 
 
 def steer_along(world: World, course: Course | None) -> Steer:
-    """Steering along a course, onto which the submarine is put at once; None: the autopilot."""
+    """Put the submarine on a course at once and steer along it; None: the autopilot."""
     if course is None:
         return Tour().helm
     tick = world.state.tick
@@ -85,7 +85,7 @@ class Tour:
 
     def __init__(self) -> None:
         self.subject: Subject | None = None
-        self.aim = np.zeros(4)  # cm: the place that it looks at, and its distance
+        self.aim = np.zeros(4)  # cm: the place to look at, and its distance
         self._seen = 0.0  # s, world time, when the subject was last seen
         self._changed = 0.0  # s, when the subject last changed
         self._offset = np.zeros(4)  # from the subject to the aim, at that moment

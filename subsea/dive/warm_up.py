@@ -1,8 +1,8 @@
-"""Compile the kernels of a dive before it, by several processes side by side.
+"""Compile the kernels of a dive in advance, in parallel processes.
 
-One process compiles one kernel after another, and a dive needs some hundreds: a minute. Here each
-part of a tick is run once by a process of its own, in a sea with little in it. What that compiles
-is cached on disk, where the dive finds it.
+One process compiles some hundreds of kernels for a dive one by one, which takes a minute. Here each
+part of a tick runs once in its own process, in an almost empty sea. The compiled kernels are cached
+on disk, where the dive finds them.
 """
 
 import os
@@ -31,8 +31,8 @@ from subsea.world.build import create_world
 from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
-MODULE = "subsea.dive.warm_up"  # which a process runs as a program, with the name of a job
-POLL_S = 0.1  # how often Ctrl-C and the visitor are listened to meanwhile
+MODULE = "subsea.dive.warm_up"  # run as a program by each process, with the name of a job
+POLL_S = 0.1  # interval of checks for Ctrl-C and window events meanwhile
 
 
 def _perception(world: World) -> None:
@@ -69,7 +69,7 @@ JOBS: dict[str, Callable[[World], None]] = {
     "motion": _motion,
     "attention": _attention,
 }
-"""The parts of a tick, those that take longest to compile first."""
+"""The parts of a tick, the slowest to compile first."""
 
 
 def warm_up(
@@ -77,11 +77,11 @@ def warm_up(
     check: Callable[[], None] = lambda: None,
     processes: int | None = None,
 ) -> None:
-    """Compile what a dive needs and is not cached yet, in so many processes.
+    """Compile all kernels of a dive that are not cached yet, in parallel `processes`.
 
-    None: as many as there are cores. One alone gains nothing and compiles nothing, nor do several
-    where nothing can be cached. `tell` gets lines on the progress; `check` is called meanwhile and
-    may raise, which ends the processes.
+    None: one for each core. Does nothing with a single process, which would gain no time, or if
+    nothing can be cached. `tell` gets lines on the progress; `check` is called meanwhile and may
+    raise, which ends the processes.
     """
     marker = _marker()
     if marker.exists():
@@ -98,7 +98,7 @@ def warm_up(
 
 
 def _marker() -> Path:
-    """The file that says that the kernels of today's code are cached, beside cached kernels."""
+    """The file beside cached kernels that marks those of the current code as complete."""
     code = f"{source_stamp(Path(__file__).resolve())[:32]}-{numba.__version__}"
     return Path(height_at.stats.cache_path or cache_folder()) / f"warm-{code}"
 
@@ -142,7 +142,7 @@ def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
 
 
 def _run_all(processes: int, tell: Callable[[str], None], check: Callable[[], None]) -> bool:
-    """Run all jobs, so many at a time; whether all succeeded. An exception ends them."""
+    """Run all jobs, some at a time; return whether all succeeded. An exception ends them."""
     waiting = list(JOBS)
     running: list[subprocess.Popen[bytes]] = []
     done = 0
@@ -164,9 +164,9 @@ def _run_all(processes: int, tell: Callable[[str], None], check: Callable[[], No
 
 
 def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
-    """Start a job in a process that ends with the stack, or with this process.
+    """Start a job in a process that ends with the stack or with this process.
 
-    -P: it imports nothing from the folder that the visitor happens to be in.
+    -P: it imports nothing from the current folder.
     """
     paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
     worker = subprocess.Popen(
@@ -180,7 +180,7 @@ def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
 
 
 def end_with_parent() -> None:
-    """Ignore Ctrl-C, which the parent gets too, and end when the parent has gone."""
+    """Ignore Ctrl-C, which the parent also gets, and end with the parent."""
 
     def wait() -> None:
         os.read(0, 1)  # not through sys.stdin, whose lock a thread may not hold at exit

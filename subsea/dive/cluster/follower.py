@@ -53,11 +53,11 @@ class Follower:
     ) -> None:
         """Connect to the node `master` at `address` as the node `name`.
 
-        A master that is silent for `timeout_s` is no longer waited for. With `keys` the master
+        The node stops waiting for a master that is silent for `timeout_s`. With `keys` the master
         must have its known key. `view` must equal the master's. Raises UserErrors.
         """
         self.world = world
-        self.waiting = ""  # what this node waits for, to show in its windows
+        self.waiting = ""  # cause of a wait, shown in its windows
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
         self._dive = ""  # ID of the dive that it takes part in

@@ -14,7 +14,7 @@ from subsea.world.world import World
 
 
 def identity_of(world: World, view: str = "") -> Identity:
-    """Hash what this world was made of, its constant state, and its `view`."""
+    """Hash the sources of this world, its constant state, and its `view`."""
     library, recorded = world.library, len(world.library.entry)
     tables = {
         name: value[:recorded]

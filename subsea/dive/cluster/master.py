@@ -41,7 +41,7 @@ Say = Callable[[str], None]
 CHECK_TICKS = 30  # interval of checksums of the world: once a second
 NUDGE_S = 0.02  # interval at which late nodes are probed
 NEAR = 30  # most pictures that a node may be behind to be waited for again
-LONGEST_PROBATION_S = 60.0  # longest time that a late node is not waited for
+LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
 SOON_S = 60.0  # a node that diverges twice within this time is refused
 AT_ONCE = 1000  # most messages read at a time, so that a flood does not stop the dive
 
@@ -52,12 +52,12 @@ class _Node:
 
     name: str
     route: bytes | None = None  # its connection; None: not connected
-    in_step: bool = False  # whether it is waited for
+    in_step: bool = False  # whether the master waits for it
     drawn: int = 0  # number of its last picture ...
     drawn_s: float = 0.0  # ... and when it was drawn
-    not_before_s: float = 0.0  # until then it is not waited for
+    not_before_s: float = 0.0  # the master does not wait for it before
     diverged_s: float = -SOON_S
-    came: bool = False  # whether it was in step before
+    came: bool = False  # whether it has been in step before
     refusal: str = ""  # why a node of its name was refused ...
     refused_s: float = 0.0  # ... and when that was reported
     waits: WaitStatistics = field(default_factory=WaitStatistics)

@@ -37,7 +37,7 @@ class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
 
 
 class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What must be equal for two computers to show one dive: see `dive/cluster/identity.py`."""
+    """Data that must be equal on computers that show one dive: see `dive/cluster/identity.py`."""
 
     version: Name  # of subsea
     title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, for messages
@@ -84,10 +84,10 @@ class Picture(Message):
     tick: Count  # before them
     alpha: Share  # the point between the last two ticks at which to draw
     helms: Annotated[list[HelmRow], msgspec.Meta(max_length=MAX_HELMS)]
-    # Of a tour: position, velocity, heading, pitch and cut after each tick; these come first.
+    # Of a tour: position, velocity, heading, pitch and cut after each tick; come first.
     rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
-    checksum: Hash = ""  # of the world before them, or nothing
-    lights: bool = False  # of the submarine, whether they are on
+    checksum: Hash = ""  # of the world before them, or empty
+    lights: bool = False  # whether the submarine's lights are on
 
 
 class Swap(Message):

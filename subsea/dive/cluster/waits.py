@@ -1,4 +1,4 @@
-"""Statistics of how long a node was waited for."""
+"""Statistics of the wait times for a node."""
 
 from collections import deque
 from dataclasses import dataclass, field
