@@ -27,7 +27,7 @@ from dask import config as _  # noqa: F401  (before distributed, which asks for 
 from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
-from capture.cli.main import main as capture_cli
+from capture.cli import main as capture_cli
 from capture.export import skinning
 from capture.inspection import timing
 from subsea.cli import main
