@@ -1,4 +1,4 @@
-"""The bait on a hook: the hungry come for it, and the first to bite is caught (Tu §10.1)."""
+"""Bait on a hook: hungry fishes approach it, and the first to bite is caught (Tu §10.1)."""
 
 import numpy as np
 
@@ -31,13 +31,13 @@ OUT_BL = 0.6  # height of its middle above the surface at which a catch is remov
 
 @kernel
 def is_offered(sea: Sea) -> bool:
-    """Whether a bait is in the water that no fish has bitten."""
+    """True if a bait is in the water that no fish has bitten."""
     return sea.catch[0] in (SINKING, HANGING) and sea.hook[2] < -COVER_CM
 
 
 @kernel
 def in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> bool:
-    """Whether fish i, not a predator, smells the bait, and no speck is much nearer."""
+    """True if fish i, not a predator, smells the bait, and no speck is much nearer."""
     distance = norm(minus(vector(sea.hook), mouth_of(fishes, i)))
     return distance < nature.smell_cm and distance < TEMPTING * minds.food_distance[i]
 

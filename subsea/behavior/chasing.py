@@ -22,7 +22,8 @@ def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector
 
     The fish aims at the point of interception. It swims at full speed while that is far, and
     slows down as it approaches. It slows down further while its turning circle is too wide to
-    reach a target beside it, which it would otherwise circle for ever.
+    slows down as it approaches. It slows down further while a target beside it lies inside its
+    turning circle; otherwise it would circle the target for ever.
     """
     mouth = mouth_of(fishes, i)
     toward = minus(target, mouth)

@@ -77,7 +77,7 @@ def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) ->
 
 @kernel
 def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Whether he is where he can display, and she intends to mate."""
+    """True if he is where he can display, and she intends to mate."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -127,7 +127,7 @@ def _impress(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
 
 @kernel
 def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
-    """Whether female j prefers male i: her own species first, then size (Tu §7.9.3)."""
+    """True if female j prefers male i: her own species first, then size (Tu §7.9.3)."""
     own, other = fishes.species[i] == fishes.species[j], fishes.species[best] == fishes.species[j]
     if own != other:
         return bool(own)
@@ -136,7 +136,7 @@ def preferred(fishes: Fishes, j: int, i: int, best: int) -> bool:
 
 @kernel
 def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Whether he has reached the point often enough and is her favourite."""
+    """True if he has reached the point often enough and is her favourite."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -178,7 +178,7 @@ def _make_room(fishes: Fishes, i: int, j: int, upward: bool) -> Vector:
 
 @kernel
 def circled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Whether she has turned often enough."""
+    """True if she has turned often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         done[k] = not minds.male[who[k]] and abs(minds.courtship_count[who[k]]) >= TURNS
@@ -207,7 +207,7 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
 
 @kernel
 def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Whether she hovers at the peak of her ascent and he is there."""
+    """True if she hovers at the peak of her ascent and he is there."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
@@ -221,7 +221,7 @@ def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 
 @kernel
 def _at_top(fishes: Fishes, minds: Minds, i: int) -> bool:
-    """Whether she has risen by RISE_BL, or to the ceiling below the surface."""
+    """True if she has risen by RISE_BL, or to the ceiling below the surface."""
     height = fishes.position[i, 2]
     ceiling = -CEILING_BL * fishes.length[i] - CEILING_CM
     return bool(height > min(minds.courtship_mark[i] + RISE_BL * fishes.length[i], ceiling))
@@ -261,7 +261,7 @@ def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
 
 @kernel
 def perform(state: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Bools:
-    """Do what a state asks of each of the fishes `who`; return which of them completed it."""
+    """Perform a state for each of the fishes `who`; return which of them completed it."""
     if state == APPROACHING:
         approach(who, fishes, minds, sea, clock)
         return arrived(who, fishes, minds, sea)

@@ -70,6 +70,6 @@ def place_before(sea: Sea, length: float, identity: float) -> Vector:
 
 @kernel
 def _sees(toward: Vector, ahead: Vector, reach: float) -> bool:
-    """Whether a point at `toward` (cm) is within `reach` cm and not behind the fish."""
+    """True if a point at `toward` (cm) is within `reach` cm and not behind the fish."""
     distance = norm(toward)
     return distance < reach and dot(ahead, toward) > SIGHT_COS * distance

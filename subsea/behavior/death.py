@@ -1,4 +1,4 @@
-"""Remove a fish that was eaten or landed from the minds of all others."""
+"""Remove a fish that was eaten or landed from the memory of all others."""
 
 import numpy as np
 

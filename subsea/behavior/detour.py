@@ -1,4 +1,4 @@
-"""On which side a schooling fish passes an obstacle (Tu §7.9.2)."""
+"""The side on which a schooling fish passes an obstacle (Tu §7.9.2)."""
 
 import numpy as np
 
@@ -107,7 +107,7 @@ def _turn(way: Vector, other: Vector) -> float:
 
 @kernel
 def _leads_into(way: Vector, dx: float, dy: float, around: float) -> bool:
-    """Whether a way leads, seen from above, into a circle of radius `around` about (dx, dy)."""
+    """True if a way leads, seen from above, into a circle of radius `around` about (dx, dy)."""
     level = np.sqrt(way[0] * way[0] + way[1] * way[1])
     if level < 1e-6:
         return False

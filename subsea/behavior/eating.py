@@ -48,7 +48,7 @@ def desire(
 
 @kernel
 def _on_the_way(fishes: Fishes, minds: Minds, i: int, sea: Sea, eats: bool, now: float) -> bool:
-    """Whether the nearest speck is near and ahead enough for a fish in a school.
+    """True if the nearest speck is near and ahead enough for a fish in a school.
 
     Never for a straggler, which catches up first.
     """

@@ -27,7 +27,7 @@ BRISK = 0.7  # share of the fastest speed
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Slightly more than wandering, where a fish dislikes light or temperature; not predators."""
+    """Desire slightly above wandering where light or temperature is disliked; not predators."""
     for i in who:
         upset = _wanted_rise(minds, i) != 0.0 and minds.kind[i] != PREDATOR
         out[i] = 0.015 if upset else 0.0
@@ -61,6 +61,6 @@ def _wanted_rise(minds: Minds, i: int) -> float:
 
 @kernel
 def _likes(minds: Minds, i: int, habit: int) -> bool:
-    """Whether fish i has a habit, its own or one set by a direction."""
+    """True if fish i has a habit, its own or one set by a direction."""
     fancy = int(minds.fancy[i])
     return bool(minds.likes[i, habit]) if fancy < 0 else (fancy >> habit) & 1 == 1

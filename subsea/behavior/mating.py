@@ -68,7 +68,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def choose_partner(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
-    """Begin a courtship with the most desirable fish in sight, unless there is a partner.
+    """Begin a courtship with the most desirable fish in sight, unless fish i has a partner.
 
     A male approaches her. A female follows a male that does not intend to mate; if he courts
     another, or approaches her, she wanders on.
@@ -122,7 +122,7 @@ def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
 
 @kernel
 def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
-    """Whether the partner attends to something else, or is out of sight."""
+    """True if the partner attends to something else, or is out of sight."""
     j = minds.partner[i]
     if minds.intention[i] != MATE or minds.intention[j] != MATE:
         return True
@@ -155,7 +155,7 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
 
 @kernel
 def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
-    """Whether fish i may court fish j: alive, of the other sex, not shunned, not taken."""
+    """True if fish i may court fish j: alive, of the other sex, not shunned, not taken."""
     if j < 0 or j == minds.shunned[i]:
         return False
     if minds.courtship[j] >= CIRCLING and minds.partner[j] != i:

@@ -85,7 +85,7 @@ def _slope(toward: Vector) -> float:
 
 @kernel
 def nuzzled(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
-    """Whether he has nudged her often enough."""
+    """True if he has nudged her often enough."""
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         done[k] = minds.male[who[k]] and minds.courtship_count[who[k]] >= NUDGES

@@ -49,7 +49,7 @@ def alarmed_desire(
 
 @kernel
 def has_school(minds: Minds, i: int, now: float) -> bool:
-    """Whether fish i likes schooling, has a leader, and knows where it or company is."""
+    """True if fish i likes schooling, has a leader, and knows where it or company is."""
     knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
     return minds.schools[i] and minds.leader[i] >= 0 and knows
 
@@ -121,7 +121,7 @@ def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
 
 @kernel
 def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
-    """Whether fish i is far from the known place of its leader, with little company."""
+    """True if fish i is far from the known place of its leader, with little company."""
     if minds.neighbour[i, COMPANIONS - 1] >= 0:
         return False
     if minds.leader[i] < 0 or now - minds.leader_seen[i] > LOST_S:
@@ -132,7 +132,7 @@ def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
 
 @kernel
 def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool:
-    """Whether too many followers are farther from their leader than their school extends.
+    """True if too many followers are farther from their leader than their school extends.
 
     Followers that lost the leader long ago do not count: a school does not wait for ever.
     """
@@ -149,7 +149,7 @@ def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool
 
 @kernel
 def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: float) -> bool:
-    """Whether fish i is alive, follows that leader and knows where it is."""
+    """True if fish i is alive, follows that leader and knows where it is."""
     return minds.leader[i] == leader and fishes.alive[i] and now - minds.leader_seen[i] < LOST_S
 
 

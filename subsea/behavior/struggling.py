@@ -8,7 +8,7 @@ from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 
-HOLD_TICKS = 14  # for which a direction is kept
+HOLD_TICKS = 14  # how long a direction is held
 DIVE = 0.3, 0.6  # slope downward
 GASP = 0.6  # how far the mouth is held open
 HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers

@@ -1,4 +1,4 @@
-"""What fishes can do: a row for each behavior, and the entries that call all of them."""
+"""Table of behaviors: a row for each, and the entries that call all of them."""
 
 from collections.abc import Callable
 from typing import NamedTuple

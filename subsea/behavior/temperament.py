@@ -60,7 +60,7 @@ def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: 
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
-    """Which fishes of a shoal are males, spread evenly so that a shoal of two is a pair."""
+    """Select the males of a shoal, spread evenly so that a shoal of two is a pair."""
     males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
     return np.asarray(np.diff(males, prepend=0.0) > 0)
 

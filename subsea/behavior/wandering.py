@@ -1,4 +1,4 @@
-"""Wandering from waypoint to waypoint, when nothing else is wanted (Tu §7.8)."""
+"""Wander from waypoint to waypoint when nothing else is desired (Tu §7.8)."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Always a little, and strongest of its level on an errand."""
+    """A small constant desire; the strongest of its level on an errand."""
     for i in who:
         out[i] = BOUND if minds.errand[i] > 0.0 else 0.01
 
@@ -57,7 +57,7 @@ def wander(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
 
 @kernel
 def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vector:
-    """Unit vector to the waypoint, which is drawn again when reached or after a while.
+    """Unit vector to the waypoint, redrawn when it is reached or after a while.
 
     A fish on an errand keeps its waypoint.
     """
@@ -97,7 +97,7 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
 
 @kernel
 def _is_free(sea: Sea, p: Vector) -> bool:
-    """Whether no pillar or rock is near p."""
+    """True if no pillar or rock is near p."""
     free = True
     for k in range(len(sea.pillars)):
         free = free and from_pillar(sea.pillars[k], p)[1] >= FREE_CM
@@ -108,7 +108,7 @@ def _is_free(sea: Sea, p: Vector) -> bool:
 
 @kernel
 def is_broad(sea: Sea, here: Vector, there: Vector) -> bool:
-    """Whether the straight way keeps BROAD_CM off every pillar and rock.
+    """True if the straight way keeps BROAD_CM off every pillar and rock.
 
     A solid that is nearer at the start counts only if the way leads toward it.
     """
