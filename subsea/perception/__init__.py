@@ -1,1 +1,1 @@
-"""Perception: what a fish sees, smells and feels, and what it attends to."""
+"""Perception: sight, smell, lateral line, and attention."""

@@ -215,7 +215,7 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
 
 @kernel
 def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> bool:
-    """Whether p moved by `way` enters a box that is `more` cm larger on all sides."""
+    """True if p moved by `way` enters a box that is `more` cm larger on all sides."""
     first, last = 0.0, 1.0
     for axis in range(3):
         a, b = low[axis] - more - p[axis], high[axis] + more - p[axis]

@@ -81,14 +81,14 @@ def perceive_prey(
 
 @kernel
 def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
-    """Whether predator i may hunt fish j; a direction may restrict its quarry."""
+    """True if predator i may hunt fish j; a direction may restrict its quarry."""
     first, end, kind = minds.quarry[i]
     return bool(first <= j < end and (kind < 0 or species[j] == kind))
 
 
 @kernel
 def is_in_school(minds: Minds, j: int) -> bool:
-    """Whether fish j belongs to a school and has company of its species near."""
+    """True if fish j belongs to a school and has company of its species near."""
     belongs = minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0)
     return belongs and minds.neighbour[j, 0] >= 0
 
@@ -97,7 +97,7 @@ def is_in_school(minds: Minds, j: int) -> bool:
 def perceives(
     bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature, distance: float
 ) -> bool:
-    """Whether predator i smells or sees prey j, `distance` cm from its mouth."""
+    """True if predator i smells or sees prey j, `distance` cm from its mouth."""
     return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)
 
 

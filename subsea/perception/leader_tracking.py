@@ -1,4 +1,4 @@
-"""Where a schooling fish knows its leader to be, by its own eyes or from companions."""
+"""Track the leader's place, by a fish's own eyes or from its companions."""
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel

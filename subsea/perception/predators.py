@@ -26,9 +26,9 @@ def see_predators(
 ) -> None:
     """Set what the fishes `who` fear, from the predators in `grid`.
 
-    Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine is one
-    more, with a D₀ of its own. Only prey fear (Tu §7.9). `minds.menaces`
-    is their sum, at most 1; at 1 only worse ones are looked at.
+    Predator j, d cm away, is as fearful as Fʲ = min(D₀/d, 1). The submarine counts as one
+    more, with its own D₀. Only prey fear (Tu §7.9). `minds.menaces` is the sum, at most 1;
+    once it is 1, only more fearful predators are examined.
     """
     longest = 0.0
     for j in grid.member:

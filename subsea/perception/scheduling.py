@@ -1,4 +1,4 @@
-"""Which fishes think in a tick: far or hidden ones do so less often."""
+"""Choose the fishes that think in a tick: far or hidden ones do so less often."""
 
 import numpy as np
 

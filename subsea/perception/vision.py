@@ -98,7 +98,7 @@ def sight(length: float, nature: Nature) -> float:
 
 @kernel
 def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
-    """Whether p lies in the view volume: within `reach` and less than 150 degrees from ahead."""
+    """True if p lies in the view volume: within `reach` and less than 150 degrees from ahead."""
     ray = minus(p, eye)
     distance = norm(ray)
     return distance <= reach and (distance == 0.0 or dot(ray, ahead) > FIELD_COS * distance)
@@ -106,7 +106,7 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
 
 @kernel
 def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
-    """Whether a pillar, a rock or the seabed occludes p; other fishes do not."""
+    """True if a pillar, a rock or the seabed occludes p; other fishes do not."""
     for k in range(len(scene.pillars)):
         if ray_meets_pillar(scene.pillars[k], 0.0, eye, p) <= 1.0:
             return True
@@ -120,14 +120,14 @@ def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
 
 @kernel
 def sees_point(bodies: Bodies, i: int, scene: Surroundings, p: Vector, reach: float) -> bool:
-    """Whether fish i sees the point p within `reach` cm (Tu §6.4.1)."""
+    """True if fish i sees the point p within `reach` cm (Tu §6.4.1)."""
     eye = eye_of(bodies, i)
     return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
 
 
 @kernel
 def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature) -> bool:
-    """Whether fish i sees fish j: middle in view, any point not occluded (Tu §6.4.2)."""
+    """True if fish i sees fish j: middle in view, any point not occluded (Tu §6.4.2)."""
     eye = eye_of(bodies, i)
     reach = sight(float(bodies.length[j]), nature)
     if not in_view(eye, ahead_of(bodies, i), vector(bodies.position[j]), reach):
@@ -140,7 +140,7 @@ def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Natur
 
 @kernel
 def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
-    """Whether a pillar is near enough to be seen: |P - O| - r < V_r (Tu §6.4.3).
+    """True if a pillar is near enough to be seen: |P - O| - r < V_r (Tu §6.4.3).
 
     P is the point of the axis closest in height to the eye. Occlusion and the blind angle are
     neglected.
@@ -152,7 +152,7 @@ def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
 
 @kernel
 def sees_box(bodies: Bodies, i: int, scene: Surroundings, box: Array, reach: float) -> bool:
-    """Whether any corner of a box, as of a cluster of seaweed, is seen (Tu §6.4.4)."""
+    """True if any corner of a box, as of a cluster of seaweed, is seen (Tu §6.4.4)."""
     for corner in range(8):
         p = (
             float(box[3 if corner & 1 else 0]),
