@@ -167,7 +167,7 @@ def swim_live(
     dt, time_step, iterations, (least, most) = integration
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((MAX_RATE * iterations, MUSCLES))
-    time = STEP * time_step * iterations  # that a tick is, of a fish of the recorded size
+    time = STEP * time_step * iterations  # length of a tick for a fish of the recorded size
     pace = time / TICK_TU
     for slot in range(len(live.fish)):
         i = live.fish[slot]
@@ -234,7 +234,7 @@ def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
 
 @kernel
 def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
-    """How far the fins of a fish that is too fast stand against its way."""
+    """Braking fin area of a fish that is too fast, over the pectoral area."""
     wanted = _wanted_speed(fishes, library, live.fish[slot])
     excess = live.speed[slot] / max(wanted, 1e-3) - 1.0
     return float(min(max(BRAKE_GAIN * (excess - TOO_FAST), 0.0), HARDEST_BRAKE))
@@ -340,7 +340,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
             x[node, axis] -= o[axis]
     before = normalised(quaternion(fishes.orientation[i]))
     back = conjugate(before)
-    frames = float(fishes.rate[i]) * pace  # that a tick is worth
+    frames = float(fishes.rate[i]) * pace  # recorded frames per tick
     turned = fraction(normalised(multiply(back, q)), 1.0 / frames)
     shift = rotate(back, o)
     fishes.previous_row_a[i], fishes.previous_row_b[i] = fishes.row_a[i], fishes.row_b[i]

@@ -14,7 +14,7 @@ TAIL_TIPS = 21, 22  # nodes of the upper and lower tail tip
 
 @kernel
 def pose_at(fishes: Fishes, i: int, alpha: float) -> tuple[int, int, float]:
-    """Rows a and b and the weight of b for fish i, `alpha` of the way to the present tick.
+    """Rows a and b and the weight of b for fish i at share `alpha` of the present tick.
 
     The pose moves from (a, b, w) of the last tick over its row b to the present (a, b, w). Lengths
     on this path are frames, so a glide over N frames moves as evenly as playback.

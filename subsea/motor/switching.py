@@ -149,7 +149,7 @@ def _review(
 
 
 def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
-    """Whether fish i is inside a cyclic segment, with known beat and velocities."""
+    """True if fish i is inside a cyclic segment, with known beat and velocities."""
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
     row = fishes.row_a[i] - library.first[fishes.species[i], fishes.segment[i]]
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
