@@ -34,7 +34,7 @@ def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
 
 @kernel
 def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
-    """Whether p lies in no solid; cheaper than `clearance`."""
+    """True if p lies in no solid; cheaper than `clearance`."""
     for k in range(len(pillars)):
         x, y, radius, top = pillars[k]
         if p[2] < top and (p[0] - x) ** 2 + (p[1] - y) ** 2 < radius * radius:
@@ -52,8 +52,8 @@ def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
 def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
     """A place near p that keeps `room` cm off every solid.
 
-    It is at least `above` cm over the floor and `below` cm under the surface. Where solids stand
-    too close for that, the last place tried.
+    It is at least `above` cm over the floor and `below` cm under the surface. Returns the last
+    place tried if solids stand too close for that.
     """
     for _ in range(PASSES):
         moved = False

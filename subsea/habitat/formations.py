@@ -235,7 +235,7 @@ def _groups(blocks: Array, directions: Array) -> Ints:
 
 @kernel
 def _meet(one: Array, other: Array, directions: Array) -> bool:
-    """Whether a point of the surface or the middle of one block lies inside the other."""
+    """True if a point of the surface or the middle of one block lies inside the other."""
     if one[5] == np.inf:
         if other[5] == np.inf:
             far = one[3] + other[3]

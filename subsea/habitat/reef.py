@@ -1,4 +1,4 @@
-"""Reefs: where corals, sponges and anemones grow, and the floor that fishes keep clear of."""
+"""Reefs: placement of corals, sponges and anemones, and the floor that fishes avoid."""
 
 from typing import NamedTuple
 
@@ -111,7 +111,7 @@ def _settle(
     dice: np.random.Generator,
     current_cm_s: tuple[float, float],
 ) -> Array:
-    """Growths (k, COLUMNS) of one table, largest first, that keep off those `before`."""
+    """Growths (k, COLUMNS) of one table, largest first, that keep clear of those `before`."""
     names = list(KINDS)
     traits = np.array([KINDS[name][:1] + KINDS[name][1] + KINDS[name][2:] for name in names])
     height, least, most, slope, picky, sand, rock, lean, foot = traits.T
@@ -248,7 +248,7 @@ def _offered(
 def _about(
     table: ReefTable, sea: Sea, mounds: Array, number: int, dice: np.random.Generator
 ) -> GrowthSites:
-    """Places on and around mounds, or on the sand where there are none."""
+    """Places on and around mounds, or on the sand without mounds."""
     here, spread = np.array(table.position_cm or (0.0, 0.0)), table.spread_cm
     flat = here + 0.5 * spread * dice.normal(size=(number, 2))
     if len(mounds):
@@ -320,7 +320,7 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
 
 
 def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:
-    """Smooth noise (n, kinds) around 0: where a kind thrives."""
+    """Smooth noise (n, kinds) around 0 that says where each kind thrives."""
     at = np.nan_to_num(place)
     out = np.zeros((len(place), kinds))
     for _ in range(4):
@@ -381,7 +381,7 @@ def floor_over(sea: Sea, reef: Reef) -> Array:
 
 
 def _grounded(sea: Sea, reef: Reef) -> Bools:
-    """Whether only rock lies between each growth (k,) and the sand below it."""
+    """True if only rock lies between each growth (k,) and the sand below it."""
     place = reef.place.astype(np.float64)
     sand = heights_at(sea.heights, sea.half_width, place[:, :2])
     solid = np.ones(len(place), np.bool_)

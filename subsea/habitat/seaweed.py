@@ -124,7 +124,7 @@ def _middle(
     reef: Reef,
     rng: np.random.Generator,
 ) -> tuple[float, float]:
-    """Where a cluster grows: within the sea, under water, and beside other growths."""
+    """Find the place of a cluster: in the sea, under water, and beside other growths."""
     x, y = middle or (0.0, 0.0)
     for _ in range(TRIES):
         if middle is None:
@@ -152,7 +152,7 @@ def _ground(sea: Sea, stones: list[Array], x: float, y: float) -> float:
 
 
 def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
-    """For each square cell over the sea, the clusters that a fish in it may touch."""
+    """List, for each square cell over the sea, the clusters that a fish in it may touch."""
     side = int(2 * sea.radius / CELL_CM) + 1
     lists: list[list[int]] = [[] for _ in range(side * side)]
     for k in range(len(first) - 1):

@@ -19,7 +19,7 @@ class Samples(NamedTuple):
     place: Array  # (n, 3) cm
     normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
     open: Array  # (n,) share of the sky's light that stone lets through, 0 to 1
-    formation: Ints  # (n,) which of `formations`
+    formation: Ints  # (n,) index into `formations`
 
 
 def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:

@@ -1,4 +1,4 @@
-"""How much of the sky's light the stone of a formation lets through, on a grid of distances."""
+"""Share of the sky's light that a rock formation lets through, on a grid of distances."""
 
 import math
 from typing import NamedTuple
@@ -25,7 +25,7 @@ class Shade(NamedTuple):
     field: Array  # (a, b, c) cm
     corner: Array  # (3,) cm
     cell: float  # cm
-    reach: float  # cm, beyond which it takes little of the sky's light
+    reach: float  # cm, beyond which it blocks little of the sky's light
 
 
 def box_of(blocks: Array) -> tuple[Array, Array]:
