@@ -19,7 +19,7 @@ RINGS = 5
 MUSCLES = 12
 UPPER_TAIL, LOWER_TAIL = 21, 22
 
-# Side of the body of each place in a ring: +1 left, -1 right; +1 upper, -1 lower.
+# Side of the body for each position in a ring: +1 left, -1 right; +1 upper, -1 lower.
 RING_LEFT = np.array([1.0, -1.0, -1.0, 1.0])
 RING_UP = np.array([1.0, 1.0, -1.0, -1.0])
 MUSCLE_LEFT = np.tile(RING_LEFT, 3)
@@ -55,7 +55,7 @@ def _connect() -> tuple[list[tuple[int, int]], list[tuple[int, int]], list[tuple
 def _faces() -> tuple[list[tuple[int, int, int]], list[float]]:
     """Triangulate the hull, corners anticlockwise seen from outside, with their weights.
 
-    A quadrilateral takes the triangles of both diagonals at half weight: a single diagonal is not
+    A quadrilateral uses the triangles of both diagonals at half weight: a single diagonal is not
     mirror symmetric and slowly rolls the fish.
     """
     triangles: list[tuple[int, int, int]] = []
@@ -102,7 +102,7 @@ HALF_BANDWIDTH = int((UNITS[:, 1] - UNITS[:, 0]).max())
 
 
 class Material(NamedTuple):
-    """What the solver needs of a body, arrays in cm, g and tu."""
+    """Body arrays that the solver needs, in cm, g and tu."""
 
     mass: Floats  # (23,)
     length: Floats  # (91,) rest length of the units

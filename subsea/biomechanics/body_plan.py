@@ -74,12 +74,12 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     @property
     def length(self) -> float:
-        """Body length, nose to tail tips, in cm."""
+        """Body length in cm, from nose to tail tips."""
         return self.stations[-1]
 
     @property
     def mass(self) -> float:
-        """Mass of the whole body in g."""
+        """Total mass of the body in g."""
         return sum(map(mul, self.masses, NODES_AT_STATION))
 
     @property

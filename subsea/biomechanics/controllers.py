@@ -1,4 +1,4 @@
-"""Motor controllers: what the twelve muscles do to swim, turn and glide (Tu §4.6.1).
+"""Motor controllers: muscle contractions for swimming, turning and gliding (Tu §4.6.1).
 
 Every controller returns *contractions* (T, 12), the fraction by which each muscle's rest length is
 shortened in each step. Contractions of several controllers add up; see :func:`muscle_lengths`.
@@ -19,7 +19,7 @@ LEFT, RIGHT = 1.0, -1.0
 WIDEST_TURN = 90.0
 """Widest single turn in degrees; wider ones are split (Tu §4.6.1)."""
 SETTLE_TICKS = 4
-"""How long a straightened body takes to come to rest."""
+"""Time in which a straightened body comes to rest."""
 
 
 class SpeedMap(NamedTuple):
@@ -92,7 +92,7 @@ def steering(plan: TurnPlan, angle: float) -> Steering:
 
 
 def turn_share(row: Steering, ticks: ArrayLike) -> Floats:
-    """How much of a sharp turn's bend is applied at times ``ticks`` (T,) after its start.
+    """Share of a sharp turn's bend applied at times ``ticks`` (T,) after its start.
 
     The bend comes fast and relaxes slowly, so that the fish keeps its new heading.
     """

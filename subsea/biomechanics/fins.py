@@ -15,7 +15,7 @@ EDGE_ON = np.pi / 2
 BROADSIDE = np.pi
 """Orientation at which a fin meets the water with its whole area."""
 STEEPEST = np.pi / 4
-"""How far a fin turns from edge-on to ascend, descend or balance (Tu §4.6.2)."""
+"""Angle by which a fin turns from edge-on to ascend, descend or balance (Tu §4.6.2)."""
 ROLL_GAIN, PITCH_GAIN = 2.0, 6.0
 """Fin angle per unit of roll and pitch; below one recovery takes many beats."""
 UP = np.array([0.0, 1.0, 0.0])
@@ -73,10 +73,10 @@ def brake() -> tuple[float, float]:
 
 
 def backward(body: Body, area: float, speed: float) -> float:
-    """How fast, in cm/tu, fins of ``area`` cm² must row for a steady retreat at ``speed`` cm/tu.
+    """Rowing speed, cm/tu, of fins of ``area`` cm² for a steady retreat at ``speed`` cm/tu.
 
     The straight body glides (glide-MC) and the fins, broadside, sweep forwards: use the result as
-    ``rowing`` in :func:`pectoral_force`. Where Tu takes the force as proportional to the rowing
+    ``rowing`` in :func:`pectoral_force`. Tu assumes a force proportional to the rowing
     speed, here a fin acts as a plate (Tu eq. 4.3) that balances the drag of the hull at the speed
     of the retreat, and braking is rowing at rest.
     """

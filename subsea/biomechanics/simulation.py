@@ -66,9 +66,9 @@ def simulate(
 
 
 def is_sound(state: BodyState) -> bool:
-    """Whether the body kept its shape: finite, definite, every unit within its strain limits.
+    """True if the body kept its shape: finite, definite, every unit within its strain limits.
 
-    Finite numbers alone prove nothing: a ring that turned inside out stays finite.
+    Finite numbers alone prove nothing: a ring turned inside out is still finite.
     """
     least, greatest, pivot = state.watch
     low, high = STRAIN_LIMITS

@@ -13,7 +13,7 @@ from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.solver import STEP
 
 ROUNDS = 4
-"""Two are exact to 1e-6 for a fish; extreme bodies may take more."""
+"""Number of rounds. Two are exact to 1e-6 for a fish; extreme bodies may need more."""
 
 
 def check_step(plan: BodyPlan) -> None:

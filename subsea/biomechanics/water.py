@@ -8,12 +8,12 @@ from subsea.core.kernels import kernel
 
 @kernel
 def add_water_force(x: Floats, v: Floats, water: Floats, drag: float, force: Floats) -> None:
-    """Add to ``force`` (23, 3) what the water does to the hull (Tu eq. 4.3).
+    """Add the force of the water on the hull to ``force`` (23, 3) (Tu eq. 4.3).
 
     x, v (23, 3) are positions (cm) and velocities (cm/tu), ``water`` (3,) the velocity of the
     water, ``drag`` its µ. A triangle of area A and outward normal n that moves at v relative to
-    the water takes -µ A |v| (n·v) n where it pushes outwards (n·v > 0) and nothing where it
-    recedes; each corner takes a third.
+    the water contributes -µ A |v| (n·v) n where it pushes outwards (n·v > 0) and nothing where
+    it recedes. Each corner receives a third.
     """
     for k in range(TRIANGLES.shape[0]):
         a, b, c = TRIANGLES[k, 0], TRIANGLES[k, 1], TRIANGLES[k, 2]
