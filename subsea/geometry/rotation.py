@@ -117,7 +117,7 @@ def about(x: float, y: float, z: float, angle: float) -> Quaternion:
 
 @kernel
 def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
-    """The rotation with body axes x, y and z: :func:`from_matrix` of one, compiled."""
+    """The rotation with body axes x, y and z: compiled form of :func:`from_matrix`."""
     w = 1.0 + x[0] + y[1] + z[2]
     a = 1.0 + x[0] - y[1] - z[2]
     b = 1.0 - x[0] + y[1] - z[2]
@@ -150,7 +150,7 @@ def matrix(q: Array) -> Array:
 def from_matrix(R: Array) -> Array:
     """Unit quaternions (…, 4) with w ≥ 0 of rotation matrices (…, 3, 3).
 
-    Takes the largest of the four components first, so it is exact at half turns.
+    Starts from the largest of the four components, so it is exact at half turns.
     """
     R = np.asarray(R)
     r = {(i, j): R[..., i, j] for i in range(3) for j in range(3)}

@@ -66,7 +66,7 @@ def from_ellipsoid(half: Vector, p: Vector) -> tuple[Vector, float, float]:
 
 @kernel
 def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
-    """Whether p is surely farther from a rock than `gap` (≥ 0) cm, by `from_rock`.
+    """True if p is surely farther from a rock than `gap` (≥ 0) cm, by `from_rock`.
 
     A cheap test without the rock's rotation, so False for some that are farther.
     """
@@ -126,7 +126,7 @@ def ray_meets_rock(rock: Array, margin: float, a: Vector, b: Vector) -> float:
 
 @kernel
 def _inside_ball(dd: float, xd: float, xx: float, radius: float) -> tuple[float, float]:
-    """The interval of t in [0, 1] with |x + t d| ≤ radius, by d·d, x·d, x·x; (1, 0): none."""
+    """Interval of t in [0, 1] with |x + t d| ≤ radius from d·d, x·d and x·x; (1, 0) if empty."""
     inside = xx - radius * radius
     if dd < 1e-18:
         return (0.0, 1.0) if inside <= 0.0 else (1.0, 0.0)
