@@ -1,6 +1,6 @@
 """Every array that changes. One fish is one index in [0, n).
 
-Arrays are plain numpy, so that any kernel may take them. `docs/state.md` lists all of them.
+Arrays are plain numpy, so that any kernel accepts them. `docs/state.md` lists all of them.
 """
 
 from collections.abc import Iterator

@@ -24,7 +24,7 @@ U8 = Annotated[Ints, np.dtype(np.uint8)]
 U16 = Annotated[Ints, np.dtype(np.uint16)]
 BOOL = Annotated[Bools, np.dtype(np.bool_)]
 
-CREATION, PANELS = "creation", "panels"  # writers of what no tick changes
+CREATION, PANELS = "creation", "panels"  # writers of arrays that no tick changes
 
 
 class Spec(NamedTuple):
@@ -40,12 +40,12 @@ class Spec(NamedTuple):
 
     @property
     def saved(self) -> bool:
-        """Whether a tick may change it, so that a snapshot holds it."""
+        """True if a tick may change it, so that a snapshot holds it."""
         return self.writer not in (CREATION, PANELS)
 
     @property
     def may_be_infinite(self) -> bool:
-        """Whether infinity (never, nowhere) is a valid value."""
+        """True if infinity (never, nowhere) is a valid value."""
         return bool(np.isinf(self.start).any())
 
     def empty(self, sizes: Mapping[str, int]) -> Any:

@@ -1,4 +1,4 @@
-"""What the fishes sense, feel and want (Tu chs. 6, 7)."""
+"""Senses, feelings and intentions of the fishes (Tu chs. 6, 7)."""
 
 from typing import Annotated, NamedTuple
 
@@ -39,10 +39,10 @@ class MindsKind(Kind):
 
 @by_pointer(MindsKind)
 class Minds(NamedTuple):
-    """Minds of the n fishes, which know b behaviors and d desires.
+    """Minds of n fishes with b behaviors and d desires.
 
-    An eater of plankton is after a speck, a predator after a fish. Perception writes the rows of
-    those fishes whose turn it is.
+    The target of a plankton eater is a speck, that of a predator a fish. Perception writes the
+    rows of fishes that think in a tick.
     """
 
     kind: Annotated[U8, panels("n"), "code in KINDS (Tu §7.9)"]
