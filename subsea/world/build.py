@@ -31,7 +31,7 @@ def create_world(
 ) -> World:
     """Create the world of a scenario at tick 0.
 
-    `seed` replaces the scenario's; `fish` scales its shoals to that many fishes in all.
+    `seed` overrides the scenario's; `fish` scales its shoals to that total number of fishes.
     `progress` receives messages. At most `live` fishes (None: as in the scenario), the nearest to
     the submarine within `live_reach_cm`, are simulated instead of played back. Raises a UserError
     for a missing or damaged file, too many live fishes, and things inside a rock, a pillar or the

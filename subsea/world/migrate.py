@@ -33,7 +33,7 @@ CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of 
 def migrate(before: World, world: World) -> None:
     """Continue the dive of the world `before` in a new `world`.
 
-    The submarine keeps its place. If both have the same inhabitants, fishes, plankton and time
+    continue, and fishes inside a solid are moved out of it. Changes by panels persist.
     continue, and fishes inside a solid are moved out of it. What panels have changed is kept.
     """
     for name, array in vars(before.state.submarine).items():
@@ -60,7 +60,7 @@ def migrate(before: World, world: World) -> None:
 
 
 def _keep_changes(before: World, world: World) -> None:
-    """Keep changes of panels; those of single fishes where the fish exists in both worlds."""
+    """Preserve changes by panels; those of single fishes where the fish exists in both worlds."""
     world.nature, world.physics = before.nature, before.physics
     world.current_cm_s = before.current_cm_s
     minds = world.state.minds
@@ -86,7 +86,7 @@ def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[s
 
 
 def _same_inhabitants(before: World, world: World) -> bool:
-    """Whether both have the same inhabitants; their random sizes may differ.
+    """True if both have the same inhabitants; their random sizes may differ.
 
     The new world may have more slots for simulated fishes, but not fewer.
     """

@@ -43,7 +43,7 @@ KINDS = {
     "arch": "an arch", "seaweed": "seaweed", "reef": "a reef", "vent": "a vent of bubbles",
     "hook": "the hook", "submarine": "where the submarine starts",
 }  # fmt: skip
-"""Tables of a scenario with a place, and their names for users."""
+"""Tables of a scenario with a place, and their display names."""
 
 FREE = ("fish", "hook", "submarine")  # suspended in the water; all others stand on the seabed
 SINGLE = ("hook", "submarine")  # at most one of these

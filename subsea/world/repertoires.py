@@ -1,4 +1,4 @@
-"""Read the species and repertoires of a scenario, each file once as long as it stays the same."""
+"""Read the species and repertoires of a scenario; cache each file until it changes."""
 
 from functools import lru_cache
 from hashlib import file_digest
@@ -16,7 +16,7 @@ MOST_BYTES = 64 << 20  # of a repertoire that is cached; those of the project ha
 
 
 def species_of(name: str) -> Species:
-    """The species of that name, read again only if its file has changed."""
+    """The named species, read again only if its file has changed."""
     path = species_file(name)
     return _species(path, _stamp(path))
 

@@ -59,7 +59,7 @@ def constant(world: World) -> Arrays:
 
 
 def may_be_infinite(name: str) -> bool:
-    """Whether an array may hold infinity, for never or nowhere."""
+    """True if an array may hold infinity, for never or nowhere."""
     return SPECS[name].may_be_infinite
 
 

@@ -1,4 +1,4 @@
-"""The order of a tick."""
+"""Advance a world by one tick."""
 
 import time
 from collections.abc import Iterator
@@ -38,14 +38,14 @@ from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
 from subsea.world.world import TICK_S, World
 
-Order = Helm | Rail | TeleopCommand  # what is steered in a tick, and how
+Order = Helm | Rail | TeleopCommand  # input that steers the submarine or a fish in a tick
 
 
 def step(world: World, order: Order) -> None:
     """Advance the world by one tick, 33 ms.
 
-    The submarine answers to a helm, or is carried on a rail. With a teleop command it keeps
-    station, and a fish is steered in place of its own intentions.
+    A helm or a rail moves the submarine. With a teleop command the submarine holds its place, and
+    the command steers a fish in place of its intentions.
     """
     state = world.state
     clock = Clock(state.seed, state.tick, TICK_S)
@@ -75,7 +75,7 @@ def step(world: World, order: Order) -> None:
 
 
 def move_water(world: World, clock: Clock) -> None:
-    """Move the current, plankton, seaweed and the hook, and what they and others do to fishes."""
+    """Move the current, plankton, seaweed and the hook, and apply the forces on fishes."""
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
     flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
@@ -90,7 +90,7 @@ def move_water(world: World, clock: Clock) -> None:
 
 
 def perceive(world: World, clock: Clock) -> Ints:
-    """Update what the fishes sense whose turn it is, and return these.
+    """Update the senses of the fishes that think in this tick, and return these.
 
     Fishes take turns to think: those far from the submarine do it less often.
     """
@@ -115,7 +115,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
 
 
 def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
-    """Turn the intentions of the fishes `free` into goals, and let all eat, bite and colour."""
+    """Turn the intentions of the fishes `free` into goals; update eating, biting and colours."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     fishes.gape[free] = 0.0
     run_routines(free, fishes, minds, sea, world.nature, clock)

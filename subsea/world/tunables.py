@@ -1,6 +1,6 @@
 """Save and restore parameters that panels edit.
 
-A snapshot holds all that a tick changes. Both together are the world at a moment.
+A snapshot holds all that a tick changes. Both together are the complete state of a world.
 """
 
 from typing import Any, NamedTuple
@@ -38,7 +38,7 @@ def set_tunables(world: World, tunables: Tunables) -> None:
 
 
 def equal_tunables(one: Tunables, other: Tunables) -> bool:
-    """Whether worlds with these parameters continue equally from the same snapshot."""
+    """True if worlds with these parameters continue equally from the same snapshot."""
     return one[:3] == other[:3] and all(
         np.array_equal(values, other.traits[name]) for name, values in one.traits.items()
     )

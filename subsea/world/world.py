@@ -1,4 +1,4 @@
-"""A world: what is constant in a dive, and the state."""
+"""A world: the constants of a dive, and the state."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ TICK_S = 0.033  # one tick = one recorded frame = six steps of the simulation
 
 @dataclass
 class World:
-    """Everything that a dive consists of."""
+    """Constants and state of a dive."""
 
     scenario: Scenario
     species: tuple[Species, ...]
