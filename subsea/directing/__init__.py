@@ -1,1 +1,1 @@
-"""Directions of a scenario: what is to happen in its world, and when (Tu §11.6.1)."""
+"""Directions of a scenario: scheduled events in its world (Tu §11.6.1)."""

@@ -6,11 +6,11 @@ clusters include it. Of direction `k` of `scenario.direction`, a reader finds th
 
 - `began[k]`, the tick in which it last began, -1 for never: captions and cameras go by it;
 - `times[k]`, how often it has begun: a difference between two ticks is an event;
-- `cast[k]` (2,), the fishes that it is about, NOBODY or SUBMARINE. "courting", "spawned" and
+- `cast[k]` (2,), the fishes involved, NOBODY or SUBMARINE. "courting", "spawned" and
   `pair`: male and female; "eaten": prey and predator; "caught", "sated": the fish; "fleeing":
-  the fish and its predator; "hunting": hunter and prey; "passes": the one that passes. Without
-  an event: those of the direction that it comes after;
-- `running[k]`, whether it still acts, and `ceded[k]`, which influences later directions took over.
+  the fish and its predator; "hunting": hunter and prey; "passes": the passing fish. Without
+  an event: those of the preceding direction;
+- `running[k]`, True while it acts, and `ceded[k]`, the influences that later directions took over.
 """
 
 import numpy as np

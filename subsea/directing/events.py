@@ -22,7 +22,7 @@ PULSES = ("spawned", "eaten")  # events of a single tick
 
 
 def triggered_cast(context: DirectingContext, k: int) -> Cast | None:
-    """The fishes that direction k is about if it starts now, else None."""
+    """The fishes of direction k if it starts now, else None."""
     one, log = context.script.acts[k].direction, context.state.directions
     if log.times[k] and one.once and one.every_s is None:
         return None
@@ -45,7 +45,7 @@ def _watched_since(context: DirectingContext, k: int) -> int | None:
 
 
 def _begins(context: DirectingContext, k: int, since: int) -> bool:
-    """Whether direction k, whose condition holds, starts now."""
+    """True if direction k, whose condition holds, starts now."""
     one, log, tick = context.script.acts[k].direction, context.state.directions, context.clock.tick
     if log.times[k] == 0:
         return True
@@ -56,7 +56,7 @@ def _begins(context: DirectingContext, k: int, since: int) -> bool:
 
 
 def _cast_of(context: DirectingContext, k: int) -> Cast | None:
-    """The fishes that direction k is about if its event happens and few enough are left."""
+    """The fishes of direction k if its event happens and few enough are left."""
     act, state = context.script.acts[k], context.state
     one = act.direction
     if one.fewer_than is not None and state.fishes.alive[act.of].sum() >= one.fewer_than:

@@ -47,7 +47,7 @@ STRANGE_CM = 1e6  # added to the distance of different species
 
 
 def start(context: DirectingContext, k: int, cast: Cast) -> None:
-    """Start direction k, which is about these two."""
+    """Start direction k with these two fishes."""
     act, log = context.script.acts[k], context.state.directions
     _take_over(context, k)
     log.began[k], log.running[k], log.stage[k] = context.clock.tick, True, 0
@@ -62,7 +62,7 @@ def start(context: DirectingContext, k: int, cast: Cast) -> None:
 def _take_over(context: DirectingContext, k: int) -> None:
     """Take over influences of the same kinds on the same fishes from all running directions.
 
-    A direction whose path is taken over ends.
+    A direction ends when its path is taken over.
     """
     acts, log = context.script.acts, context.state.directions
     kinds, mine = _kinds(acts[k].influences), _moved(context, k)
@@ -141,7 +141,7 @@ def _share(context: DirectingContext, k: int) -> float:
 
 
 def _lasts(context: DirectingContext, k: int, held_s: float) -> bool:
-    """Whether direction k lasts on; `held_s` is its default duration after the change."""
+    """True if direction k lasts on; `held_s` is its default duration after the change."""
     one, log = context.script.acts[k].direction, context.state.directions
     held = held_s if one.for_s is None else one.for_s
     ticks = max((one.over_s + held) / context.clock.dt, 1.0)
@@ -182,7 +182,7 @@ def _lead(context: DirectingContext, k: int) -> bool:
 
 
 def _arrived(context: DirectingContext, those: Ints, point: Array) -> bool:
-    """Whether half of the fishes are at a point, cm, or have just passed it."""
+    """True if half of the fishes are at a point, cm, or have just passed it."""
     fishes = context.state.fishes
     toward = point - fishes.position[those]
     lengths = np.linalg.norm(toward, axis=1) / fishes.length[those]

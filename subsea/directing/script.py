@@ -15,7 +15,7 @@ class Act(NamedTuple):
     """A direction resolved to indices of fishes."""
 
     direction: Direction
-    influences: tuple[str, ...]  # names of those that it has
+    influences: tuple[str, ...]  # names of its influences
     who: Ints  # fishes that it moves
     of: Ints  # fishes whose event it waits for
     prey: Ints  # prey of a hunt
