@@ -11,7 +11,7 @@ __all__ = ["SEGMENTS", "Repertoire", "Segment", "read_repertoire", "write_repert
 
 
 def __getattr__(name: str) -> Any:
-    """What opens files, loaded when it is first asked for: what a dive needs of them is kept."""
+    """Import the modules that open files on first use: a dive reads cached data."""
     if name not in ("read_repertoire", "write_repertoire"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from subsea.repertoire import files

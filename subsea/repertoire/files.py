@@ -26,7 +26,7 @@ from subsea.repertoire.schema import (
 from subsea.repertoire.transitions import plan_transitions
 
 UNIT_TOLERANCE = 1e-4  # of a recorded quaternion's length
-MAX_EXTENT_BL = 3.0  # no node or control point of a plausible fish is farther from its centre
+MAX_EXTENT_BL = 3.0  # limit for distances of nodes and control points from the centre
 
 
 def read_repertoire(path: Path) -> Repertoire:
@@ -105,7 +105,7 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
 
 
 def _read_transitions(file: Any, segments: dict[str, Segment], where: str) -> Transitions | None:
-    """The transitions that were planned when the file was written; none is no fault."""
+    """The transitions that were planned when the file was written, or None without them."""
     if not hdf5.has_member(file, "transitions") or any(name not in segments for name in SEGMENTS):
         return None
     group, where = hdf5.subgroup(file, "transitions", where), where + "/transitions"

@@ -28,8 +28,8 @@ class Library(NamedTuple):
     cyclic: NDArray[np.bool_]  # (S, 7)
     speed: Array  # (S, 7) float32, cm/s of the recorded fish
     entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
-    glide: Ints  # (R, 7) int32, ... and how many frames that takes
-    leave: NDArray[np.bool_]  # (R, 7), whether this row is good for leaving to a segment
+    glide: Ints  # (R, 7) int32, ... and the number of frames that takes
+    leave: NDArray[np.bool_]  # (R, 7), True if this row is good for leaving to a segment
     coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths

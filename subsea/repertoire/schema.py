@@ -1,4 +1,4 @@
-"""What a repertoire is: the segments that one species plays back (SMC §4.3)."""
+"""Data of a repertoire: the segments that one species plays back (SMC §4.3)."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -58,12 +58,12 @@ class Transitions(NamedTuple):
 
     entry: Ints  # (r, 7) row at which the segment is entered
     frames: Ints  # (r, 7) length of the glide, 1 to MAX_GLIDE_FRAMES
-    leave: NDArray[np.bool_]  # (r, 7) whether this row is a good one to leave
+    leave: NDArray[np.bool_]  # (r, 7) True if this row is a good one to leave
 
 
 @dataclass(frozen=True)
 class Repertoire:
-    """All segments of one species and what they were recorded from."""
+    """All segments of one species and their provenance."""
 
     species: str
     tick_s: float
