@@ -1,4 +1,4 @@
-"""View-frustum culling, and how large things look (SMC §7.1)."""
+"""View-frustum culling, and projected sizes (SMC §7.1)."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -22,7 +22,7 @@ def pixels_per_radian(view: View) -> float:
 
 
 class ViewArrays(NamedTuple):
-    """What kernels need of v views."""
+    """View parameters for kernels, for v views."""
 
     planes: Array  # (v, 6, 4) of their frusta, see `View.planes`
     eyes: Array  # (v, 3) cm
@@ -61,7 +61,7 @@ def coverage(
 
 @kernel
 def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: float) -> bool:
-    """Whether a sphere reaches into the frustum of view `v`, with `planes` (v, 6, 4)."""
+    """True if a sphere reaches into the frustum of view `v`, with `planes` (v, 6, 4)."""
     for p in range(6):  # number by number: rows would be counted references
         away = planes[v, p, 0] * x + planes[v, p, 1] * y + planes[v, p, 2] * z + planes[v, p, 3]
         if away < -radius:

@@ -1,4 +1,4 @@
-"""Camera rigs: the eyes of a display or theatre, and how their pictures are shown.
+"""Camera rigs: the eyes of a display or theatre, and the mapping of their pictures to outputs.
 
 Each eye draws into its viewport on one *canvas*. *Patches* copy parts of the canvas to *outputs*,
 one for each window or projector. A rig is constant for a display at a size; only the observer that
@@ -38,7 +38,7 @@ class Eye(NamedTuple):
 
 
 class Weave(IntEnum):
-    """How two eyes share the pixels of a patch; values as in `shaders/resolve.frag`."""
+    """Arrangement of two eyes in the pixels of a patch; values as in `shaders/resolve.frag`."""
 
     PLAIN = 0  # left eye only
     ROWS = 1  # alternating rows, the topmost row of the output is left
@@ -48,7 +48,7 @@ class Weave(IntEnum):
 
 
 class Projection(IntEnum):
-    """How pixels of a patch map to its source; values as in `shaders/resolve.frag`."""
+    """Mapping from pixels of a patch to its source; values as in `shaders/resolve.frag`."""
 
     FLAT = 0  # linearly
     WARPED = 1  # by a mesh
@@ -70,7 +70,7 @@ class Warp(NamedTuple):
 
 
 class DisplayPatch(NamedTuple):
-    """A part of an output, and how it is drawn from the canvas."""
+    """A part of an output, and its source on the canvas."""
 
     place: Rect  # on the output
     left: Rect  # on the canvas: source of the left or only eye, or all faces of a cube
@@ -102,7 +102,7 @@ class CameraRig(NamedTuple):
 
     @property
     def exact(self) -> bool:
-        """Whether pixels of the canvas must match pixels of the outputs."""
+        """True if pixels of the canvas must match pixels of the outputs."""
         return any(
             patch.weave in (Weave.ROWS, Weave.CHECKERS) or patch.shape in CUBES
             for patch in self.patches
@@ -228,7 +228,7 @@ def _ahead(eye: Eye) -> float:
 
 
 def _meet(a: Rect, b: Rect) -> bool:
-    """Whether two rectangles overlap."""
+    """True if two rectangles overlap."""
     return all(
         low < other + long and other < low + size
         for low, size, other, long in zip(a[:2], a[2:], b[:2], b[2:], strict=True)

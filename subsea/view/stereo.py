@@ -40,7 +40,7 @@ EYES = Stereo()
 
 
 class StereoLayout(NamedTuple):
-    """How a stereo mode divides canvas and picture between the eyes."""
+    """Division of canvas and picture between the eyes in a stereo mode."""
 
     beside: bool = False  # each eye has half of the canvas' width, else half of its height
     tall: bool = False  # the canvas is twice as high as the picture: each eye in full
@@ -83,7 +83,7 @@ def patches_of(layout: StereoLayout, both: DisplayPatch) -> tuple[DisplayPatch, 
         return (both._replace(weave=layout.weave),)
     one = both._replace(right=both.left)
     other = both._replace(left=both.right, apart=-both.apart)
-    if both.warp is not None:  # of which each shows its own eye's columns
+    if both.warp is not None:  # each half shows the columns of its own eye
         vertices = both.warp.vertices
         one = one._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 2, 3, 2, 3]]))
         other = other._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 4, 5, 4, 5]]))

@@ -27,7 +27,7 @@ class TextViewport(NamedTuple):
 
     @property
     def squeezed(self) -> bool:
-        """Whether thin strokes would get lost."""
+        """True if thin strokes would get lost."""
         return self.screen[0] > 1.4 * self.width or self.screen[1] > 1.4 * self.height
 
 
