@@ -39,7 +39,7 @@ from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
 
 class Renderer(GpuOwner):
-    """Draws the packets of one scene; owns everything on the GPU."""
+    """Draws the packets of one scene; owns all GPU objects."""
 
     def __init__(
         self,

@@ -211,7 +211,7 @@ def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
 
 
 def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
-    """What differs between species at the vertices of all levels, (species, n, 4) float32."""
+    """Data that differ between species at the vertices of all levels, (species, n, 4) float32."""
     return np.array(
         [
             np.concatenate(
@@ -348,7 +348,7 @@ def frames() -> list[tuple[float, ...]]:
 
 
 def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:
-    """Cosine and sine of the droop of a paired fin, and whether it is a wing."""
+    """Cosine and sine of the droop of a paired fin; last 1 for a wing, else 0."""
     if plan is None:
         return (0.0,) * 4
     droop = radians(plan.droop)

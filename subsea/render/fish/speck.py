@@ -42,7 +42,7 @@ class Speck(NamedTuple):
     points: Ints  # (n,) the control point of each vertex
     roots: Ints  # (n,) for the edge of a fin the point at its root, else the same
     normals: Array  # (n, 3) in body axes; on fins of either side
-    thin: NDArray[np.bool_]  # (n,) whether it belongs to a fin
+    thin: NDArray[np.bool_]  # (n,) True for vertices of fins
     fin: Ints  # (n,) 1 on the dorsal and 2 on the ventral fin, which a species may lack; else 0
     triangles: Ints  # (m, 3) int32, both sides of fins
 

@@ -1,9 +1,9 @@
-"""What each pixel shows, and how far away it is: identity and range maps (Tu §6.7).
+"""Identity and depth of the thing at each pixel: identity and range maps (Tu §6.7).
 
 The triangles of a picture are drawn again by the same vertex shaders, and by fragment shaders
 compiled with `MARKS` (`shaders/show.glsl`). A pixel shows the nearest thing that covers its middle
 and hides at least half of what lies behind it. Haze hides nothing. Shadows and light shafts are not
-things, and specks of plankton and marine snow are too soft to be told from the water.
+things, and specks of plankton and marine snow are too soft to separate from the water.
 """
 
 from typing import Any, NamedTuple
@@ -31,7 +31,7 @@ def object_id(kind: int, number: Any = 0) -> Any:
 
 
 class IdMaps(NamedTuple):
-    """What the pixels of a canvas (h, w) show, top row first."""
+    """Content of the pixels of a canvas (h, w), top row first."""
 
     kind: Ints  # (h, w) uint8, index into KINDS
     number: Ints  # (h, w) int32, index of the fish, pillar, rock or growth; else 0
@@ -60,7 +60,7 @@ class IdBuffer(GpuOwner):
         self.framebuffer = self.own(context.framebuffer([texture], depth))
 
     def read(self, part: Rect | None = None) -> IdMaps:
-        """Read back what was drawn, from a part of the canvas or all of it."""
+        """Read back object ids and depths, from a part of the canvas or all of it."""
         part = part or (0, 0, *self.size)
         width, height = part[2:]
         data = self.framebuffer.read(part, components=2, dtype="f4")

@@ -1,4 +1,4 @@
-"""Ownership of OpenGL objects: what is made together is released together."""
+"""Ownership of OpenGL objects: an owner releases all objects that it made."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ class GpuOwner:
         self._owned: list[Any] = []
 
     def own(self, made: Any) -> Any:
-        """Return `made`, anything with a method `release`, after noting that it is ours."""
+        """Register `made`, anything with a method `release`, as owned, and return it."""
         self._owned.append(made)
         return made
 

@@ -144,7 +144,7 @@ class StaticBatch(GpuOwner):
         return np.repeat(*self._owners)
 
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
-        """Draw what view `number` sees, or its object ids; returns the number of triangles."""
+        """Draw the items in view `number`, or their object ids; returns the number of triangles."""
         if self._array is None:
             return 0
         first, end = self._starts[number : number + 2]

@@ -16,14 +16,14 @@ SMALLEST_SCALE, SCALE_STEP = 0.5, 0.05
 
 @dataclass(frozen=True)
 class Quality:
-    """How much each part of a picture may cost; applied by `adapt(quality)` of that part."""
+    """Cost limits for each part of a picture; applied by `adapt(quality)` of that part."""
 
     # Pixels of the canvas per pixel of the picture, along each side, in [0.25, 2]; ignored by rigs
     # that are exact.
     scale: float = 1.0
     # Samples per pixel of the canvas (MSAA); 0 none.
     samples: int = 0
-    # Whether edges are smoothed in the finished picture, by their contrast.
+    # True: smooth edges in the finished picture, by their contrast.
     smooth: bool = True
     # Factor on the pixels by which levels of detail are chosen: larger is finer.
     detail: float = 1.0
@@ -33,7 +33,7 @@ class Quality:
     snow: int = 1400
     # Samples of each light shaft; 0 none.
     shafts: int = 8
-    # Whether corals, fishes and the submarine darken the sand beneath.
+    # True: corals, fishes and the submarine darken the sand beneath.
     shadows: bool = True
 
     @property
@@ -49,7 +49,7 @@ PRESETS = {
 }
 CHOICES = (AUTO, *PRESETS)
 
-# What `auto` chooses among, cheapest first: the lowest preset at growing scales, in steps too small
+# Qualities for `auto`, cheapest first: the lowest preset at growing scales, in steps too small
 # to see, then the presets in full.
 LADDER = (
     *(
@@ -75,7 +75,7 @@ def name_of(quality: Quality) -> str:
 
 
 def on_software(renderer: str) -> bool:
-    """Whether the `GL_RENDERER` of a context is a software renderer."""
+    """True if the `GL_RENDERER` of a context is a software renderer."""
     return any(name in renderer.lower() for name in SOFTWARE)
 
 

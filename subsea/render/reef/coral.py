@@ -179,7 +179,7 @@ class CoralRenderer(GpuOwner):
 
     @property
     def batches(self) -> tuple[StaticBatch, ...]:
-        """What depends on earlier packets."""
+        """State that depends on earlier packets."""
         return self._batch, self._shadows
 
     def choose(self, views: Sequence[View], detail: float = 1.0, growth: float = 1.0) -> None:

@@ -1,4 +1,4 @@
-"""Branches that fork and bend, which many kinds of coral consist of."""
+"""Branches that fork and bend, the parts of many kinds of coral."""
 
 from typing import Any, NamedTuple
 

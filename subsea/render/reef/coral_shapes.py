@@ -1,4 +1,4 @@
-"""How each kind of coral, sponge and anemone grows: meshes of size 1 at five levels of detail.
+"""Shapes of corals, sponges and anemones: meshes of size 1 at five levels of detail.
 
 The number of a variant seeds it, so its levels are of one growth: coarser ones leave small parts
 out and make the others thicker.

@@ -91,7 +91,7 @@ class RockRenderer(GpuOwner):
 
     @property
     def batches(self) -> tuple[StaticBatch, ...]:
-        """What depends on earlier packets."""
+        """State that depends on earlier packets."""
         return (self._batch,) if self._batch else ()
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:

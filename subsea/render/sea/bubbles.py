@@ -68,8 +68,8 @@ def terminal_speed(diameter: Array | float) -> Array:
 def slots(foot: tuple[float, float, float], rate: float, size: float, number: int) -> Array:
     """Instances (n, 8) float32 of a vent at `foot`, cm, that emits `rate` bubbles a second.
 
-    The largest is `size` cm across. There are as many slots as bubbles can be under way; each is
-    used again after the time that the slowest bubble takes. Bubbles leave in bursts.
+    The largest is `size` cm across. There are as many slots as bubbles that rise at one time;
+    each is reused after the time that the slowest bubble needs. Bubbles leave in bursts.
     """
     diameters = size * np.linspace(SLOWEST, 1.0, 50)
     slowest_s = -foot[2] / float(terminal_speed(diameters).min()) + 1.0
@@ -95,7 +95,7 @@ def stream(records: Array, current_cm_s: tuple[float, float]) -> Array:
 
 
 def in_sight(ends: Array, planes: Array, eye: Array, reach: float) -> bool:
-    """Whether a view sees anything near the line between `ends` (2, 3)."""
+    """True if a view sees anything near the line between `ends` (2, 3)."""
     inside = ends @ planes[:, :3].T + planes[:, 3] > -STREAM_CM
     way = ends[1] - ends[0]
     share = np.clip((eye - ends[0]) @ way / max(float(way @ way), 1.0), 0.0, 1.0)

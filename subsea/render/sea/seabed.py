@@ -53,7 +53,7 @@ class SeabedRenderer(GpuOwner):
 
     @property
     def batches(self) -> tuple[StaticBatch, ...]:
-        """What depends on earlier packets."""
+        """State that depends on earlier packets."""
         return (self._batch,)
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
