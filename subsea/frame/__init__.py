@@ -1,1 +1,1 @@
-"""World and views in, packet out: all that drawing sees of the world."""
+"""Convert a world and views to a packet, the only input of rendering."""

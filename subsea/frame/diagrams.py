@@ -1,4 +1,4 @@
-"""Diagrams of what is invisible: springs of bodies, senses, bonds of schools (Tu §9.2, §9.4).
+"""Diagrams of invisible things: springs of bodies, senses, bonds of schools (Tu §9.2, §9.4).
 
 The drawing modes of Tu's general control, and a few more. Diagrams of fishes are drawn for those in
 sight, the largest in the picture first and at most MOST of them; that of the chosen fish is
@@ -117,7 +117,7 @@ class DiagramBuilder:
         )
 
     def follow(self) -> None:
-        """Remember positions for `paths`, and forget those after the current tick."""
+        """Remember positions for `paths`, and drop those after the current tick."""
         tick, state = self.world.state.tick, self.world.state
         while self._trail and self._trail[-1][0] > tick:
             self._trail.pop()

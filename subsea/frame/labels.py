@@ -1,4 +1,4 @@
-"""Labels: text at points in the world, and where it appears in pictures."""
+"""Labels: text at points in the world, and their positions in pictures."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

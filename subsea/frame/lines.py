@@ -1,4 +1,4 @@
-"""Lines in the world, as diagrams are made of."""
+"""Lines in the world, for diagrams."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -16,8 +16,8 @@ class Lines(NamedTuple):
 
     ends: Array  # (k, 2, 3) float32, cm
     colours: Array  # (k, 4) float32: sRGB as on the screen; opacity
-    # (k,) float32, cm that a line is taken to be nearer to the eye in the depth test, so that lines
-    # within a body show.
+    # (k,) float32, cm by which the depth test moves a line toward the eye, so that lines within a
+    # body show.
     lift: Array
 
 

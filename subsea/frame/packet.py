@@ -1,4 +1,4 @@
-"""Packs a world and views into a packet, all that rendering sees of the world."""
+"""Pack a world and views into a packet, the only input of rendering."""
 
 import time
 from collections.abc import Sequence
@@ -70,7 +70,7 @@ NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
 
 @dataclass(frozen=True)
 class RenderScene:
-    """What rendering needs of a world once."""
+    """Data of a world that rendering needs once."""
 
     species: tuple[Species, ...]
     control_points: (
@@ -124,8 +124,8 @@ class Packet:
     vessel: Array | None = None  # (3,) cm, position of the submarine; None: that of the eyes
     hook: Array | None = None  # (3,) cm, position of its bend; None: no hook in the water
     bait: bool = False  # whether bait is on the hook
-    # Leaves of seaweed in sight, fine ones first, and the number of those; which leaves (v, k) each
-    # view sees, None: all.
+    # Leaves of seaweed in sight, fine ones first; the number of fine ones; and the leaves (v, k)
+    # that each view sees, None: all.
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
     fine_leaves: int = 0
     leaves_seen: NDArray[np.bool_] | None = None
@@ -139,7 +139,7 @@ class Packet:
 
 @dataclass(frozen=True)
 class PackOptions:
-    """How much of a world is packed."""
+    """Options that limit the content of a packet."""
 
     detail: float = 1.0  # factor on the pixels by which levels of fishes and leaves are chosen
     growth: float = 1.0  # share of the clusters of seaweed
