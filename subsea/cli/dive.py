@@ -88,7 +88,7 @@ def add(commands: Any) -> None:
         metavar="FILE",
         help="use this settings file instead of the usual one, see `subsea settings`",
     )
-    # What is not given comes from the settings.
+    # Options that are not given come from the settings.
     parser.set_defaults(run=run, display=None, quality=None)
 
 
@@ -139,7 +139,7 @@ def run(options: Namespace) -> int:
     with ExitStack() as undo:
         opening = None
         scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
-        # A misspelt name is reported before a window appears.
+        # Report a misspelt name before a window appears.
         if scenario.is_file() and chosen.theatre is None:
             from subsea.ui.open_windows import open_windows
 
@@ -150,14 +150,14 @@ def run(options: Namespace) -> int:
         gc.disable()
         from subsea.ui.dive import dive  # takes longer to load than everything before
 
-        if fresh:  # modules stay: never look through their objects again
+        if fresh:  # modules stay: exclude their objects from garbage collection
             gc.freeze()
         gc.enable()
         return dive(chosen, opening, notes)
 
 
 def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
-    """Take options that are not given from the settings."""
+    """Fill in options that are not given from the settings."""
     display = settings.display
     usual: dict[str, Any] = {"quality": display.quality, "display": "mono", "fullscreen": False}
     if options.theatre is None:  # a theatre file defines its own windows

@@ -82,7 +82,7 @@ def _packages() -> list[Finding]:
 
 
 def _cache() -> list[Finding]:
-    """The folder of compiled kernels; without one every start compiles again."""
+    """Check the folder of compiled kernels; without one every start compiles again."""
     from numba.core import config
 
     import subsea
@@ -110,7 +110,7 @@ def _writable(folder: Path) -> bool:
 
 
 def _fishes() -> list[Finding]:
-    """Every species; a dive needs only the shipped ones."""
+    """Check every species; a dive needs only the shipped ones."""
     from subsea.fish.species import (
         hidden_names,
         is_shipped,

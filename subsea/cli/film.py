@@ -1,4 +1,4 @@
-"""`subsea film`: film a tour, or what a fish sees, without a window."""
+"""`subsea film`: film a tour, or the view of a fish, without a window."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -90,7 +90,7 @@ def _add_eyes(parser: ArgumentParser) -> None:
 
 
 def run(options: Namespace) -> int:
-    """Film the tour, or what a fish sees."""
+    """Film the tour, or the view of a fish."""
     if options.eyes is not None:
         return _film_eyes(options)
     names = ("gaze", "field", "see_brightness")

@@ -1,4 +1,4 @@
-"""The entry point of `subsea`: picks a command and checks its options before heavy imports."""
+"""The entry point of `subsea`: check a command and its options before heavy imports."""
 
 import argparse
 import gc
@@ -30,7 +30,7 @@ COMMANDS = (
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `subsea` with these arguments (default: the process's) and return its exit code.
 
-    0 done, 1 a negative finding of `doctor`, `soak` or `theatre`, 2 something the user can fix
+    0 done, 1 a negative finding of `doctor`, `soak` or `theatre`, 2 an error that the user can fix
     (one line on standard error), 130 interrupted.
     """
     # A start allocates a million objects that stay: collect less often.
@@ -51,7 +51,7 @@ def run(arguments: Sequence[str]) -> int:
 
 
 class _Version(argparse.Action):
-    """Looks the version up only when asked: that takes longer than all other parsing."""
+    """Looks up the version only on request: that takes longer than all other parsing."""
 
     def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> None:
         from importlib.metadata import version

@@ -21,7 +21,7 @@ def add(commands: Any) -> None:
 
 
 def run(options: Namespace) -> int:
-    """Describe the theatre; 1 if something of it does not work."""
+    """Describe the theatre; 1 if a part of it does not work."""
     from subsea.dive.theatre_setup import describe
 
     return describe(options.name)

@@ -1,1 +1,1 @@
-"""Films, pictures, and what fishes see as labelled frames."""
+"""Films, pictures, and labelled frames of the views of fishes."""

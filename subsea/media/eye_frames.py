@@ -1,4 +1,4 @@
-"""`subsea film --eyes`: labelled frames of what a fish sees, for vision research (Tu §6.7).
+"""`subsea film --eyes`: labelled frames of a fish's view, for vision research (Tu §6.7).
 
 For each frame and each eye a folder gets the picture, an identity map, the same in colours, and a
 depth map; `camera.json` describes the camera. docs/fish-view.md explains all of them.
@@ -62,10 +62,10 @@ CONVENTION = (
 
 
 def film_eyes(options: EyeFilmOptions) -> int:
-    """Film what a fish sees into a folder; returns the exit code.
+    """Film a fish's view into a folder; returns the exit code.
 
-    The dive is the one that `subsea film` shows with the same scenario, seed, tour and start. A
-    folder that holds a part of the film gets the frames that it lacks.
+    The dive equals that of `subsea film` with the same scenario, seed, tour and start. An
+    incomplete folder gets its missing frames.
     """
     out, gaze, field_deg = options.out, options.gaze, options.field_deg
     if kind_of(out) != "folder":
@@ -199,7 +199,7 @@ def identities(world: World) -> list[dict[str, Any]]:
 def describe_frame(
     world: World, by: FishEyes, views: Sequence[View], frame: int, instant: float, alpha: float
 ) -> dict[str, Any]:
-    """The camera file's entry of a frame; mental states are those of the present tick."""
+    """The camera file's entry of a frame; mental states are those of the current tick."""
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish
     place, turn = body_at(world, i, alpha)
     return {
@@ -231,7 +231,7 @@ def _species(world: World, fish: int) -> str:
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write JSON with each entry of a list on a line of its own."""
+    """Write JSON with each entry of a list on its own line."""
     parts = []
     for key, value in content.items():
         text = json.dumps(value)

@@ -43,12 +43,12 @@ LABEL_HEIGHT, MIN_LABEL_PX = 0.022, 9.0  # height of labels: share of the pictur
 def film(options: TourFilmOptions) -> int:
     """Film a tour of the submarine; returns the exit code.
 
-    A single picture shows the end of the film. A folder that holds a part of the film gets the
-    frames that it lacks: the world is stepped through and packed for all frames, so that the new
-    ones are the same as those of an uninterrupted run.
+    A single picture shows the end of the film. An incomplete folder gets its missing frames. The
+    world is stepped and packed for all frames, so that new ones equal those of an uninterrupted
+    run.
 
-    Ctrl-C keeps what was filmed so far. Prints the frame times: ticks of the world, packing,
-    drawing and reading back, without the encoding of the film.
+    Ctrl-C keeps the frames so far. Prints the frame times: ticks of the world, packing, drawing
+    and reading back, without encoding.
     """
     out, show = options.out, options.show
     scenario, source = load_scenario(options.scenario, options.changes)
@@ -89,7 +89,7 @@ def film(options: TourFilmOptions) -> int:
             diagrams = DiagramBuilder(world)
             if kind == "folder":
                 write_manifest(out, manifest)
-            # In a theatre every channel has two eyes, which no player can show.
+            # Every channel of a theatre has two eyes, which no player can show.
             metadata = metadata_for(options.display) if options.theatre is None else NO_METADATA
             write = stack.enter_context(open_writers(out, sizes, rate, metadata))
             say(_intent(names, len(times), missing))
@@ -166,6 +166,6 @@ def _intent(names: str, frames: int, missing: list[int]) -> str:
 
 
 def _report(names: str, kind: str, durations: list[float]) -> None:
-    """Print what was written; nothing without a complete picture."""
+    """Print the written files; nothing without a complete picture."""
     if durations:
         print(f"{names}: {'written' if kind == 'picture' else describe_durations(durations)}")

@@ -12,7 +12,7 @@ from subsea.view.surround import ALL_ROUND, Surround
 
 @dataclass(frozen=True, kw_only=True)
 class FilmOptions:
-    """A film of a dive: which dive, and which part of it."""
+    """The filmed dive, and the part of it."""
 
     out: Path
     scenario: str = "peaceful"
@@ -28,7 +28,7 @@ class FilmOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class TourFilmOptions(FilmOptions):
-    """A film of what the submarine's windows show."""
+    """A film of the submarine's windows."""
 
     display: str = "mono"
     stereo: Stereo = EYES
@@ -42,7 +42,7 @@ class TourFilmOptions(FilmOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class EyeFilmOptions(FilmOptions):
-    """Labelled frames of what a fish sees."""
+    """Labelled frames of a fish's view."""
 
     eyes: str  # the fish
     gaze: Gaze = AHEAD

@@ -1,4 +1,4 @@
-"""When the frames of a film are, and stepping the world to them."""
+"""Times of the frames of a film, and stepping the world to them."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -23,7 +23,7 @@ MAX_DIRECTED_S = 900.0
 
 
 def film_length_s(scenario: Scenario, source: Path, options: FilmOptions) -> float:
-    """Length of a film: as given, or to the end of its tour if that has one."""
+    """Length of a film: as given, or to the end of a finite tour."""
     if options.seconds is not None:
         return options.seconds
     if options.tour == AUTOPILOT:
@@ -36,7 +36,7 @@ def film_length_s(scenario: Scenario, source: Path, options: FilmOptions) -> flo
 
 
 def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> float:
-    """Seconds until a scenario's directions are over, found by playing them once.
+    """Seconds until a scenario's directions are over, measured by playing them once.
 
     A trial, as in Tu §11.6.1: when fishes mate cannot be known beforehand. `source` is the
     scenario's file. A UserError after a quarter of an hour.

@@ -1,6 +1,6 @@
-"""Write frames as a film, one picture, or a folder of pictures: complete files or none.
+"""Write frames as a film, a picture or a folder of pictures, each file atomically.
 
-Each window of a theatre has an output of its own beside the others.
+Each window of a theatre has its own output beside the others.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -22,7 +22,7 @@ Write = Callable[[int, Picture], None]  # of a frame by its number
 WriteAll = Callable[[int, Mapping[str, Picture]], None]  # of all windows by name
 
 QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
-TELEVISION = (24, 30, 48, 60, 120)  # nominal rates, of which broadcasts have 0.1% less
+TELEVISION = (24, 30, 48, 60, 120)  # nominal rates; broadcasts are 0.1% slower
 KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
 
 

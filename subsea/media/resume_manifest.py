@@ -26,7 +26,7 @@ NOT_COMPARED = ("out", "scenario", "changes", "stereo", "surround")
 
 
 def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:
-    """Everything that decides what a film shows, as JSON: options, scenario and version.
+    """All data that determine a film's pictures, as JSON: options, scenario and version.
 
     `scenario` is its file; `resolved` values replace options and add to them.
     """

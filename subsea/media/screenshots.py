@@ -49,7 +49,7 @@ class ScreenCapture:
         return self._film is not None
 
     def picture(self, pixels: Pixels) -> None:
-        """Write a picture of what the screen shows now."""
+        """Write a picture of the current screen."""
         path = self._new(".png")
         try:
             write_png(path, pixels)

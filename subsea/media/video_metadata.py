@@ -1,9 +1,8 @@
-"""Metadata by which players recognise a film for two eyes or of all directions.
+"""Metadata that mark a film for players as stereo or as 360°.
 
-Two eyes: the frame packing message of H.264, by which televisions change their mode, and the box
-`st3d`, which players on computers read. All directions: the box `sv3d` ("spherical video V2" by
-Google). ffmpeg's muxer writes these boxes only for input from a demuxer, so they are inserted into
-the complete file.
+Stereo: the frame packing message of H.264, which switches televisions, and the box `st3d`, which
+players on computers read. 360°: the box `sv3d` ("spherical video V2" by Google). ffmpeg's muxer
+writes these boxes only for input from a demuxer, so they are inserted into the complete file.
 """
 
 import shutil

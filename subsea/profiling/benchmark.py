@@ -42,12 +42,12 @@ if TYPE_CHECKING:
     from subsea.render import Renderer
 
 WARM_UP_FRAMES = 30
-LIVE_WARM_UP_TICKS = 900  # at most, until all fishes to be simulated have left their turns
+LIVE_WARM_UP_TICKS = 900  # limit of the wait until all fishes to be simulated have finished turning
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchmarkOptions:
-    """What to measure, and where the results go."""
+    """The measured runs, and the files for results."""
 
     scenario: str = "peaceful"
     changes: Sequence[str] = ()  # to the scenario, as in --set
@@ -182,7 +182,7 @@ def measure(
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
     with reference_work() as fixed_work:
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
-            order = steer(world)  # not measured: a visitor steers instead
+            order = steer(world)  # not measured: in a dive the visitor steers
             fixed_s = fixed_work()
             cpu, thread, start = time.process_time(), time.thread_time(), time.perf_counter()
             step(world, order)

@@ -44,7 +44,7 @@ class OlderReport(msgspec.Struct, frozen=True):
 
 
 def read_reports(path: Path) -> list[OlderReport]:
-    """The reports in a file of `subsea benchmark --json`; a UserError names what is wrong."""
+    """The reports in a file of `subsea benchmark --json`; a UserError names the fault."""
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)

@@ -25,18 +25,18 @@ STAGES = (
     "draw",
     "present",
 )
-PARTS = 10  # of a run, whose medians show how even it was
+PARTS = 10  # of a run; their medians show its evenness
 SHOWN = ("visible", "simulated", "triangles", "draw_calls")
 
 
 class Frames(NamedTuple):
-    """Times of F frames in seconds, and what they showed."""
+    """Times of F frames in seconds, and counts of the drawn things."""
 
-    frame_s: Array  # (F,) all of it
+    frame_s: Array  # (F,) total
     host_s: Array  # (F,) without running and waiting for drawing calls
     cpu_s: Array  # (F,) processor time of all threads
     thread_s: Array  # (F,) processor time of the calling thread
-    yardstick_s: Array  # (F,) what a fixed work took beside it, see `machine.reference_work`
+    yardstick_s: Array  # (F,) time of a fixed work beside it, see `machine.reference_work`
     stages_s: dict[str, Array]  # (F,) each
     visible: Array  # (F,) fishes drawn
     simulated: Array  # (F,) fishes simulated
@@ -144,7 +144,7 @@ def write_json(path: Path, reports: Sequence[dict[str, Any]]) -> None:
 
 
 def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None:
-    """Write a row for every frame: number of fishes, frame, times in ms, what it showed."""
+    """Write a row for every frame: number of fishes, frame, times in ms, counts."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(

@@ -17,8 +17,8 @@ from subsea.world.world import TICK_S, World
 
 MAX_DEPTH_BL = 0.25  # of a fish's middle inside rock, body lengths
 MAX_BL_S, MAX_DRIFT_CM_S = 12.0, 150.0  # speed of a fish: body lengths, and carried by water
-OFF_UNIT = 1e-3  # by which the length of a quaternion may differ from 1
-STILL_BL = 0.5  # a fish that stays in so small a box, in body lengths, does not move
+OFF_UNIT = 1e-3  # tolerance of the length of a quaternion
+STILL_BL = 0.5  # a fish that stays in a box of this size, in body lengths, does not move
 SHARES = (
     "fishes.weight", "fishes.gape", "fishes.display", "minds.mental", "minds.light",
     "minds.menace", "minds.menaces",
@@ -94,7 +94,7 @@ def starving(world: World) -> int:
 
 
 def out_of_sea(places: Array, sea: Sea) -> NDArray[np.bool_]:
-    """Which places (n, 3) are beyond the bounds, in the air or in the ground."""
+    """Flags of places (n, 3) beyond the bounds, in the air or in the ground."""
     floor = [height_at(sea.heights, sea.half_width, float(x), float(y)) for x, y, _ in places]
     beyond = np.hypot(places[:, 0], places[:, 1]) > sea.radius * (1.0 + SLACK)
     return np.asarray(beyond | (places[:, 2] <= floor) | (places[:, 2] >= 0.0))

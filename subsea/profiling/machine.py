@@ -20,7 +20,7 @@ REFERENCE_SINES = 1 << 15  # on each core: about a third of a millisecond
 
 
 def describe_machine(graphics: Mapping[str, str]) -> dict[str, Any]:
-    """What to cite with a figure; `graphics` is the `info` of an OpenGL context.
+    """Data to cite with a figure; `graphics` is the `info` of an OpenGL context.
 
     `load` is the load average of the last minute, None where the system has none.
     """

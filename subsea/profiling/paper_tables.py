@@ -39,10 +39,10 @@ SIMULATED_TICKS, GROUP_TICKS = 2000, 20
 PLAYED_FISH, PLAYED_TICKS = 1000, 60
 RENDERED = ("peaceful", "open-ocean")
 IN_SIGHT_1999 = 40  # fishes
-HEADINGS = 72  # tried to find a view of so many
+HEADINGS = 72  # tried to find a view of IN_SIGHT_1999 fishes
 AWAKE_TICKS = 30
 REDUCED_PICTURES, FULL_PICTURES = 15, 3
-MAX_DRAWING_S = 12.0  # no further picture of a kind begins after it
+MAX_DRAWING_S = 12.0  # no further picture of a kind starts after this time
 SIZE = (1280, 720)
 SCENARIO = "peaceful"
 UNIT = np.eye(3, dtype=np.float32)
@@ -196,8 +196,8 @@ def drawing_ms(
 ) -> tuple[float, float]:
     """Median wall and processor time to upload and draw a packet, ms.
 
-    Of so many pictures, or of those within MAX_DRAWING_S. The first, for which drivers compile,
-    counts only if it is the only one.
+    Draws the given number of pictures, or fewer within MAX_DRAWING_S. The first, for which drivers
+    compile, counts only if it is the only one.
     """
     took: list[tuple[float, float]] = []
     begun = time.perf_counter()

@@ -83,7 +83,7 @@ class Observations(NamedTuple):
     """Observations so far."""
 
     checksums: list[str]  # after every simulated minute
-    memory_mb: list[float]  # then; empty where the system has no such figure
+    memory_mb: list[float]  # then; empty if the system gives no figure
     things: list[int]  # then: objects of the garbage collector
     alive: list[int]  # then: fishes
     starving: list[int]  # then: fishes of maximum hunger
@@ -104,9 +104,9 @@ def soak(
 ) -> int:
     """Dive for `minutes` of simulated time with random input, and print the observations.
 
-    Faults are: broken `invariants`; stuck fishes; a rewound past that repeats differently;
-    constants that changed; memory and objects that grow; empty pictures; checksums that differ from
-    those of the same dive in the report `against`. With `draw` a picture is drawn every second, in
+    Faults are broken `invariants`, stuck fishes, a rewound past that repeats differently, changed
+    constants, growth of memory and objects, empty pictures, and checksums that differ from those
+    of the same dive in the report `against`. With `draw` a picture is drawn every second, in
     one display mode or theatre after another and at every quality. The report goes to `out` as
     JSON.
 
@@ -316,7 +316,7 @@ def growth(values: Sequence[float]) -> float:
 
 
 def resident_mb() -> list[float]:
-    """Resident memory of this process, MB, in a list; empty where the system does not tell.
+    """Resident memory of this process, MB, in a list; empty if the system gives no figure.
 
     Returns free memory of the allocator to the system first: up to half of a dive with drawing.
     """

@@ -11,8 +11,8 @@ from subsea.state import PREY
 from subsea.study.record import Record
 from subsea.study.series import SAMPLE_S
 
-COMPANIONS, COMPANY_BL = 2, 2.5  # in company: at least so many of its species within this distance
-BEFORE_S = 3.0  # period before a capture that decides
+COMPANIONS, COMPANY_BL = 2, 2.5  # in company: at least 2 of its species within this distance
+BEFORE_S = 3.0  # decisive period before a capture
 
 
 class Captures(NamedTuple):

@@ -7,7 +7,7 @@ from subsea.state import ESCAPE, FEAR, HUNGER, PREDATOR
 from subsea.study.record import Record
 from subsea.study.series import runs
 
-SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger above that for so long is saturated
+SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger is saturated above this level for this time
 WARNING_S = 1.0  # fear must come within this time before an escape
 
 

@@ -28,8 +28,8 @@ def overlaps(record: Record) -> Ints:
 
     A body is a row of ellipsoids along its centre line from the snout over the middle to the tail,
     with the species' half-width and half-height there. Two of them overlap if their radii on the
-    line between their centres add up to more than its length: exact for bodies side by side, too
-    rare for some that cross. Courting partners, and hunter and prey, touch intentionally.
+    line between their centres add up to more than its length. This is exact for bodies side by
+    side, but misses some that cross. Courting partners, and hunter and prey, touch intentionally.
     """
     outlines = np.stack([record.half_width, record.half_height], axis=2)[record.species]
     sizes = outlines * record.length[:, None, None]

@@ -232,7 +232,7 @@ def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArr
 
 
 def _check(record: Record, where: str) -> None:
-    """Refuse codes without a name, companions that do not exist, and impossible sizes."""
+    """Reject codes without a name, companions that do not exist, and impossible sizes."""
     for field, names in _CODED:
         most = int(getattr(record, field).max())
         if most >= len(getattr(record, names)):

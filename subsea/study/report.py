@@ -66,7 +66,7 @@ def _refuse_clashes(record: Path, results: list[Path]) -> None:
 
 
 def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
-    """All measures of docs/records.md for JSON; None where there is nothing to measure.
+    """All measures of docs/records.md for JSON; None if there is nothing to measure.
 
     `check`, which may raise, is called between two of them.
     """

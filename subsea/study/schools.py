@@ -12,12 +12,12 @@ from subsea.study.record import Record
 from subsea.study.series import SAMPLE_S, headings, runs
 
 LINK_BL = 4.0  # fishes of a school within this distance are connected
-WHOLE = 0.9  # connected share from which a school is whole
+WHOLE = 0.9  # least connected share of a whole school
 SPLIT_S = 0.5  # minimum duration of a split
 
 
 class School(NamedTuple):
-    """The fishes of one leader, sampled k times."""
+    """The school of one leader, sampled k times."""
 
     leader: int
     time: Array  # (k,) s
@@ -134,7 +134,7 @@ def _root(part: Ints, i: int) -> int:
 def splits(school: School, end: float) -> list[Split]:
     """Periods in which less than nine tenths of a school were connected.
 
-    Ones shorter than half a second do not count. `end` is the time of the last tick, s.
+    Shorter ones than half a second do not count. `end` is the time of the last tick, s.
     """
     found = []
     for first, after in runs(school.together < WHOLE):
