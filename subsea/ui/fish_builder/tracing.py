@@ -1,10 +1,13 @@
 """A photograph behind the side view, to trace its outline."""
 
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.core.errors import UserError
 from subsea.fish.editing.handles import Box
 from subsea.render.gl.image_texture import ImageTexture
 
@@ -47,3 +50,12 @@ class PhotoOverlay:
     def release(self) -> None:
         """Free the texture."""
         self.shown.release()
+
+
+def read_photo(path: Path) -> NDArray[Any]:
+    """Return the pixels of a photograph; UserError if it is none, or without OpenCV."""
+    if find_spec("cv2") is None:
+        raise UserError("photographs need OpenCV: install subsea[skin]")
+    from subsea.fish.photo.photograph import read_photograph
+
+    return read_photograph(path).colour

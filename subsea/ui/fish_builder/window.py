@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +26,7 @@ from subsea.fish.editing.draft import (
 from subsea.fish.editing.edit_state import EditState
 from subsea.fish.editing.handles import drag_handle, handles
 from subsea.fish.editing.outline_points import remove_point
-from subsea.fish.editing.swimmer import MODES
-from subsea.fish.species import is_shipped, own_species_file, species_file, species_names
+from subsea.fish.species import is_shipped, own_species_file, species_file
 from subsea.render.fish.preview import Orbit
 from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.fish_builder.assessment import (
@@ -38,11 +36,12 @@ from subsea.ui.fish_builder.assessment import (
     draft_sheet,
     draw_findings,
 )
-from subsea.ui.fish_builder.jobs import FEWEST, MOST, CaptureJobs, recorded
+from subsea.ui.fish_builder.controls import draw_preview, draw_view_options, room
+from subsea.ui.fish_builder.jobs import CaptureJobs, recorded
+from subsea.ui.fish_builder.jobs_pane import draw_jobs, is_known
 from subsea.ui.fish_builder.number_panels import NumberPanels
-from subsea.ui.fish_builder.tracing import PhotoOverlay
+from subsea.ui.fish_builder.tracing import PhotoOverlay, read_photo
 from subsea.ui.fish_builder.views import OutlineViews, textured_view
-from subsea.ui.gui import QUIET
 from subsea.ui.name_dialog import NameDialog
 from subsea.ui.preview_panel import PreviewPanel
 from subsea.ui.tool_window import ToolWindow, run_tool
@@ -54,13 +53,11 @@ VIEWS_WIDTH, SIDE_HEIGHT = 0.62, 0.54  # shares of the window
 PREVIEW_HEIGHT = 0.36
 JOBS_HEIGHT = 5.2  # text heights
 FRAME_S = 1 / 40  # while the fish swims
-MODE_WIDTH = 3.9  # of a button of a swimming mode, text heights
 NUDGE = 0.002  # body lengths by which an arrow key moves a point
 ARROWS = {
     imgui.Key.left_arrow: (-1, 0), imgui.Key.right_arrow: (1, 0),
     imgui.Key.up_arrow: (0, 1), imgui.Key.down_arrow: (0, -1),
 }  # fmt: skip
-JOBS_HELP = "Learn finds how to use its muscles. Record takes down its motion, for scenarios."
 HINT = (
     "Drag points, or nudge them by arrows; double-click a line to add one, Del takes it away. "
     "Wheel: larger. Right button: move the view."
@@ -90,7 +87,7 @@ class FishBuilder:
         self.naming = NameDialog(draft.key) if asks else None
         self._before_naming = self.editing, path  # restored if the dialog is cancelled
         self._file = draft if path else None  # as read or written last
-        self.recorded = self._is_known and recorded(draft.key)
+        self.recorded = is_known(self.path) and recorded(draft.key)
         self._assessed: SpeciesDraft | None = None  # the last draft that was assessed
         self._shaped = draft
         sheet, _ = draft_sheet(draft)
@@ -188,23 +185,25 @@ class FishBuilder:
         contraction = swimmer.contraction if swimmer.moving else np.zeros(MUSCLES)
         backdrop = self._backdrop.glo, self._box
         with window.panel("Side", (left, top, views, side), titled=False):
-            self._draw_tools()
+            draw_view_options(self.views, editing, self.overlay, self._remove_point)
             behind = None if flat else backdrop
             if self.overlay:
                 behind = self.overlay.shown.glo, self.overlay.box
-            self.views.draw("side", editing, _room(), contraction, behind)
+            self.views.draw("side", editing, room(), contraction, behind)
         with window.panel("Top", (left, top + side, views, height - side), titled=False):
-            self.views.draw("top", editing, _room(), contraction, backdrop if flat else None)
+            self.views.draw("top", editing, room(), contraction, backdrop if flat else None)
         left, width = left + views, width - views
         preview = round(PREVIEW_HEIGHT * height)
         jobs = JOBS_HEIGHT * window.text_height
         with window.panel("Swimming", (left, top, width, preview), titled=False):
-            self._draw_preview(elapsed_s)
+            draw_preview(self.preview, window, elapsed_s)
         numbers = height - preview - jobs
         with window.panel("Numbers", (left, top + preview, width, numbers), titled=False):
             self._draw_tabs()
         with window.panel("Making", (left, top + height - jobs, width, jobs), titled=False):
-            self._draw_jobs()
+            if (end := self.jobs.ended()) is not None:
+                self.take_job(*end)
+            draw_jobs(self.jobs, self._key, self.recorded, self._job_starters(), window.text_height)
         if not (self.views.side.hovered or self.views.top.hovered):
             editing.hovered = self.panels.hovered
         if editing.dragging and not imgui.is_any_item_active() and not imgui.is_mouse_down(0):
@@ -237,30 +236,6 @@ class FishBuilder:
             self._backdrop = ImageTexture(self.window.context, assessment.backdrop)
             self._box = assessment.box
 
-    def _draw_tools(self) -> None:
-        """Draw the options of the views, and the buttons that add and remove points."""
-        views = self.views
-        _, views.outline = imgui.checkbox("Outline", views.outline)
-        imgui.same_line()
-        _, views.scaffold = imgui.checkbox("Scaffold", views.scaffold)
-        imgui.same_line()
-        _, views.soft = imgui.checkbox("Soft", views.soft)
-        imgui.set_item_tooltip("Points beside the one that is dragged go along")
-        imgui.same_line()
-        if imgui.button("Add point" if not views.adding else "Click on a line…"):
-            views.adding = not views.adding
-        imgui.same_line()
-        imgui.begin_disabled(self.editing.selected is None)
-        if imgui.button("Take away"):
-            self._remove_point()
-        imgui.end_disabled()
-        imgui.same_line()
-        if imgui.button("Fit"):
-            views.fit()
-        if self.overlay:
-            imgui.same_line()
-            self.overlay.draw_options()
-
     def _remove_point(self) -> None:
         path = self.editing.selected
         if path is not None and self.editing.do(lambda draft: remove_point(draft, path)):
@@ -287,24 +262,6 @@ class FishBuilder:
                 self.editing.do(edit)
                 return
 
-    def _draw_preview(self, elapsed_s: float) -> None:
-        """Draw the fish, and the choice of how it swims."""
-        (width, height), line = _room(), self.window.text_height
-        scale = self.window.window.size[0] / self.window.window.points[0]
-        self.preview.draw((max(width, 8), max(height - 1.9 * line, 8)), scale, elapsed_s)
-        swimmer = self.preview.swimmer
-        modes = MODES if swimmer.can_turn else MODES[:4]
-        if width < MODE_WIDTH * line * len(modes):
-            imgui.set_next_item_width(width)
-            _, number = imgui.combo("##way", modes.index(swimmer.mode), list(modes))
-            swimmer.mode = modes[number]
-            return
-        for number, mode in enumerate(modes):
-            if number:
-                imgui.same_line()
-            if imgui.radio_button(mode.capitalize(), swimmer.mode == mode):
-                swimmer.mode = mode
-
     def _draw_tabs(self) -> None:
         if imgui.begin_tab_bar("##tabs"):
             if imgui.begin_tab_item("Checks", None, self.panels.tab_flags("Checks"))[0]:
@@ -315,37 +272,18 @@ class FishBuilder:
             self.panels.draw(self.editing)
             imgui.end_tab_bar()
 
-    def _draw_jobs(self) -> None:
-        """Draw Learn and Record, their progress and their results."""
-        jobs, saved = self.jobs, self.path is not None and not self.unsaved
-        for name, act, enabled in (
-            ("Learn", self._learn, bool(self.editing.present.species.muscles)),
-            ("Record", self._record, True),
-        ):
-            imgui.begin_disabled(jobs.running or not enabled)
-            if imgui.button(name):
-                self.window.defer(act if saved else partial(self._save_then, act))
-            imgui.end_disabled()
-            imgui.same_line()
-        if jobs.running:
-            if imgui.button("Stop"):
-                jobs.stop()
-            imgui.same_line()
-            imgui.progress_bar(jobs.progress, (-1.0, 0.0), jobs.doing)
-        else:
-            imgui.begin_disabled(not self.recorded)
-            if imgui.button("Dive with it"):
-                jobs.dive(self._key)
-            imgui.end_disabled()
-            imgui.same_line()
-            imgui.set_next_item_width(-6.0 * self.window.text_height)
-            changed, tries = imgui.drag_int("tries to learn", jobs.tries, 2.0, FEWEST, MOST)
-            jobs.tries = tries if changed else jobs.tries
-        if (end := jobs.ended()) is not None:
-            self.take_job(*end)
-        imgui.push_text_wrap_pos(0.0)
-        imgui.text_colored((*QUIET, 1.0), jobs.message or JOBS_HELP)
-        imgui.pop_text_wrap_pos()
+    def _job_starters(self) -> dict[str, Callable[[], None] | None]:
+        """Return what the buttons of jobs do, by name; unsaved work is saved first."""
+        saved = self.path is not None and not self.unsaved
+
+        def start(act: Callable[[], None]) -> None:
+            self.window.defer(act if saved else partial(self._save_then, act))
+
+        muscular = bool(self.editing.present.species.muscles)
+        return {
+            "Learn": partial(start, self._learn) if muscular else None,
+            "Record": partial(start, self._record),
+        }
 
     def _save_then(self, act: Callable[[], object]) -> None:
         if self.save():
@@ -356,7 +294,7 @@ class FishBuilder:
         self.jobs.learn(self.path)
 
     def _record(self) -> None:
-        if not self._is_known:
+        if not is_known(self.path):
             raise UserError(
                 f"{self.path} lies elsewhere: New from… puts a copy among your own species"
             )
@@ -364,7 +302,7 @@ class FishBuilder:
 
     def take_job(self, kind: str, code: int) -> None:
         """Take the result of a job that has ended: its kind and its exit code."""
-        self.recorded = self._is_known and recorded(self._key)
+        self.recorded = is_known(self.path) and recorded(self._key)
         self.window.show_message(self.jobs.message, error=code not in (0, 130))
         if kind == "learn" and code == 0:
             assert self.path and self._file
@@ -380,16 +318,6 @@ class FishBuilder:
     def _key(self) -> str:
         """The name by which commands know the species."""
         return self.path.stem if self.path else ""
-
-    @property
-    def _is_known(self) -> bool:
-        """Whether commands find this file by its name, not another species."""
-        key = self._key
-        return (
-            self.path is not None
-            and key in species_names()
-            and species_file(key).resolve() == self.path.resolve()
-        )
 
     def _ask_for_new(self) -> None:
         if self.unsaved:
@@ -463,19 +391,5 @@ def builder_for(
     draft = read_draft(path)
     shipped = species_file(draft.key) if is_shipped(draft.key) else None
     own = path if name is not None and (in_place or path != shipped) else None
-    photo = _read_photo(over) if over else None
+    photo = read_photo(over) if over else None
     return lambda window: FishBuilder(window, draft, own, asks=name is None, photo=photo)
-
-
-def _read_photo(path: Path) -> Picture:
-    """Return the pixels of a photograph; UserError if it is none, or without OpenCV."""
-    if find_spec("cv2") is None:
-        raise UserError("photographs need OpenCV: install subsea[skin]")
-    from subsea.fish.photo.photograph import read_photograph
-
-    return read_photograph(path).colour
-
-
-def _room() -> tuple[float, float]:
-    room = imgui.get_content_region_avail()
-    return room.x, room.y
