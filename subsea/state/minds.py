@@ -39,10 +39,10 @@ class MindsKind(Kind):
 
 @by_pointer(MindsKind)
 class Minds(NamedTuple):
-    """Minds of n fishes with b behaviors and d desires.
+    """Minds of the n fishes, which know b behaviors and d desires.
 
-    The target of a plankton eater is a speck, that of a predator a fish. Perception writes the
-    rows of fishes that think in a tick.
+    An eater of plankton is after a speck, a predator after a fish. Perception writes the rows of
+    those fishes whose turn it is.
     """
 
     kind: Annotated[U8, panels("n"), "code in KINDS (Tu §7.9)"]
