@@ -1,4 +1,4 @@
-"""Who comes for the bait, who is caught, and how that ends."""
+"""Approach to the bait, the catch, and landing."""
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def test_the_first_to_bite_is_caught(tank):
     one.minds.intention[:4] = EAT
     one.minds.target[:] = BAIT, BAIT, 0, BAIT, BAIT
     one.fishes.alive[3] = False
-    # The one that is caught led a school.
+    # The caught fish led a school.
     one.minds.leader[2], one.minds.leads[1] = 1, True
     bite(one.fishes, one.minds, one.sea, one.clock)
     assert one.sea.catch.tolist() == [HOOKED, 1]

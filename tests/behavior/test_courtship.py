@@ -1,4 +1,4 @@
-"""The dance: its component behaviors, and whole sequences of fishes that really swim."""
+"""Courtship: its component behaviors, and whole sequences with swimming fishes."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -43,7 +43,7 @@ def _world(*shoals: dict[str, Any], seed: int = 1) -> World:
 
 
 def _one(species: str, x: float, y: float, size: float, male: bool) -> dict[str, Any]:
-    """A fish that heads for the place where the females are: not everybody looks back."""
+    """A fish that heads for the females' place, as not every female looks back."""
     return {
         "species": species, "position_cm": (x, y, -350.0), "size_cm": (size, size),
         "male_share": float(male), "heading_deg": float(np.degrees(np.arctan2(-y, -x))),
@@ -51,14 +51,14 @@ def _one(species: str, x: float, y: float, size: float, male: bool) -> dict[str,
 
 
 def _swim(world: World, seconds: float) -> Iterator[None]:
-    """Each tick of the world."""
+    """Yield the world after each tick."""
     for _ in range(int(seconds / TICK_S)):
         step(world, HANDS_OFF)
         yield
 
 
 def _assert_agreed(world: World) -> None:
-    """Nobody courts nobody, and from circling on both of a pair do the same."""
+    """No fish courts itself, and from circling on both of a pair are in the same state."""
     minds = world.state.minds
     assert ((minds.partner == NOBODY) == (minds.courtship == NO_COURTSHIP)).all()
     for i in np.flatnonzero(minds.courtship >= CIRCLING):
@@ -113,7 +113,7 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_film_plays_by_itself(seed):
-    # As in Tu §10.5: two males vie for a female, behind them two angelfish spawn.
+    # As in Tu §10.5: two males compete for a female; behind them two angelfish spawn.
     world = create_world(load_scenario("mating")[0], seed)
     fishes, minds = world.state.fishes, world.state.minds
     female, large, small, butterfly, angel, angel_mate = range(6)
@@ -137,7 +137,7 @@ def test_the_film_plays_by_itself(seed):
     assert angel_s == [NO_COURTSHIP, *DANCE, NO_COURTSHIP]
     assert minds.last_mating[large] == minds.last_mating[female] > 0
     assert minds.last_mating[angel] == minds.last_mating[angel_mate] > 0
-    # He showed off before her in vain, turned away, and tried another.
+    # His display failed; he turned away and tried another female.
     assert small_s[:3] == [NO_COURTSHIP, APPROACHING, LOOPING]
     assert small_s[3] in (NO_COURTSHIP, APPROACHING)
     assert female in looped_for

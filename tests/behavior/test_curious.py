@@ -37,7 +37,7 @@ def test_who_is_drawn_to_it(tank):
 
 
 def test_it_looks_its_fill_and_comes_back_a_minute_later(tank):
-    """The generator itself counts: watching, then something else for long enough, then again."""
+    """The intention generator alternates: watching, another behavior for a while, watching."""
     one = _tank(tank, n=3)
     one.fishes.identity[:] = 0.0, 0.5, 0.99
     who, looks = np.arange(3), []

@@ -1,4 +1,4 @@
-"""What becomes of the others when a fish is gone."""
+"""Effects of a fish's death on the other fishes."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""On which side a fish of a school passes what stands in its way."""
+"""The side on which a schooling fish passes an obstacle."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_the_way_is_the_tangent_on_the_side_that_the_fish_heads_to(x, y, turn, r
 
 
 def test_a_fish_beside_an_obstacle_is_not_drawn_back_in_front_of_it():
-    """Its leader is on the other side: the wish leads through, the heading past on the right."""
+    """With the leader on the far side, the wish leads through; the heading passes on the right."""
     way = way_past((60.0, 30.0, 40.0, -50.0), heading=(0.7, -0.7, 0.0), wish=(0.5, 0.9, 0.0))
     assert way[1] < 0.0
 
@@ -88,7 +88,7 @@ def test_who_means_to_turn_back_need_not_pass_what_it_heads_for():
     turn=st.floats(-1.5, 1.5),
 )
 def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn):
-    """Against every tangent of every pillar, tried one by one."""
+    """Compare with a brute-force search over all tangents of all pillars."""
     pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])
     pillars = pillars[np.hypot(*pillars[:, :2].T) > pillars[:, 2] + BERTH + 1.0]
     heading = np.array([np.cos(turn), np.sin(turn), 0.0])
@@ -117,7 +117,7 @@ def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn)
 
 
 def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
-    """At half of its height, less the headroom, an ellipsoid has √3/2 of its width."""
+    """At half its height, less the headroom, an ellipsoid has √3/2 of its width."""
     here = (0.0, 0.0, -200.0)
     high = 30.0
     for side in (1.0, -1.0):
@@ -131,7 +131,7 @@ def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
 
 
 def test_through_an_arch_it_swims_between_the_legs():
-    """Two legs with room between, and the leader beyond: not around the outside."""
+    """Pass between two legs to the leader beyond, not around the outside."""
     legs = np.array([[120.0, 100.0, 50.0, 0.0], [120.0, -100.0, 50.0, 0.0]])
     wish = (1.0, 0.6, 0.0)  # into the left leg
     way = detour(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE)
@@ -139,7 +139,7 @@ def test_through_an_arch_it_swims_between_the_legs():
 
 
 def test_it_rather_turns_than_goes_round_the_far_side_of_a_long_wall():
-    """It heads along a row of pillars behind which it wants to go: back to the near end."""
+    """A fish beside a row of pillars turns back to the near end to reach a place behind it."""
     row = np.array([(60.0, y, 30.0, 0.0) for y in np.arange(-40.0, 241.0, 40.0)])
     wish, heading = (0.6, -0.8, 0.0), (0.05, 1.0, 0.0)
     way = detour(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)

@@ -1,4 +1,4 @@
-"""The eleven rules of escape, each against what it says."""
+"""The eleven rules of escape."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ CLOCK = Clock(1, 0, 0.033)
 
 @pytest.fixture(scope="module")
 def around(tank):
-    """A sea and its nature."""
+    """A sea and its constants of perception and behavior."""
     return tank(0).sea, tank(0).nature
 
 
@@ -158,7 +158,7 @@ def test_the_submarine_heads_where_it_goes_and_at_rest_for_the_fish(around):
 
 
 def test_schoolmates_on_either_side_of_the_hunter_part(around):
-    """A school that swims ahead of its hunter opens like a fan."""
+    """A school ahead of its hunter spreads like a fan."""
     for side in (-12.0, 12.0):
         fishes, minds = _pair((-40.0, -side, 0.0))
         danger = danger_of(fishes, minds, 0, *around)
@@ -179,11 +179,11 @@ def test_who_flees(around):
     minds.mental[:, FEAR] = nature.alarmed + 0.1
     assert wants() == pytest.approx(nature.alarmed + 0.1)  # likes no school
     minds.schools[0] = True
-    assert wants() > 0  # has nobody to follow
+    assert wants() > 0  # without a leader
     minds.leader[0] = 1
-    assert wants() > 0  # has lost it
+    assert wants() > 0  # lost sight of it
     minds.leader_seen[0] = 0.0
-    assert wants() == 0  # rather closes the ranks
+    assert wants() == 0  # schools more closely instead
     minds.menace[0] = nature.panicked
     assert wants() > 0
     minds.predator[0] = NOBODY

@@ -1,4 +1,4 @@
-"""How predators hunt, and what an open mouth draws in."""
+"""Hunting by predators, and suction by an open mouth."""
 
 import msgspec
 import numpy as np
@@ -37,7 +37,7 @@ CLOCK = Clock(1, 1000, DT)
 
 @pytest.fixture
 def around(tank):
-    """A sea and its nature."""
+    """A sea and its constants of perception and behavior."""
     one = tank(0, specks=1)
     one.sea.plankton[0] = 1e4, 0.0, -300.0
     return one.sea, one.nature
@@ -162,7 +162,7 @@ def test_an_open_mouth_draws_all_that_is_near_and_large_fishes_less(around):
 
 
 def test_many_mouths_draw_what_each_of_them_would_draw(around):
-    """Sorted along x or one after the other, the sum is the same."""
+    """The sum is the same with sorted mouths and in a plain loop."""
     rng = np.random.default_rng(3)
     fishes, minds = _hunter(*rng.uniform(-120, 120, (80, 3)), kind=PACIFIST)
     hunters = [0, 11, 30, 52, 77]

@@ -19,7 +19,7 @@ def _row(code, level=None):
 
 @pytest.fixture
 def mind(tank):
-    """Choose(desires by code, seconds) of one fish, and its mind."""
+    """Function `choose(desires by code, seconds)` of one fish, and its mind."""
     t = tank()
 
     def decide(desires, seconds=0.033):
@@ -81,7 +81,7 @@ def test_an_interrupted_intention_is_resumed_with_its_target(mind):
 def test_a_resumed_intention_inhibits_its_rivals_by_a_fifth_of_itself(mind):
     decide, _ = mind
     decide({MATE: 0.5})
-    # Not yet interrupted, it has no such grace.
+    # Before any interruption it has no such advantage.
     assert decide({MATE: 0.5, EAT: 0.55}) == EAT
     decide({MATE: 0.5})
     decide({AVOID: 1.0, MATE: 0.5})

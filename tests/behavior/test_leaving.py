@@ -11,7 +11,7 @@ def test_who_is_discontent_leaves_in_the_right_direction(tank):
     t.minds.light[:], t.minds.temperature[:] = 0.2, 26.0
     t.minds.likes[1, BRIGHTNESS] = True
     t.minds.likes[2, DARKNESS] = True  # content
-    t.minds.likes[3, [BRIGHTNESS, DARKNESS]] = True  # does not care
+    t.minds.likes[3, [BRIGHTNESS, DARKNESS]] = True  # indifferent
     t.minds.likes[4, COLD] = True
     t.minds.likes[5, WARMTH] = True  # content
     t.minds.likes[6, BRIGHTNESS] = True

@@ -1,4 +1,4 @@
-"""Whom a fish courts, rivalry, and that a pair stays a pair or parts."""
+"""Choice of a mate, rivalry, and the end of courtships."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def _bay(tank, n=2, **nature):
 
 
 def _pair(t, i, state):
-    """Fishes 0 and i are in this state of their courtship."""
+    """Put fishes 0 and i in this state of their courtship."""
     for one, other in ((FEMALE, i), (i, FEMALE)):
         t.minds.partner[one], t.minds.courtship[one] = other, state
 
@@ -248,7 +248,7 @@ def test_no_pair_is_left_dangling_or_stuck(tank, state, why):
         t.minds.courtship_time[:] = LIMIT_S[state]
     else:
         t.minds.partner[1], t.minds.courtship[1] = NOBODY, NO_COURTSHIP
-    # Only she thinks: it must not take him to end it.
+    # Only the female thinks; the courtship must end without the male.
     for _ in range(int(ALONE_S[state]) + 2):
         t.minds.pause[:] = 1.0
         mating.end_courtships(np.array([FEMALE]), t.fishes, t.minds)

@@ -1,4 +1,4 @@
-"""Company: following, spacing, pace, and who wants it."""
+"""Schooling: following, spacing, speed, and desire for it."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ def _school(tank, n=3):
 
 
 def _see(t):
-    """Everybody knows where the leader is."""
+    """Every follower knows the leader's place."""
     t.minds.leader_place[:] = t.fishes.position[0]
     t.minds.leader_seen[:] = 0.0
 
@@ -109,7 +109,7 @@ def test_nobody_joins_the_dead(tank):
 
 
 def test_a_leader_leaves_behind_who_is_farther_off_than_such_a_school_reaches(tank):
-    """Of eight followers, 20 cm long: two lengths of their leader times three."""
+    """Limit for eight followers of 20 cm: two body lengths times three."""
     t = tank(10)
     t.minds.leader[1:9] = 0
     t.minds.leader_seen[:] = 0.0
@@ -145,9 +145,9 @@ def test_a_straggler_is_far_from_its_leader_and_from_companions(tank):
 
 
 def test_who_is_far_ahead_of_its_leader_comes_back(tank):
-    """It slows down for one that is behind it, but not to a halt where that is far away."""
+    """The leader slows down for a fish behind it, but does not halt if that is far away."""
     t = _school(tank, 3)
-    t.fishes.goal_speed[0] = 0.1  # it waits, and heads for both
+    t.fishes.goal_speed[0] = 0.1  # the leader waits, and heads for both
     t.fishes.position[1] = 60.0, 0.0, -300.0
     t.fishes.position[2] = 300.0, 0.0, -300.0
     _see(t)

@@ -1,4 +1,4 @@
-"""Wishes inside a sea with bounds and solids."""
+"""Urges constrained by bounds and solids."""
 
 import numpy as np
 import pytest
@@ -102,7 +102,7 @@ def test_a_warning_makes_the_turn_smaller(tank):
 
 @given(bearing=direction, along=direction, speed=st.floats(0, 120), off=st.floats(70, 90))
 def test_no_wish_leads_into_the_submarine(tank, bearing, along, speed, off):
-    """Where it will be nearest, the wish heads for it no harder than the distance allows."""
+    """At the closest approach the urge heads for it no harder than the distance allows."""
     one = tank()
     here = one.fishes.position[0].astype(float)
     hull = here - off * np.array(bearing)

@@ -1,4 +1,4 @@
-"""The compiled entries call what the table of behaviors lists, in its order."""
+"""Compiled entries call the listed behaviors in the order of the table."""
 
 import inspect
 import re
@@ -7,7 +7,7 @@ from subsea.behavior import table
 
 
 def _calls(entry):
-    """The functions that an entry calls, each with the row or the code of its line."""
+    """Functions that an entry calls, each with the row or code of its line."""
     body = inspect.getsource(entry.py_func)
     line = r"(\w+)\.(\w+)\(who(?:\[now == (\d+)\])?,.*?(?:out\[(\d+)\])?\)\n"
     calls = re.findall(line, body)

@@ -1,4 +1,4 @@
-"""A fish that is steered: what it is asked for it does, through its repertoire and clear of all."""
+"""Teleoperation: a fish follows commands within its repertoire and avoids obstacles."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ FISH = 5
 
 @pytest.fixture(scope="module")
 def begun():
-    """The peaceful bay after two seconds, as bytes: every test begins there."""
+    """Snapshot of the peaceful bay after two seconds, the start of every test."""
     world = create_world(load_scenario("peaceful")[0], fish=60)
     for _ in range(60):
         step(world, HANDS_OFF)
@@ -36,7 +36,7 @@ def world(begun):
 
 
 def steered(world, seconds, fish=FISH, **asked):
-    """Steer for so long; degrees that it turned left, and the segments that it swam."""
+    """Steer for some seconds; returns degrees turned left, and the segments used."""
     fishes, turned, segments = world.state.fishes, 0.0, set()
     before = heading(fishes, fish)
     for _ in range(round(seconds / TICK_S)):
@@ -58,7 +58,7 @@ def heading(fishes, fish):
 
 
 def speed(world, fish=FISH):
-    """Along its body, through the water, lengths a second."""
+    """Velocity along the body through the water, body lengths per second."""
     fishes = world.state.fishes
     own = fishes.velocity[fish] - fishes.drift[fish]
     return own @ ahead(fishes, fish) / fishes.length[fish]
@@ -83,7 +83,7 @@ def test_it_turns_and_rises_as_asked_by_its_own_strokes(world):
         assert way * (fishes.position[FISH, 2] - before) > 5.0
         assert 25.0 < way * np.degrees(np.arcsin(ahead(fishes, FISH)[2])) < 45.0
     steered(world, 2.0, speed=0.6)
-    assert abs(ahead(fishes, FISH)[2]) < 0.1  # let go, it swims level
+    assert abs(ahead(fishes, FISH)[2]) < 0.1  # without a command it swims level
 
 
 def test_it_speeds_up_stops_and_backs_off(world):
@@ -106,13 +106,13 @@ def test_it_speeds_up_stops_and_backs_off(world):
 
 @pytest.mark.parametrize("name", ["peaceful", "visitors"])
 def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered(name):
-    # What drifts and sways takes its time and has no say in this.
+    # Remove plankton and seaweed: slow, and irrelevant here.
     scenario, _ = load_scenario(name, ["water.plankton=0", "seaweed=[]"])
     world = create_world(scenario, fish=40)
     fishes, sea = world.state.fishes, world.state.sea
     rng = np.random.default_rng(3)
     for fish in (0, 17, 39):
-        # Into the ground, into the surface, anywhere, astern.
+        # Toward the ground, the surface, a random direction, astern.
         for asked in ({"rise": -1.0}, {"rise": 1.0}, {}, {"speed": -1.0}):
             for _ in range(4):
                 asked = {"speed": 1.0, "turn": rng.uniform(-0.4, 0.4)} | asked
@@ -137,14 +137,14 @@ def test_its_brain_yields_and_comes_back(world):
         step(world, TeleopCommand(FISH, speed=0.4))
         assert minds.intention[FISH] == WANDER
         assert minds.target[FISH] == NOBODY
-    assert minds.mental[FISH, FEAR] > 0.3  # it feels as ever
+    assert minds.mental[FISH, FEAR] > 0.3  # feelings are unaffected
     assert (fishes.goal_speed[FISH], fishes.gape[FISH]) == (pytest.approx(0.4), 0.0)
-    snapshot.restore(world, snapshot.take(world))  # of what no tick writes none would be taken
+    snapshot.restore(world, snapshot.take(world))  # refuses values that no tick may write
     for _ in range(10):
         step(world, HANDS_OFF)
     assert minds.intention[FISH] != WANDER
     assert minds.intention[FISH] != EAT
-    # Put back where it was at ease, it is again.
+    # Released at an undisturbed place, it calms down.
     minds.kind[FISH] = minds.kind[enemy] = 0
 
 
@@ -198,8 +198,8 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     steered(world, 6.0, leader, speed=0.6)
     after = fishes.velocity[school].mean(axis=0)
     way = ahead(fishes, leader)
-    assert before @ way < 0.3 * np.linalg.norm(before)  # it turned far away from where all went ...
-    assert after @ way > 0.6 * np.linalg.norm(after)  # ... and they with it
+    assert before @ way < 0.3 * np.linalg.norm(before)  # it turned far from the school's way ...
+    assert after @ way > 0.6 * np.linalg.norm(after)  # ... and the school followed
     assert len(school) > 10
 
     world = create_world(load_scenario("preying")[0])
@@ -209,7 +209,7 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     fishes.position[predator] = 500.0, 0.0, -250.0
     aside = np.cross(ahead(fishes, predator), (0.0, 0.0, 1.0))
     fishes.position[prey] = fishes.position[predator] + 90.0 * aside
-    world.state.submarine.position[:] = -700.0, 0.0, -250.0  # which prey fears too
+    world.state.submarine.position[:] = -700.0, 0.0, -250.0  # prey fears the submarine too
     fleeing = 0
     for _ in range(40):
         step(world, TeleopCommand(predator, speed=0.6))

@@ -1,4 +1,4 @@
-"""What single fishes have of their own, from the start and while diving."""
+"""Settings of individual fishes, at the start and during a dive."""
 
 import msgspec
 import numpy as np
@@ -23,7 +23,7 @@ def bay(**options):
 
 
 def test_an_individual_has_its_own_and_nobody_elses_dice_change():
-    """No random number is drawn for it."""
+    """Individual settings draw no random number."""
     plain = bay()
     own = IndividualTable(
         fish=2, kind="predator", male=True, likes=["cold"], schooling=False, hunger=0.9,
@@ -50,7 +50,7 @@ def test_an_individual_has_its_own_and_nobody_elses_dice_change():
 
 @pytest.mark.parametrize("name", ["peaceful", "mating", "preying"])
 def test_fishes_may_become_others_while_diving(name):
-    """Of another kind or sex, whatever they are about: no index means what it does not."""
+    """A change of kind or sex during any behavior leaves no index with the wrong meaning."""
     world = create_world(load_scenario(name)[0], fish=12, live=0)
     state = world.state
     for tick in range(360):
@@ -64,7 +64,7 @@ def test_fishes_may_become_others_while_diving(name):
             apply_individual(state.fishes, state.minds, own, now)
             assert state.minds.partner[i] == NOBODY
             assert not (state.minds.partner == i).any()
-    snapshot.restore(world, snapshot.take(world))  # no value that a tick could not have written
+    snapshot.restore(world, snapshot.take(world))  # refuses values that no tick may write
 
 
 def test_hunger_and_libido_are_those_of_now():
@@ -76,7 +76,7 @@ def test_hunger_and_libido_are_those_of_now():
     apply_individual(state.fishes, state.minds, lone, state.tick * TICK_S)
     step(world, HANDS_OFF)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.02)
-    # What is not named stays.
+    # Unnamed settings stay the same.
     apply_individual(
         state.fishes, state.minds, IndividualTable(fish=1, dread_cm=3.0), state.tick * TICK_S
     )
