@@ -1,4 +1,4 @@
-"""Danger of collision, in situations that a person would judge at a glance."""
+"""Collision detection in situations with an obvious answer."""
 
 import numpy as np
 import pytest
@@ -77,7 +77,7 @@ def test_whoever_closes_in_from_the_side_is(tank):
 def test_nobody_is_afraid_of_what_is_behind(tank):
     t = _pair(tank, (25.0, 0.0, 0.0))
     t.fishes.velocity[0] = 40.0, 0.0, 0.0
-    # The one behind runs into the other, who doesn't see it coming.
+    # The fish behind runs into the other, which does not see it.
     assert _threats(t) == [1, NOBODY]
 
 
@@ -98,7 +98,7 @@ def test_in_formation_fishes_bear_one_another_nearer(tank):
 
 
 def test_what_is_avoided_is_avoided_until_it_is_well_clear(tank):
-    """Just outside the region, but inside the larger one of a fish that avoids already."""
+    """Place a fish just outside the region, but inside the larger one of a fish that avoids."""
     t = _pair(tank, (0.0, 0.0, 0.0), against=True)
     gaps = np.arange(30.0, 70.0, 0.5)
 
@@ -140,7 +140,7 @@ def test_the_dead_are_in_nobodys_way(tank):
 def test_the_one_with_most_of_its_body_inside_is_worst(tank):
     t = tank(3)
     t.fishes.position[1:] = (20.0, 2.0, -300.0), (18.0, 4.0, -300.0)
-    # One lies across the way, the other comes straight on with all of its body.
+    # One lies across the way, the other approaches head-on with its whole body.
     t.fishes.orientation[1:] = (0.5, 0.5, 0.5, 0.5), BACK
     t.fishes.velocity[1:] = (0.0, 0.0, 0.0), (-15.0, -6.0, 0.0)
     bodies = bodies_of(t.fishes)
@@ -152,7 +152,7 @@ def test_the_one_with_most_of_its_body_inside_is_worst(tank):
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=40)
 def test_the_grids_miss_nobody(tank, seed):
-    """Against all pairs, with fishes of all sizes and speeds."""
+    """Compare with all pairs of fishes of all sizes and speeds."""
     rng = np.random.default_rng(seed)
     n = 40
     t = tank(n)
@@ -176,7 +176,7 @@ def test_the_grids_miss_nobody(tank, seed):
         assert found[i] == (best if shares[best] > 0 else NOBODY)
 
 
-# What stands still.
+# Static obstacles.
 
 
 def _barrier(t):
@@ -210,7 +210,7 @@ def test_what_stands_in_the_way(tank, place, heading, barrier):
 
 
 def _heading(x):
-    """Orientation of a body whose x axis is `x`, its back up as far as that goes."""
+    """Orientation of a body with x axis `x` and its back up as far as possible."""
     x = np.array(x, float)
     right = np.cross(x, (0.0, 0.0, 1.0))
     if np.linalg.norm(right) < 1e-6:

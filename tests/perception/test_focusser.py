@@ -1,4 +1,4 @@
-"""Targets and motor preferences, by Tu's own examples."""
+"""Targets and motor preferences in Tu's examples."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ ABOVE, BELOW = (0, 0, 30), (0, 0, -30)
 
 
 def _put(t, *gaps):
-    """The fishes from the second on, so far from the eye of the first."""
+    """Place all fishes but the first, relative to the first one's eye."""
     t.fishes.position[1:] = EYE + np.array(gaps, float)
 
 

@@ -1,4 +1,4 @@
-"""The grid against all pairs, for points that nobody chose to suit it."""
+"""Compare the grid with all pairs, for random points."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_near_slots_hold_all_that_are_near_once(seed, cell, reach):
     near = chosen[np.linalg.norm(gaps, axis=1) <= reach]
     assert set(near) <= set(found)
     assert len(set(found)) == len(found)
-    # And nobody who is in no cell within reach.
+    # Members without a cell within reach are not found.
     assert set(found) <= set(chosen[(gaps <= reach + grid.cell).all(axis=1)])
 
 
@@ -42,7 +42,7 @@ def test_near_slots_hold_all_that_are_near_once(seed, cell, reach):
 @settings(max_examples=60)
 def test_the_nearest_are_those_of_all_pairs(seed, reach, k):
     points, chosen, p = _scene(seed)
-    points[:] = np.round(points, -1)  # equal distances, where order could tell
+    points[:] = np.round(points, -1)  # equal distances, to test the order
     p = tuple(np.round(p, -1))
     but = int(chosen[0])
     found, gaps = _nearest(make_grid(points, chosen, 30.0), p, reach, but, k)

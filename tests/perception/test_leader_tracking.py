@@ -1,4 +1,4 @@
-"""What schooling fishes know of their leader."""
+"""Knowledge of schooling fishes about their leader."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def test_who_doesnt_is_told_by_a_companion(tank):
     t.minds.neighbour[2, 0] = 1
     _watch(t, 100)
     np.testing.assert_allclose(t.minds.leader_place[2], t.fishes.position[0])
-    # Out of everybody's sight the place and the time are remembered.
+    # Once all lose sight of it, they remember place and time.
     seen = t.fishes.position[0].copy()
     t.fishes.position[0] = 5000.0, 0.0, -300.0
     _watch(t, 200)

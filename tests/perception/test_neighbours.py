@@ -1,4 +1,4 @@
-"""The grid against all pairs."""
+"""Compare the grid with all pairs."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from subsea.state import NEIGHBOURS, Fishes, Minds, empty
 
 
 def _all_pairs(fishes, reach):
-    """The plain way: sort everybody by distance, then by index."""
+    """Reference: sort all fishes by distance, then by index."""
     out = np.full((len(fishes.species), NEIGHBOURS), -1)
     p = fishes.position.astype(np.float64)
     for i in range(len(p)):
@@ -37,7 +37,7 @@ def _find(fishes, minds, who):
 def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     rng = np.random.default_rng(seed)
     fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
-    # Rounded places make equal distances, where order could tell.
+    # rounded places make equal distances, to test the order
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
     fishes.species[:] = rng.integers(0, 2, n)
     _find(fishes, minds, np.arange(n))

@@ -1,4 +1,4 @@
-"""What fills minds: food, prey, mates, predators, water; against closed forms and all pairs."""
+"""Senses: food, prey, mates, predators, water; against closed forms and all pairs."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_a_fish_alone_among_the_dead_perceives_nobody(tank):
     for found in (t.minds.neighbour[0, 0], t.minds.threat[0], t.minds.predator[0], t.minds.mate[0]):
         assert found == NOBODY
     before = [array.copy() for array in t.minds]
-    sense(np.zeros(0, np.int64), *t)  # nobody's turn: nothing is written
+    sense(np.zeros(0, np.int64), *t)  # no fish thinks: nothing is written
     for array, kept in zip(t.minds, before, strict=True):
         np.testing.assert_array_equal(array, kept)
 
@@ -102,7 +102,7 @@ def _crowd(tank, seed, kinds):
 
 
 def _all(t, i, kind):
-    """Every living other fish of a kind, its vector from the eye of i, and whether i sees it."""
+    """Living other fishes of a kind: vector from the eye of i, and True if i sees it."""
     bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
     eye = np.array(eye_of(bodies, i))
     for j in np.flatnonzero(t.fishes.alive & (t.minds.kind == kind)):
@@ -124,7 +124,7 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     _sense(t)
 
     def possible(i, j):
-        """Of the other sex, not shunned, not taken, and a stranger not of quite another size."""
+        """Mates: other sex, not shunned, not taken, strangers only of similar size."""
         taken = t.minds.courtship[j] == CIRCLING and t.minds.partner[j] != i
         alike = 0.5 < t.fishes.length[i] / t.fishes.length[j] < 2.0
         known = t.fishes.species[i] == t.fishes.species[j]
@@ -220,7 +220,7 @@ def test_coward_and_bold(tank):
 
 
 def test_a_large_predator_is_seen_in_advance(tank):
-    """V_r times the size of what is seen (Tu §6.3.1)."""
+    """V_r times the size of the object (Tu §6.3.1)."""
     t = tank(2)
     t.minds.kind[:] = PREY, PREDATOR
     t.fishes.position[1, 0] = 900.0

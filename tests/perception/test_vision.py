@@ -1,4 +1,4 @@
-"""What is seen, against angles and distances in closed form and against rays of many points."""
+"""Vision, against closed forms for angles and distances and against sampled rays."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def _sees(t, i, j):
 
 
 def _hides(t, share):
-    """Whether a point of fish 1 is hidden from fish 0."""
+    """True if a point of fish 1 is hidden from fish 0."""
     bodies = bodies_of(t.fishes)
     return hidden(surroundings_of(t.sea), eye_of(bodies, 0), along_body(bodies, 1, share))
 
@@ -87,7 +87,7 @@ def _scene(tank, seed):
 
 
 def _depth(sea, p):
-    """How deep each point (n, 3) is in any solid, in units of its own; above 0 inside."""
+    """Depth of each point (n, 3) in any solid, relative to the solid; above 0 inside."""
     deep = np.array([height_at(sea.heights, sea.half_width, x, y) - z for x, y, z in p]) / 100
     for x, y, radius, top in sea.pillars:
         side = radius - np.hypot(p[:, 0] - x, p[:, 1] - y)
@@ -100,7 +100,7 @@ def _depth(sea, p):
 
 
 def _is_hidden(sea, eye, p):
-    """By brute force: whether any of many points of the ray is inside; None if that is close."""
+    """True if any sampled point of the ray is inside, by brute force; None if that is close."""
     eye, p = np.array(eye), np.array(p)
     most = _depth(sea, eye + np.linspace(0, 1, 1500)[:, None] * (p - eye)).max()
     return None if abs(most) < 2e-3 else most > 0
@@ -171,7 +171,7 @@ def test_a_pillar_is_seen_by_its_nearest_side(tank):
     for x, seen in ((7.0 + reach + 29.0, True), (7.0 + reach + 31.0, False)):
         t = tank(pillars=[(x, 0.0, 30.0, -100.0)])
         assert sees_pillar(bodies_of(t.fishes), 0, t.sea.pillars[0], t.nature) == seen
-    # Of one that is lower than the eye, its top.
+    # For a pillar that is lower than the eye: its top.
     t = tank(pillars=[(7.0, 0.0, 30.0, -300.0 - reach - 31.0)])
     assert not sees_pillar(bodies_of(t.fishes), 0, t.sea.pillars[0], t.nature)
 
