@@ -49,7 +49,7 @@ def make_fishes(library):
 
 @cache
 def recorded(species):
-    """What is shipped of a species: its repertoire, coupling and what is constant of its motion."""
+    """Shipped data of a species: its repertoire, coupling and constants of motion."""
     repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
     coupling = couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))
     library = pack([repertoire], [coupling])
@@ -61,7 +61,7 @@ def recorded(species):
 
 
 class Tank:
-    """One fish of a species in still water, playback and simulation, at a goal of one's choice."""
+    """One fish of a species in still water, played back or simulated, with a free goal."""
 
     def __init__(self, species, scale=1.0):
         repertoire, coupling, self.dynamics = recorded(species)
@@ -74,7 +74,7 @@ class Tank:
         self.fishes.scale[:] = scale
         self.fishes.rate[:] = scale**-0.5
         self.fishes.length[:] = scale * self.library.recorded_length[0]
-        self.tick = 1  # not one at which the choice is thought over
+        self.tick = 1  # a tick without a review of the slots
 
     def put(self, name, row=0):
         code = SEGMENTS.index(name)
@@ -92,7 +92,7 @@ class Tank:
         self.fishes.goal_speed[:] = speed
 
     def run(self, ticks, obey=True):
-        """So many ticks."""
+        """Advance by a number of ticks."""
         f = self.fishes
         for _ in range(ticks):
             if obey:
@@ -103,7 +103,7 @@ class Tank:
             self.tick += 1
 
     def step(self, ticks, obey=True):
-        """The same; nodes (ticks, 23, 3) of every tick."""
+        """Advance likewise; returns nodes (ticks, 23, 3) of every tick."""
         path = []
         for _ in range(ticks):
             self.run(1, obey)
@@ -119,5 +119,5 @@ class Tank:
 
 @pytest.fixture(scope="session")
 def make_tank():
-    """The tank itself, for a species and a scale."""
+    """Return the tank class, for a species and a scale."""
     return Tank

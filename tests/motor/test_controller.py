@@ -15,7 +15,7 @@ UPRIGHT = np.array(about(1.0, 0.0, 0.0, np.pi / 2))
 
 
 def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, tick=0):
-    """Give every fish a fixed goal and let it act; the path of the first one (T + 1, 3)."""
+    """Give every fish a fixed goal and advance; returns the path of the first one (T + 1, 3)."""
     a, c = np.radians(azimuth_deg), np.radians(climb_deg)
     fishes.goal_direction[:] = np.cos(a) * np.cos(c), np.sin(a) * np.cos(c), np.sin(c)
     fishes.goal_speed[:] = speed

@@ -1,4 +1,4 @@
-"""Simulated fishes: the kernel against the plain simulation, and what the controller gets."""
+"""Simulated fishes: the kernel against the plain simulation, and the response to goals."""
 
 from itertools import product
 
@@ -67,7 +67,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     steps = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * np.arange(STEPS_PER_TICK)
     begin = live.phase[0]
     assert swim_live(tank.fishes, tank.library, bodies, live, USUAL)[0]
-    # The kernel eases amplitude and bend first, then keeps them for the tick.
+    # The kernel eases amplitude and bend first, then holds them for the tick.
     contraction = swim_contraction(plan.swim, begin + steps, live.amplitude[0])
     contraction += bend_contraction(tuple(np.abs(live.bend[0])), np.sign(live.bend[0, 0]))
     simulate(build_body(plan.body), state, contraction)
@@ -87,7 +87,7 @@ def test_the_compiled_frame_is_the_body_frame(make_tank):
 
 @pytest.mark.parametrize("roll", [-0.2, 0.05, 0.3])
 def test_fins_push_as_the_plain_ones_do(make_tank, roll):
-    """At SCULL_SPEED, level and not swinging, the fins are those of balance, pitch aside."""
+    """At SCULL_SPEED, level and without oscillation, the fins act as in balance, without pitch."""
     tank = make_tank("fusilier").put("swim_medium")
     fishes, bodies = tank.fishes, tank.dynamics.bodies
     upright = tuple(fishes.orientation[0].astype(float))
@@ -173,7 +173,7 @@ def test_asked_to_stop_it_stops(make_tank, species):
 
 
 def test_a_larger_fish_beats_more_slowly(make_tank):
-    """A fish α times as long is the same motion, α times as large, at 1/√α of the pace."""
+    """A fish α times as long makes the same motion, α times as large, at 1/√α of the pace."""
     paths = []
     for scale in (1.0, 4.0):
         tank = make_tank("fusilier", scale).put("swim_fast")
@@ -198,7 +198,7 @@ def test_a_current_carries_it_along(make_tank):
 
 @pytest.mark.parametrize("rate", [0.0, 0.3, -1.2])
 def test_the_rate_of_roll_of_a_body_that_rolls_and_beats(rate):
-    """A stiff roll about any axis is found; a beat, equal above and below, has none."""
+    """Detect a stiff roll about any axis; a beat, equal above and below, has no roll."""
     rng = np.random.default_rng(8)
     body = build_body(load_species("fusilier").body)
     axis = np.array([0.6, 0.0, 0.8])

@@ -56,7 +56,7 @@ def test_breath_is_regular_and_quickens_with_speed(make_fishes):
 
 
 def _turns(sweep, lift):
-    """How often the fin goes round its cone: positive forwards."""
+    """Turns of the fin round its cone: positive forwards."""
     angle = np.unwrap(np.arctan2(sweep - sweep.mean(), lift))
     return (angle[-1] - angle[0]) / (2 * np.pi)
 

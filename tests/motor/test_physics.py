@@ -1,4 +1,4 @@
-"""Experiments with the physics of simulated fishes (Tu §9.2): they act, and harm nobody."""
+"""Experiments with the physics of simulated fishes (Tu §9.2): effective and safe."""
 
 import msgspec
 import numpy as np
@@ -13,11 +13,11 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 
-LITTLE = "water.plankton=300", "seaweed=[]"  # of what drifts and sways
+LITTLE = "water.plankton=300", "seaweed=[]"  # fewer drifting specks, no seaweed
 
 
 def bay(**options):
-    """Eight fusiliers about the submarine, four simulated; little else, which takes its time."""
+    """Eight fusiliers near the submarine, four simulated, and little else, to save time."""
     scenario, _ = load_scenario("peaceful", LITTLE)
     shoal = Shoal(
         species="fusilier", number=8, position_cm=scenario.submarine.position_cm, spread_cm=150.0,
@@ -43,7 +43,7 @@ def finite(world):
 
 @pytest.fixture(scope="module")
 def usual():
-    """The bay after two seconds, some of its fishes simulated, as bytes; and the bay."""
+    """Snapshot of the bay after two seconds with some simulated fishes, and the bay."""
     world = went_on(bay(), 60)
     assert world.state.fishes.live.sum() == 4
     return world, snapshot.take(world)
@@ -60,7 +60,7 @@ def tried(usual, physics, ticks):
 
 
 def way(usual, physics, ticks=45):
-    """How far each of the fishes that are simulated at first comes, cm, and what it does."""
+    """Distances, cm, of the fishes that are simulated at first, and their actions."""
     world, simulated = tried(usual, physics, 1)
     begin = world.state.fishes.position.copy()
     went_on(world, ticks)
@@ -79,14 +79,14 @@ def test_each_constant_changes_the_way_of_simulated_fishes_alone(usual):
         tried(usual, Physics(**change), 20)
         moved = np.linalg.norm(world.state.fishes.position - as_usual, axis=1)
         assert (moved[simulated] > 1e-3).all(), change
-        # Others follow them, and part from them, a little.
+        # Others follow and leave them, a little.
         assert moved[~simulated].max() < 0.5 * moved[simulated].max() + 1.0, change
 
 
 def test_without_water_the_tail_beats_and_the_fish_stays_behind(usual):
     far, _ = way(usual, Physics())
     near, world = way(usual, Physics(hydrodynamics=False))
-    # Its momentum carries it on: but no beat adds to it.
+    # Momentum carries it on, but no beat adds to it.
     assert world.state.live.phase.std() > 0.0
     assert near != pytest.approx(far, rel=0.05)
 
@@ -102,7 +102,7 @@ def test_more_iterations_and_longer_steps_are_a_faster_life(usual):
 
 
 def beat(usual, physics):
-    """How far the tails of simulated fishes come in a tick, rad of their beat."""
+    """Displacement of the tails of simulated fishes per tick, in radians of their beat."""
     world, _ = tried(usual, physics, 0)
     before = world.state.live.phase.copy()
     step(world, HANDS_OFF)
@@ -119,7 +119,7 @@ def beat(usual, physics):
         Physics(stiffness=100.0, unit_mass=10.0, viscosity=100.0),
         Physics(viscosity=0.0, hydrodynamics=False, stiffness=100.0),
         Physics(time_step=0.05, iterations=1),
-        # Nothing turns this one, and it is fast: it would leave the sea within ten seconds.
+        # This fish is fast and never turns: it would leave the sea within ten seconds.
         Physics(1.15, 1.8, 0.32, 0.13, hydrodynamics=False, time_step=2.3, iterations=54),
     ],
 )
@@ -136,16 +136,16 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
         assert leap[others & ~was & ~fishes.live].max(initial=0.0) < 0.5
         last = fishes.position.copy()
         finite(world)
-    snapshot.restore(world, snapshot.take(world))  # no value that a tick could not have written
+    snapshot.restore(world, snapshot.take(world))  # refuses values that no tick may write
     assert np.hypot(*last[:, :2].T).max() < bounds.radius_cm
     assert (last[:, 2] < 0.0).all()
     for x, y, z in last:
         assert z > height_at(world.state.sea.heights, world.state.sea.half_width, x, y)
-    # Told once for each fish, with the reason.
+    # One notice for each fish, with the reason.
     assert len(world.notices) == len(set(world.notices)) <= 8
     for line in world.notices:
         assert "Yellowback fusilier) exploded, " in line
-    # With the usual physics all is well again.
+    # The usual physics restores normal motion.
     world.physics = Physics()
     went_on(world, 200, finite)
     assert world.state.fishes.live.any()
@@ -161,7 +161,7 @@ def test_what_explodes_is_told_with_its_reason(usual):
         f"fishes {who} exploded, time step 50, hydrodynamics off: they are played back instead "
         "of simulated"
     ]
-    world.physics = world.physics._replace(fish=slots[0])  # the same physics, of whomever first
+    world.physics = world.physics._replace(fish=slots[0])  # the same but for the first fish
     world.report_bursts(slots)
     assert len(world.notices) == 1
 

@@ -1,4 +1,4 @@
-"""Playback against the motion that was recorded."""
+"""Playback against recorded motion."""
 
 from itertools import product
 
@@ -19,7 +19,7 @@ STILL = np.zeros(3)
 
 
 def _put(fishes, nodes, turn=None, shift=0.0):
-    """Place fish 0 where the body frame of world `nodes` is, moved by a turn and a shift."""
+    """Place fish 0 at the body frame of world `nodes`, turned and shifted."""
     origin, R = body_frame(nodes)
     turn = np.eye(3) if turn is None else turn
     fishes.position[0] = turn @ origin + shift
@@ -60,7 +60,7 @@ def test_a_turning_cycle_bends_the_path_as_recorded(library, make_fishes, known_
 @given(turn=st.tuples(*[st.floats(-1, 1)] * 4), scale=st.floats(0.4, 2.5))
 @settings(max_examples=50)
 def test_playback_is_equivariant(library, turn, scale):
-    """The same segment at another place, attitude and size is the same motion there."""
+    """The same segment at another place, attitude and size gives the same motion."""
     assume(np.linalg.norm(turn) > 0.1)
     fishes = empty(Fishes, n=2)
     for array, value in (
@@ -121,19 +121,19 @@ def test_the_current_carries_fishes(library, make_fishes):
 
 
 def _largest_step(library, make_fishes, name):
-    """The farthest that any node goes in a tick inside a segment."""
+    """Largest displacement of any node per tick inside a segment."""
     fishes = make_fishes(1, name)
     path = _path(fishes, library, 11)
     return np.linalg.norm(np.diff(path, axis=0), axis=2).max()
 
 
 def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
-    """From any segment to any other: the fish never nearly stops, and no node leaps."""
+    """Between any two segments the fish never nearly stops, and no node leaps."""
     usual = {name: _largest_step(library, make_fishes, name) for name in SEGMENTS}
     for before, after in product(SEGMENTS, SEGMENTS):
         fishes = make_fishes(1, before)
         fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
-        # A segment that isn't cyclic is played to its end before it is left.
+        # An acyclic segment is played to its end first.
         for _ in range(5):
             play(fishes, library, TICK)
         fishes.wanted_segment[:] = SEGMENTS.index(after)
@@ -151,7 +151,7 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
 
 
 def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes):
-    """From any phase of a swim the turn begins within a beat."""
+    """The turn begins within a beat from any phase of a swim."""
     for after, phase in product(SEGMENTS[3:], range(12)):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):

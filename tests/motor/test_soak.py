@@ -1,4 +1,4 @@
-"""An hour at random commands: nothing breaks, drifts or stays upside down."""
+"""An hour of random commands: no failure, no drift, no fish upside down for long."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from subsea.state import Clock, Fishes, empty
 TICK = 0.033
 HOUR = int(3600 / TICK)
 FISHES = 24
-UPSIDE_DOWN_S = 6.0  # longer than that no fish lies on its back
+UPSIDE_DOWN_S = 6.0  # longest time that a fish may lie on its back
 
 
 def test_an_hour_at_random_commands():

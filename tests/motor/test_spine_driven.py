@@ -1,4 +1,4 @@
-"""Fishes that their spine moves, in playback: their drawn surface, for nodes tell little of it."""
+"""Playback of spine-driven fishes: their drawn surface, as nodes show little of it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Switching between playback and simulation: unseen, bounded by the budget, repeatable."""
+"""Switching between playback and simulation: smooth, within the budget, repeatable."""
 
 from itertools import product
 
@@ -115,7 +115,7 @@ def _fish(make_tank, name):
 
 
 def _world(**options):
-    """The bay, with little of what drifts and sways in it: that takes half of a tick."""
+    """The bay with few specks and leaves, which would cost half of a tick."""
     bay, _ = load_scenario("peaceful", ["water.plankton=300", "seaweed=[]"])
     return create_world(bay, seed=5, **options)
 
@@ -166,7 +166,7 @@ def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
 
 
 def test_a_minute_of_nothing_but_simulation():
-    """All fishes live but those that hover: sound, inside the sea, about as fast as in playback."""
+    """All live fishes except hovering ones: sound, inside the sea, as fast as in playback."""
     worlds = [_world(live=60, live_reach_cm=np.inf), _world()]
     speeds, hovered = [], np.zeros(60, np.bool_)
     for world in worlds:
@@ -195,7 +195,7 @@ def test_nodes_lie_where_the_simulation_has_them(make_tank):
 
 
 def test_a_fish_that_its_spine_moves_is_never_simulated():
-    """However near it is; muscular fishes around it are."""
+    """It is played back however near it is; muscular fishes around it are simulated."""
     scenario, _ = load_scenario("peaceful")
     here = scenario.submarine.position_cm
     shoals = [

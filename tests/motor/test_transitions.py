@@ -1,4 +1,4 @@
-"""Every transition of every shipped species: no node is jerked."""
+"""Every transition of every shipped species is smooth for all nodes."""
 
 from itertools import permutations
 
@@ -23,7 +23,7 @@ SMALL_BL = (
 
 @pytest.fixture(scope="module", params=species_names())
 def shipped(request):
-    """The library of one species and, per segment, the largest change inside it."""
+    """The library of one species, and the largest change inside each segment."""
     repertoire = read_repertoire(resource_path("repertoires") / f"{request.param}.h5")
     library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
     usual = []
@@ -36,9 +36,9 @@ def shipped(request):
 
 
 def _play(library, code, phase, ticks, wanted=None, after=np.inf):
-    """World nodes and segments of a fish that is at row `phase` of a segment.
+    """World nodes and segments of a fish that starts at row `phase` of a segment.
 
-    One that has changed to the segment that is wanted is followed for `after` ticks more.
+    After the change to the wanted segment the fish is followed for `after` ticks more.
     """
     fishes = empty(Fishes, n=1)
     first, length = library.first[0, code], library.length[0, code]
@@ -78,7 +78,7 @@ def test_no_node_is_jerked(shipped):
 
 
 def test_a_turn_of_more_than_its_angle_is_two_turns(shipped):
-    """A sharp turn that is wanted still at its end follows on itself without a jerk."""
+    """A sharp turn that is still wanted at its end continues without a jerk."""
     library, usual = shipped
     code = SEGMENTS.index("turn_left_sharp")
     length = library.length[0, code]
