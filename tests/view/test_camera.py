@@ -1,4 +1,4 @@
-"""Cameras and rigs: points land where geometry says."""
+"""Cameras and rigs project points as geometry predicts."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ EYE = np.array([10.0, 20.0, -300.0])
 
 
 def _pixel(view, point):
-    """Where a world point lands, in pixels from the lower left of the picture."""
+    """Position of a world point in pixels from the lower left of the picture."""
     clip = view.projection.astype(float) @ view.view.astype(float) @ [*point, 1.0]
     ndc = clip[:3] / clip[3]
     x, y, w, h = view.viewport
@@ -77,7 +77,7 @@ def test_the_eyes_agree_at_the_screen_and_differ_elsewhere(display):
 def test_a_point_lands_where_the_ray_to_each_eye_meets_the_screen(
     point, separation, screen, display
 ):
-    """The screen is one plane for both eyes: frusta lean, they are never toed in."""
+    """Both eyes share one screen plane: frusta are off-axis, never toed in."""
     observer, size = pose_from_angles(EYE, 0.4, -0.3), (640, 360)
     stereo = Stereo(separation_cm=separation, screen_cm=screen)
     side = np.cross(observer.forward, observer.up)
@@ -106,7 +106,7 @@ def test_swapped_eyes_exchange_their_pictures():
 
 @given(width=st.floats(20, 3000), separation=st.floats(1, 60))
 def test_on_no_screen_do_the_eyes_have_to_turn_outwards(width, separation):
-    """The picture of something infinitely far, in real centimetres between the two eyes' places."""
+    """Parallax of infinity, in real centimetres between the positions in both eyes."""
     stereo = Stereo(separation_cm=separation, screen_width_cm=width)
     observer, size = pose_from_angles(EYE, 0.0, 0.0), (640, 360)
     places = [
@@ -120,7 +120,7 @@ def test_on_no_screen_do_the_eyes_have_to_turn_outwards(width, separation):
 
 @given(comfort=st.floats(0.2, 5), separation=st.floats(1, 20), screen=st.floats(40, 500))
 def test_comfort_limits_how_far_eyes_turn_from_the_screen(comfort, separation, screen):
-    """Between the screen and infinity, and between half its distance and itself."""
+    """Vergence between the screen and infinity, and between half its distance and itself."""
     stereo = Stereo(separation_cm=separation, screen_cm=screen, comfort_deg=comfort)
     apart = stereo.eyes(300.0)
     for near, far in ((screen, np.inf), (screen / 2, screen)):

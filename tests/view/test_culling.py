@@ -1,4 +1,4 @@
-"""Culling: what is in sight, and how large it looks."""
+"""Culling: visibility and projected size."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def _covered(centres, views, *, radius=15.0, **options):
 
 
 def _inside(points, view):
-    """Which of the points (..., 3) are in a view."""
+    """Mask of the points (..., 3) that are in a view."""
     matrix = view.projection.astype(float) @ view.view.astype(float)
     clip = np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1) @ matrix.T
     return (np.abs(clip[..., :3]) < clip[..., 3:]).all(axis=-1)
@@ -48,7 +48,7 @@ def _inside(points, view):
 )  # fmt: skip
 @settings(max_examples=60)
 def test_whatever_could_show_is_kept(seed, heading, pitch, display):
-    """Nothing of which a point on its sphere is in a view is culled from that view."""
+    """A sphere with any point of its surface in a view is not culled from that view."""
     rng = np.random.default_rng(seed)
     views = _views(heading, pitch, display)
     centres = EYE + rng.normal(0, 200, (200, 3))
@@ -103,7 +103,7 @@ def _poses(species, repertoire, segment):
 def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
     drawn, which, turn, at, length, display
 ):
-    """So nothing pops at the edges of a picture, of whatever species and pose."""
+    """Nothing pops at the edges of a picture, for any species and pose."""
     places, radius = drawn[which % len(drawn)]
     quaternion = np.array(turn) + [1.5, 0, 0, 0]
     R = matrix(quaternion / np.linalg.norm(quaternion))
@@ -154,7 +154,7 @@ def test_several_views_cull_each_as_if_it_was_alone(display):
 
 
 def test_pixels_are_counted_by_the_surface_that_a_thing_covers():
-    """So the halves of a display that stretches them need less detail than all of it."""
+    """Halves of a display that stretches them need less detail than the whole."""
     (mono,) = _views()
     for display in ("side-by-side", "top-bottom"):
         for view in _views(display=display):

@@ -1,4 +1,4 @@
-"""The camera behind a fish: it sees it, calmly, and enters nothing."""
+"""The follow camera: the fish stays in sight, motion is smooth, no solid is entered."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.build import create_world
 from subsea.world.step import step
 
-NEAR_CM = 8.0  # what the corners of the near plane need
+NEAR_CM = 8.0  # clearance of the near plane's corners
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def world():
 
 
 def gap(sea, eye):
-    """How far an eye is from all that it must not enter."""
+    """Distance of an eye from everything that it must not enter."""
     stone = clearances(sea.pillars, sea.rocks, eye[None])[0]
     return min(stone, eye[2] - height_at(sea.floor, sea.half_width, eye[0], eye[1]), -eye[2])
 

@@ -27,7 +27,7 @@ def _level(pixels, memory, time_s=0.0, finer=False):
 
 @given(st.lists(SIZES, min_size=2, max_size=20))
 def test_nearer_is_never_coarser(sizes):
-    """Of fishes that come into sight: the level is monotone in the projected size."""
+    """The level of fishes that come into sight is monotone in the projected size."""
     sizes = np.sort(sizes)[::-1]
     levels = _level(sizes, empty_lod_state(len(sizes))).astype(int)
     assert (np.diff(levels) >= 0).all()
@@ -41,7 +41,7 @@ def test_every_level_has_its_sizes():
 
 
 def test_a_level_changes_once_on_an_approach_and_a_retreat():
-    """At HYSTERESIS beyond the threshold either way; sizes within that never change it."""
+    """Levels change at HYSTERESIS beyond the threshold; sizes within that never change them."""
     for threshold in THRESHOLDS_PX:
         span = 1.0 + HYSTERESIS
         sizes = threshold * np.linspace(0.8, 1.25, 200)
@@ -81,7 +81,7 @@ def test_a_fade_shares_the_pixels_between_both_levels():
         groups = np.repeat(np.arange(10), np.diff(starts))
         if len(fish) == 2:
             assert share.max() - share.min() == pytest.approx(1.0)  # f and f - 1
-            # The coarse level, to which it goes, comes first.
+            # The new, coarse level comes first.
             np.testing.assert_array_equal(groups, [5 + 4 - 3, 5 + 4 - 2])
             assert share[0] > 0 > share[1]
             shares.append(share[0])
@@ -144,7 +144,7 @@ def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
     views=st.integers(1, 4),
 )  # fmt: skip
 def test_each_view_has_its_own_fishes_at_the_level_that_is_common_to_all(sizes, seed, views):
-    """As if it was drawn alone, from a memory that has seen all views."""
+    """A view drawn with others looks as if drawn alone, from the same memory."""
     rng = np.random.default_rng(seed)
     n = len(sizes)
     distance = rng.uniform(10, 1000, (views, n)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Where a fish's eyes are, and what they see."""
+"""Position and field of view of a fish's eyes."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
     np.testing.assert_allclose(right.eye - left.eye, 2 * by.half_cm * axes[:, 2], atol=1e-5)
     points = control_points_world(world.state.fishes, world.library, 3)
     for view, part in ((left, LEFT), (right, RIGHT)):
-        # Where the skin bends with the beat they are a little off it.
+        # Where the skin bends with the beat, eyes are slightly off it.
         assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.25 * by.half_cm + 0.05
 
 
@@ -86,7 +86,7 @@ def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
             break
     assert world.state.fishes.live.all()
     by = [fish_eyes(world, fish) for fish in range(12)]
-    # Nobody has skinned them yet: their rows of control points are what they were.
+    # Unskinned so far: their rows of control points are unchanged.
     eyes = [eyes_pose(world, one, 1.0).eye for one in by]
     pack(
         world,
@@ -128,7 +128,7 @@ def test_ahead_is_ahead_right_is_right_and_up_is_up():
 
 @given(st.floats(10.0, 300.0), st.floats(-0.4, 0.4), st.floats(-0.3, 0.3))
 def test_disparity_is_that_of_the_baseline(ahead, aside, above):
-    """What lies `z` ahead is f·b/z pixels further right for the left eye, in the same row."""
+    """A point `z` ahead is f·b/z pixels further right for the left eye, in the same row."""
     half = 1.3
     rig = retina_rig(SIZE, half)
     point = ahead * np.array([aside, above, 1.0])

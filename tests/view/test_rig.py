@@ -1,4 +1,4 @@
-"""Which patch is the front one, and parts of a rig."""
+"""Choice of the front patch, and parts of a rig."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def turned(degrees):
 
 
 def row(*degrees):
-    """A rig of square windows, each with a view turned so far."""
+    """A rig of square windows, each with a view turned by an angle."""
     eyes, patches = [], []
     for k, angle in enumerate(degrees):
         part = (10 * k, 0, 10, 10)
@@ -121,7 +121,7 @@ def test_no_clear_pixel_is_blended():
         columns = (np.arange(x - 10, x - 10 + width) + 0.5) / 360 * size[0]
         rows = (np.arange(270 - y - height, 270 - y) + 0.5) / 250 * size[1]
         inside = hill[np.ix_(rows.astype(int), columns.astype(int))]
-        assert inside.min() > 0.94  # a step between two values that are asked
+        assert inside.min() > 0.94  # a step between two sampled values
 
 
 def test_where_all_is_blended_no_part_is_better():
@@ -131,7 +131,7 @@ def test_where_all_is_blended_no_part_is_better():
 
 
 def seen_apart(rig, distance):
-    """How far apart, in halves of the picture, both eyes see what is so far ahead."""
+    """Disparity of both eyes at a distance ahead, in halves of the picture."""
     places = []
     for view in views(rig, pose_from_angles(np.zeros(3), 0.0, 0.0))[:2]:
         x, _, _, w = view.projection @ view.view @ (distance, 0.0, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""All round: where the pixels of wide pictures look."""
+"""Surround displays: directions of the pixels of wide pictures."""
 
 import numpy as np
 import pytest

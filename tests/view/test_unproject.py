@@ -1,4 +1,4 @@
-"""From the screen into the sea and back."""
+"""Rays from the screen into the sea, and back."""
 
 import numpy as np
 
