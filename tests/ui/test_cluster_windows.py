@@ -1,4 +1,4 @@
-"""Three computers of a theatre, here three processes on one display; one of them dies."""
+"""Three nodes of a theatre, as processes on one display; one of them dies."""
 
 import os
 import re
@@ -24,7 +24,7 @@ def theatre(folder):
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
     text = f'[cluster]\nmaster = "middle"\naddress = "127.0.0.1:{port}"\nkeys = "keys"\n'
-    text += "timeout_s = 10.0\n"  # a busy machine is not to be told from a dead one too soon
+    text += "timeout_s = 10.0\n"  # a busy machine must not count as dead
     for k, (name, (left, right)) in enumerate(NODES.items()):
         text += (
             f'[[window]]\nname = "{name}"\nnode = "{name}"\nsize = {list(SIZE)}\n'
@@ -37,7 +37,7 @@ def theatre(folder):
 
 
 class Node:
-    """`subsea dive --node NAME` in a process of its own, and what it has told."""
+    """`subsea dive --node NAME` in its own process, and its output."""
 
     def __init__(self, folder, name, call):
         self._file = folder / f"{call}.told"
@@ -63,7 +63,7 @@ class Node:
 
 
 def windows():
-    """What the display shows of the three, each (150, 200, 3)."""
+    """The pixels of the three windows on the display, each (150, 200, 3)."""
     picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]).convert("RGB"))
     return {
         name: picture[: SIZE[1], k * SIZE[0] : (k + 1) * SIZE[0]].astype(float)
@@ -92,7 +92,7 @@ def hall(display, tmp_path_factory):
 
 
 def sea(picture):
-    """Whether it shows water: mostly blue, and no two corners alike."""
+    """Whether a window shows water: mostly blue, and all corners different."""
     red, _, blue = picture.reshape(-1, 3).mean(axis=0)
     return blue > red + 30.0 and picture.std() > 4.0
 
@@ -105,7 +105,7 @@ def test_three_windows_show_one_sea_whoever_dies(hall):
     time.sleep(1.0)
     shown = windows()
     assert all(sea(picture) for picture in shown.values())
-    # Where windows meet the picture goes on; the help lies over the middle one's other edge.
+    # The picture continues over this edge; the help covers the other edge of the middle window.
     seam = np.abs(shown["middle"][:100, -1] - shown["right"][:100, 0]).mean()
     assert seam < 3.0  # of 255
 
@@ -130,7 +130,7 @@ def test_three_windows_show_one_sea_whoever_dies(hall):
             time.sleep(0.1)
     time.sleep(1.0)
     after = windows()
-    for name in ("left", "right"):  # the picture is held, with a line of text over its foot
+    for name in ("left", "right"):  # a still picture, with a line of text at its foot
         assert np.abs(after[name][:100] - before[name][:100]).mean() < 3.0
         assert np.abs(after[name][100:] - before[name][100:]).max() > 60.0
     assert (nodes["right"].end(), again.end()) == (130, 130)

@@ -1,4 +1,4 @@
-"""Directions in a window: the camera until a hand moves, captions, time that goes back."""
+"""Directions in a window: the camera until input, captions, rewind."""
 
 from contextlib import closing
 
@@ -41,7 +41,7 @@ def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
     place = boat.world.state.submarine.position
     assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0
     assert boat.tours.timer.touring and caption_of(boat.world, 1.0).opacity == 1.0
-    boat.timeline.pause()  # nothing but the caption differs
+    boat.timeline.pause()  # only the caption differs
     boat.frame(0.0)
     told = hands.screen(boat)
     monkeypatch.setattr("subsea.ui.text_layer.subtitles.draw", lambda caption, rig: None)
@@ -70,7 +70,7 @@ def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
     boat.tours.timer.idle_s = 0.0
     boat.tick_source.set_tour(
         endless_tour(boat.world, boat.tours.name)
-    )  # the key was a hand: who was there has left again
+    )  # the key counted as input; the visitor has left again
     boat.tours.timer.begin()
     boat.timeline.pause()
     while boat.world.state.tick < late[0]:

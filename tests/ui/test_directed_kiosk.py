@@ -1,4 +1,4 @@
-"""A kiosk that shows a directed scene, again and again until somebody comes."""
+"""A kiosk that repeats a directed scene until a visitor comes."""
 
 from contextlib import closing
 
@@ -32,7 +32,7 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
         )
     ) as exhibit:  # fmt: skip
         hands.glide(exhibit, 0.5)
-        assert exhibit.tours.timer.touring  # the pointer that it opened under is no hand
+        assert exhibit.tours.timer.touring  # the initial pointer does not count as input
         begun = []
         for _ in range(70):
             before = exhibit.world
@@ -45,7 +45,7 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
         hands.until(exhibit, lambda: not exhibit.tours.timer.touring)
         before = exhibit.world
         hands.glide(exhibit, AFTER_S - 0.5)
-        assert exhibit.world is before  # a visitor is in no scene that ends
+        assert exhibit.world is before  # a visitor's scene does not end
         hands.glide(exhibit, 3.0)
         assert exhibit.world is not before and exhibit.tours.timer.touring
         assert caption_of(exhibit.world, 1.0).words == "Again."

@@ -14,7 +14,7 @@ from subsea.ui.dive import Dive
 from tests.support.windows import dive_options
 
 SIZE = (320, 240)
-FRAME_S = 0.1  # three ticks a picture: the tests are about the hull, not about smoothness
+FRAME_S = 0.1  # three ticks a picture: the tests check the hull, not smoothness
 
 
 @pytest.fixture(scope="module")
@@ -25,18 +25,18 @@ def boat(display, quiet):
 
 
 def hands(*words):
-    """Let xdotool move the mouse or press keys; returns when the display has taken it."""
+    """Move the mouse or press keys by xdotool; return when the display has processed it."""
     subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
 
 
 def glide(running, seconds):
-    """Frames of the dive for `seconds` of its own time, however slow this machine draws."""
+    """Run frames for `seconds` of the dive's own time."""
     for _ in range(round(seconds / FRAME_S)):
         running.frame(FRAME_S)
 
 
 def until(running, true):
-    """Frames until the display has brought what hands did; it may take its time."""
+    """Run frames until the display has delivered the input."""
     end = time.monotonic() + 60.0
     while not true() and time.monotonic() < end:
         running.frame(FRAME_S)
@@ -57,7 +57,7 @@ def point(running, x, y):
 
 
 def screen(running):
-    """The window as the display shows it, (h, w, 3)."""
+    """The pixels of the window on the display, (h, w, 3)."""
     import glfw
 
     left, top = glfw.get_window_pos(running.window.handle)
@@ -135,7 +135,7 @@ def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
     end = time.monotonic() + 60.0
     while not boat.pilot.held and time.monotonic() < end:
         still.append(boat.picture.eye.forward)
-        boat.frame(1 / 144)  # the last of these is the first after the key came
+        boat.frame(1 / 144)  # the last of these is the first after the key arrived
     drift = np.linalg.norm(np.diff(still, axis=0), axis=1)
     boat.frame(1 / 144)
     hands("keyup", "d")
@@ -146,7 +146,7 @@ def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
 
 def test_the_help_fades_under_way_and_comes_back(boat):
     stop(boat)
-    assert boat.overlay.help_opacity == 0.0  # the tests before have sailed far
+    assert boat.overlay.help_opacity == 0.0  # the submarine moved far in earlier tests
     hands("key", "h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
     hands("key", "F1")
@@ -179,7 +179,7 @@ def test_the_picture_follows_the_size_of_the_window(boat):
         glide(boat, 0.5)
         picture = screen(boat)
         for corner in (picture[:20, :20], picture[:20, -20:], picture[-20:, -20:]):
-            assert corner.max() > 20  # water, not the black of an undrawn part
+            assert corner.max() > 20  # water, not an undrawn black part
 
 
 def test_a_key_fills_the_screen_and_goes_back(boat):

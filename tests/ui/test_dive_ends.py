@@ -1,4 +1,4 @@
-"""How a dive ends: by itself, by a key, or before it began."""
+"""The end of a dive: by itself, by a key, or before its start."""
 
 import ctypes
 import os
@@ -95,13 +95,13 @@ def test_leaving_while_it_loads_ends_at_once_and_says_nothing_more(display, hand
         finally:
             running.kill()
     assert told
-    # What it had to tell of its progress, and of the interruption, but no fault.
+    # Lines on progress and the interruption, but no error.
     assert all(text.startswith("subsea: ") for text in rest.splitlines())
     assert running.returncode == (130 if hands == "Ctrl-C" else 0)
 
 
 class ClientMessage(ctypes.Structure):
-    """XClientMessageEvent, in the room that every event has."""
+    """XClientMessageEvent, padded to the size of all events."""
 
     _fields_ = (
         ("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
@@ -111,7 +111,7 @@ class ClientMessage(ctypes.Structure):
 
 
 def close_windows():
-    """Ask every window of a dive to close, as the button in its frame does."""
+    """Ask every window of a dive to close, as its close button does."""
     command = ["xdotool", "search", "--name", "subsea"]
     read = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
     x = ctypes.CDLL("libX11.so.6")

@@ -1,4 +1,4 @@
-"""Gamepads that are only told of: there are none to plug in here."""
+"""Simulated gamepads."""
 
 import re
 
@@ -16,7 +16,7 @@ DT = 0.033
 
 
 def state(*pressed, name="Pad", **axes):
-    """A gamepad at rest, but for these buttons and axes."""
+    """A gamepad at rest except these buttons and axes."""
     rest = [0.0, 0.0, 0.0, 0.0, -1.0, -1.0]
     for axis, value in axes.items():
         rest[AXES.index(axis.replace("_", " "))] = value
@@ -26,7 +26,7 @@ def state(*pressed, name="Pad", **axes):
 
 
 class Box:
-    """Gamepads that tests plug in, with who steers by them."""
+    """Simulated gamepads to plug in, with their pilot."""
 
     def __init__(self, **settings):
         self.there, self.commands = {}, []
@@ -58,7 +58,7 @@ def test_sticks_and_triggers_make_every_manoeuvre(axes, field, sign):
     assert getattr(box.at(**axes), field) == pytest.approx(sign, abs=1e-3)
     (axis, value), *_ = axes.items()
     half = {axis: 0.5 * value if "trigger" not in axis else 0.0}
-    assert 0.1 < sign * getattr(box.at(**half), field) < 0.7  # less of the way is less of it
+    assert 0.1 < sign * getattr(box.at(**half), field) < 0.7  # less deflection gives less
     assert getattr(box.at(), field) == pytest.approx(0.0, abs=1e-3)
 
 
@@ -74,7 +74,7 @@ def test_buttons_ask_for_things_once_and_stop():
     box.at("right bumper", left_y=-1.0)
     assert sorted(box.commands) == ["menu", "reins"]
     assert box.at("A", left_y=-1.0).full_stop
-    assert box.at(left_y=-1.0).full_stop  # the stick is where it was
+    assert box.at(left_y=-1.0).full_stop  # the stick has not moved
     assert box.at(left_y=-0.5).surge > 0.1
     box.commands.clear()
     box.at("B")

@@ -1,4 +1,4 @@
-"""Instruments, sign and comfort: what they tell, and when."""
+"""Instruments, help and comfort: contents and visibility."""
 
 import math
 
@@ -42,7 +42,7 @@ def test_they_fade_while_nothing_changes():
     assert hud.opacity == 1.0
     pass_(hud, 1.0 + FADE_S + 0.5, now)
     assert hud.opacity == 0.0
-    pass_(hud, 5.0, at(depth_m=2.55, heading_deg=359.0))  # nobody would see that
+    pass_(hud, 5.0, at(depth_m=2.55, heading_deg=359.0))  # invisible change
     assert hud.opacity == 0.0
 
 

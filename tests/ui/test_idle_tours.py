@@ -1,4 +1,4 @@
-"""The tour that begins when nobody is there, and a kiosk: with real hands in a real window."""
+"""Idle tours and a kiosk in a real window, by real input."""
 
 import re
 from contextlib import closing
@@ -35,17 +35,17 @@ def boat(display, hands, coarse, tmp_path_factory):
 
 
 def taken(running):
-    """Whether a tour takes the submarine along."""
+    """Whether a tour steers the submarine."""
     return running.tours.timer.touring and running.tick_source.steering.tour is not None
 
 
 def awaited(running, hands, seconds=AFTER_S):
-    """Let so much time pass without a hand."""
+    """Let this time pass without input."""
     hands.glide(running, seconds + 0.5)
 
 
 def frame(running):
-    """One picture; how far the hull went in it, and by how much its velocity changed."""
+    """Run one frame; return the hull's distance and change of velocity in it."""
     submarine = running.world.state.submarine
     place, velocity = submarine.position.copy(), submarine.velocity.copy()
     running.frame(TICK_S)
@@ -64,7 +64,7 @@ def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
     hands.until(boat, lambda: not boat.tours.timer.touring)
     hands.glide(boat, AFTER_S - 0.5)
     assert not taken(boat)
-    boat.overlay.show_help()  # somebody had asked for it: on the tour it would be in the way
+    boat.overlay.show_help()  # a visitor opened it: it must not cover the tour
     awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
     assert taken(boat)
     hands.glide(boat, 5.0)
@@ -77,14 +77,14 @@ def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
         gone, faster = frame(boat)
         assert gone < 5.0
         if touring != boat.tours.timer.touring:
-            assert boat.tick_source.steering.tour is None  # in the very same picture
+            assert boat.tick_source.steering.tour is None  # in the same picture
             assert faster < 1.5 * ACCELERATION_CM_S2 * TICK_S
             break
     assert not boat.tours.timer.touring
     for _ in range(60):
         gone, faster = frame(boat)
         assert gone < 5.0 and faster < 1.5 * ACCELERATION_CM_S2 * TICK_S
-    assert boat.overlay.help_opacity > 0.9  # for who has just come
+    assert boat.overlay.help_opacity > 0.9  # for a new visitor
 
 
 def test_a_visitor_who_rode_a_fish_and_left_is_not_waited_for(boat, hands):

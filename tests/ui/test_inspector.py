@@ -1,4 +1,4 @@
-"""The desk in a real window: who has the pointer, and worlds that change while windows stay."""
+"""The inspector in a real window: the pointer, and new worlds in the same windows."""
 
 import math
 from contextlib import closing
@@ -25,7 +25,7 @@ def boat(display, hands, quiet, coarse):
 
 @pytest.fixture
 def at_the_desk(boat, hands):
-    """The submarine lies still, the desk is open."""
+    """A dive with a resting submarine and the inspector open."""
     submarine = boat.world.state.submarine
     boat.pilot.full_stop()
     hands.until(boat, lambda: np.linalg.norm(submarine.velocity) < 1.0)
@@ -33,7 +33,7 @@ def at_the_desk(boat, hands):
     hands.do("key", "Tab")
     hands.until(boat, lambda: boat.inspector.open)
     boat.pilot.hold("ahead", "W")
-    boat.pilot.release("W")  # no full stop holds: what steers would be seen
+    boat.pilot.release("W")  # ends the full stop, so that steering would show
     hands.glide(boat, 0.3)
     yield boat
     if boat.inspector.open:

@@ -1,4 +1,4 @@
-"""A kiosk: nothing that hands do ends it or strands it, but for the operator's key."""
+"""No input ends or blocks a kiosk, except the operator's key."""
 
 import ctypes
 import time
@@ -25,7 +25,7 @@ def exhibit(display, hands, quiet, coarse):
 
 
 class Message(ctypes.Structure):
-    """A ClientMessage of Xlib, with room for the largest event."""
+    """A ClientMessage of Xlib, padded to the largest event."""
 
     _fields_ = (
         ("kind", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
@@ -35,7 +35,7 @@ class Message(ctypes.Structure):
 
 
 def ask_to_close(window):
-    """As a window manager does for a close button and for Alt+F4."""
+    """Ask the window to close, as window managers do for a close button or Alt+F4."""
     x11 = ctypes.CDLL("libX11.so.6")
     x11.XOpenDisplay.restype = ctypes.c_void_p
     x11.XInternAtom.restype = ctypes.c_ulong

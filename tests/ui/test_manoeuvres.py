@@ -1,4 +1,4 @@
-"""The ten manoeuvres (SMC §8.2), by real mouse and by real keys, in one dive bound by a file."""
+"""The ten manoeuvres (SMC §8.2) by real mouse and keys, with bindings from a file."""
 
 import ctypes
 import re
@@ -20,7 +20,7 @@ from tests.support.windows import dive_options
 SIZE = (320, 240)
 FRAME_S = 0.1
 
-# What usually rises does nothing here, and two other keys do: one alone, one with Ctrl.
+# The usual keys to rise do nothing here; two other keys do: one alone, one with Ctrl.
 SETTINGS = """
 [controls]
 rise = ["X", "Ctrl+7"]
@@ -49,12 +49,12 @@ def boat(display, tmp_path_factory):
 
 
 def hands(*words):
-    """Let xdotool move the mouse or press keys; returns when the display has taken it."""
+    """Move the mouse or press keys by xdotool; return when the display has processed it."""
     subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
 
 
 def point(running, x, y):
-    """Move the pointer there, in [-1, 1] from the middle; from elsewhere, so that it has moved."""
+    """Move the pointer to a place in [-1, 1] from the middle, starting elsewhere."""
     left, top = glfw.get_window_pos(running.window.handle)
     for share in (0.5, 1.0):
         across, down = (1 + share * x) / 2 * SIZE[0], (1 - share * y) / 2 * SIZE[1]
@@ -71,7 +71,7 @@ def until(running, true, what=""):
 
 @pytest.fixture
 def sub(boat):
-    """The submarine, at rest in open water, and nothing held."""
+    """The submarine at rest in open water, without held inputs."""
     point(boat, 0.0, 0.0)
     boat.pilot.full_stop()
     submarine = boat.world.state.submarine
@@ -86,7 +86,7 @@ def ahead(sub):
     return float(hull_axes(*sub.angles)[0] @ sub.velocity)
 
 
-# A hand goes down, here or there; what then is true of the submarine; the hand goes up again.
+# Inputs of each manoeuvre: press, place of the pointer, release.
 MOUSE = {
     "accelerate": (("mousedown", 1), (), ("mouseup", 1)),
     "reverse": (("mousedown", 3), (), ("mouseup", 3)),
@@ -120,7 +120,7 @@ TRUE = {
 
 
 def others(sub, manoeuvre):
-    """What else is true: a hand that asks for one thing gets that alone."""
+    """The other manoeuvres that an input causes: none, if correct."""
     return [name for name, true in TRUE.items() if name != manoeuvre and true(sub)]
 
 
@@ -178,7 +178,7 @@ def test_the_file_binds_other_keys_and_takes_the_usual_away(boat, sub):
     assert others(sub, "") == []
     hands("keyup", "e", "keydown", "ctrl", "keydown", "7")
     until(boat, lambda: TRUE["rise"](sub))
-    hands("keyup", "ctrl", "keyup", "7")  # in this order: the key alone means nothing
+    hands("keyup", "ctrl", "keyup", "7")  # in this order: the key alone does nothing
     until(boat, lambda: boat.pilot.held == {})
     before = boat.picture.quality_text
     hands("key", "p")
@@ -189,7 +189,7 @@ def test_the_file_binds_other_keys_and_takes_the_usual_away(boat, sub):
 
 
 class Ear:
-    """A listener that takes the keys from some moment on, as a field of text does."""
+    """A listener that starts to consume keys at some moment, as a text field does."""
 
     def __init__(self, listener):
         self.listener, self.keys = listener, []
@@ -203,7 +203,7 @@ class Ear:
 
 
 def forget_focus():
-    """Take the keyboard from all windows, as another program's would."""
+    """Take the keyboard from all windows, as another program would."""
     x = ctypes.CDLL("libX11.so.6")
     x.XOpenDisplay.restype = ctypes.c_void_p
     there = ctypes.c_void_p(x.XOpenDisplay(None))

@@ -1,4 +1,4 @@
-"""The menu in a real window: by keys, by mouse, and what it does to the dive behind it."""
+"""The menu in a real window, by keys and mouse, and its effects on the dive."""
 
 import math
 from contextlib import closing
@@ -23,7 +23,7 @@ SIZE = (480, 360)
 @pytest.fixture(scope="module")
 def boat(display, hands, quiet, coarse):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the sea is not looked at closely
+        patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the tests need no detail of the sea
         with closing(Dive(dive_options(quiet, SIZE, "medium"))) as running:
             hands.glide(running, 0.2)
             yield running
@@ -41,14 +41,14 @@ def menu(boat, hands):
 
 
 def press(boat, hands, *keys):
-    """Keys, each of which the menu answers before the next."""
+    """Press keys, each after the menu has processed the previous one."""
     for key in keys:
         hands.do("key", key)
         hands.glide(boat, 0.4)
 
 
 def click(boat, hands, monkeypatch, text, release=True):
-    """Press the left button on the entry that begins so."""
+    """Click the entry that begins with this text."""
     found, draw = {}, boat.menu.draw_entry
 
     def noted(entry, line):
@@ -96,7 +96,7 @@ def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, 
     assert not boat.menu.open and not boat.inspector.open
     assert hands.screen(boat).mean() > 1.2 * lit
     hands.glide(boat, 1.0)
-    assert abs(heading(boat) - before) < math.radians(1.0)  # until a hand asks for more
+    assert abs(heading(boat) - before) < math.radians(1.0)  # until further input
 
 
 def test_arrows_and_enter_change_the_quality(boat, menu, hands):
@@ -111,7 +111,7 @@ def test_arrows_and_enter_change_the_quality(boat, menu, hands):
 
 def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
     def push(*pressed):
-        for down in (pressed, (), ()):  # a picture each: what is held long comes again
+        for down in (pressed, (), ()):  # one picture each: a held input repeats
             buttons = [int(name in down) for name in PAD_BUTTONS]
             state = GamepadState("Pad", buttons, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0])
             monkeypatch.setattr(boat.window_set.gamepads, "read", lambda now=state: {0: now})
@@ -193,7 +193,7 @@ def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
     mine = boat.source.read_text().replace('title = "', 'title = "My ', 1)
     assert mine != boat.source.read_text()
     (own_scenarios() / "mine.toml").write_text(mine)
-    for number in range(20):  # more than have room: they are scrolled to
+    for number in range(20):  # more than fit: the page scrolls
         (own_scenarios() / f"torn-{number:02}.toml").write_text("[")
     before = boat.world
     press(boat, hands, "Escape")
@@ -220,7 +220,7 @@ def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hand
         boat.frame(0.0)
         return hands.screen(boat)
 
-    monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # time stands still
+    monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # paused time
     boat.overlay.hud.opacity, boat.overlay.help_opacity = 0.0, 0.0
     boat.world.state.submarine.angles[1] = math.radians(-15.0)
     boat.world.state.submarine.previous_angles[1] = math.radians(-15.0)

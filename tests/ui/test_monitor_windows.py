@@ -1,4 +1,4 @@
-"""Theatres on the monitors that there are: a window that fills one, and what is missing."""
+"""Theatres on the connected monitors: a window that fills one, and missing ones."""
 
 import os
 import re
@@ -51,7 +51,7 @@ def xdotool(*words):
 
 
 def dive(tmp_path, left, ahead, *options):
-    """A dive in a theatre of two windows: exit code, and what it says of the windows."""
+    """Dive in a theatre of two windows; return the exit code and the lines on windows."""
     path = tmp_path / "hall.toml"
     path.write_text(THEATRE.format(left=left, ahead=ahead))
     done = subprocess.run(
@@ -89,7 +89,7 @@ def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tm
 
 
 class Together(LocalTicks):
-    """As if other computers showed the same dive."""
+    """A tick source that claims to be shared with other computers."""
 
     shared = True
 
@@ -101,7 +101,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
     with closing(Dive(dive_options(sea, size), installation, Together)) as running:
-        # Neither can be asked for where others look from the same place, or on a fixed window.
+        # Neither works in a shared dive or on a fixed window.
         assert running.overlay.help == help_content(USUAL, without=("ride", "desk"))
         assert not running.can_fill
         running.run_command("pattern")
@@ -114,7 +114,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
         means = picture.reshape(300, 2, 400, 2, 3).mean(axis=(1, 3))
         assert np.abs(means - lineup(installation.rig)).mean() < 8.0
-        # What the library does with the window when its monitor is unplugged:
+        # Imitate the library when a monitor is unplugged:
         windowed = None
         glfw.set_window_monitor(running.window.handle, windowed, 20, 10, 200, 150, 0)
         for _ in range(5):
@@ -129,7 +129,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
         running.overlay.note = told.append
         (monitor,) = monitors()
         running.window_set.on_monitor(monitor.handle, glfw.DISCONNECTED)
-        running.frame(0.1)  # what it tells of there is there after all: so it is filled again
+        running.frame(0.1)  # the monitor is still connected: the window fills it again
         assert told == [f"the monitor {monitor.name!r} is gone"]
         assert running.window.filled == (0, 0)
 
@@ -173,7 +173,7 @@ def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, tmp_path
             )  # fmt: skip
             windows = found.stdout.split()
             time.sleep(0.2)
-        time.sleep(1.0)  # the pilot's window takes the keyboard at first
+        time.sleep(1.0)  # the pilot's window first takes the keyboard
         xdotool("windowfocus", windows[1])
         while running.poll() is None:
             xdotool("key", "x")

@@ -1,4 +1,4 @@
-"""Monitors are found by name and number; what is missing is told, and the rest goes on."""
+"""Monitors are found by name and number; missing ones are reported and skipped."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Where text goes."""
+"""The placement of text."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ SIZE = (800, 600)
 
 
 def page(number):
-    """Nothing is drawn here."""
+    """A window without drawing."""
 
 
 def corners(viewport):

@@ -1,4 +1,4 @@
-"""Which picture is shown in which window, in which order, and by whom displays are waited for."""
+"""Pictures in windows: assignment, order, and the window that waits for its display."""
 
 import os
 import time
@@ -21,14 +21,14 @@ SCREENS = [(Screen(f"screen {k}", SIZE, place), None) for k, place in enumerate(
 
 @pytest.fixture
 def make(display):
-    """Opens a wall of three windows; all are closed in the end."""
+    """Opens a set of three windows; closes all at the end."""
     with ExitStack() as stack:
         stack.enter_context(on_display())
         yield lambda **options: stack.enter_context(closing(WindowSet(SCREENS, Pilot(), **options)))
 
 
 def plain(wall, colour):
-    """A texture of one colour in the context that all drawing is done in."""
+    """A texture of one colour in the context of all drawing."""
     data = np.tile(np.array([*colour, 255], np.uint8), (SIZE[1], SIZE[0], 1)).tobytes()
     return wall.context.texture(SIZE, 4, data)
 
@@ -68,7 +68,7 @@ def test_the_picture_of_each_eye_goes_to_the_buffer_chosen_for_it(make, monkeypa
     textures |= {(k, page): textures[0, page] for k in (1, 2) for page in (0, 1)}
     wall.show(textures)
     assert [number for number, _ in chosen] == [0, 1]
-    assert chosen[1][1] == COLOURS[0]  # the left one was there when the right one's turn came
+    assert chosen[1][1] == COLOURS[0]  # the left one was drawn before the right one
     assert middle(wall) == COLOURS[1]
 
 

@@ -1,4 +1,4 @@
-"""Pictures and films from inside a dive, by real keys; and diagrams in its window."""
+"""Pictures and films during a dive by real keys, and diagrams in its window."""
 
 import re
 from contextlib import closing
@@ -41,7 +41,7 @@ def test_a_key_takes_what_the_screen_shows(boat, hands, folder, capsys):
     picture = np.asarray(Image.open(path)).astype(int)
     assert picture.shape == (SIZE[1], SIZE[0], 3)
     now = hands.screen(boat)
-    assert np.abs(picture - now).mean() < 12.0  # as the display has it, a few ticks later
+    assert np.abs(picture - now).mean() < 12.0  # as on the display, a few ticks later
     assert np.abs(picture[::-1] - now).mean() > 20.0
     assert f"picture: {path}" in capsys.readouterr().err
 
@@ -49,7 +49,7 @@ def test_a_key_takes_what_the_screen_shows(boat, hands, folder, capsys):
 def test_a_key_films_until_it_is_pressed_again(boat, hands, folder, capsys):
     hands.do("key", "F10")
     hands.until(boat, lambda: boat.filming)
-    assert not list(folder.glob("*.mp4"))  # there when it is whole
+    assert not list(folder.glob("*.mp4"))  # appears only when complete
     hands.glide(boat, 1.0)
     hands.do("key", "F10")
     hands.until(boat, lambda: not boat.filming)

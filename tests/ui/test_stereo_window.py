@@ -21,7 +21,7 @@ SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]
 
 @pytest.fixture(scope="module")
 def empty_sea(tmp_path_factory):
-    """Water and one fish of each shoal, so that what is bright is text."""
+    """Water and one fish of each shoal, so that only text is bright."""
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     path = tmp_path_factory.mktemp("sea") / "empty.toml"
     path.write_text(re.sub(r"^number = \d+", "number = 1", text, flags=re.MULTILINE))
@@ -29,7 +29,7 @@ def empty_sea(tmp_path_factory):
 
 
 class Bold(TextViewport):
-    """A whole window with the text that is otherwise squeezed."""
+    """A full-width window with the bold text of squeezed viewports."""
 
     squeezed = True
 
@@ -46,7 +46,7 @@ def shown(running):
 
 @pytest.fixture(scope="module")
 def windows(display, empty_sea):
-    """The window of each mode with its help, and without any text."""
+    """The window of each mode, with its help and without any text."""
     pictures = {}
     for mode in ("mono", *SHOWN):
         with closing(
@@ -70,18 +70,18 @@ def windows(display, empty_sea):
 
 
 def text_in(pair):
-    """Where letters are: bright with the panels, and not without."""
+    """A mask of letters: pixels that are bright only with the panels."""
     return (pair[0].min(axis=2) > 130) & (pair[1].min(axis=2) < 110)
 
 
 def light_in(pair):
-    """How much brighter the panels make a pixel."""
+    """The increase in brightness of each pixel by the panels."""
     return (pair[0] - pair[1]).mean(axis=2).clip(0)
 
 
 @pytest.mark.parametrize("mode", ["anaglyph", "anaglyph-comfort", "interlaced", "checkerboard"])
 def test_text_lies_at_the_depth_of_the_screen(windows, mode):
-    """Both eyes see it in the same place, which is where it is without stereo."""
+    """Both eyes see text in the same place as without stereo."""
     plain, stereo = text_in(windows["mono"]), text_in(windows[mode])
     assert plain.sum() > 500
     assert (plain & stereo).sum() > 0.8 * plain.sum()
@@ -97,7 +97,7 @@ def test_each_half_has_the_whole_text_squeezed(windows, mode, axis):
 
 @pytest.mark.parametrize(("mode", "axis"), [("side-by-side", 1), ("top-bottom", 0)])
 def test_no_stroke_is_lost_where_text_is_squeezed(windows, mode, axis):
-    """Every letter is about as bright as its pixels in full are on average."""
+    """Every letter is about as bright as the mean of its pixels at full width."""
     half = np.split(light_in(windows[mode]), 2, axis=axis)[0]
     height, width = half.shape
     whole = light_in(windows["bold"])

@@ -1,4 +1,4 @@
-"""What faults tell to type is what the set-up installs."""
+"""Error messages suggest the same packages as the set-up installs."""
 
 import re
 import tomllib

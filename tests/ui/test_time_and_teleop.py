@@ -1,4 +1,4 @@
-"""In a real window: time stands still and goes back, a fish is followed, steered and picked."""
+"""Time control, and following, steering and picking a fish, in a real window."""
 
 import re
 from contextlib import closing
@@ -76,7 +76,7 @@ def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, 
     assert view.without != fish
     assert told == ["C through its eyes   G steer it   Esc back"]
     away = boat.world.state.fishes.position[fish] - view.eye
-    assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead, and seen
+    assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead and visible
     pressed(boat, hands, "c", lambda: not boat.picture.ride.behind)
     assert boat.picture.views()[0].without == fish
     pressed(boat, hands, "c", lambda: boat.picture.ride.behind)
@@ -91,7 +91,7 @@ def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands, mon
     hands.glide(boat, 3.0)
     station = submarine.position.copy()
     assert "in your hands" in boat.text.status
-    assert abs(fishes.goal_speed[fish]) < 0.01  # nothing is asked for: it hovers
+    assert abs(fishes.goal_speed[fish]) < 0.01  # no command: it hovers
     hands.do("keydown", "w", "keydown", "a")
     hands.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
     before = heading(world, fish)
@@ -122,7 +122,7 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
     x, y = boat.picture.front_view.places(fishes.position[fish][None])[0]
     assert boat.picture.fish_at(x, y) == fish
     assert boat.picture.fish_at(x + 0.45, y + 0.5) != fish
-    boat.frame(0.0)  # it goes on being drawn
+    boat.frame(0.0)  # drawing continues
     assert hands.screen(boat).std() > 5.0
     boat.timeline.pause()
 

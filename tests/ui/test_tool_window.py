@@ -1,4 +1,4 @@
-"""A window for a tool, used by real events: points are dragged, undone, saved."""
+"""A tool window by real events: dragging points, undo, saving."""
 
 import math
 import signal
@@ -25,7 +25,7 @@ RED = np.full((8, 16, 3), (200, 30, 30), np.uint8)
 
 
 class Line:
-    """A tool: a line through three points, which are dragged."""
+    """A tool: a line through three points that can be dragged."""
 
     def __init__(self, window):
         self.window, self.history = window, History(POINTS)
@@ -85,7 +85,7 @@ class Line:
 
 
 def test_without_a_display_it_says_so_in_one_line(monkeypatch):
-    # The first of this module: the window library knows one display at a time.
+    # Must be the first test of this module: the window library has one display at a time.
     for key in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(key, raising=False)
     with pytest.raises(UserError, match=r"no display .*; without one, `subsea skin --auto` works"):
@@ -118,7 +118,7 @@ def window(display):
 
 
 def at(window, x, y):
-    """Where on the display a place of the view is."""
+    """The position on the display of a place in the view."""
     left, top = window.window.position
     across, down = window.tool.view.on_screen((x, y))
     return round(left + across), round(top + down)
@@ -204,7 +204,7 @@ def test_closing_asks_once_about_unsaved_work(window, hands, spots):
     hands.glide(window, 0.2)
     assert window.open and line.unsaved and window.message == "the disk is full"
     line.refuses = False
-    # Ctrl-C asks as well; a second one is the end.
+    # The first Ctrl-C asks; the second ends.
     assert not window.interrupted()
     hands.glide(window, 0.2)
     assert window.interrupted()
@@ -294,7 +294,7 @@ def test_an_idle_window_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
         process = subprocess.Popen(command, stdout=out)
     try:
         drawn, since, end = "", time.monotonic(), time.monotonic() + 60.0
-        while not drawn or time.monotonic() < since + 1.5:  # quiet for so long
+        while not drawn or time.monotonic() < since + 1.5:  # no drawing for this time
             assert time.monotonic() < end
             time.sleep(0.05)
             if frames.read_text() != drawn:

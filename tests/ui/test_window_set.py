@@ -1,4 +1,4 @@
-"""One dive in three real windows side by side, and what hands do in each of them."""
+"""One dive in three real windows side by side, with input in each of them."""
 
 import math
 import os
@@ -29,7 +29,7 @@ TOP = NEAR_CM * math.tan(math.radians(25.0))
 
 
 def flat_wall(columns, size, outputs):
-    """A wall of 4:1 before the observer, drawn in columns; in one output each, or all in one."""
+    """A flat 4:1 screen in columns before the observer, with one output each or one for all."""
     width, height = size
     wide = TOP * columns * width / height
     eyes, patches = [], []
@@ -96,7 +96,7 @@ def point(running, x, y):
 
 
 def shown(running):
-    """What the display shows of the wall, (h, w, 3), without text."""
+    """The pixels of all windows on the display, (h, w, 3), without text."""
     draw, running.overlay.draw = running.overlay.draw, lambda *rest: None
     for _ in range(2):
         running.frame(0.0)
@@ -108,7 +108,7 @@ def shown(running):
 
 
 def in_one(running):
-    """The same moment drawn as one wide picture by the same renderer."""
+    """The same moment as one wide picture by the same renderer."""
     renderer, alpha = running.picture.renderer, running.picture.alpha
     renderer.arrange(ONE)
     quality = renderer.quality
@@ -129,7 +129,7 @@ def test_three_windows_show_one_continuous_picture(boat):
     assert off.mean() < 1.0
     for seam in (SIZE[0], 2 * SIZE[0]):
         near = off[:, seam - 3 : seam + 3]
-        assert np.percentile(near, 95) <= 3  # but for a speck that the edge cuts
+        assert np.percentile(near, 95) <= 3  # except a particle cut by the edge
 
 
 def test_where_text_goes_is_found_once(boat, monkeypatch):
@@ -197,7 +197,7 @@ def test_the_pointer_steers_from_the_middle_of_the_front_window_to_the_edges_of_
     point(boat, round(left + 2.8 * width), round(top + height / 2))
     glide(boat, 2.5)
     assert boat.world.state.submarine.angles[0] < heading - 0.2
-    point(boat, 700, 500)  # beside the wall
+    point(boat, 700, 500)  # outside the windows
     until(boat, lambda: pilot.pointer is None)
 
 
@@ -218,7 +218,7 @@ def test_a_key_shows_the_pattern_in_every_window_and_the_sea_again(boat):
     hands("key", "t")
     until(boat, lambda: boat.picture.pattern)
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
-    hands("key", "p")  # the canvas is made anew, the pattern stays
+    hands("key", "p")  # the canvas is rebuilt, the pattern stays
     until(boat, lambda: boat.picture.quality_text == "picture medium")
     np.testing.assert_allclose(shown(boat), lineup(THREE), atol=1)
     hands("key", "t")
@@ -256,7 +256,7 @@ def test_escape_in_any_window_opens_the_menu_from_which_the_dive_is_left(boat):
     focus(boat, 0)
     hands("key", "Escape")
     until(boat, lambda: boat.menu.open)
-    for _ in range(4):  # quality, scenario, help, leave: windows that stay as they are
+    for _ in range(4):  # quality, scenario, help, leave: for unchangeable windows
         hands("key", "Down")
         for _ in range(4):
             boat.frame(FRAME_S)

@@ -1,4 +1,4 @@
-"""Learning and recording as processes: their progress, their ends, and that they can be stopped."""
+"""Learning and recording as processes: progress, results and stopping."""
 
 import time
 
@@ -19,7 +19,7 @@ def jobs():
 
 
 def end_of(jobs):
-    """What ended, and how."""
+    """The finished job and its result."""
     end = time.monotonic() + PATIENCE_S
     while (found := jobs.ended()) is None and time.monotonic() < end:
         time.sleep(0.05)

@@ -1,4 +1,4 @@
-"""The fish builder in the hands of a visitor: real events, from a copy to a fish in the sea."""
+"""The fish builder by real events, from a copy to a fish in the sea."""
 
 import time
 from contextlib import closing
@@ -30,7 +30,7 @@ LEARN_S, RECORD_S = 240.0, 120.0  # at most, on a busy machine
 
 @pytest.fixture(scope="module")
 def window(display, tmp_path_factory):
-    """A builder that was started without a species, in a home of its own."""
+    """A builder that was started without a species, in its own home folder."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
         photo = tmp_path_factory.mktemp("photo") / "green.png"
@@ -42,14 +42,14 @@ def window(display, tmp_path_factory):
 
 
 def at(window, view, x, y):
-    """Where on the display a place of a view is."""
+    """The position on the display of a place in a view."""
     left, top = window.window.position
     across, down = getattr(window.tool.views, view).on_screen((x, y))
     return round(left + across), round(top + down)
 
 
 def drag(window, hands, begin, end):
-    """Drag a point, until it is let go of: the display may take its time."""
+    """Drag a point, and wait until the display has delivered its release."""
     before = window.tool.editing.history.present
     for words in (
         ("mousemove", *begin), ("mousedown", 1), ("mousemove", *end), ("mouseup", 1),
@@ -60,7 +60,7 @@ def drag(window, hands, begin, end):
 
 
 def spot(window, view, path):
-    """Where a point of the present draft is."""
+    """The position of a point of the current draft."""
     present = window.tool.editing.present
     return next(one.at for one in handles(present, view) if one.path == path)
 
@@ -70,7 +70,7 @@ def species(window):
 
 
 def wait(window, true, seconds):
-    """Frames until something is true, that other processes work at."""
+    """Run frames until other processes make a condition true."""
     end = time.monotonic() + seconds
     while not true() and time.monotonic() < end:
         window.frame(0.05)
@@ -80,9 +80,9 @@ def wait(window, true, seconds):
 
 def test_from_a_copy_to_a_fish_in_the_sea(window, hands, spots):
     builder = window.tool
-    # It asks what to begin from: a copy of the fusilier, which gets a name and a file.
+    # It asks for a template: a copy of the fusilier, which gets a name and a file.
     hands.until(window, lambda: "its name" in spots)
-    builder.naming.source = "blue_tang"  # is shown at once
+    builder.naming.source = "blue_tang"  # shows at once
     hands.until(window, lambda: species(window).name == "Blue tang")
     assert not builder.unsaved
     builder.naming.source = "fusilier"
@@ -102,7 +102,7 @@ def test_from_a_copy_to_a_fish_in_the_sea(window, hands, spots):
     lifted = spot(window, "side", BACK)[1]
     hands.do("key", "Up")
     hands.until(window, lambda: spot(window, "side", BACK)[1] == pytest.approx(lifted + 0.002))
-    # ... and a ring outward in the top view, where its twin on the other side is taken hold of.
+    # ... and a ring outward in the top view, dragged by its mirrored point.
     x, wide = spot(window, "top", RING)
     drag(window, hands, at(window, "top", x, -wide), at(window, "top", x, -wide - 0.015))
     hands.until(
@@ -115,13 +115,13 @@ def test_from_a_copy_to_a_fish_in_the_sea(window, hands, spots):
     hands.do("key", "ctrl+y")
     hands.until(window, lambda: species(window).body.half_widths[1] == widened)
 
-    # What stands in the file is what was shown.
+    # The file equals the shown fish.
     spots.click(window, "Save")
     hands.until(window, lambda: not builder.unsaved)
     path = own_species_file("red_snapper")
     assert load_species("red_snapper") == species(window) and str(path) in window.message
 
-    # It is judged by swimming, ...
+    # Its swimming is checked, ...
     wait(window, lambda: builder.findings is not None, 60.0)
     assert any("swims" in finding.text for finding in builder.findings)
     # ... recorded, ...
@@ -265,16 +265,16 @@ def test_what_is_learned_comes_into_the_draft(window, hands, spots):
     window.frame(0.1)
     spots.click(window, "Save")
     hands.until(window, lambda: not builder.unsaved)
-    builder.jobs.tries = MOST  # it does not end by itself
+    builder.jobs.tries = MOST  # so that it does not end by itself
     spots.click(window, "Learn")
     wait(window, lambda: builder.jobs.progress > 0, LEARN_S)
-    spots.click(window, "New from…")  # would take the fish away that learns
+    spots.click(window, "New from…")  # would replace the learning fish
     assert builder.naming is None and not window.asking
     spots.click(window, "Stop")
     wait(window, lambda: not builder.jobs.running, LEARN_S)
     assert builder.jobs.message
     assert load_species("red_snapper") == species(window)
-    # As if it had found something, while the fish was drawn on.
+    # Simulate a result that arrives while the fish is edited.
     path = own_species_file("red_snapper")
     found = load_species("red_snapper")
     write_controllers(path, path, structs.replace(found.swim, lag=1.21), found.turn)

@@ -43,7 +43,7 @@ def boat(display, hands, coarse, tmp_path_factory):
 
 @pytest.fixture
 def still(boat, hands):
-    """Time stands still, no panel is open, no fish is chosen."""
+    """A dive with paused time, closed panels and no chosen fish."""
     boat.inspector.shown.clear()
     boat.ride_fish(None)
     boat.inspector.chosen = None
@@ -60,7 +60,7 @@ def opened(boat, hands, name, fish=None):
 
 
 def put(boat, fish, x, y, far_cm):
-    """A fish where a place on the screen is seen."""
+    """Put a fish at a place on the screen."""
     eye, way = boat.picture.front_view.ray(x, y)
     fishes = boat.world.state.fishes
     fishes.position[fish] = fishes.previous_position[fish] = eye + far_cm * way
@@ -89,10 +89,10 @@ def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, hands):
     still.frame(0.0)
     plain = hands.screen(still)
     still.inspector.chosen = 7
-    rows, columns = np.nonzero(np.abs(ringed - plain).sum(axis=2) > 60)  # the ring about it
+    rows, columns = np.nonzero(np.abs(ringed - plain).sum(axis=2) > 60)  # the ring around it
     assert abs(columns.mean() / SIZE[0] - 0.7) < 0.02 and abs(rows.mean() / SIZE[1] - 0.6) < 0.02
     assert np.hypot(columns - 0.7 * SIZE[0], rows - 0.6 * SIZE[1]).min() > 10.0
-    click(still, hands, 0.98, 0.96)  # where there is no fish
+    click(still, hands, 0.98, 0.96)  # open water
     assert still.inspector.chosen is None
 
 
@@ -323,7 +323,7 @@ def test_panels_that_nobody_touches_change_nothing(still, hands):
     time, world = still.timeline, still.world
     hands.do("mousemove", 400, 585)
     time.pause()
-    hands.glide(still, 2.0)  # nothing that hands did before goes on
+    hands.glide(still, 2.0)  # earlier input has no further effect
     time.pause()
     begin, sums = time.tick, []
     for panels in ((), PANELS):

@@ -1,4 +1,4 @@
-"""Numbers entered at the desk, with which a dive begins anew, and its files, by real hands."""
+"""Numbers entered in the panel, restart of the dive, and files, by real input."""
 
 from contextlib import closing
 
@@ -51,7 +51,7 @@ number = 1
 
 @pytest.fixture(scope="module")
 def own(tmp_path_factory):
-    """The folder in which the visitor's own things are."""
+    """The folder of the visitor's own files."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
         yield
@@ -77,7 +77,7 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     spots.type(pool, "##kelp", "2")
     spots.type(pool, "pillars", "3")
     spots.type(pool, "seed", "4000000077")
-    assert pool.world is world  # not before it is asked for
+    assert pool.world is world  # only on request
     spots.click(pool, "Start anew")
     hands.until(pool, lambda: pool.world is not world)
     names = [species.name for species in pool.world.species]
@@ -91,7 +91,7 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     hands.glide(pool, 0.2)
     assert (
         pool.inspector.state(InitialisationState).counts.seed == 4000000077
-    )  # shown, it stays what it is
+    )  # showing a value does not change it
     assert pool.window.handle is window
 
 
@@ -143,7 +143,7 @@ def test_what_another_program_wrote_is_not_taken_back(pool, hands, spots, capsys
     path.write_text(ours)
     pool.world.nature = pool.world.nature._replace(keen=0.32)
     spots.click(pool, "Save")
-    spots.click(pool, "Save")  # what was saved is known
+    spots.click(pool, "Save")  # the saved file is known
     assert "was changed" not in capsys.readouterr().err
     assert path.read_text() == ours.replace("keen = 0.31", "keen = 0.32")
 
@@ -184,7 +184,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, hands, spots, 
     assert path == pool.source and scenario == present(pool.inspector)
     spots.type(pool, "##title", "schooling")
     assert "shipped" in capsys.readouterr().err
-    spots.click(pool, "Save")  # its own file again
+    spots.click(pool, "Save")  # overwrites its own file
     assert pool.source == path
     assert list(path.parent.iterdir()) == [path]
 

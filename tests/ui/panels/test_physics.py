@@ -1,4 +1,4 @@
-"""The physics of simulated fishes, and currents, set at the desk by real hands."""
+"""The physics of simulated fishes, and currents, set in the panel by real input."""
 
 import math
 from contextlib import closing
@@ -32,7 +32,7 @@ def pool(display, hands, coarse, tmp_path_factory):
 
 def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, hands, spots):
     fishes, world = pool.world.state.fishes, pool.world
-    # Not the one that would be simulated anyway.
+    # Not the fish that would be simulated anyway.
     far = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
     far[~world.dynamics.muscular[fishes.species]] = 0.0
     pool.inspector.chosen = fish = int(np.argmax(far))

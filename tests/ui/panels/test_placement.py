@@ -1,4 +1,4 @@
-"""Things dragged in the view at the desk, undone, set by numbers, saved: by real hands."""
+"""Drag things in the view, undo, set numbers and save, by real input."""
 
 import subprocess
 import sys
@@ -70,7 +70,7 @@ def lagoon(display, hands, coarse, tmp_path_factory):
 
 
 def on_screen(dive, kind, number=0):
-    """Where the middle of a thing is seen, on the display."""
+    """The position of a thing's middle on the display."""
     things = placement.handles(dive.scenario, dive.world.state.sea)
     thing = next(one for one in things if (one.kind, one.number) == (kind, number))
     middle = thing.outline.reshape(-1, 3).mean(axis=0)
@@ -80,7 +80,7 @@ def on_screen(dive, kind, number=0):
 
 
 def drag(dive, hands, begin, *ways, drop=True):
-    """Press the left button at a place and move it by some ways; whether to let it go then."""
+    """Drag with the left button from a place through some offsets; optionally release."""
     hands.do("mousemove", *begin)
     hands.glide(dive, 0.2)
     hands.do("mousedown", 1)
@@ -101,7 +101,7 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, ha
     placing = lagoon.inspector.state(PlacementState)
     assert placing.chosen == ("pillar", 0)
     assert placing.trial.pillar[0].position_cm != before.pillar[0].position_cm
-    assert lagoon.world is world and lagoon.scenario is before  # only the outline follows
+    assert lagoon.world is world and lagoon.scenario is before  # only the outline moves
     changed = np.abs(hands.screen(lagoon) - empty).max(axis=2) > 40
     x = begin[0] + 60 - lagoon.window.position[0]
     assert changed[:, x - 40 : x + 40].sum() > 100
@@ -161,7 +161,7 @@ def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, hands):
 
 
 def test_what_would_be_misplaced_is_red_and_refused_in_one_line(lagoon, hands, capsys):
-    """The pillar would stand where the school starts."""
+    """The pillar would stand at the start of the school."""
     before, world = lagoon.scenario, lagoon.world
     sea, front_view, begin = world.state.sea, lagoon.picture.front_view, on_screen(lagoon, "pillar")
     pillar = next(one for one in placement.handles(before, sea) if one.kind == "pillar")
@@ -193,7 +193,7 @@ def test_a_drag_that_begins_on_a_panel_moves_nothing_in_the_sea(lagoon, hands, s
     before = lagoon.scenario
     lagoon.inspector.state(PlacementState).chosen = None
     hands.glide(lagoon, 0.2)
-    bar = spots.place(lagoon, "Redo")  # there is nothing to redo
+    bar = spots.place(lagoon, "Redo")  # nothing to redo
     target = on_screen(lagoon, "rock")
     drag(lagoon, hands, bar, (target[0] - bar[0], target[1] - bar[1]), (200, 20), (0, 0))
     assert lagoon.inspector.state(PlacementState).chosen is None
@@ -234,5 +234,5 @@ def test_what_was_placed_is_saved_and_is_the_same_world_in_another_process(lagoo
     )
     assert told.stdout.strip() == snapshot.checksum(create_world(lagoon.scenario))
     assert lagoon.source == path
-    hands.do("key", "ctrl+z")  # saving does not end what can be undone
+    hands.do("key", "ctrl+z")  # undo still works after saving
     hands.until(lagoon, lambda: not lagoon.scenario.vent)

@@ -1,4 +1,4 @@
-"""`subsea skin` in a real window: from a photograph to a fish that wears it, by the mouse."""
+"""`subsea skin` in a real window: from a photograph to a textured fish, by the mouse."""
 
 import subprocess
 import sys
@@ -45,7 +45,7 @@ def photographed(path):
     plan, sheet = species.surface, paint.paint(species)
     sheet = sheet[..., [0, 2, 1]]  # magenta for yellow
     cos, sin = LENGTH * np.cos(TILT), LENGTH * np.sin(TILT)
-    turn = np.array([[-cos, sin], [-sin, -cos]])  # it heads right, its nose down
+    turn = np.array([[-cos, sin], [-sin, -cos]])  # heading right, nose down
     matrix = np.column_stack([turn, np.array(PICTURE) / 2 - turn @ (0.5, 0.0)])
     picture = np.full((*PICTURE[::-1], 3), WATER, np.uint8)
     meshes = make_fish_meshes(plan, matrix)
@@ -66,7 +66,7 @@ def photographed(path):
 
 
 def test_without_a_display_one_line_says_what_works(monkeypatch, capsys, tmp_path):
-    # The first of this module: the window library knows one display at a time.
+    # Must be the first test of this module: the window library has one display at a time.
     for key in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(key, raising=False)
     photo = tmp_path / "angel.png"
@@ -87,7 +87,7 @@ def test_without_a_display_one_line_says_what_works(monkeypatch, capsys, tmp_pat
 
 @pytest.fixture(scope="module")
 def scene(display, tmp_path_factory):
-    """The window over a photograph, and the truth about that."""
+    """The window on a photograph, and the true outline."""
     home = tmp_path_factory.mktemp("home")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(home))
@@ -105,7 +105,7 @@ def opened(tmp_path_factory):
 
 
 def rest(window):
-    """Frames until nothing is done in the background any more."""
+    """Run frames until all background tasks are done."""
     from tests.support.windows import Hands
 
     Hands.until(window, lambda: not (window.busy or window.tool.working), 120.0)
@@ -153,7 +153,7 @@ def test_the_fish_is_found_and_wears_the_photograph(scene):
     document = editor.document
     assert off(document.to_photo(document.meshes), truth) < 0.03
     assert document.error < 0.015
-    assert not editor.unsaved  # nothing was done by hand
+    assert not editor.unsaved  # no manual edit yet
     flank = np.s_[180:330, 400:700]
     painted = paint.paint(load_species(NAME))[flank][..., :3].mean(axis=(0, 1))
     worn = document.sheet[flank][..., :3].mean(axis=(0, 1))
@@ -162,7 +162,7 @@ def test_the_fish_is_found_and_wears_the_photograph(scene):
     shown = window.picture().astype(int)
     magenta = (shown[..., 0] > shown[..., 1] + 60) & (shown[..., 2] > shown[..., 1] + 60)
     assert magenta[:, :500].sum() > 5000  # the photograph
-    assert magenta[:, 560:].sum() > 1000  # the fish that wears it, and the sheet
+    assert magenta[:, 560:].sum() > 1000  # the textured fish, and the sheet
 
 
 def test_a_node_is_dragged_and_the_mesh_follows(scene, hands, spots):
@@ -349,8 +349,8 @@ def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp
     species = load_species("moorish_jewel")
     assert species.name == "Moorish jewel" and species_file("moorish_jewel").is_file()
     assert np.array_equal(sheet_of(species), document.sheet)
-    assert load_species(NAME).skin.sheet is None  # the shipped one is as it was
-    # From now on it is saved at once.
+    assert load_species(NAME).skin.sheet is None  # the shipped one is unchanged
+    # From now on it is saved immediately.
     hands.do("key", "ctrl+z")
     hands.until(window, lambda: editor.unsaved)
     rest(window)
@@ -363,7 +363,7 @@ def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp
         editor.save()
     editor.out = None
     assert np.array_equal(sheet_of(load_species("moorish_jewel")), document.sheet)
-    # Magenta, as no other fish is.
+    # Magenta, unlike all other fishes.
     out = tmp_path / "sea.png"
     name = "moorish_jewel"
     shown = "--scenario", str(BARE), "--set", f"fish.1.species={name}", "--follow", name
