@@ -1,4 +1,4 @@
-"""A choice by itself settles, does not swing, and comes back, on made-up sequences of frames."""
+"""Automatic quality settles, does not oscillate, and recovers, on synthetic frames."""
 
 import numpy as np
 import pytest
@@ -22,14 +22,14 @@ LOW, HIGH = LADDER.index(PRESETS["low"]), len(LADDER) - 1
 
 
 def costs(low_ms, fixed, medium, high):
-    """The time of a frame at every rung: a fixed share, the rest by pixels; then the presets."""
+    """Frame time at every rung: a fixed share, the rest by pixels; then the presets."""
     scale = np.array([rung.scale for rung in LADDER[: LOW + 1]])
     scaled = low_ms * (fixed + (1 - fixed) * scale**2)
     return np.array([*scaled, low_ms * medium, low_ms * medium * high])
 
 
 def run(pace, cost, frames, seed, noise=0.05, spikes=0.02):
-    """The pace after so many frames, and the rung at each."""
+    """The pace after a number of frames, and the rung at each."""
     rng = np.random.default_rng(seed)
     rungs = []
     for _ in range(frames):
@@ -42,7 +42,7 @@ def run(pace, cost, frames, seed, noise=0.05, spikes=0.02):
 
 
 def turns(rungs):
-    """How often it went back: changes of direction among the steps."""
+    """Number of changes of direction among the steps."""
     steps = np.diff(rungs)
     steps = steps[steps != 0]
     return int((np.diff(np.sign(steps)) != 0).sum())
@@ -65,9 +65,9 @@ def test_it_comes_to_rest_where_the_target_is_held(cost, begin, seed):
     assert (np.abs(np.diff(rungs)) <= 1).all()
     assert turns(rungs) <= 3
     rest = np.diff(rungs[-1500:])
-    assert np.abs(rest).sum() <= 1  # on the very limit noise may still lead down once
+    assert np.abs(rest).sum() <= 1  # exactly at the limit noise may still cause one step down
     assert cost[pace.rung] < (TOO_SLOW + 0.05) * TARGET_MS or pace.rung == 0
-    if pace.rung < HIGH:  # there was no room for more
+    if pace.rung < HIGH:  # the frame time left no room
         assert cost[pace.rung] * max(pace.ratios[pace.rung], 1.0) > (QUICK - 0.06) * TARGET_MS
 
 
@@ -93,7 +93,7 @@ def test_it_goes_all_the_way_back_where_there_is_room():
 
 
 def test_a_rung_that_held_is_not_blamed_for_what_comes_later():
-    """It is tried again as soon as before, since it was not too slow of itself."""
+    """It is tried again without extra delay, since it was not itself too slow."""
     cost = costs(9.0, 0.3, 1.4, 1.5)
     risen, rungs = run(start(LOW), cost, 2000, 1, noise=0.0, spikes=0.0)
     assert rungs[-1] == LOW + 1
@@ -106,7 +106,7 @@ def test_when_it_chooses_again_what_was_drawn_meanwhile_tells_nothing():
     pace, _ = run(start(LOW), costs(9.0, 0.3, 1.4, 1.5), 50, 1)
     again = resumed(pace)
     assert (again.rung, again.ratios, again.patience) == (pace.rung, pace.ratios, pace.patience)
-    for _ in range(BRIEF):  # that settle, and are too few for a median
+    for _ in range(BRIEF):  # still settling, and too few for a median
         again = paced(again, 5 * TARGET_MS, TARGET_MS)
     assert again.rung == pace.rung
 

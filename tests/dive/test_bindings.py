@@ -1,4 +1,4 @@
-"""Names of inputs, what they mean, and what a settings file may make of them."""
+"""Names of inputs, their meaning, and bindings from a settings file."""
 
 from collections import Counter
 
@@ -116,7 +116,7 @@ def test_a_key_counts_with_others_held_unless_these_mean_something_together():
     q = glfw.KEY_Q
     assert found.key(q, CTRL | SHIFT) == "leave"
     assert [found.key(q, held) for held in (0, SHIFT, CTRL)] == ["dive"] * 3
-    assert found.key(q, ALT) is None  # the desktop's
+    assert found.key(q, ALT) is None  # reserved for the desktop
     assert found.key(glfw.KEY_F10, ALT) == "film"
     assert found.key(-1, 0) is None
     assert key_name(q, CTRL | SHIFT) == "Ctrl+Shift+Q"

@@ -1,4 +1,4 @@
-"""Captions: when they are up, how they break into lines, and where they stand in films."""
+"""Captions: their times, line breaks, and places in films."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_they_come_and_go_softly_and_the_latest_is_up(tmp_path):
     first = [time for time in up if seen[time].words == "One."]
     assert first == [time for time in up if time < 1.0]
     assert max(up) == pytest.approx(2.8, abs=3 * TICK_S)
-    assert shown_s(WORDS, None) > 5.0  # who reads slowly has time
+    assert shown_s(WORDS, None) > 5.0  # enough time for slow readers
     steps = np.abs(np.diff([one.opacity for time, one in seen.items() if time > 1.1]))
     assert steps.max() < 2.0 * TICK_S / FADE_S
     assert {one.opacity for one in seen.values()} >= {0.0, 1.0}

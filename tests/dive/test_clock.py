@@ -1,4 +1,4 @@
-"""The clock neither gains, loses, skips nor spirals."""
+"""The clock neither gains, loses nor skips time, and cannot spiral into overload."""
 
 from itertools import pairwise
 
@@ -26,7 +26,7 @@ def test_a_long_frame_never_skips_or_spirals(frames):
         assert 0 <= clock.advance(elapsed) <= MAX_TICKS_PER_FRAME
         assert 0.0 <= clock.alpha <= 1.0
     clock.advance(1000.0)
-    assert clock.advance(0.0) == 0  # what was owed beyond the limit is forgotten
+    assert clock.advance(0.0) == 0  # time beyond the limit is dropped
 
 
 @given(st.integers(20, 240))

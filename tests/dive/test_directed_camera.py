@@ -1,4 +1,4 @@
-"""Cameras that directions cue: where they are, how they get there, and that nothing stops them."""
+"""Cameras cued by directions: places, ways, and obstacles."""
 
 import signal
 
@@ -40,12 +40,12 @@ BEYOND = "camera = { position_cm = [420.0, 0.0, -250.0], look_at_cm = [700.0, 0.
 
 def world_of(folder, *directions):
     world = create_world(load_scenario(str(scene(folder, *directions)))[0])
-    step(world, HANDS_OFF)  # as films and dives do before anybody steers
+    step(world, HANDS_OFF)  # as films and dives do before any steering
     return world
 
 
 def ride(world, seconds, steer=None, each=lambda: None):
-    """Let the directions have the submarine; its places (ticks, 3), cm."""
+    """Let directions steer the submarine; return its places (ticks, 3), cm."""
     steer, places = steer or directed_steering(world), []
     for _ in range(round(seconds / TICK_S)):
         step(world, steer(world))
@@ -55,7 +55,7 @@ def ride(world, seconds, steer=None, each=lambda: None):
 
 
 def off(world, target):
-    """The angle (degrees) between where the submarine looks and a place."""
+    """The angle (degrees) between the submarine's view and a place."""
     boat = world.state.submarine
     way = np.asarray(target) - boat.position
     return np.degrees(np.arccos(hull_axes(*boat.angles)[0] @ way / np.linalg.norm(way)))
@@ -79,11 +79,11 @@ def test_a_cut_is_there_at_once_and_then_it_goes_along(tmp_path):
     world = world_of(tmp_path, CUT)
     boat = world.state.submarine
     (there,) = ride(world, TICK_S)
-    assert (boat.previous_position == boat.position).all()  # nothing flies past between two ticks
+    assert (boat.previous_position == boat.position).all()  # no motion between the last two ticks
     assert np.linalg.norm(there - middle(world)) == pytest.approx(150.0, abs=15.0)
     assert off(world, middle(world)) < 3.0
     places = ride(world, 12.0)
-    assert np.linalg.norm(middle(world) - there) > 60.0  # they have gone on
+    assert np.linalg.norm(middle(world) - there) > 60.0  # they have moved on
     assert np.linalg.norm(places[-1] - middle(world)) == pytest.approx(150.0, abs=40.0)
     assert off(world, middle(world)) < 15.0
     steps = np.diff(places, axis=0) / TICK_S
@@ -197,7 +197,7 @@ def test_it_neither_passes_through_rock_nor_leaves_the_sea(reef, wishes, over):
 
 @pytest.fixture(scope="module")
 def reef(tmp_path_factory):
-    """A bay full of rocks with three cameras whose places a test sets, and its beginning."""
+    """A bay full of rocks with three cameras to be placed by tests, and its initial state."""
     text = tmp_path_factory.mktemp("reef") / "reef.toml"
     far = "camera = { position_cm = [-430.0, -60.0, -330.0], look_at_cm = [0.0, 0.0, -300.0] }"
     cues = "".join(f"[[direction]]\nat_s = 9999.0\n{far}\n" for _ in range(3))
@@ -226,7 +226,7 @@ def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
         ticks.timeline.go(tick)
         assert snapshot.checksum(world) == sums[tick]
     assert not world.state.submarine.lights[0]
-    # Playing on asks the tour again, which knows no more than the world does.
+    # Further play calls the tour again, which depends on the world alone.
     while world.state.tick < 130:
         ticks.advance(TICK_S)
         assert snapshot.checksum(world) == sums[world.state.tick]

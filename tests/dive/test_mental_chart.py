@@ -1,4 +1,4 @@
-"""The chart of a fish's mental state holds what the state had."""
+"""The chart of a fish's mental state holds the values of the state."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Who is under the pointer: the fish that a picture shows there."""
+"""The fish under the pointer is the one that the picture shows there."""
 
 from dataclasses import replace
 
@@ -34,7 +34,7 @@ def world():
     fishes.alive[len(PLACES) :] = False
     for fish, place in enumerate(PLACES):
         fishes.position[fish] = fishes.previous_position[fish] = place
-        flank = np.sqrt([0.5, 0.5, 0.0, 0.0])  # upright, along +x: its side is turned to the eye
+        flank = np.sqrt([0.5, 0.5, 0.0, 0.0])  # upright, along +x: its side faces the eye
         fishes.orientation[fish] = fishes.previous_orientation[fish] = flank
     return world
 
@@ -56,7 +56,7 @@ def rig_of(name):
 
 
 def drawn(renderer, world, rig, without=None, ahead=np.pi / 2):
-    """The packet, and what the pilot's screen shows of it (h, w, 3)."""
+    """The packet, and its picture on the pilot's screen (h, w, 3)."""
     renderer.arrange(rig)
     seen = views(rig, pose_from_angles(EYE, ahead, 0.0))
     if without is not None:
@@ -67,7 +67,7 @@ def drawn(renderer, world, rig, without=None, ahead=np.pi / 2):
 
 
 def shown(renderer, world, rig):
-    """Of each fish the pixels (k, 2), row and column, of its screen where it is to be seen."""
+    """Visible pixels (k, 2), row and column, of each fish on the screen."""
     _, whole = drawn(renderer, world, rig)
     found = []
     for fish in range(len(PLACES)):
@@ -77,7 +77,7 @@ def shown(renderer, world, rig):
 
 
 def share(rig, pixel):
-    """Of a pixel (row, column) of the output, its place on the screen ahead; None if beside it."""
+    """The place on the screen ahead of an output pixel (row, column); None outside it."""
     patch = front(rig)
     left, bottom, width, height = seen_part(patch)
     row, column = pixel
@@ -101,7 +101,7 @@ def test_the_fish_that_is_seen_is_the_one_that_is_picked(renderer, world, name):
         for pixel in own[rng.permutation(len(own))[:12]]:
             at = share(rig, pixel)
             if at is None:
-                continue  # in the part of the other eye, or of another projector
+                continue  # in the part of the other eye or of another projector
             picked = pick(renderer, packet, *at)
             if picked.kind != FISH:
                 continue
@@ -110,9 +110,9 @@ def test_the_fish_that_is_seen_is_the_one_that_is_picked(renderer, world, name):
             if right[-1]:
                 away = np.linalg.norm(picked.place - PLACES[fish])
                 assert away < 0.8 * world.state.fishes.length[fish]
-    # A projector of three shows less than all.
+    # One projector of three shows only a part.
     assert met >= ({0, 1} if name in ("three-projectors", "wide") else {0, 1, 3, 4, 5})
-    # Of two eyes that share all pixels the right one's fishes are elsewhere.
+    # If two eyes share all pixels, the right one shows fishes elsewhere.
     assert np.mean(right) > (0.75 if name in ("anaglyph", "interlaced") else 0.95)
 
 
@@ -174,7 +174,7 @@ def test_a_place_of_the_canvas_is_the_one_that_the_picture_takes_it_from(rendere
     for column, row in np.random.default_rng(4).uniform(0.02, 0.98, (80, 2)) * (across, up):
         there = picture[picture.shape[0] - 1 - int(bottom + row), int(left + column)]
         if there[2] < 150.0:
-            continue  # where others shine
+            continue  # lit by others
         x, y = (int(column) + 0.5) / across, 1.0 - (int(row) + 0.5) / up
         off.append(np.array(canvas_place(rig, x, y)) / rig.canvas - there[:2] / there[2])
     assert len(off) > 30

@@ -1,4 +1,4 @@
-"""Hands to helm, without a window."""
+"""From input to helm, without a window."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_both_buttons_lift_with_the_pointer():
     assert helm.pitch == pytest.approx(0.0, abs=1e-3)
     assert helm.surge == pytest.approx(0.0, abs=1e-3)
     pilot.release("mouse right")
-    pilot.hold("astern", "S")  # a key and a button just even out
+    pilot.hold("astern", "S")  # a key and a button cancel out
     helm = settle(pilot)
     assert helm.heave == pytest.approx(0.0, abs=1e-3)
     assert helm.pitch > 0.3
@@ -117,7 +117,7 @@ def test_after_a_full_stop_a_stick_must_move_to_count_again():
     pilot.hold("ahead", "pad left stick up", 0.8)
     settle(pilot)
     pilot.hold("full stop", "pad A")
-    pilot.hold("ahead", "pad left stick up", 0.79)  # it trembles
+    pilot.hold("ahead", "pad left stick up", 0.79)  # the stick trembles
     assert settle(pilot).full_stop
     pilot.hold("ahead", "pad left stick up", 0.5)
     assert settle(pilot).surge == pytest.approx(0.5, abs=1e-3)

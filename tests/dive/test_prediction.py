@@ -1,4 +1,4 @@
-"""The submarine is drawn in the present, without a jerk, and a hand shows in the next picture."""
+"""The submarine is drawn without delay or jerks; input shows in the next picture."""
 
 import math
 from itertools import pairwise
@@ -39,14 +39,14 @@ def begin(world):
 
 
 def pictures(ticks, rate, seconds):
-    """Where the eye is in each picture of a display that shows `rate` of them a second."""
+    """The eye's pose in each picture of a display with `rate` pictures a second."""
     for _ in range(round(rate * seconds)):
         ticks.advance(1.0 / rate)
         yield ticks.eye()
 
 
 def apart(one, other):
-    """How far two poses are apart: cm and rad."""
+    """The distance between two poses: cm and rad."""
     turn = np.linalg.norm(np.cross(one.forward, other.forward))
     return float(np.linalg.norm(one.eye - other.eye)), float(np.arcsin(min(turn, 1.0)))
 
@@ -62,7 +62,7 @@ def test_the_picture_is_where_the_tick_will_be(world, begin, helm, late, ticks):
         steer(world, submarine, helm)
     before = snapshot.checksum(world)
     last = present.eye(world, 1.0, helm)
-    assert snapshot.checksum(world) == before  # looking ahead changes nothing
+    assert snapshot.checksum(world) == before  # prediction changes nothing
     steer(world, submarine, helm)
     first = present.eye(world, 0.0, helm)
     assert apart(first, last) == pytest.approx((0.0, 0.0), abs=1e-7)
@@ -81,7 +81,7 @@ def test_under_a_hand_that_holds_still_nothing_jerks(world, begin, rate, held):
     assert (moves[:, 0] < FASTEST_CM_S / rate).all()
     assert (moves[:, 1] < 1.05 * YAW_RAD_S / rate).all()
     assert max(moves[-1, 0] * rate / 20.0, moves[-1, 1] * rate / 0.1) > 1.0  # it does move
-    # A picture moves on as the one before did, but for what the helm adds in a tick.
+    # Each picture moves like the one before, plus the effect of the helm in a tick.
     eye = np.diff([one.eye for one in seen], n=2, axis=0)
     assert np.linalg.norm(eye, axis=1).max() * rate < 0.1 * FASTEST_CM_S
 

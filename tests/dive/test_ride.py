@@ -1,4 +1,4 @@
-"""Riding a fish: whom the visitor means, a calm view, and both its eyes in the corners."""
+"""Riding a fish: choosing it, a calm view, and pictures of both eyes in the corners."""
 
 import os
 import re
@@ -80,10 +80,10 @@ def test_the_view_of_a_rider_is_calmer_than_the_head(world):
         for _, calm in pair:
             assert calm.forward @ calm.up == pytest.approx(0.0, abs=1e-9)
             assert np.linalg.norm(calm.forward) == pytest.approx(1.0)
-    # How much the way one looks is shaken: its second differences.
+    # Shaking of the view: second differences of its direction.
     shaken = [np.linalg.norm(np.diff(way, 2, axis=0), axis=2).mean() for way in (swung, followed)]
     assert shaken[1] < 0.3 * shaken[0]
-    assert np.sum(np.array(swung) * followed, axis=2).min() > 0.5  # but it follows
+    assert np.sum(np.array(swung) * followed, axis=2).min() > 0.5  # but the view follows
     assert np.mean(apart) < 3.0
 
 
@@ -99,7 +99,7 @@ def test_who_mounts_or_comes_from_another_time_begins_level(world):
         assert calm.forward == pytest.approx((1.0, 0.0, 0.0), abs=1e-6)
         assert calm.up == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
     world.state.tick += 30
-    assert ride.observer(world, 1.0).up[2] < 0.95  # and goes along with it
+    assert ride.observer(world, 1.0).up[2] < 0.95  # and the view rolls with it
     fishes.orientation[5] = fishes.previous_orientation[5] = before
     world.state.tick = tick
 
@@ -122,7 +122,7 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
     added = more.patches[len(rig.patches) :]
     frames, pictures = added[::2], added[1::2]
     assert len(frames) == len(pictures) == 2 * len(rig.patches)
-    for frame, patch in zip(frames, pictures, strict=True):  # a line all round, and below it
+    for frame, patch in zip(frames, pictures, strict=True):  # a line around it, and below it
         assert frame.mask is not None
         assert np.subtract(patch.place[:2], frame.place[:2]).tolist() == [1, 1]
         assert np.subtract(frame.place[2:], patch.place[2:]).tolist() == [2, 2]
@@ -145,7 +145,7 @@ def test_insets_lie_where_no_other_projector_shines():
     more, _ = with_insets(rig)
     ahead = front(rig)
     x, _, width, _ = seen_part(ahead)
-    assert x >= 36  # 40 pixels overlap on either side; the last of these are next to nothing
+    assert x >= 36  # 40 pixels overlap on either side; the last ones are almost black
     assert 250 <= width <= ahead.place[2] - 36 - x
     added = more.patches[len(rig.patches) :]
     assert len(added) == 4
@@ -198,7 +198,7 @@ def boat(display, tmp_path_factory):
 
 
 def until(running, true):
-    """Frames until the display has brought what hands did."""
+    """Run frames until the display has delivered the input."""
     end = time.monotonic() + 60.0
     while not true() and time.monotonic() < end:
         running.frame(0.1)
@@ -206,7 +206,7 @@ def until(running, true):
 
 
 def corner(running):
-    """What the left eye sees, as the display shows it."""
+    """The left eye's picture on the display."""
     import glfw
 
     running.frame(0.01)
@@ -223,7 +223,7 @@ def key(*names):
 def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    until(boat, lambda: boat.overlay.help_opacity == 0.0)  # who rides is under way
+    until(boat, lambda: boat.overlay.help_opacity == 0.0)  # a ride counts as under way
     first = boat.picture.ride.by.fish
     colours = corner(boat)
     beside = np.asarray(boat.picture._renderer.rig.canvas) - boat.picture.rig.canvas
@@ -262,7 +262,7 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
         assert boat.world.seen_light[fish] == ahead
         assert minds.light[fish] == pytest.approx(ahead)
     assert boat.world.seen_light.keys() == {fish}
-    assert (corner(boat) > 0).mean() > 0.9  # the picture itself is shown as ever
+    assert (corner(boat) > 0).mean() > 0.9  # the picture itself still shows
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
     assert not boat.world.seen_light
@@ -270,7 +270,7 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
 
 
 def words(running):
-    """Where text is over the picture: (h, w) of what it changes."""
+    """A mask (h, w) of pixels that text changes."""
     with_text = whole(running)
     draw, running.overlay.draw = running.overlay.draw, lambda *rest: None
     without = whole(running)
@@ -323,7 +323,7 @@ def test_a_line_that_is_too_long_is_several(boat):
 
     key("r")
     until(boat, lambda: boat.pilot.riding)
-    boat.picture.ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # which is told too
+    boat.picture.ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # reported too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)

@@ -1,4 +1,4 @@
-"""The settings file: where it is, what it may say, and what becomes of nonsense."""
+"""The settings file: its place, contents and faults."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ from subsea.render.output.quality import CHOICES
 
 @pytest.fixture
 def home(tmp_path, monkeypatch):
-    """Where the settings are, in a home of its own."""
+    """The path of the settings, in its own home folder."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     return settings.settings_path()
 
@@ -42,7 +42,7 @@ def test_the_file_of_defaults_changes_nothing_and_names_everything(tmp_path):
     text = default_text()
     path = written(tmp_path / "settings.toml", text)
     assert read_settings(path) == Settings()
-    # With every line in force it says the same again.
+    # With every line uncommented the settings are the same.
     path.write_text(re.sub(r'(?m)^# (?=("[^"]+"|\w+) = )', "", text))
     full = read_settings(path)
     assert set(full.controls) == {*ACTIONS, *COMMANDS}
@@ -69,7 +69,7 @@ def test_limits_and_choices_are_those_of_the_command_line():
         ("[mouse]\nster = true", "unknown key `ster`, at `mouse`; did you mean 'steer'?"),
         ("[mouse]\nsensitivity = 0", "at `mouse.sensitivity`"),
         ("[display]\nmode = 'domme'", "did you mean 'dome'?, at `display.mode`"),
-        ("[display]\nmode = 'hologram'", "; there are: mono, "),  # nothing is near it
+        ("[display]\nmode = 'hologram'", "; there are: mono, "),  # no similar name
         ("[display]\nquality = 'best'", "at `display.quality`"),
         ("[controls]\nahead = 'W'", "at `controls"),
         ("[controls]\n'full stop' = ['Wheel']", "at `controls`"),
@@ -167,7 +167,7 @@ def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path
     assert asked[0][1] is window
     given = dive("--display", "mono", "--no-fullscreen", "--size", "400x300")
     assert given == ("mono", "low", False, (400, 300))
-    assert dive("--theatre", "cave")[::2] == ("mono", False)  # its file says what its windows are
+    assert dive("--theatre", "cave")[::2] == ("mono", False)  # its file defines its windows
     other = written(tmp_path / "other.toml", "[display]\nquality = 'high'")
     assert dive("--settings", str(other))[:2] == ("mono", "high")
 
@@ -194,7 +194,7 @@ def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
     assert found.key(ord("Q"), 0) == "dive"
     for wish in COMMANDS:
         assert bool(found.inputs(wish)) == (wish in KIOSK_COMMANDS)
-    assert kiosk_settings(with_key("F12")).bindings.control("F12") == "leave"  # no visitor's input
+    assert kiosk_settings(with_key("F12")).bindings.control("F12") == "leave"  # no visitor input
 
 
 @pytest.mark.parametrize(

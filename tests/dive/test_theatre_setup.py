@@ -1,4 +1,4 @@
-"""Theatres on the command line: what works is shown, what does not is one line."""
+"""Theatres on the command line: working channels show, each fault is one line."""
 
 import numpy as np
 import pytest
@@ -57,7 +57,7 @@ OTHER = '[[channel]]\nname = "behind"\nwindow = "b"\n'
 
 
 def line_of(path, text):
-    """The line of a file that is this text."""
+    """The number of the line of a file that equals this text."""
     return path.read_text().splitlines().index(text) + 1
 
 

@@ -1,4 +1,4 @@
-"""Whose clock and hands make the ticks of a dive."""
+"""Sources of the ticks of a dive: local, leader and follower."""
 
 import socket
 import threading
@@ -54,13 +54,13 @@ def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
 
 
 def along(world):
-    """A tour that looks at the world: just over the first fish."""
+    """A tour that depends on the world: just above the first fish."""
     x, y, z = world.state.fishes.position[0].astype(float)
     return Rail(np.array([x, y, z + 100.0]), np.array([1.0, 0.0, 0.0]), (0.5, 0.0))
 
 
 def cued(world):
-    """A tour that cuts to and fro, as directions may have it."""
+    """A tour that cuts to and fro, as directions may."""
     rail = along(world)
     return rail._replace(cut=True) if world.state.tick % 7 == 0 else rail
 
@@ -99,8 +99,8 @@ def test_one_leads_and_another_follows(worlds, tour):
         thread.join(60.0)
     assert len(shown) >= 30
     assert (drawn.count("node"), drawn.count("master")) == (len(shown), len(led))
-    assert set(shown) <= set(led)  # all that the node showed, pictures between ticks too
-    assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and none was left out in the end
+    assert set(shown) <= set(led)  # all pictures of the node, also between ticks
+    assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and no later one is missing
     if tour:
         over = worlds[0].state.submarine.position - worlds[0].state.fishes.position[0]
         assert np.linalg.norm(over - (0.0, 0.0, 100.0)) < 30.0

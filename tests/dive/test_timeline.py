@@ -1,4 +1,4 @@
-"""Time that stands still, goes tick by tick, slower, faster and back, to the very same worlds."""
+"""Pause, single ticks, rates and rewind to the same worlds."""
 
 import numpy as np
 import pytest
@@ -18,12 +18,12 @@ from subsea.world.build import create_world
 from subsea.world.tunables import equal_tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S
 
-REACH, KEPT = 50, 7  # ticks; as in a dive, but sooner at an end
+REACH, KEPT = 50, 7  # ticks; shorter than in a dive
 
 
 @pytest.fixture(scope="module")
 def begun():
-    """A world with a simulated fish, its beginning, and time that reaches back less far."""
+    """A world with a simulated fish, its initial state, and a short timeline."""
     world = create_world(load_scenario("peaceful")[0], fish=9, live=1, live_reach_cm=np.inf)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "REACH_TICKS", REACH)
@@ -69,7 +69,7 @@ deeds = st.one_of(
 def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
     world = afresh(begun)
     time = Timeline(world)
-    was = {0: (snapshot.checksum(world), get_tunables(world))}  # what each tick has been
+    was = {0: (snapshot.checksum(world), get_tunables(world))}  # the state of each tick
 
     def as_it_was():
         checksum, constants = was[time.tick]
@@ -144,7 +144,7 @@ def test_playing_on_with_the_same_hands_gives_the_same_again(world):
     assert again == first[5:]
     time.go(5)
     time.make(Helm(surge=-1.0))
-    assert time.latest == 6  # what came later is forgotten
+    assert time.latest == 6  # later ticks are dropped
     assert snapshot.checksum(world) != first[5]
 
 
@@ -154,7 +154,7 @@ def test_memory_is_bounded_and_time_goes_back_less_far_where_it_is_short(world):
     for k in range(3 * REACH):
         time.make(Helm())
         if k > REACH and k % 3 == 0:
-            time.touch()  # as a slider that is dragged
+            time.touch()  # as a dragged slider does
     assert time.bytes > 10 * one
     short = Timeline(world, most_bytes=4 * one)
     for _ in range(3 * REACH):
@@ -195,13 +195,13 @@ def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again
     time.go(time.earliest)
     time.paused = True
     seen = [time.tick]
-    while time.tick < time.latest:  # step by step it comes through
+    while time.tick < time.latest:  # single ticks reach the end
         time.single()
         assert time.due(0.1) == 0
         there()
         seen.append(time.tick)
     assert max(np.diff(seen)) <= KEPT and min(np.diff(seen)) >= 1
-    time.go(time.latest - KEPT)  # what is made from there on is all had again
+    time.go(time.latest - KEPT)  # all ticks made from there on can be restored
     begin = time.tick
     for _ in range(KEPT):
         time.make(Helm(surge=-0.5))
@@ -213,7 +213,7 @@ def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again
 
 
 class Hands(Pilot):
-    """A pilot who counts how often it is asked."""
+    """A pilot that counts its calls."""
 
     asked = 0
 
@@ -237,7 +237,7 @@ def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
     ticks.advance(5.0)
     assert time.tick == at + 1
     time.pause()
-    assert ticks.advance(0.25 * TICK_S) == pytest.approx(0.25)  # it goes on from what was shown
+    assert ticks.advance(0.25 * TICK_S) == pytest.approx(0.25)  # it continues from the shown point
     assert time.tick == at + 2
     assert time.text == ""
     for call, expected in ((time.slower, RATES[1::-1]), (time.faster, RATES[1:])):
@@ -278,6 +278,6 @@ def test_time_goes_back_without_asking_hands_or_the_tour(world):
     assert snapshot.checksum(world) == was[-back]
     assert len(legs) == asked
     time.pause()
-    ticks.advance(0.0)  # the tick that was shown already, of the tour
+    ticks.advance(0.0)  # the tour's tick that was already shown
     assert len(legs) == asked + 1
     assert time.latest == time.tick

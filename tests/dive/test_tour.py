@@ -1,4 +1,4 @@
-"""The autopilot finds what happens and keeps its distance."""
+"""The autopilot finds subjects and keeps its distance."""
 
 import math
 
@@ -31,7 +31,7 @@ from subsea.world.world import TICK_S
 
 @pytest.fixture
 def world():
-    """A sea without solids where nothing happens but what a test writes into it."""
+    """A sea without solids or events, except those that a test writes into it."""
     world = create_world(load_scenario("peaceful")[0], seed=1, fish=12)
     state = world.state
     state.sea = state.sea._replace(
@@ -65,7 +65,7 @@ def hook(world, place, state, catch=NOBODY):
 
 
 def ask(world, tour, seconds=0.0):
-    """Let the tour look at a sea that stands still; its aims (ticks, 4)."""
+    """Run the tour in a frozen sea; return its aims (ticks, 4)."""
     aims = []
     for _ in range(max(round(seconds / TICK_S), 1)):
         tour.helm(world)
@@ -86,12 +86,12 @@ def test_a_hook_comes_before_a_hunt_before_a_pair_before_the_shoal(world):
         ask(world, tour)
         seen.append(tour.subject.kind)
     assert seen == [SHOAL, PAIR, HUNT, HOOK]
-    hook(world, (0.0, 0.0, 10.0), HOOKED, 4)  # in the air it is no sight
+    hook(world, (0.0, 0.0, 10.0), HOOKED, 4)  # not interesting in the air
     ask(world, tour)
     assert tour.subject == Subject(HUNT, (2, 3))
     world.state.fishes.alive[3] = False
     ask(world, tour, KEEP_S / 2)
-    assert tour.subject == Subject(HUNT, (2, 3))  # it may be only interrupted
+    assert tour.subject == Subject(HUNT, (2, 3))  # it may only be interrupted
     ask(world, tour, KEEP_S / 2 + 0.1)
     assert tour.subject == Subject(PAIR, (0, 1))
 
@@ -128,7 +128,7 @@ def test_the_aim_glides_from_one_subject_to_the_next(world):
     hook(world, place, HANGING)
     aims = np.vstack([start, ask(world, tour, TURN_S + 0.2)])
     steps = np.linalg.norm(np.diff(aims[:, :3], axis=0), axis=1)
-    # An even change would take `way / TURN_S`; a level start and end, half as fast again.
+    # Linear motion has the speed `way / TURN_S`; a smooth start and end peaks at 1.5 times that.
     way = np.linalg.norm(place - start[:3])
     assert steps.max() < 1.6 * way * TICK_S / TURN_S
     assert steps[0] < 0.1 * steps.max()
@@ -190,4 +190,4 @@ def test_a_visitor_is_taken_along_until_a_hand_moves():
     ticks.advance(5.1 * TICK_S)
     taken = rail_at(course, world.state, world.state.tick * TICK_S)
     assert np.linalg.norm(boat.position - taken.position) > 0.01
-    assert np.linalg.norm(boat.position - there) < 10.0  # it goes on from where it was
+    assert np.linalg.norm(boat.position - there) < 10.0  # it continues from its place

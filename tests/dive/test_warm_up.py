@@ -1,4 +1,4 @@
-"""Several processes compile what a dive needs, which then compiles nothing itself."""
+"""Several processes compile the kernels of a dive; the dive compiles nothing itself."""
 
 import os
 import resource
@@ -36,7 +36,7 @@ with event.install_listener("numba:compile", Compiled()):
 print(sorted(set(compiled)))
 sys.exit(code)
 """
-# Short jobs in place of those of a dive: what is tested is who runs them.
+# Short jobs replace those of a dive: these tests cover the processes.
 SHORT = """
 import sys
 from subsea.dive import warm_up
@@ -47,7 +47,7 @@ told = lambda line: print(line, flush=True)
 
 
 def _program(tmp_path: Path, text: str, **how: object) -> "subprocess.Popen[str]":
-    """A process of its own group, with empty caches."""
+    """A process in its own group, with empty caches."""
     places = {
         "NUMBA_CACHE_DIR": str(tmp_path / "kernels"), "XDG_CACHE_HOME": str(tmp_path),
         "SHORT_JOBS": str(tmp_path / "jobs"),
@@ -69,7 +69,7 @@ def test_a_dive_compiles_nothing_then():
 
 
 def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
-    stranger = tmp_path / "folder" / "subsea.py"  # in the folder that it is started in
+    stranger = tmp_path / "folder" / "subsea.py"  # in the current folder
     stranger.parent.mkdir()
     stranger.write_text("raise SystemExit")
     program = _program(tmp_path, "run(told, processes=2); run(told, processes=2)",
@@ -103,12 +103,12 @@ def test_where_nothing_can_be_cached_nothing_is_compiled_in_vain(tmp_path):
     )
     told, faults = program.communicate(timeout=200)
     assert program.returncode == 0, faults
-    assert told == "compiling the fishes' code (a minute or more)\n"  # when they are called
+    assert told == "compiling the fishes' code (a minute or more)\n"  # on the first call
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_nobody_is_left_who_compiles(tmp_path, number):
-    """After Ctrl-C, which the whole group gets, or when the first process was killed."""
+    """After Ctrl-C, sent to the whole group, or after a kill of the first process."""
     program = _program(
         tmp_path,
         """

@@ -191,15 +191,15 @@ def test_the_picture_shows_a_chart_for_each_run(ladder):
 
 @pytest.fixture(scope="module")
 def again(ladder):
-    """The rows of the ladder's second run again, all their times counted in processor time.
+    """The rows of a repeat of the ladder's second run, with all times in processor time.
 
-    By the clock other programs may take any share of a single frame, in a stage or between two.
+    Other programs may add any wall time to a single frame, in a stage or between two.
     """
     path = ladder / "again.csv"
     options = [*SEA, "--frames", "12", "--fish", "20", "--tour", "glide"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(time, "perf_counter", time.process_time)
-        gc.disable()  # of what all the tests before have left
+        gc.disable()  # objects of all earlier tests
         try:
             assert main(["benchmark", *options, "--csv", str(path)]) == 0
         finally:
@@ -239,7 +239,7 @@ def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
 
 
 def compared(reports, older, path, capsys):
-    """What is told of each row of a comparison: its last word."""
+    """The verdict of each row of a comparison: its last word."""
     path.write_text(json.dumps(older))
     comparison.compare(reports, comparison.read_reports(path), path)
     rows = capsys.readouterr().out.partition("in most parts\n")[2].splitlines()

@@ -1,4 +1,4 @@
-"""A short soak is sound and repeatable, and every spoilt one is reported."""
+"""A short soak is faultless and repeatable, and every spoilt one is reported."""
 
 import json
 from contextlib import nullcontext
@@ -38,7 +38,7 @@ def world():
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    """What a drawn soak of little more than a minute wrote, and what it printed."""
+    """The report and output of a drawn soak of little more than a minute."""
     path = tmp_path_factory.mktemp("soak") / "soak.json"
     with pytest.MonkeyPatch.context() as patch:
         shown = [display_rig(name, soak.SIZE) for name in ("mono", "anaglyph", "dome")]
@@ -181,7 +181,7 @@ def test_input_changes_the_state_that_a_snapshot_takes(world):
 def test_growth_compares_quarters_after_the_warm_up():
     assert growth([]) == growth([5.0]) == 0.0
     assert growth([100.0] * 60) == 0.0
-    assert growth([50.0] * 10 + [100.0] * 50) == 0.0  # while it warms up
+    assert growth([50.0] * 10 + [100.0] * 50) == 0.0  # during the warm-up
     assert growth([100.0 + k for k in range(60)]) == pytest.approx(152 / 122 - 1)
 
 

@@ -11,7 +11,7 @@ SIZE = (800, 600)
 
 
 def page(number):
-    """A window without drawing."""
+    """Draw nothing."""
 
 
 def corners(viewport):

@@ -16,7 +16,7 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 
-TIMEOUT_S = 5.0  # a busy machine is not to be told from a node that is late too soon
+TIMEOUT_S = 5.0  # a busy machine must not count as a late node
 
 
 def small_sea(fish=4, seed=None):
@@ -27,7 +27,7 @@ def small_sea(fish=4, seed=None):
 
 @pytest.fixture(scope="session")
 def seas():
-    """Three equal worlds, for a master and two nodes; they go on from test to test."""
+    """Three equal worlds, for a master and two nodes; tests share and advance them."""
     return [small_sea() for _ in range(3)]
 
 
@@ -84,7 +84,7 @@ class NodeThread(threading.Thread):
 
 
 class MasterHarness:
-    """A master that makes pictures on request, and what it reported."""
+    """A master that makes pictures on request, and its reports."""
 
     def __init__(self, world, address, nodes=("left", "right"), keys=None, timeout_s=TIMEOUT_S):
         self.told, self.seen, self._timeout_s = [], {}, timeout_s
@@ -130,5 +130,5 @@ def harness(make_harness, seas, address):
 
 @pytest.fixture(scope="session")
 def make_sea():
-    """A small sea of so many fishes: `make_sea(fish=4, seed=None)`."""
+    """A maker of small seas: `make_sea(fish=4, seed=None)`."""
     return small_sea

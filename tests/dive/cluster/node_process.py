@@ -1,10 +1,9 @@
-"""A node without a window, in a process of its own: what a dive does, and a line for each picture.
+"""A node of a dive without a window, in its own process; prints a line for each picture.
 
     python node_process.py master|NODE ADDRESS SCENARIO PICTURES NODES [KEYS]
 
 A master waits until all NODES (a,b) are in step, makes PICTURES pictures (-1 for ever), and
-reports. Every line of standard output is `TICK CHECKSUM`; what nodes are told goes to standard
-error.
+reports. Every line of standard output is `TICK CHECKSUM`; messages of nodes go to standard error.
 """
 
 import signal
@@ -34,7 +33,7 @@ def show(world):
 
 
 def helms(picture):
-    """None to three ticks a picture, steered as by somebody."""
+    """Zero to three ticks a picture, with varied steering."""
     return [Helm(surge=0.5, yaw=((7 * picture + k) % 11 - 5) / 5) for k in range(picture % 4)]
 
 

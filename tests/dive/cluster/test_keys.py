@@ -1,4 +1,4 @@
-"""Key files: whose they are, who may read them, what is no key."""
+"""Key files: owners, permissions, and invalid keys."""
 
 import stat
 from pathlib import Path
@@ -40,7 +40,7 @@ def test_nobody_else_reads_a_secret(folder):
 
 def test_all_keys_are_made_or_none(folder, monkeypatch):
     pairs = [zmq.curve_keypair(), zmq.curve_keypair()]
-    monkeypatch.setattr(zmq, "curve_keypair", pairs.pop)  # there is none for the third
+    monkeypatch.setattr(zmq, "curve_keypair", pairs.pop)  # no pair for the third
     with pytest.raises(IndexError):
         write_keys(folder, NAMES)
     assert not folder.exists()
@@ -95,7 +95,7 @@ def test_what_is_no_key_is_told(folder):
     public.write_text('public-key = "short"\n')
     with pytest.raises(UserError, match="no key of 40"):
         read_keys(folder, "left", ["right"])
-    for no_z85 in ("," * 40, "#" * 40, "a" * 45):  # no letters of it, too large a number, too long
+    for no_z85 in ("," * 40, "#" * 40, "a" * 45):  # invalid letters, too large a number, too long
         public.write_text(f"    public-key = '{no_z85}'\n")
         with pytest.raises(UserError, match="no key of 40"):
             read_keys(folder, "left", ["right"])

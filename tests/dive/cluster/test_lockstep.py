@@ -1,4 +1,4 @@
-"""Three processes, one dive: one node is killed and comes back, then the master is and does."""
+"""One dive in three processes: a node, then the master, is killed and restarted."""
 
 import subprocess
 import sys
@@ -12,7 +12,7 @@ TICKS = 1000
 
 
 class Process:
-    """A node in a process of its own; its lines, as far as they were written."""
+    """A node in its own process, and the lines that it has written."""
 
     def __init__(self, folder, call, *arguments):
         self._out, self._err = folder / f"{call}.out", folder / f"{call}.err"
@@ -27,7 +27,7 @@ class Process:
 
     @property
     def seen(self):
-        """Ticks and checksums of its pictures; the line that was cut by a kill is left out."""
+        """Ticks and checksums of its pictures, without a line cut off by a kill."""
         whole = self._out.read_text().rpartition("\n")[0].splitlines()
         return [(int(tick), checksum) for tick, checksum in map(str.split, whole)]
 
@@ -58,7 +58,7 @@ def dive(tmp_path_factory, make_address):
     try:
         start("left", "left")
         right, master = start("right", "right"), start("master", "master", -1)
-        # Ticks, not pictures: while the master waits for all it shows one tick again and again.
+        # Count ticks, not pictures: a waiting master repeats one tick.
         right.until(lambda node: len(dict(node.seen)) > 100)
         right.kill()
         there = len(dict(master.seen))
@@ -79,7 +79,7 @@ def dive(tmp_path_factory, make_address):
 
 
 def dives(process):
-    """Its ticks and checksums, one mapping for each dive that it took part in."""
+    """Its ticks and checksums, one mapping for each dive that it joined."""
     parts = [{}]
     before = 0
     for tick, checksum in process.seen:
@@ -91,7 +91,7 @@ def dives(process):
 
 
 def common(one, other):
-    """How many ticks both have seen; they saw the same."""
+    """Number of ticks that both have shown, with equal checksums."""
     both = sorted(one.keys() & other.keys())
     assert [one[tick] for tick in both] == [other[tick] for tick in both]
     return len(both)
@@ -99,7 +99,7 @@ def common(one, other):
 
 def test_a_node_that_stays_sees_a_thousand_ticks_as_the_master_does(dive):
     master, left = dives(dive["master"])[0], dives(dive["left"])[0]
-    # Some pictures have no tick, some have three: what is between was seen by nobody.
+    # Some pictures have no tick, some have three: ticks in between are never shown.
     assert max(master) - min(master) >= TICKS
     assert common(master, left) >= len(master) - 1
     assert len(set(master.values())) == len(master)
@@ -110,7 +110,7 @@ def test_a_node_that_was_killed_sees_the_same_before_and_after(dive):
     before, after = dives(dive["right"])[0], dives(dive["right again"])[0]
     assert common(master, before) > 50
     assert common(master, after) > 50
-    assert min(after) > max(before) + 50  # the others went on without it
+    assert min(after) > max(before) + 50  # the others continued without it
 
 
 def test_what_happened_is_told_in_words(dive):

@@ -21,7 +21,7 @@ def told(harness, *words):
 
 
 def late(harness):
-    """How often a node was waited for in vain."""
+    """Number of timeouts of a node."""
     return sum("has not drawn" in line for line in harness.told)
 
 
@@ -32,7 +32,7 @@ def both_in_step(harness, seas):
 
 
 def assert_all_show_the_same(harness, *nodes, pictures=20):
-    """All see the same for some pictures."""
+    """Assert that all show the same for some pictures."""
     harness.show_until(lambda: len(harness.master.in_step()) == len(nodes))
     first = harness.master._number + 1
     harness.show_pictures(pictures, ticks=2)
@@ -80,7 +80,7 @@ def test_a_node_that_is_late_is_left_behind_and_comes_back(make_harness, seas, a
     harness.show_pictures(20)
     assert harness.master.in_step() == ["left"]
     assert told(harness, "node right", "has not drawn", "going on")
-    assert late(harness) == 1  # nobody waits for it any more
+    assert late(harness) == 1  # the master no longer waits for it
     right.asleep = False
     harness.show_until(lambda: len(harness.master.in_step()) == 2)
     assert told(harness, "node right", "in step again")
@@ -220,12 +220,12 @@ def test_garbage_does_not_stop_the_dive(harness, seas):
             stranger.send(b"garbage")
         assert_all_show_the_same(harness, left, right)
         stranger.close()
-    assert sum(line.startswith("refused") for line in harness.told) <= 4  # not one a message
+    assert sum(line.startswith("refused") for line in harness.told) <= 4  # less than one each
     assert set(harness.master.in_step()) == {"left", "right"}
 
 
 def test_a_follower_takes_no_garbage_for_a_master(seas, address):
-    """Something else listens where the master is expected."""
+    """Another program listens at the master's address."""
     words = []
     with zmq.Context() as context:
         other = context.socket(zmq.ROUTER)
@@ -304,7 +304,7 @@ def test_with_keys_only_those_who_are_known_take_part(make_harness, seas, addres
 
 
 def test_a_node_does_not_follow_a_master_with_another_key(make_harness, seas, address, keyed):
-    """Somebody who knows the nodes but has not the master's secret listens in its place."""
+    """An impostor with the nodes' keys but not the master's secret listens in its place."""
     false = read_keys(keyed, "thief", ["left"])
     harness = make_harness(seas[0], address, nodes=["left"], keys=false)
     left = harness.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
@@ -338,7 +338,7 @@ def test_an_address_that_cannot_be_is_told(seas, address, words):
 
 
 def test_keys_that_cannot_be_end_what_was_begun(seas, address):
-    """The context of a socket that was left open would wait for it for ever."""
+    """The context of a socket left open would wait for ever."""
     none = b"," * 40
     keys = Keys(none, none, {"left": none, "master": none})
     with pytest.raises(UserError, match=r"cannot listen there \(Invalid argument\)"):

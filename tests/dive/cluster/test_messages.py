@@ -1,4 +1,4 @@
-"""Messages are what they say, or refused."""
+"""Valid messages are decoded, all others refused."""
 
 import math
 
@@ -71,7 +71,7 @@ def test_garbage_is_refused_in_words(data):
                 message = read(bytes_)
             except UserError as fault:
                 assert "expected" in str(fault) or "no message of subsea" in str(fault)
-            else:  # a few bytes may be a message; it must be a whole one then
+            else:  # a few bytes may be a message, but only a complete one
                 assert read(encode(message)) == message
 
 
