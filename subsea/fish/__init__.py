@@ -1,1 +1,1 @@
-"""What a fish is: its surface, mesh, colours, spine and species file."""
+"""Fish data: surface, mesh, colours, spine and species file."""

@@ -27,9 +27,9 @@ def sheet_of(species: Species) -> Bytes:
 
 
 def sheets(species: Sequence[Species]) -> list[Bytes]:
-    """The sheets of many species, those that are painted kept on the disk.
+    """Return the sheets of many species; painted ones come from the disk cache.
 
-    A file that is missing, damaged or no sheet is a UserError.
+    A missing or damaged file, or one that is not a sheet, is a UserError.
     """
     painted = [one for one in species if not one.skin.sheet]
     done = iter(cached(paint.paint_all, tuple(painted)) if painted else [])
@@ -44,7 +44,7 @@ def read(path: Path) -> Bytes:
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of huge sizes, which are none that is expected
+            warnings.simplefilter("ignore")  # about huge sizes, which are refused below
             with Image.open(path, formats=("PNG",)) as image:
                 if image.size != sheet_layout.SIZE or image.mode != "RGBA":
                     about = f"{image.width}×{image.height} pixels, {image.mode}"
@@ -66,9 +66,9 @@ def write(path: Path, sheet: Bytes) -> None:
 
 
 def picture_of(path: Path) -> Path:
-    """Where the sheet lies that the species in the file `path` is to wear: a PNG of its name.
+    """Return the path of the sheet of a species file: a PNG with its name.
 
-    A file that is there and is no sheet of it is somebody's own: a UserError, as is a faulty one.
+    An existing file that is not its sheet is a UserError, as is a faulty species file.
     """
     picture = path.with_suffix(".png")
     if load_toml(path, Species).skin.sheet != picture.name and picture.exists():
@@ -79,7 +79,7 @@ def picture_of(path: Path) -> Path:
 
 
 def wear(path: Path, sheet: Bytes) -> Path:
-    """Let the species in the file `path` wear a sheet: a PNG of its name beside it, and the key.
+    """Save a sheet as a PNG beside the species file, and set its key there.
 
     All else in the file stays, comments too. Returns the path of the PNG. What `picture_of` refuses
     is a UserError.

@@ -1,4 +1,4 @@
-"""How points of a drawn surface hang on the 23 nodes, and where they are when the nodes move.
+"""Coupling of surface points to the 23 nodes, and their places when the nodes move.
 
 Three ways are to choose from: cross-sections interpolated along the body (`skin.py`), the
 bilinear patches of Tu §5.4 (`patches.py`), and the tetrahedra of KS III.A (`tetrahedra.py`).
@@ -18,7 +18,7 @@ Way = Literal["sections", "patches", "tetrahedra"]
 
 
 class Coupling(NamedTuple):
-    """What p points take from the nodes."""
+    """Weights and offsets of p points on the nodes."""
 
     weights: Array  # (p, 23) of the nodes; rows sum to one
     face: Ints  # (p,) face of the hull whose axes the offset is in

@@ -102,5 +102,5 @@ def draw_eye(picture: Array, skin: SkinPlan, ahead: Array, up: Array, radius: fl
     ring = single(smoothstep(far, 1.0, 0.9))
     picture[:3] += (iris - picture[:3]) * ring
     blend(picture, DARK, smoothstep(far, skin.pupil + 0.05, skin.pupil - 0.05))
-    # What is seen of the bright surface in the pupil.
+    # The reflection of the bright surface in the pupil.
     picture[2] += 0.03 * single(smoothstep(far, 0.5, 0.3) * smoothstep(h, -0.1, 0.5))

@@ -1,8 +1,8 @@
 """The mesh of a fish at every level of detail, the same for all species (SMC §7.2).
 
-All species have the same control points, so one set of vertices serves them: what a vertex weighs
-them with is alike, and only where it lies on the skin differs (`outfit`). A fin that a species
-lacks has vertices too; they are told to hide.
+All species have the same control points, so they share one set of vertices: the weights are the
+same, and only the place on the skin differs (`outfit`). A fin that a species
+lacks has vertices too, which are hidden.
 """
 
 from functools import cache
@@ -38,7 +38,7 @@ VERTEX_COLUMNS = 16
 
 
 class Detail(NamedTuple):
-    """How finely one level is sampled."""
+    """The sampling of one level."""
 
     body: int  # how often its samples were thinned out: `kept`
     fins: int
@@ -62,8 +62,8 @@ class Mesh(NamedTuple):
     v: Array  # (n,) place along the patch; of a paired fin across it
     upper: NDArray[np.bool_]  # (n,) whether it belongs to the upper side of a half of the body
     triangles: Ints  # (m, 3) int32: of the closed body, of the fins, and of their other sides
-    body: int  # how many the first are ...
-    fins: int  # ... and the second, as many as the last
+    body: int  # number of the first ...
+    fins: int  # ... and of the second, equal to that of the last
 
 
 @cache
@@ -77,7 +77,7 @@ def finest(controls: int) -> Table:
 
 
 def kept(controls: int, thinned: int) -> Ints:
-    """Which samples of the finest table a level takes.
+    """Return the samples of the finest table that a level uses.
 
     Not thinned: every second, and along the body all in the head, where a mouth opens. Once: one
     per control point, where that pulls most. Twice: every second of these.
@@ -130,7 +130,7 @@ def fish_mesh(detail: Detail) -> Mesh:
 
 
 def outfit(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
-    """What the vertices (n, 4) of a species have of their own.
+    """Return the vertex data (n, 4) that differ between species.
 
     On body and fins: the place on the skin, behind the snout and up, in body lengths. On paired
     fins: how far along and across the fin. Then the first control point or ABSENT, and v.

@@ -1,4 +1,4 @@
-"""Skins painted once at start: what SMC §4 takes from photographs of real fishes.
+"""Skins painted once at start; SMC §4 uses photographs of real fishes instead.
 
 A skin is one sheet. Most of it is the body with its tail: the left flank seen from the side at
 rest. That of a fish with wings shows one of them from above and below, unfolded at the edge: its
@@ -58,16 +58,16 @@ from subsea.fish.skin_patterns import (
 from subsea.fish.species import FinSkin, SkinPlan, Species
 from subsea.fish.surface import Curve, FinPlan, PaddlePlan, SurfacePlan, WingPlan, along
 
-FLANK = 0.45  # how wide what lies on the flank of a flat head looks from above
+FLANK = 0.45  # apparent width from above of features on the flank of a flat head
 EDGE_SHADE = 0.02  # width of the band along the edge of a wing, body lengths
 PORES = 0.0115  # from one scale of the lateral line to the next, body lengths
-CUT_SPINES, CUT_RAYS = 0.15, 0.05  # how far the membrane is cut in between them, share of the fin
+CUT_SPINES, CUT_RAYS = 0.15, 0.05  # cuts in the membrane between them, share of the fin
 PADDLE_RAYS = 13
 
 
 def paint_all(species: Sequence[Species]) -> list[NDArray[np.uint8]]:
-    """The skins of many species, painted at once: numpy lets go of the interpreter's lock."""
-    cloud_noise(), grain_noise()  # all want them: not each should make its own
+    """Paint the skins of many species in parallel threads: numpy releases the GIL."""
+    cloud_noise(), grain_noise()  # shared: compute them before the threads start
     with ThreadPoolExecutor() as pool:
         return list(pool.map(paint, species))
 
@@ -285,7 +285,7 @@ def _draw_lateral_line(
 
 
 def _draw_shadow_of_fin(picture: Array, surface: SurfacePlan, s: Array, y: Array) -> None:
-    """Little light comes in behind a pectoral fin, and to where it is rooted."""
+    """Darken the flank behind a pectoral fin and around its root."""
     fin = surface.pectoral
     if fin is None or fin.wing:
         return

@@ -22,7 +22,7 @@ def texels_around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[sli
 
 
 def boxes_overlap(outline: Curve, s: Array, y: Array) -> bool:
-    """Whether the box around an outline has a share in that around some places."""
+    """Return whether the box around an outline overlaps the box around some places."""
     low, high = np.min(outline, axis=0) - 0.02, np.max(outline, axis=0) + 0.02
     return bool(s.max() > low[0] and s.min() < high[0] and y.max() > low[1] and y.min() < high[1])
 
@@ -37,7 +37,7 @@ def depth_inside(outline: Curve, s: Array, y: Array) -> Array:
 
 
 def depth_at(outline: Curve, x: Array, h: Array) -> Array:
-    """The same at any places."""
+    """Distance from a smooth closed outline at any places, positive inside."""
     corners = _rounded(np.asarray(outline, np.float32))
     shape = np.broadcast_shapes(x.shape, h.shape)
     inside = np.zeros(shape, bool)
@@ -81,7 +81,7 @@ def cloud_noise() -> Array:
 
 @cache
 def grain_noise() -> Array:
-    """Another one, finer."""
+    """Finer noise of the same kind."""
     return _tile(lambda k: np.exp(-((k / 0.012) ** 2)) + 0.15 * np.exp(-((k / 0.1) ** 2)))
 
 
@@ -126,7 +126,7 @@ def blend(picture: Array, colour: Colour, share: Array) -> None:
 
 
 def single(values: Array) -> Array:
-    """Eight bits are kept in the end: single precision is ample, and twice as fast."""
+    """Convert to single precision: ample for eight bits, and twice as fast."""
     return np.asarray(values, np.float32)
 
 

@@ -20,7 +20,7 @@ SPOT_SOFT = 0.0013  # half the width of a spot's border, body lengths
 
 
 def blotch(picture: Array, amount: float) -> None:
-    """No patch of a living skin has one colour: it is warmer here and cooler there."""
+    """Vary colours by noise: warmer in some places, cooler in others."""
     shape = picture.shape[1:]
     cloud, other = tiled(grain_noise()[::-1], shape), tiled(grain_noise()[:, ::-1], shape)
     for plane, warmth, light in zip(
@@ -50,7 +50,7 @@ def strew_spots(picture: Array, plan: SkinSpots, s: Array, right: Array, where: 
 
 
 def stripe_share(plan: Stripes, s: Array, y: Array, uneven: Array) -> Array:
-    """Where the stripes are, 0 to 1: they waver a little, and taper at both ends."""
+    """Return the coverage of stripes, 0 to 1; they waver a little and taper at both ends."""
     waver = 0.09 * _sine(19.0 * s, 23.0 * y) + 0.05 * _sine(43.0 * s, -31.0 * y)
     if plan.upright:
         phase = (s - plan.rise * y + uneven) / plan.spacing + waver
@@ -89,7 +89,7 @@ def blend_rings(picture: Array, plan: SkinPatch, depth: Array) -> None:
 
 
 def ray_pattern(share: Array, out: Array, spines: int, rays: int) -> tuple[Array, Array]:
-    """How plainly a ray shows, and how far between two one is (0 on a ray, 1 in the middle).
+    """Return the strength of rays, and the place between two (0 on a ray, 1 midway).
 
     At `share` (0 to 1) of the way along a fin's base, of which spines take the front, and `out`
     (0 to 1) of the way to its edge. Rays part in two on their way.
@@ -118,6 +118,6 @@ def blend_membrane(
         rim = to_edge / fin.rim_width if to_rim is None else to_rim
         blend(picture, fin.rim, smoothstep(rim, 1.0, 0.7) * root)
     clear = (1.0 - fin.opacity) * smoothstep(out, 0.05, 0.8)
-    # Of a clear fin the rays hold most of what there is to see, and it frays at its edge.
+    # Rays stay more opaque than the membrane of a clear fin; its edge frays.
     clear = clear * (1.0 - 0.55 * plain * rays)
     picture[3] *= (1.0 - clear) * smoothstep(to_edge, 0.0, 0.004)

@@ -1,4 +1,4 @@
-"""What is constant per species, from `assets/species/NAME.toml` or a file of one's own."""
+"""Constants of a species, from `assets/species/NAME.toml` or a user's file."""
 
 import re
 from pathlib import Path
@@ -90,9 +90,9 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How much the fishes of a species differ from one another."""
+    """Variation between the fishes of a species."""
 
-    hue: Share = 0.05  # by which share a primary colour is stronger or weaker
+    hue: Share = 0.05  # relative change of a primary colour
     saturation: Share = 0.10
     brightness: Share = 0.08
     pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # how far it is displaced,
@@ -101,7 +101,7 @@ class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What a courting male wears (Tu §5.3): colours near one give way to another."""
+    """Colours of a courting male (Tu §5.3): colours near one change to another."""
 
     of: Colour
     to: Colour
@@ -113,7 +113,7 @@ class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
 
 class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a species is coloured; painted in the order of the fields, later over earlier."""
+    """The colours of a species, painted in the order of the fields."""
 
     sheet: Annotated[str, msgspec.Meta(pattern=r"^[^/\\]+\.png$")] | None = None  # a picture to
     # wear instead of what is painted, beside the file; once it is loaded, its whole path
@@ -133,7 +133,7 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     silver: Share = 0.0  # how much what is pale on its flanks mirrors the water around
     scales: Share = 1.0  # how plainly they show
     rays: Share = 1.0  # how plainly the rays of the fins show
-    gills: Annotated[int, msgspec.Meta(ge=0, le=7)] = 1  # a gill cover, so many slits, 0 a pore
+    gills: Annotated[int, msgspec.Meta(ge=0, le=7)] = 1  # 0 a pore, 1 a gill cover, else slits
     pupil: Share = 0.55  # its size, share of the eye
     mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
     clear_back: Share = 0.0  # how much the back is like glass
@@ -148,9 +148,9 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One species: what it is called, how it is built, how it moves, what it looks like.
+    """One species: its names, build, motion and looks.
 
-    What moves it is either its muscles, three tables, or its spine, one table.
+    It moves either by muscles (three tables) or by its spine (one table).
     """
 
     name: str
@@ -225,7 +225,7 @@ def species_names() -> list[str]:
 
 
 def hidden_names() -> list[str]:
-    """Names of own files that nobody gets to see: a shipped species has the name."""
+    """Return names of own files that are hidden by shipped species of the same name."""
     return sorted(set(stems(own_species(), ".toml")).intersection(shipped_species()))
 
 
@@ -246,7 +246,7 @@ def species_file(name: str) -> Path:
 
 
 def own_species_file(name: str) -> Path:
-    """Where a species of one's own called `name` lies, there or not.
+    """Return the path of the user's species `name`, which need not exist.
 
     A name that a shipped species has, or that no file can have, is a UserError.
     """
@@ -258,7 +258,7 @@ def own_species_file(name: str) -> Path:
 
 
 def repertoire_folder(name: str) -> Path:
-    """Where the repertoire of the species called `name` lies; it need not be there yet."""
+    """Return the repertoire folder of the species `name`, which need not exist."""
     return resource_path("repertoires") if is_shipped(name) else own_path("repertoires")
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.fish.surface import along
 
-UNITS = 240  # of a spine: so many that no picture shows one
+UNITS = 240  # of a spine: too fine to be seen
 WING_UNITS = 32  # from the spine to any point of a wing
 MODEL_LENGTHS = (10.0, 300.0)  # cm, of the fish that is recorded
 RUN_IN = 0.4  # body lengths that a sharp turn takes at least, besides the fish's own length
@@ -33,7 +33,7 @@ Beat = Annotated[int, msgspec.Meta(ge=8, le=200)]
 
 
 class Swing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a chain of units swings; places are shares of its length.
+    """The swing of a chain of units; places are shares of its length.
 
     ``inflections`` are where the bend changes sides while the central one swings its farthest:
     half a wave lies between two of them, and they may lie beyond the ends. ``flexibility``
@@ -90,7 +90,7 @@ class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class Turn(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the fish turns, at the gait of grade medium: its body follows a path that bends."""
+    """A turn at the gait of grade medium: the body follows a path that bends."""
 
     gradual: Annotated[float, msgspec.Meta(gt=0, le=60)]  # degrees each beat
     sharp: Annotated[float, msgspec.Meta(gt=0, le=120)]  # degrees in all
@@ -99,7 +99,7 @@ class Turn(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How a species moves that has a spine but no muscles: the [spine] table of its file."""
+    """The motion of a species with a spine but no muscles: the [spine] table of its file."""
 
     length: Annotated[float, msgspec.Meta(ge=MODEL_LENGTHS[0], le=MODEL_LENGTHS[1])]  # cm
     centre: Annotated[float, msgspec.Meta(ge=0.1, le=0.7)]  # behind the snout; keeps to the path

@@ -116,7 +116,7 @@ class WingPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     @property
     def tip(self) -> int:
-        """Which point of the outline is farthest aside."""
+        """Return the index of the point of the outline that is farthest aside."""
         return int(np.argmax([right for _, right in self.outline]))
 
     @property
