@@ -1,4 +1,4 @@
-"""`subsea skin PHOTO --auto`: a species is dressed from a photograph, without a window."""
+"""`subsea skin PHOTO --auto`: dress a species from a photograph, without a window."""
 
 import json
 from pathlib import Path
@@ -19,12 +19,12 @@ from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import Species, is_shipped, load_species, species_file
 
 GOOD = 0.015  # body lengths
-FAR = 10.0  # of a photograph's size: meshes that lie so far off are none
-LEAST = 8.0  # pixels: a body that is shorter is none
+FAR = 10.0  # of a photograph's size: farther meshes are refused
+LEAST = 8.0  # pixels: a shorter body is refused
 
 
 def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | None) -> int:
-    """Find the fish, lift its skin, let the species wear it, and say how well it went.
+    """Find the fish, lift its skin, save it for the species, and report the quality.
 
     With ``out`` the sheet alone is written there. ``mesh`` holds the meshes: those of a file that
     is there are taken as they are, else the file is made.
@@ -72,7 +72,7 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
 
 
 def check_sheet(photo: Path, name: str, out: Path | None) -> None:
-    """Whether a sheet can be written to `out`, or beside the file of a species; else a UserError.
+    """Check that a sheet can be written to `out` or beside a species file, else UserError.
 
     The photograph, and what else lies there and is no sheet of the species, is not written over.
     """
@@ -87,7 +87,7 @@ def check_sheet(photo: Path, name: str, out: Path | None) -> None:
 
 
 def check_mesh(mesh: Path | None, flip: bool) -> None:
-    """Whether meshes can be written to a file, or taken from it as they are; else a UserError."""
+    """Check that meshes can be written to a file or read from it, else UserError."""
     if mesh is not None:
         check_file(mesh)
         if flip and mesh.exists():
@@ -97,7 +97,7 @@ def check_mesh(mesh: Path | None, flip: bool) -> None:
 
 
 def may_wear(name: str) -> bool:
-    """Whether the file of a species may be changed: one's own, or any in a checkout."""
+    """Return whether a species file may be changed: a user's own, or any in a checkout."""
     return is_path(name, ".toml") or not is_shipped(name) or (ROOT / "pyproject.toml").exists()
 
 
@@ -122,7 +122,7 @@ def save_mesh(path: Path, photograph: Photograph, meshes: FishMeshes) -> None:
 
 
 def load_mesh(path: Path, photograph: Photograph, species: Species) -> FishMeshes:
-    """Meshes as `save_mesh` writes them; what is no such file is a UserError."""
+    """Read meshes that `save_mesh` wrote; any other file is a UserError."""
     height, width = photograph.colour.shape[:2]
     meshes = make_fish_meshes(species.surface, centred_matrix(width, height, species.surface))
     size = np.array([width, height], float)

@@ -1,4 +1,4 @@
-"""Where the eye of a fish is in a photograph: a dark disc that is paler all around.
+"""Eye detection in a photograph: a dark disc with a paler ring around it.
 
 Needs the extra `skin` (OpenCV).
 """
@@ -8,7 +8,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Bytes
 
-PATCH = 96  # pixels each way, in which is looked
+PATCH = 96  # pixels each way of the searched square
 GRAIN = 9.0  # pixels there of the radius of an eye
 PUPILS = 3.5, 4.5, 5.5, 6.5, 7.5  # their radii there, pixels
 FAR = 2.6  # radii of an eye from where it is expected, at most
@@ -17,7 +17,7 @@ WEAKEST = 0.2  # of all directions may be as dark as the disc: a lid, a band thr
 
 
 def eye_near(colour: Bytes, place: Array, radius: float) -> tuple[Array, float]:
-    """The likeliest eye about a place of a photograph (h, w, 3), and how plain it is.
+    """Return the likeliest eye near a place of a photograph (h, w, 3), and its contrast.
 
     That is how much paler its ring is than its disc nearly all around, 0 to 1. `radius` is that
     of an eye in pixels.
@@ -59,7 +59,7 @@ def _mean(grey: Array, radius: float) -> Array:
 
 
 def _shifted(grey: Array, by: Array) -> Array:
-    """What lies `by` pixels beside each pixel."""
+    """Shift a picture by `by` pixels."""
     matrix = np.array([[1.0, 0.0, by[0]], [0.0, 1.0, by[1]]])
     out = cv2.warpAffine(
         grey, matrix, grey.shape[::-1], flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,

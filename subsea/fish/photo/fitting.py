@@ -42,7 +42,7 @@ from subsea.fish.surface import SurfacePlan
 
 ALIKE = 128  # pixels of the longer side, where shapes are compared
 UNIT = 200.0  # pixels of a body length of the shape that is compared
-SOFT = 2.5  # by so many pixels both are blurred
+SOFT = 2.5  # pixels by which both are blurred
 TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
 STEEP = 0.04  # what the likeness loses at a tilt of a right angle: fishes are upright
 FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the species
@@ -50,12 +50,12 @@ SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
 SURE = 0.955  # likeness above which no other guess is tried
 LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
 BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
-EYE = 0.25  # what the plainness of an eye counts beside the likeness of shapes
-PLAIN = 0.12  # an eye is one from which on
+EYE = 0.25  # weight of the contrast of an eye against the likeness of shapes
+PLAIN = 0.12  # least contrast of an eye
 OFF = 2.2  # radii from where it is expected, at most
 HOLDING = 1.0  # λ of the anchors that hold the border meanwhile
 POOR = 0.55  # likeness below which no fish was found
-ROUNDS = 2  # of telling apart once more, where it is known about where the fish is
+ROUNDS = 2  # of segmenting again, from a known rough place
 # Body lengths inside (outside) a silhouette from which on all (nothing) is fish, by stage.
 WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
 AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
@@ -72,7 +72,7 @@ class FishFit(NamedTuple):
 
 
 def find_fish(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> FishFit:
-    """The fish in a photograph, with meshes on its outline; if there is none, a UserError.
+    """Find the fish in a photograph and fit meshes to its outline; UserError if none is found.
 
     Which way it heads follows from its shape and its eye; `flip` takes the other one.
     """
@@ -146,7 +146,7 @@ def _heads_right(matrix: Array) -> bool:
 
 
 def segment_under(photograph: Photograph, meshes: FishMeshes) -> Bools:
-    """The fish (h, w) that is told apart where meshes lie over a photograph, by hand or by `found`.
+    """Segment the fish (h, w) under meshes, which were placed by hand or by `found`.
 
     It ends near them: the meshes are believed.
     """
@@ -169,7 +169,7 @@ def _enlarged(mask: Bools, photograph: Photograph) -> Bools:
 
 
 def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
-    """What is told apart in a small picture, the species' place in it, and their likeness."""
+    """Segment a small picture; return mask, place of the species, and likeness."""
     best: tuple[Bools, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
     blank = colour.std(axis=(0, 1)).max() < BLANK
     for guess in () if blank else (*initial_masks(colour), *_likely(colour, plan)):
@@ -190,7 +190,7 @@ def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
 def _closer(
     colour: Bytes, plan: SurfacePlan, mask: Bools, matrix: Array, likeness: float
 ) -> tuple[Bools, Array, float]:
-    """The same once more, where it is known about where the fish is and which way it heads."""
+    """Segment again, from a known rough place and heading."""
     right = _heads_right(matrix)
     for _ in range(ROUNDS):
         closer = grab_cut(colour, _shaped(plan, matrix, mask.shape, CLOSER))
@@ -202,7 +202,7 @@ def _closer(
 
 
 def _cut_off(mask: Bools) -> float:
-    """Which share of a mask's outline is the picture's border: there water ends, not a fish."""
+    """Return the share of a mask's outline that lies on the picture's border."""
     k = 1 + max(1, round(0.01 * min(mask.shape)))  # what `guesses` leaves out
     rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
     return float(rim.sum()) / max(1, int(_border(mask).sum()))
@@ -229,7 +229,7 @@ def _shaped(
 
 
 def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
-    """Where the fish is and is not if it lies about there, in GrabCut's words.
+    """Return GrabCut labels for a fish at a rough place.
 
     All is fish `core` body lengths within, and nothing `halo` body lengths without.
     """
@@ -243,7 +243,7 @@ def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
 
 
 def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bools:
-    """Which pixels (h, w) the species covers in its own shape."""
+    """Return the pixels (h, w) that the species covers in its own shape."""
     out = np.zeros(shape[:2], np.uint8)
     rest = side_view(plan)
     body = subdivide(rest.body)

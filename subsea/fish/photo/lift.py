@@ -25,7 +25,7 @@ from subsea.fish.surface import FIN_V, SurfacePlan
 from subsea.geometry.spline import basis_at, dense, greville, through
 
 RIM = 0.006  # body lengths inside the outline where the background still shines through
-NEAR = 0.035  # so near to it the fish told apart is asked, farther inside the meshes alone
+NEAR = 0.035  # nearer to it the segmented fish counts, farther inside the meshes alone
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 TIERS = 10  # levels from belly to back whose brightness is compared
 EVENED = 0.8  # of what a back is brighter than the belly
@@ -49,7 +49,7 @@ class _Flank(NamedTuple):
     trunk: Bools  # (h, w) the body without its tail
     low: Array  # (2,) the place of its lower left corner, body lengths
     size: Array  # (2,) texels in a body length
-    steep: float  # how much light from above was in it
+    steep: float  # strength of the light from above in it
 
 
 def lift_sheet(
@@ -57,8 +57,8 @@ def lift_sheet(
 ) -> Bytes:
     """The sheet (640, 1024, 4) of a species, bottom row first, from a photograph (h, w, 3).
 
-    ``fish`` (h, w) is what was told apart from the background: near the outline only colours from
-    there are taken, and fins have gaps where it has. Without it the meshes alone decide.
+    ``fish`` (h, w) is the segmented fish: near the outline only its colours are used, and fins have
+    gaps where it has. Without it the meshes alone decide.
     """
     surface, skin = species.surface, species.skin
     rest = side_view(surface)
@@ -170,7 +170,7 @@ def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
 
 
 def mesh_mask(meshes: FishMeshes, shape: tuple[int, ...]) -> Bools:
-    """Which pixels (h, w) lie under the meshes."""
+    """Return the pixels (h, w) under the meshes."""
     mask = np.zeros(shape[:2], np.uint8)
     for ring in mesh_outlines(meshes):
         cv2.fillPoly(mask, [np.round(ring * 16.0).astype(np.int32)], 1, shift=4)
@@ -248,14 +248,14 @@ def _around(colour: Bytes, meshes: FishMeshes, length: float) -> tuple[tuple[sli
 
 
 def _sure(within: Bools, there: Bools, length: float) -> Bools:
-    """Where the colours are the fish's own: inside the meshes, away from any outline."""
+    """Return where colours are the fish's own: inside the meshes, away from outlines."""
     inner = _far_inside(within & (there | _deep(within, length)))
     sure = inner > RIM * length
     return np.asarray(sure if sure.any() else within)
 
 
 def _deep(within: Bools, length: float) -> Bools:
-    """Farther inside the meshes than the fish told apart is asked."""
+    """Return where only the meshes count, farther than `NEAR` inside them."""
     return np.asarray(_far_inside(within) > NEAR * length)
 
 
@@ -278,7 +278,7 @@ def _looked_up(picture: Array, places: Array) -> Array:
 
 
 def _risen(rest: SideViewFin, share: Array, up: Array) -> Array:
-    """How far texels (h, w) of a fin's frame are from where it leaves the body, 0, to its edge, 1.
+    """Return the height of texels (h, w) of a fin: 0 at the body, 1 at its edge.
 
     Negative within the body, and all along where the fin does not show.
     """
@@ -309,7 +309,7 @@ def _level(trunk: Bools) -> Array:
 
 
 def _lit_from_above(light: Array, level: Array) -> float:
-    """By which power of e the back is brighter than the belly; 0 if the belly is the brighter one.
+    """Return the log ratio of back to belly brightness; 0 if the belly is brighter.
 
     Fishes are pale below, so that the light from above leaves them even. Where the belly of a
     photograph is the darker one, that light is in it, and it would fall on the fish twice.
@@ -323,12 +323,12 @@ def _lit_from_above(light: Array, level: Array) -> float:
 
 
 def _evened(steep: float, level: Array | np.float32) -> Array:
-    """What colours at a level are to be multiplied with."""
+    """Return the factor of colours at a level."""
     return np.exp(np.float32(-EVENED * steep) * (level - np.float32(0.5)))
 
 
 def _plain(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
-    """A skin in the colours of the photograph, without patterns: for what that does not show."""
+    """Return a plain skin in the photograph's colours, for parts that it does not show."""
     light, level = flank.picture[..., :3], flank.level
     tones = {
         name: _typical(light, flank.trunk & (level >= low) & (level <= high)) or getattr(skin, name)

@@ -208,7 +208,7 @@ def transform_box(meshes: FishMeshes) -> TransformBox:
 
 
 def is_inside(box: TransformBox, place: tuple[float, float]) -> bool:
-    """Whether a place lies in the box."""
+    """Return whether a place lies in the box."""
     off = np.asarray(place) - box.middle
     half = np.abs((box.corners - box.middle) @ np.stack([box.ahead, box.up], 1))
     return bool(abs(off @ box.ahead) <= half[0, 0] and abs(off @ box.up) <= half[0, 1])

@@ -1,4 +1,4 @@
-"""A photograph of a fish: reading it, and telling the fish from what lies behind it.
+"""Read a photograph of a fish, and segment the fish from the background.
 
 Needs the extra `skin` (OpenCV).
 """
@@ -21,7 +21,7 @@ LEAST = 96  # pixels of the longer side
 WORK = 1600  # pixels of the longer side that are kept: a sheet is 1024 texels wide
 TOLD_APART = 400  # the same, where fish and background are told apart
 CLEAR = 0.005  # a share of clear pixels from which on the opacity shows the fish
-BAND = 0.06  # of the shorter side: what lies so near to the border is background, mostly
+BAND = 0.06  # of the shorter side: a border that is mostly background
 COLOURS = 6  # of the background, as a first guess
 ROUNDS = 3  # of GrabCut
 
@@ -37,7 +37,7 @@ class Photograph(NamedTuple):
 def read_photograph(path: Path) -> Photograph:
     """The photograph, upright as its camera was held, its longer side at most `WORK` pixels.
 
-    What is no picture, damaged, too large or too small is a UserError.
+    A file that is not a picture, damaged, too large or too small is a UserError.
     """
     try:
         size = path.stat().st_size
@@ -84,7 +84,7 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
         upright = upright.convert("L")
     # Made small before it is anything else: a huge one would take gigabytes.
     white = _white(upright) if upright.mode.startswith("I") or upright.mode == "F" else None
-    if upright.mode.startswith("I;16"):  # of these Pillow makes no smaller ones
+    if upright.mode.startswith("I;16"):  # Pillow cannot shrink these
         upright = upright.convert("I")
     upright.thumbnail((WORK, WORK), Image.Resampling.LANCZOS, reducing_gap=3.0)
     if white:
@@ -123,7 +123,7 @@ def downscale(photograph: Photograph, side: int = TOLD_APART) -> tuple[Bytes, fl
 
 
 def initial_masks(colour: Bytes) -> list[Bytes]:
-    """First guesses where the fish is, in GrabCut's words, the likeliest first.
+    """Return first guesses of the fish as GrabCut labels, the likeliest first.
 
     What differs from the colours along the border; what lies in the middle.
     """
@@ -144,7 +144,7 @@ def initial_masks(colour: Bytes) -> list[Bytes]:
 
 
 def _strangeness(colour: Bytes) -> Array:
-    """How far the colours (h, w, 3) are from those along the border, in their deviations."""
+    """Return the distance of colours (h, w, 3) from the border's, in deviations."""
     lab = np.asarray(cv2.cvtColor(cv2.GaussianBlur(colour, (0, 0), 1.5), cv2.COLOR_RGB2LAB))
     lab = lab.astype(np.float32)
     height, width = lab.shape[:2]
@@ -167,7 +167,7 @@ def _strangeness(colour: Bytes) -> Array:
 
 
 def grab_cut(colour: Bytes, guess: Bytes) -> Bools:
-    """The fish in `colour` (h, w, 3) by GrabCut, which begins with a guess in its own words."""
+    """Segment the fish in `colour` (h, w, 3) by GrabCut from a guess of labels."""
     words = guess.copy()
     fish = (words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD)
     if not fish.any() or fish.all():
