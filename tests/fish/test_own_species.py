@@ -93,7 +93,7 @@ def test_one_that_is_damaged_is_in_nobodys_way(home, checkout, capsys):
     assert counts(load_scenario("peaceful")[0]).fishes["torn"] == 0
     code, out, err = captured(capsys, "record", "--all")
     assert code == 0 and not err and "torn" not in out and "fusilier.h5: up to date" in out
-    # Who asks for it learns what is wrong with it, in one line.
+    # Loading it reports the fault in one line.
     file = own_species_file("torn")
     code, out, err = captured(capsys, "record", "torn")
     assert code == 2 and not out and str(file) in err and err.count("\n") == 1

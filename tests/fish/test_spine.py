@@ -30,7 +30,7 @@ def swing(**changes):
 
 
 class Plan(msgspec.Struct):
-    """What `spines` reads of a plan."""
+    """The part of a plan that `spines` reads."""
 
     swing: Swing
     centre: float = 0.4

@@ -1,4 +1,4 @@
-"""What the skin editor edits: a photograph, a species, and the meshes between them."""
+"""The document of the skin editor: a photograph, a species, and meshes between them."""
 
 from pathlib import Path
 from typing import Any, NamedTuple

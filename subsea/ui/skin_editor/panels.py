@@ -24,7 +24,7 @@ PARTS = {
 
 @dataclass(frozen=True)
 class MeshActions:
-    """What the buttons of the mesh panel do."""
+    """The actions of the mesh panel's buttons."""
 
     choose: Callable[[str], object]  # another species
     find: Callable[[], object]
@@ -63,7 +63,7 @@ def _same_line(label: str, gap: float = 0.0) -> None:
 
 @dataclass
 class PreviewOptions:
-    """How the fish is previewed."""
+    """Settings of the fish preview."""
 
     swims: bool = True
     painted: bool = False  # show the painted sheet, for comparison

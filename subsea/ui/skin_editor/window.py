@@ -152,7 +152,7 @@ class SkinEditor:
 
     @property
     def searching(self) -> bool:
-        """Whether the fish is being looked for."""
+        """Whether a search for the fish runs."""
         return self.document.search is not None
 
     @property

@@ -1,4 +1,4 @@
-"""What is told of a fish that is being built: true of shipped ones, and of spoilt ones."""
+"""Checks of an edited fish: shipped species pass, spoilt ones are reported."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Species files under the hand: whatever is done, what is saved loads and is what was shown."""
+"""Edited species files: every saved file loads and equals the shown draft."""
 
 import tomllib
 from pathlib import Path
@@ -219,7 +219,7 @@ def test_a_copy_wears_a_picture_of_its_own(clownfish, tmp_path):
     save_draft(copy, tmp_path / "own" / "gem.toml")
     np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet)
     assert load_toml(tmp_path / "own" / "gem.toml", Species).skin.sheet == "gem.png"
-    write(tmp_path / "own" / "gem.png", sheet // 2)  # dressed anew meanwhile
+    write(tmp_path / "own" / "gem.png", sheet // 2)  # with a new picture meanwhile
     save_draft(with_value(copy, ("name",), "Ruby"), tmp_path / "own" / "gem.toml")
     np.testing.assert_array_equal(read(tmp_path / "own" / "gem.png"), sheet // 2)
     bare = with_value(copy, ("skin", "sheet"), None)

@@ -1,4 +1,4 @@
-"""What hands do to the meshes over a photograph, without a window."""
+"""Manual edits of meshes over a photograph, without a window."""
 
 import numpy as np
 import pytest

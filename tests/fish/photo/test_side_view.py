@@ -22,7 +22,7 @@ FISHES = [name for name in species_names() if load_species(name).surface.wing is
 
 
 def depth(rings, places):
-    """How deep places lie inside the union of rings, pixels; negative outside."""
+    """Return the depth of places inside the union of rings, pixels; negative outside."""
     return np.array(
         [
             max(cv2.pointPolygonTest(r.astype(np.float32), tuple(p), True) for r in rings)
