@@ -144,7 +144,7 @@ def test_groups_hold_their_levels_the_farthest_first(sizes, seed):
     views=st.integers(1, 4),
 )  # fmt: skip
 def test_each_view_has_its_own_fishes_at_the_level_that_is_common_to_all(sizes, seed, views):
-    """A view drawn with others looks as if drawn alone, from the same memory."""
+    """Each view looks as if drawn alone, from a memory that has seen all views."""
     rng = np.random.default_rng(seed)
     n = len(sizes)
     distance = rng.uniform(10, 1000, (views, n)).astype(np.float32)
