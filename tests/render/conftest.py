@@ -21,7 +21,7 @@ from subsea.view.rig import pose_from_angles, views
 PICTURES = Path(__file__).parent / "pictures"
 SIZE = (320, 180)
 # Edges of triangles may fall on the other side of a pixel's centre on another processor, so one
-# pixel in two hundred may differ at will; all others by one grey level at most.
+# pixel in two hundred may differ freely; all others by one grey level at most.
 TOLERANCE_LEVELS = 1
 TOLERANCE_SHARE = 0.005
 
@@ -31,7 +31,7 @@ HALF_WIDTH = 900.0
 
 
 class Fish(NamedTuple):
-    """What an instance record needs, with defaults that suit most tests."""
+    """Fields of an instance record, with defaults that suit most tests."""
 
     species: int
     position: tuple[float, float, float]
@@ -43,12 +43,12 @@ class Fish(NamedTuple):
     scale: float = 1.0
     fade: float = 0.0
     display: float = 0.0
-    number: int | None = None  # which of the packet's it is, in the order of its levels
+    number: int | None = None  # its index in the packet, in the order of its levels
 
 
 @pytest.fixture(scope="module")
 def context():
-    """Current for one module: other tests make contexts too."""
+    """A context that is current for one module: other tests make contexts too."""
     context = headless_context()
     with context:
         yield context
@@ -57,19 +57,19 @@ def context():
 
 @pytest.fixture(autouse=True)
 def as_if_first(request):
-    """OpenGL keeps its first error, and a framebuffer that was freed while in use makes one.
+    """Check and clear the OpenGL error, which a freed framebuffer in use causes.
 
-    So what a test leaves is not found by another.
+    So no test finds an error that another one left.
     """
     if "context" in request.fixturenames:
         context = request.getfixturevalue("context")
         context.detect_framebuffer(0).use()
-        assert context.error is not None  # asked for, it is forgotten
+        assert context.error is not None  # reading the error clears it
 
 
 @pytest.fixture(scope="session")
 def directions_on():
-    """(rig, observer) -> a canvas on which every pixel has the colour of where it looks."""
+    """(rig, observer) -> a canvas whose pixels have the colours of their directions."""
 
     def canvas_of(rig, observer):
         """(h, w, 3): directions in the observer's axes, as 0 to 1."""
@@ -116,7 +116,7 @@ def scene(known_repertoire):
 
 @pytest.fixture(scope="session")
 def make_packet():
-    """Fishes, and where the eye is and how it looks, or else views -> a packet."""
+    """(fishes, position and direction of the eye, or views) -> a packet."""
 
     def make(fishes, eye=(0.0, 0.0, -200.0), heading=np.pi / 2, pitch=0.0, **options):
         size = options.pop("size", SIZE)
@@ -150,7 +150,7 @@ def make_packet():
 
 
 def _group(fish):
-    """Whether it is drawn as one that fades, and its level, coarsest first."""
+    """True if the batch is of fading fishes, and its level, coarsest first."""
     return fish.fade != 0.0 and fish.level < len(LEVELS) - 1, -fish.level
 
 

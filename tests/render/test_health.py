@@ -1,4 +1,4 @@
-"""A long dive leaves no error and no object behind, at OpenGL 3.3 too."""
+"""A long dive leaves no OpenGL error and no leaked object, also with OpenGL 3.3."""
 
 import ctypes
 import ctypes.util
@@ -22,7 +22,7 @@ KINDS = (
     "Buffer", "Framebuffer", "Program", "Query", "Renderbuffer", "Sampler", "Shader", "Texture",
     "VertexArray",
 )  # fmt: skip
-NAMES = 3000  # drivers hand names out from 1 and use freed ones again
+NAMES = 3000  # drivers count names from 1 and reuse freed ones
 SIZES = ((96, 54), (64, 64), (120, 40))
 
 
@@ -33,7 +33,7 @@ def world():
 
 @pytest.fixture(scope="module")
 def living(context):
-    """Counts the OpenGL objects of each kind that exist, by asking for every name."""
+    """Counts the existing OpenGL objects of each kind, by testing every name."""
     library = ctypes.CDLL(ctypes.util.find_library("EGL"))
     library.eglGetProcAddress.restype = ctypes.c_void_p
 
@@ -45,7 +45,7 @@ def living(context):
     use_program = function("glUseProgram", None)
 
     def count():
-        use_program(0)  # one in use outlives its release
+        use_program(0)  # a program in use outlives its release
         return {name: sum(map(asked, range(1, NAMES))) for name, asked in questions.items()}
 
     return count
@@ -83,7 +83,7 @@ def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, 
         )  # fmt: skip
         if k % 100 == 99:
             assert context.error == "GL_NO_ERROR"
-        if k == 325:  # all rungs were drawn: what is made at need exists by now
+        if k == 325:  # all qualities were drawn: lazily made objects exist by now
             renderer.adapt(PRESETS["low"])
             settled = living()
     renderer.adapt(PRESETS["low"])
@@ -98,7 +98,7 @@ def sight(world, renderer):
 
 
 def test_the_pictures_are_the_same_at_opengl_3_3():
-    """All stored pictures once more, by a driver that accepts nothing newer."""
+    """Draw all stored pictures again with a driver limited to OpenGL 3.3."""
     older = {"MESA_GL_VERSION_OVERRIDE": "3.3", "MESA_GLSL_VERSION_OVERRIDE": "330"}
     pictures = [Path(__file__).with_name(name) for name in ("test_pictures.py", "test_scene.py")]
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""The submarine's headlights: what they light, what they leave dark, and what they are off."""
+"""The submarine's headlights: lit and unlit places, and pictures with lights off."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ def renderer(context, scene):
 
 @pytest.fixture
 def sight(make_packet):
-    """Fishes → the packet of who looks ahead there."""
+    """Fishes → a packet with an eye that looks ahead there."""
     return lambda fishes=(), **options: make_packet(list(fishes), eye=tuple(AT[0]), **options)
 
 

@@ -1,4 +1,4 @@
-"""What is drawn, against stored pictures."""
+"""Compare drawn scenes with stored pictures."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The renderer as its callers see it."""
+"""The renderer's public interface."""
 
 import gc
 
@@ -89,7 +89,7 @@ def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
 
 
 def test_triangles_are_counted(renderer, make_packet, fish):
-    renderer.adapt(Quality(shadows=False))  # of which each fish here would cast one
+    renderer.adapt(Quality(shadows=False))  # otherwise each fish here would cast one
     renderer.draw(make_packet([], size=(160, 90)))
     without = renderer.triangles
     counts = []
@@ -101,13 +101,13 @@ def test_triangles_are_counted(renderer, make_packet, fish):
     assert 2000 < counts[0] < 3000
     # Then the body's control points alone, those of the fins too, and every second of these.
     assert 900 < counts[1] < 1050
-    assert 700 < counts[2] < 850  # whose fins are counted on both sides
+    assert 700 < counts[2] < 850  # fins are counted on both sides
     assert 160 <= counts[3] < 230
     assert counts[4] == len(speck().triangles) == 40
 
 
 def test_release_frees_every_object(context, scene, make_packet, fish):
-    """What nobody released is collected in `context.objects`, in this mode."""
+    """Unreleased objects are collected in `context.objects`, in this mode."""
     gc.collect()
     usual, context.gc_mode = context.gc_mode, "context_gc"
     try:

@@ -1,4 +1,4 @@
-"""Whole scenarios as they begin: against stored pictures, and in few drawing calls."""
+"""Whole scenarios at tick 0: compared with stored pictures, in few drawing calls."""
 
 import os
 

@@ -67,12 +67,12 @@ def program(context, scene):
 
 
 def dressed(scene, species, level):
-    """A mesh, and what its vertices have of their own."""
+    """A mesh, and the attributes of its vertices."""
     return MESHES[level], outfit(scene.species[species].surface, MESHES[level], DETAILS[level])
 
 
 def shaded(context, program, scene, level, packet, stiff=None):
-    """World positions and normals (n, 3) of one fish's vertices, as the shader has them."""
+    """World positions and normals (n, 3) of one fish's vertices, as the shader computes them."""
     mesh = MESHES[level]
     own = [dressed(scene, k, level)[1] for k in range(len(scene.species))]
     rows, points = scene.control_points.shape[:2]
@@ -108,7 +108,7 @@ def shaded(context, program, scene, level, packet, stiff=None):
         skip_errors=True,
     )
     out = context.buffer(reserve=len(mesh.vertices) * 24)
-    target = context.simple_framebuffer((1, 1))  # without a window nothing else is bound
+    target = context.simple_framebuffer((1, 1))  # without a window no other framebuffer is bound
     target.use()
     set_uniforms(program, u_table=0, u_vertices=1)
     array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
@@ -175,7 +175,7 @@ def test_positions_and_normals_are_those_of_the_spline(
 def test_what_is_exported_is_what_is_drawn(
     context, program, scene, make_packet, fish, species, level
 ):
-    """Paired fins included, at ease; upright at the origin, heading along x."""
+    """Includes paired fins at rest; upright at the origin, heading along x."""
     at_ease = (SWEEP_RAD, SWEEP_RAD)
     one = fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35, pectoral=at_ease)
     packet = make_packet([one])
@@ -203,7 +203,7 @@ def test_normals_of_the_body_point_outward(context, program, scene, make_packet,
 
 @pytest.mark.parametrize("level", range(len(DETAILS)))
 def test_both_halves_meet_without_a_crease(context, program, scene, make_packet, fish, level):
-    """At the ridges of a straight body their normals are one; at the snout they point ahead."""
+    """Normals of a straight body agree at its ridges, and point ahead at the snout."""
     straight = scene.control_points.copy()
     rest = rest_control_points(scene.species[0].surface, scene.recorded_length_cm[0], 6.0)
     straight[:2] = rest
@@ -255,7 +255,7 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
 def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
     context, program, scene, make_packet, fish
 ):
-    """The lower one down by all of its angle, the upper one up by less, and nothing far behind."""
+    """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
     species, size = scene.species[0], scene.recorded_length_cm[0]
     straight = scene.control_points.copy()
     straight[:2] = rest_control_points(species.surface, size, 0.0)
@@ -290,7 +290,7 @@ def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
 
 @pytest.mark.parametrize("species", ["blacktip_reef_shark", "clownfish", "spotted_eagle_ray"])
 def test_an_open_mouth_is_dark_inside(context, species):
-    """Seen in the face; that of a ray lies below and stays shut."""
+    """The face from the front; a ray's mouth lies below and stays shut."""
     kind = load_species(species)
     shown = FishPreview(context, kind, paint.paint(kind))
     points = rest_control_points(kind.surface, kind.length_cm, 0.0)
@@ -322,7 +322,7 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
 
 @pytest.mark.parametrize("species", [0, 1])
 def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
-    """All but specks at the size of a near fish, specks where a fish is as small as they are."""
+    """All levels but specks at the size of a near fish; specks at the size of a far one."""
     size = (240, 160)
     renderer = Renderer(context, scene, display_rig("mono", size))
     renderer.draw(make_packet([], size=size))
@@ -341,7 +341,7 @@ def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
 
 @pytest.mark.parametrize("species", [0, 1])
 def test_a_speck_looks_like_the_level_before_it(context, scene, make_packet, fish, species):
-    """About as large and as bright, where one gives way to the other: 24 pixels long."""
+    """Equal size and brightness where one level replaces another: at a length of 24 pixels."""
     size = (60, 40)
     renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
     silhouettes, sums = [], []
@@ -382,9 +382,9 @@ def test_a_speck_is_closed_and_a_handful_of_triangles():
 def test_of_a_fade_each_pixel_is_drawn_exactly_once(
     context, scene, make_packet, fish, level, share
 ):
-    """Both selves at one level make the whole fish again; one alone makes its share of it.
+    """Both halves of a cross-fade at one level make the whole fish; one alone makes its share.
 
-    Were a pixel drawn twice its fins would be denser, were it left out the water would show.
+    A pixel drawn twice would make fins denser, and a missing pixel would show the water.
     """
     size = (120, 80)
     renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
@@ -402,7 +402,7 @@ def test_of_a_fade_each_pixel_is_drawn_exactly_once(
     firsts, seconds = ((np.abs(x - empty).max(axis=2) > 2) & mine for x in (one, other))
     assert not (firsts & seconds).any()
     assert firsts.sum() / mine.sum() == pytest.approx(share, abs=0.04)
-    if level < 2:  # of whom, whole, all bodies come before all fins: so those hide no fin behind
+    if level < 2:  # fine levels draw all bodies before all fins, so that these hide no fin behind
         assert (np.abs(whole - both).max(axis=2) > 1).mean() < 0.01
     else:
         np.testing.assert_array_equal(whole, both)
@@ -428,7 +428,7 @@ def test_nobody_sees_its_own_body(context, scene, make_packet, fish, level):
 
 
 def test_coarser_levels_are_decimations_of_the_finest():
-    """Whatever they weigh control points with is in the finest table, number for number."""
+    """Their control-point weights are in the finest table, number for number."""
     for controls in (U, V, FIN_V):
         samples = [set(kept(controls, thinned).tolist()) for thinned in range(3)]
         assert samples[2] < samples[1] < samples[0]
@@ -500,7 +500,7 @@ def test_a_far_fin_keeps_its_tip():
 
 
 def test_a_body_with_a_wave_keeps_its_fins():
-    """Where a fin rises from the eel's back, in all but the coarsest level, all through a beat."""
+    """A fin rises from the eel's back in all but the coarsest level, throughout a beat."""
     eel = load_species("ribbon_eel")
     repertoire = read_repertoire(resource_path("repertoires/ribbon_eel.h5"))
     for mesh, detail in zip(MESHES[:-1], DETAILS[:-1], strict=True):
@@ -530,13 +530,13 @@ def _distance(point, start, end):
 def test_the_number_of_calls_does_not_depend_on_the_fishes(
     context, scene, make_packet, fish, monkeypatch
 ):
-    """Nor on how many species they are of."""
+    """The number of calls does not depend on the number of species either."""
     made = []
     render = fishes.FishRenderer._render
     monkeypatch.setattr(fishes.FishRenderer, "_render", lambda *a: (made.append(a), render(*a)))
     renderer = Renderer(context, scene, display_rig("mono", (64, 48)))
     calls = []
-    renderer.draw(make_packet([], size=(64, 48)))  # the very first picture has a few more
+    renderer.draw(make_packet([], size=(64, 48)))  # the first picture has a few more calls
     for number in (2, 40):
         made.clear()
         few = [
@@ -561,6 +561,6 @@ def test_a_fin_hides_no_fin_behind_it(context, scene, make_packet, fish):
         pictures.append(renderer.read_pixels().astype(int))
     renderer.release()
     right, wrong, alone = pictures
-    # Where the far fish shows at all through or beside the near one, it shows at least as much.
+    # Where the far fish shows through or beside the near one, it shows at least as strongly.
     with_, without = ((np.abs(x - alone).max(axis=2) > 3).sum() for x in (right, wrong))
     assert with_ > without > 0

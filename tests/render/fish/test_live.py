@@ -1,4 +1,4 @@
-"""Simulated fishes are drawn by the path of the recorded ones."""
+"""Simulated fishes are drawn by the same path as recorded ones."""
 
 from dataclasses import replace
 
@@ -56,11 +56,11 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(context, wor
 
 
 def test_the_silhouette_is_where_the_oracle_has_the_control_points(context, world):
-    """At a tick: the box around the drawn fish is the one around its projected points."""
+    """At a tick, the box around the drawn fish equals that of its projected points."""
     fishes = world.state.fishes
     packet = _packet(world, 0, 1.0)
     records = packet.instances.copy()
-    records[:, frame.FINS] = 0.0  # the paired fins, which are no control points, lie at the body
+    records[:, frame.FINS] = 0.0  # paired fins are no control points: fold them to the body
     mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[0]).max(1) < 1e-3)
     assert len(mine) == 1
     renderer = Renderer(context, frame.make_scene(world), display_rig("mono", SIZE))

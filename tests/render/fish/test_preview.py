@@ -1,4 +1,4 @@
-"""One fish in the window of a tool: how it is turned, dressed and moved."""
+"""Preview of one fish: its orientation, skin and motion."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def specimen(context, clownfish):
 
 
 def covered(picture):
-    """Where the fish is."""
+    """Position of the fish in the picture."""
     background = picture[0, 0].astype(int)
     return np.abs(picture.astype(int) - background).max(axis=2) > 12
 

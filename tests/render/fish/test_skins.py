@@ -1,4 +1,4 @@
-"""Skins in the light: individuals differ, courting males grow colourful, silver mirrors."""
+"""Skins in the light: individual variation, mating colours of males, mirroring silver."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ def drawn(context, scene, make_packet, fish):
 
 
 def changed(a, b):
-    """The share of pixels that differ plainly."""
+    """The share of pixels that differ clearly."""
     return (np.abs(a - b).max(axis=2) > 12).mean()
 
 

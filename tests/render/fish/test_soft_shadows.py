@@ -1,4 +1,4 @@
-"""Shadows of what swims low: where the sun throws them, softer and paler with height."""
+"""Shadows of low fishes: displaced along the sun's rays, softer and paler with height."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ FAR = np.array([0.0, 0.0, 500.0])  # an eye that casts none
 
 
 def shadows(fishes, eye=(0.0, 0.0, -90.0), heights=HEIGHTS, fades=0.0, vessel=None, numbers=None):
-    """Of fishes (x, y, z, heading), 20 cm long, the last one first; the vessel's left out."""
+    """Shadows of 20 cm fishes (x, y, z, heading), last one first, without the submarine's."""
     records = np.zeros((len(fishes), INSTANCE_COLUMNS), np.float32)
     for record, (x, y, z, heading) in zip(records, fishes, strict=True):
         record[:4] = x, y, z, 1.0
@@ -62,7 +62,7 @@ def test_the_vessel_casts_one_when_low():
     (one,) = shadows([], eye=(10.0, 0.0, SAND + 60.0))
     assert one[7] > 30.0
     assert 0.0 < one[9] < 1.0
-    # Who looks from elsewhere sees it where it is.
+    # An eye elsewhere sees the shadow at the same place.
     (other,) = shadows([], eye=(300.0, 0.0, -90.0), vessel=(10.0, 0.0, SAND + 60.0))
     np.testing.assert_array_equal(one, other)
 

@@ -1,4 +1,4 @@
-"""Contexts, and what a machine without OpenGL is told."""
+"""Contexts, and the error messages without OpenGL."""
 
 import ctypes.util
 import os
@@ -72,7 +72,7 @@ def test_no_opengl_at_all_says_what_to_install(monkeypatch, make):
 
 def test_drawing_calls_are_counted_and_timed(context, scene, make_packet, fish):
     renderer = Renderer(context, scene, display_rig("mono", (64, 36)))
-    for _ in range(2):  # the first picture also makes what is made once
+    for _ in range(2):  # the first picture also makes lazily made objects
         renderer.draw(make_packet([], size=(64, 36)))
     without = renderer.draw_calls
     tally = context.extra.calls

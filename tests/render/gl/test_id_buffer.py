@@ -1,4 +1,4 @@
-"""Identity and range maps: what is drawn where, and how far away, against the plain geometry."""
+"""Identity and range maps, compared with exact geometry."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ EXACT = replace(PRESETS["low"], detail=50.0)  # neither smoothed nor coarse
 
 @pytest.fixture
 def maps(context, scene, make_packet):
-    """Fishes, and what a packet needs -> picture, maps and view; options go to the packet."""
+    """(fishes, options of the packet) -> picture, maps and view."""
     made = []
 
     def maps(fishes, views=None, scene=scene, **options):
@@ -49,7 +49,7 @@ def maps(context, scene, make_packet):
 
 
 def places(depth, view):
-    """Where in the world (h, w, 3) the pixels of a view of SIZE lie, by their depth."""
+    """World positions (h, w, 3) of the pixels of a view of SIZE, by their depth."""
     width, height = SIZE
     x = (2 * np.arange(width) + 1) / width - 1
     y = 1 - (2 * np.arange(height) + 1) / height
@@ -95,10 +95,10 @@ def test_the_identity_map_has_the_silhouette_of_the_picture(maps, fish):
     mine, differs = seen.kind == FISH, np.abs(seen.picture - nobody.picture).max(axis=2)
     assert mine.sum() > 1000
     assert (differs[mine] > 1).mean() > 0.99
-    # What differs and is not theirs is the transparent part of fins, and shadows on the sand.
+    # Other differences are transparent parts of fins, and shadows on the sand.
     around = (differs > 8) & ~mine & (seen.kind != SEABED)
     assert around.sum() < 0.1 * mine.sum()
-    # Where they are not all is as without them.
+    # Pixels without fishes are the same.
     np.testing.assert_array_equal(seen.kind[~mine], nobody.kind[~mine])
 
 
@@ -245,7 +245,7 @@ def test_a_picture_is_pasted_as_it_is_where_patches_say(context, scene, make_pac
 
 
 def assert_agree(one, other, right):
-    """Of what the left map shows nothing is missing in the right one but what is hidden there."""
+    """Things in the left map that are missing in the right map are hidden there."""
     solid = one.kind != WATER
     clip = np.c_[places(one.depth, one.view)[solid], np.ones(solid.sum())]
     clip = clip @ (right.projection.astype(float) @ right.view.astype(float)).T
@@ -267,13 +267,13 @@ def assert_agree(one, other, right):
 
 
 def test_what_both_eyes_of_a_fish_see(context, scene, make_packet, fish, same_picture):
-    """Picture, identities and ranges, as a film of labelled frames shows them."""
+    """Picture, identities and ranges, as in a film of labelled frames."""
     rig = retina_rig((160, 120), 1.2)
     renderer = Renderer(context, scene, rig)
     seen = views(rig, pose_from_angles(np.array([0.0, 0.0, -230.0]), np.pi / 2, -0.25))
     seen = tuple(replace(view, without=0) for view in seen)
     fishes = [
-        fish(0, (0, 3, -230), number=0),  # whose eyes these are
+        fish(0, (0, 3, -230), number=0),  # the fish whose eyes these are
         fish(1, (-16, 45, -238), heading=2.6, number=1),
         fish(0, (14, 60, -236), heading=0.4, number=2),
         fish(0, (30, 110, -250), number=3),

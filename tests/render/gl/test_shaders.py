@@ -52,7 +52,7 @@ def test_every_uniform_is_read_somewhere():
 
 
 def test_no_step_goes_down():
-    """What `smoothstep` is from a number to a smaller one, OpenGL leaves to the driver."""
+    """OpenGL leaves `smoothstep` undefined for a first edge above the second."""
     for suffix in (".vert", ".frag", ".glsl"):
         for name in resource_names("shaders", suffix):
             text = shaders.resource_path(f"shaders/{name}{suffix}").read_text(encoding="utf-8")
@@ -64,9 +64,9 @@ def test_no_step_goes_down():
 
 
 def numbers(name, pattern):
-    """The numbers in each place of a shader that matches, one row a place; there is one at least.
+    """The numbers at each match in a shader, one row per match; at least one match.
 
-    In a pattern # stands for a number, and blanks for any that there are.
+    In a pattern, # stands for a number, and a blank for any number of blanks.
     """
     text = shaders.resource_path(f"shaders/{name}").read_text(encoding="utf-8")
     found = re.findall(pattern.replace(" ", r"\s*").replace("#", r"(-?\d+\.?\d*)"), text)
@@ -91,7 +91,7 @@ def test_textures_are_read_with_the_spans_with_which_they_were_written():
     np.testing.assert_allclose(relief, 2.0 * rocks.RELIEF_SPAN * (1.0, 0.05, 0.05, 1.0))
     for scale, low in numbers("seabed.frag", r"# \* texture\(u_ripples, .*\) - # ;"):
         assert scale == 2.0 * low
-        np.testing.assert_array_equal(sand.SPAN[:3], low)  # grain is drawn paler than it is
+        np.testing.assert_array_equal(sand.SPAN[:3], low)  # grain is drawn paler than its range
     (litter,) = numbers("seabed.frag", r"# \* bits\.xy - #")
     low, high = sand.LITTER_LOW[:2], sand.LITTER_HIGH[:2]
     np.testing.assert_array_equal([high - low, -low], np.repeat(litter[:, None], 2, axis=1))

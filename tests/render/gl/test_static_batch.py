@@ -39,7 +39,7 @@ def levels(distances, before, views=AHEAD, detail=1.0, radius=10.0, reach=1e9):
 
 
 def quad(x, size, pieces):
-    """An upright square that faces the origin, of `pieces`² squares, as a shape."""
+    """An upright square that faces the origin, of `pieces`² squares, as a mesh."""
     line = np.linspace(-size, size, pieces + 1)
     y, z = np.meshgrid(line, line)
     vertices = np.stack([np.full(y.size, x), y.ravel(), z.ravel()], axis=1).astype(np.float32)
@@ -58,7 +58,7 @@ def test_farther_is_never_finer(distances):
 
 @given(st.floats(15.0, 4000.0), st.sampled_from([0, 1, 2]))
 def test_a_level_is_kept_while_the_size_trembles(distance, before):
-    """A change comes only beyond the margin, so that a tremble within it changes nothing twice."""
+    """Levels change only beyond the margin, so that jitter within it changes nothing."""
     first = levels([distance], [before])[0]
     trembling = (distance - 10.0) * (1 + 0.9 * HYSTERESIS) + 10.0
     again = levels([trembling], [first])[0]
@@ -83,7 +83,7 @@ def test_a_sphere_holds_all_places():
 
 
 class OneProgram:
-    """Stands in for ProgramVariants with a white program that is given."""
+    """Stands in for ProgramVariants with a given white program."""
 
     def __init__(self, context, program):
         self.context, self._program = context, program
@@ -134,7 +134,7 @@ def test_one_call_draws_each_item_at_its_own_level(drawn):
     pixels, triangles = draw(batch, AHEAD)
     assert triangles == 2 * sum(n * n for n in pieces)
     assert pixels > 150
-    # Turned round, only the one behind is there; and nothing is left of the others.
+    # Turned round, only the one behind is drawn, and nothing of the others.
     assert draw(batch, BACK)[1] == 2 * 8 * 8
     assert draw(batch, AHEAD)[1] == triangles
     assert draw(batch, AHEAD, shown=np.array([True, False, False, True]))[1] == 2 * 64
@@ -156,7 +156,7 @@ def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(dr
     assert made == []
     assert draw(batch, AHEAD) == expected
     first = sorted(made)
-    assert first == sorted([9 * 9, 5 * 5])  # not what is behind, nor other levels
+    assert first == sorted([9 * 9, 5 * 5])  # neither the item behind nor other levels
     draw(batch, BACK)
     assert len(made) == 3
     assert draw(batch, AHEAD) == expected
@@ -174,7 +174,7 @@ def test_each_view_draws_what_it_sees_at_the_level_that_is_common_to_all(drawn):
     for views in ((*AHEAD, *BACK), (*AHEAD, *BACK, *coarse)):
         assert draw(batch, views) == (pixels, triangles)
         assert batch.draw(1, {}) == 2 * 8 * 8
-    assert batch.draw(2, {}) == triangles  # as fine as the other needs it
+    assert batch.draw(2, {}) == triangles  # as fine as the other view needs it
     batch.release()
 
 

@@ -65,9 +65,9 @@ def test_slopes_of_waves_are_those_of_one_surface_and_run_with_the_wind():
     x, y = ripples(3, 64)
     assert seam(x) < 1.5
     assert ((x**2 + y**2) / 2).mean() == pytest.approx(1.0)
-    # What has slopes has no curl: kx·Y = ky·X for every wave.
+    # A gradient field has no curl: kx·Y = ky·X for every wave.
     n = np.fft.fftfreq(64) * 64
-    n[32] = 0.0  # of the shortest wave the sign is not known
+    n[32] = 0.0  # the sign of the shortest wave is unknown
     curl = n[None, :] * np.fft.fft2(y) - n[:, None] * np.fft.fft2(x)
     curl[32] = curl[:, 32] = 0.0
     assert np.abs(curl).max() < 1e-6 * np.abs(np.fft.fft2(x)).max() * 64
@@ -81,7 +81,7 @@ def test_the_relief_of_stone_meets_at_its_edges_and_knows_its_slopes():
     assert abs(height.mean()) < 1e-9
     assert polyps.min() == 0.0
     assert 0.8 < polyps.max() <= 1.0
-    # Along a row the slope adds up to how much the height has changed.
+    # Along a row the slopes add up to the change in height.
     np.testing.assert_allclose(
         (slope_x[:, 1:-1].cumsum(axis=1) / 128)[:, -1],
         (height[:, -1] + height[:, -2] - height[:, 0] - height[:, 1]) / 2,

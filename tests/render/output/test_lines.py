@@ -1,4 +1,4 @@
-"""Lines over the sea: how they look, what hides them, in every kind of picture."""
+"""Lines over the sea: look, occlusion, and every kind of picture."""
 
 from dataclasses import replace
 
@@ -133,7 +133,7 @@ def test_wireframe_draws_edges_and_the_water_behind_them(renderer, make_packet, 
     water = drawn(renderer, replace(packet, instances=packet.instances[:0], batches=((),)))
     sand = full[150:, :, :]
     share = (np.abs(edges[150:] - sand).max(axis=2) > 12).mean()
-    assert 0.3 < share < 0.98  # between the edges one looks through it
+    assert 0.3 < share < 0.98  # transparent between the edges
     assert np.abs(edges[60:130, 100:220] - water[60:130, 100:220]).max() > 40  # of the fish
 
 

@@ -1,4 +1,4 @@
-"""Presets: cheaper ones ask for less, and a renderer goes from one to another and back."""
+"""Presets: cheaper ones draw less, and a renderer switches between them and back."""
 
 from dataclasses import asdict, replace
 

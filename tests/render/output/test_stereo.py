@@ -1,4 +1,4 @@
-"""What each eye gets to see: every display mode against two plain pictures."""
+"""Compare each eye's picture in every display mode with two plain pictures."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.stereo import LAYOUTS
 
 SIZE = (96, 64)
-EXACT = replace(PRESETS["medium"], smooth=False)  # what is woven is not smoothed
+EXACT = replace(PRESETS["medium"], smooth=False)  # woven pictures are not smoothed
 TALL = ["anaglyph", "anaglyph-comfort", "checkerboard"]
 
 
@@ -88,7 +88,7 @@ def test_comfortable_colours_are_dubois_mixture(context, scene, make, eyes):
     picture = rendered(context, scene, make("anaglyph-comfort"), "anaglyph-comfort")
     light = linear(eyes[0]) @ np.transpose(left) + linear(eyes[1]) @ np.transpose(right)
     np.testing.assert_allclose(linear(picture), np.clip(light, 0, 1), atol=0.012)
-    # Each eye is about as bright as the other through its glass: red, and green with blue.
+    # Each eye is about as bright as the other through its filter: red, and green with blue.
     plain = rendered(context, scene, make("anaglyph"), "anaglyph")
     seen, rival = (linear(p)[..., 0].mean() / linear(p)[..., 1].mean() for p in (picture, plain))
     assert rival < 0.65 * seen
@@ -103,7 +103,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
         kept.append(data.reshape(SIZE[1], SIZE[0], 3)[::-1].astype(int))
 
     def page(number):
-        if number:  # the right eye's turn: what is there is the left one's
+        if number:  # the right eye's turn: the buffer holds the left eye's picture
             shown()
 
     renderer = Renderer(context, scene, display_rig("stereo", SIZE), EXACT, page)
@@ -111,12 +111,12 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
     shown()
     for seen, expected in zip(kept, eyes, strict=True):
         np.testing.assert_allclose(seen, expected, atol=1)
-    # Without a window both are kept.
+    # Without a window both buffers exist.
     renderer.draw(make("stereo"))
     for number, expected in enumerate(eyes):
         np.testing.assert_allclose(renderer.read_pixels(page=number), expected, atol=1)
     renderer.release()
-    context.detect_framebuffer(0).use()  # the next one must not follow a freed one
+    context.detect_framebuffer(0).use()  # the next framebuffer must not follow a freed one
     window.release()
 
 

@@ -1,4 +1,4 @@
-"""Wide pictures are woven from the faces of a cube without a seam."""
+"""Wide pictures join the faces of a cube without a seam."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)
 
 
 def shown(light):
-    """What the screen shows of linear light: filmic curve, with most of the hue, and sRGB."""
+    """Screen colours of linear light: filmic curve, with most of the hue, and sRGB."""
     peak = np.maximum(light.max(axis=-1, keepdims=True), 1e-4)
     x, top = (
         np.clip(y * (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14), 0, 1) for y in (light, peak)
@@ -26,7 +26,7 @@ def shown(light):
 @pytest.mark.parametrize("display", SIZES)
 @pytest.mark.parametrize("surround", [ALL_ROUND, Surround(angle_deg=300.0, tilt_deg=0.0)])
 def test_every_pixel_shows_what_lies_in_its_direction(context, display, surround, directions_on):
-    """Views and shader together against the plain form."""
+    """Compare views and shader together with the closed form."""
     size = SIZES[display]
     rig = display_rig(display, size, surround=surround)
     canvas = directions_on(rig, pose_from_angles(np.zeros(3), 0.0, 0.0))
@@ -57,7 +57,7 @@ def test_wide_pictures(context, scene, make_packet, fish, same_picture, display)
 
 @pytest.mark.parametrize("display", SIZES)
 def test_a_mesh_bends_a_wide_picture(context, display, directions_on):
-    """As a projector through a mirror shows a dome; the mesh of a dome has shares of a square."""
+    """A dome through a projector and mirror; the mesh of a dome has shares of a square."""
     size = SIZES[display]
     canvas = directions_on(display_rig(display, size), pose_from_angles(np.zeros(3), 0.0, 0.0))
     picture = context.texture((canvas.shape[1], canvas.shape[0]), 3, canvas.astype("f2").tobytes(),

@@ -1,4 +1,4 @@
-"""Theatres as they are shown: seams, blending, both eyes, and every pixel in its direction."""
+"""Theatre outputs: seams, blending, both eyes, and the direction of every pixel."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def opened(tmp_path, name="three-projectors", display="mono", shrink=SMALL):
 
 
 def shown(context, rig, canvas):
-    """The outputs (h, w, 3) of a rig whose canvas (h, w, 3) is shown as it is."""
+    """The outputs (h, w, 3) of a rig that shows a given canvas (h, w, 3)."""
     data = np.ascontiguousarray(canvas, "f2").tobytes()
     texture = context.texture(rig.canvas, 3, data, dtype="f2", alignment=1)
     resolve, found = ResolvePass(context, rig.patches), []
@@ -41,7 +41,7 @@ def shown(context, rig, canvas):
                 resolve.draw(texture, target, size, number, linear=False)
         data = np.frombuffer(target.read(alignment=1), np.uint8)
         found.append(data.reshape(size[1], size[0], 3)[::-1] / 255.0)
-        context.detect_framebuffer(0).use()  # the next one must not follow a freed one
+        context.detect_framebuffer(0).use()  # the next framebuffer must not follow a freed one
         target.release()
     resolve.release()
     texture.release()
@@ -49,7 +49,7 @@ def shown(context, rig, canvas):
 
 
 def on_the_screen(one, size):
-    """Where the pixels of a channel (h, w, 3) lie on its screen, upper row first."""
+    """Positions of the pixels of a channel (h, w, 3) on its screen, upper row first."""
     x, y = (np.arange(n) + 0.5 for n in size)
     places = np.stack(np.meshgrid(x / size[0], 1 - y / size[1]), axis=-1).reshape(-1, 2)
     return points_on(one.screen, places).reshape(size[1], size[0], 3)
@@ -59,7 +59,7 @@ def on_the_screen(one, size):
 def test_every_pixel_shows_what_lies_behind_its_place_on_the_screen(
     context, tmp_path, name, directions_on
 ):
-    """Frusta, mesh and shader together against the geometry: so neighbours agree as well."""
+    """Frusta, mesh and shader agree with the geometry, so neighbours agree as well."""
     theatre, found, rig = opened(tmp_path, name)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
     canvas = directions_on(rig, pose_from_angles(np.zeros(3), 0.3, 0.1))
@@ -70,7 +70,7 @@ def test_every_pixel_shows_what_lies_behind_its_place_on_the_screen(
 
 
 def test_in_the_overlap_neighbours_show_the_same(context, scene, make_packet, fish, tmp_path):
-    """The pictures themselves, before blending: what one projector puts onto the other's."""
+    """Pictures before blending: where projectors overlap, they show the same."""
     theatre, _, rig = opened(tmp_path, shrink=5)
     bare = rig._replace(patches=tuple(patch._replace(mask=None) for patch in rig.patches))
     renderer = Renderer(context, scene, bare, PRESETS["high"])
@@ -110,7 +110,7 @@ def test_blended_luminance_is_constant_within_two_percent(context, tmp_path, lev
 def test_in_stereo_a_dome_shows_each_eye_the_ray_through_its_screen(
     context, tmp_path, name, directions_on
 ):
-    """At the distance of the screen both eyes' pictures meet, in all directions."""
+    """Both eyes' pictures coincide at the screen's distance, in all directions."""
     _, found, rig = opened(tmp_path, name, "top-bottom", shrink=16)
     mono = opened(tmp_path, name, shrink=16)[2]
     assert rig.patches[0].shape in CUBES

@@ -1,4 +1,4 @@
-"""Several views of one packet: each shows, and costs, what it would if it was drawn alone."""
+"""Each of several views of a packet looks and costs the same as if drawn alone."""
 
 from dataclasses import replace
 
@@ -21,12 +21,12 @@ from subsea.world.build import create_world
 from subsea.world.step import step
 
 SIZE = (96, 64)
-# Shadows of fishes lie in all views: who is beside one may darken its sand.
+# Shadows of fishes lie in all views: a fish outside a view may darken sand in it.
 QUALITY = replace(PRESETS["low"], shadows=False)
 
 
 class Sea:
-    """A world and who draws it."""
+    """A world and a renderer."""
 
     def __init__(self, context):
         self.world = create_world(load_scenario("peaceful")[0])
@@ -66,7 +66,7 @@ def sea(context):
 
 
 def plain(canvas, eyes, level=False):
-    """A rig that shows its canvas as it is."""
+    """A rig that shows its canvas unchanged."""
     whole = (0, 0, *canvas)
     return CameraRig(canvas, (canvas,), eyes, (DisplayPatch(whole, whole, whole),), level)
 
@@ -94,11 +94,11 @@ def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch)
     sea.renderer.arrange(rig)
     seen = views(rig, sea.observer(heading, pitch))
     memory = sea.nothing()
-    # To one of two eyes a leaf may look just too small for the level in which both see it.
+    # One of two eyes may see a leaf just too small for the level that both share.
     lod = display in ("mono", *SURROUNDS)
     triangles, calls = [], []
     for view in seen:
-        # Each after all of them: the levels in which things are drawn are common to all.
+        # Each after all of them, as all share the levels of detail.
         picture, every, all_calls = sea.draw(seen, memory, lod)
         kept = LodState(*(part.copy() for part in memory))
         alone, *cost = sea.draw((view,), kept, lod)
@@ -114,7 +114,7 @@ def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch)
 
 @pytest.mark.parametrize("display", ["mono", "dome"])
 def test_specks_and_surface_that_a_view_does_not_see_leave_no_gap(sea, display, monkeypatch):
-    """Nobody sees that they were left out."""
+    """Leaving them out changes no picture."""
     rig = display_rig(display, (320, 180))
     sea.renderer.arrange(rig)
     every = np.flatnonzero(sea.world.state.sea.absent == 0.0)
@@ -146,11 +146,11 @@ def test_a_view_that_shows_less_has_fewer_cells_of_water():
 
 
 def test_channels_side_by_side_cost_about_what_one_wide_view_does(sea):
-    """Three of a right angle's half each, as finely as one view of the same angle."""
+    """Three views, each half a right angle wide, as fine as one view of the same angle."""
     half = np.pi / 8
     turns = (-2 * half, 0.0, 2 * half)
     three = channels(turns, np.tan(half), SIZE)
-    # As many pixels a radian straight ahead, and as wide and as high as the three.
+    # As many pixels per radian straight ahead, and as wide and high as the three.
     wide_size = (round(SIZE[0] * np.tan(3 * half) / np.tan(half)), SIZE[1] * 2)
     wide = channels((0.0,), np.tan(3 * half), wide_size)
     found = []

@@ -39,7 +39,7 @@ def reef_of(*growths, on_rock=False):
 
 
 def filled(mesh, size=48):
-    """Which cells of a side view the mesh covers."""
+    """Cells of a side view that the mesh covers."""
     place = mesh.place[mesh.triangles]
     share = np.random.default_rng(0).dirichlet((1, 1, 1), 60)
     points = np.einsum("sk,mkc->smc", share, place).reshape(-1, 3)
@@ -99,7 +99,7 @@ def test_skins_have_no_holes(kind):
 
 @pytest.mark.parametrize("kind", sorted(set(SHAPES) - {"rubble"}))
 def test_levels_have_one_silhouette(kind):
-    """Where coarse levels are used a growth covers a few dozen pixels."""
+    """At the sizes of coarse levels a growth covers a few dozen pixels."""
     finest = filled(shape(kind, 1, 0), 24)
     for level, least in ((1, 0.6), (2, 0.45), (3, 0.35)):
         coarse = filled(shape(kind, 1, level), 24)
@@ -141,7 +141,7 @@ def heights_over(triangles, places):
 
 
 def test_nothing_hovers():
-    """What is drawn lowest of a growth touches the sand or the mounds as they are drawn."""
+    """The lowest drawn part of a growth touches the sand or mounds as drawn."""
     scenario = load_scenario("peaceful")[0]
     sea, reef = grow_reefs(scenario, make_sea(scenario, np.random.default_rng(0)))
     baked = bake(reef)
@@ -235,7 +235,7 @@ def test_detail_and_growth_save_triangles(context, garden, make_packet):
 
 
 def test_soft_ones_sway(context, garden, make_packet):
-    """Seconds apart; more than caustics change."""
+    """Pictures seconds apart differ by more than caustics."""
     early, late = (
         make_packet([], eye=(0, -60, -230), heading=1.57, pitch=-0.2, time_s=t) for t in (1.0, 2.7)
     )
@@ -244,7 +244,7 @@ def test_soft_ones_sway(context, garden, make_packet):
 
 
 def test_mounds_are_never_left_out(context, scene, make_packet):
-    """What grows on them would hang in the air."""
+    """Growths on mounds would otherwise float."""
     scene = replace(scene, reef=reef_of(("mound", (0.0, 150.0, -300.0), 60.0)))
     scene.reef.own[:] = 0.99
     packet = make_packet([], eye=(0, -60, -230), heading=1.57, pitch=-0.2)

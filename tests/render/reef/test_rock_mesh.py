@@ -1,4 +1,4 @@
-"""Shapes of formations: within what the fishes avoid, closed above the sand, lit as they stand."""
+"""Shapes of formations: inside what fishes avoid, closed above the sand, correctly lit."""
 
 from itertools import pairwise
 
@@ -36,7 +36,7 @@ CASES = [(PILLARS, NO_ROCKS), (NO_PILLARS, ROCKS), (NO_PILLARS, ARCH)]
 
 @pytest.fixture(scope="module", params=CASES, ids=["pillar", "rocks", "arch"])
 def stone(request):
-    """Pillars, rocks and the shapes of the one formation that they make."""
+    """Pillars, rocks and the meshes of the one formation that they make."""
     pillars, rocks = request.param
     (levels,) = shapes(formations(pillars, rocks), floor)
     return pillars, rocks, levels

@@ -1,4 +1,4 @@
-"""Pillars and rocks as drawn: seen in every display, free of cost out of sight."""
+"""Drawn pillars and rocks: visible in every display, free of cost out of sight."""
 
 from dataclasses import replace
 
@@ -46,13 +46,13 @@ def test_they_stand_in_every_view(render, scene, stony, make_packet, display):
 
 
 def test_they_are_where_the_fishes_think_they_are(render, scene, stony, make_packet):
-    """A pillar 76 cm wide, 190 cm ahead, fills so much of the picture, left of its middle."""
+    """Expected width of a pillar 76 cm wide and 190 cm ahead, left of the middle."""
     packet = make_packet([], eye=(0, 0, -215))
     bare, full = (render(s, packet)[0].astype(int) for s in (scene, stony))
     row = np.flatnonzero(np.abs(bare - full).max(axis=2)[80] > 12)
     scale = 90.0 / np.tan(np.radians(27.5))
     left, right = (160 + scale * x / 190.0 for x in (-45.0 - 38.0, -45.0 + 38.0))
-    # The drawn stack is worn: nowhere outside of what they avoid, in places half as wide.
+    # The drawn stack is worn: it stays inside what fishes avoid, in places half as wide.
     assert left - 2 <= row.min() < left + 20
     assert right - 20 < row.max() <= right + 2
 

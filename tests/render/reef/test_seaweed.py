@@ -1,4 +1,4 @@
-"""Seaweed as drawn: ribbons along their chains, in every view."""
+"""Drawn seaweed: ribbons along their chains, in every view."""
 
 from dataclasses import replace
 

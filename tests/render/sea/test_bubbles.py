@@ -57,7 +57,7 @@ def test_bubbles_rise_without_a_stop_and_start_again_at_the_vent(places):
     started_again = steps < -100.0
     assert (steps[~started_again] > 0.0).all()
     assert started_again.any(axis=0).all()
-    # What starts again has come to the surface before, and is at the foot now.
+    # A bubble that starts again has reached the surface before, and is at the foot now.
     assert (heights[:-1][started_again] > 0.0).all()
     assert (heights[1:][started_again] < FOOT[2] + 10.0).all()
 
@@ -79,7 +79,7 @@ def test_they_gather_speed_up_to_that_of_their_size(places):
 def test_the_current_carries_them(places):
     still, carried = places(50.0), places(50.0, (5.0, -2.0))
     moved = carried - still
-    # As far as the water went since they left, whatever their speed.
+    # They drift as far as the water since they left, whatever their speed.
     later = places(50.1)
     rose = later[:, 2] > still[:, 2]
     assert rose.sum() > 0.9 * len(rose)
@@ -145,7 +145,7 @@ def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
 
 
 def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(context, scene, make_packet):
-    """Small ones would be white blocks, as a glint fills all pixels that are blended with it."""
+    """Small bubbles would be white blocks, as a glint fills all pixels that are blended with it."""
     kept = replace(scene, vents=np.array([(0.0, 90.0, 30.0, 3.0)]))
     low = replace(PRESETS["low"], snow=0)
     renderer = Renderer(context, kept, display_rig("mono", (320, 180)), low)
@@ -161,7 +161,7 @@ def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(context, scene
 
 
 def test_a_current_that_turns_while_diving_is_that_of_bubbles_and_snow(context, scene, make_packet):
-    """As if the scene had had it from the start, and not as it was before."""
+    """The picture equals one of a scene that had it from the start."""
     vents = np.array([[0.0, 120.0, 40.0, 3.0]], np.float32)
     still = replace(scene, vents=vents)
     flowing = replace(still, water=msgspec.structs.replace(still.water, current_cm_s=(14.0, 0.0)))

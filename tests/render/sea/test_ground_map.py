@@ -1,4 +1,4 @@
-"""The map of the sand about stones: dark beneath, free far away, littered beside."""
+"""The map of the sand around stones: dark beneath, bright far away, littered beside."""
 
 import numpy as np
 
@@ -52,6 +52,6 @@ def test_the_map_of_a_wide_sea_is_no_larger_than_allowed():
     rocks = np.concatenate([ROCK, ROCK + [15000.0, 9000.0, 0, 0, 0, 0, 0]])
     ground = ground_map(formations(NO_PILLARS, rocks), floor)
     assert max(ground.light.shape) <= MOST_TEXELS + 1
-    # It still is where it should be.
+    # The shade is still at its place.
     assert at(ground, 30.0, -20.0)[1] < 0.6
     assert at(ground, 15030.0, 8980.0)[1] < 0.6

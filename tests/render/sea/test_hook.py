@@ -1,4 +1,4 @@
-"""The hook's shape, and where it is drawn."""
+"""The hook's shape and its position in the picture."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def test_triangles_of_one_tube_keep_to_it():
 
 @pytest.fixture
 def picture(context, scene, make_packet):
-    """A picture of a hook before the eye, or of none."""
+    """A picture with or without a hook before the eye."""
     renderer = Renderer(context, scene, display_rig("mono", SIZE))
 
     def draw(hook, bait=True):

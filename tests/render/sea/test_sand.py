@@ -1,4 +1,4 @@
-"""Textures of sand: tileable, and what they are said to be."""
+"""Textures of sand: tileable, with the stated content."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_ripples_are_as_many_as_said_and_steeper_on_one_side():
 
 
 def test_ripples_wander():
-    """Crests bend: columns far apart are no copies of each other."""
+    """Crests bend: columns far apart differ."""
     height = ripples(3)[2]
     assert np.corrcoef(height[0], height[len(height) // 2])[0, 1] < 0.8
 

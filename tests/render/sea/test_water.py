@@ -66,8 +66,8 @@ def test_it_gets_darker_and_bluer_with_depth(look):
 def test_snells_window_has_the_size_that_refraction_gives_it(look, depth):
     """The bright edge lies 48.6° from the vertical, whatever the depth.
 
-    Where the light has come half down from the sky to what is mirrored; waves of many places and
-    moments are averaged, at three headings off the sun.
+    Measured where the light has fallen halfway from the sky to the mirrored part; waves of many
+    places and moments are averaged, at three headings off the sun.
     """
     pitch, away = np.radians(48.0), np.arctan2(SUN[1], SUN[0]) + np.pi
     rows = [
@@ -161,12 +161,12 @@ def test_caustics_spread_the_light_but_add_none_and_are_softer_with_depth(optics
         assert values.min() > 0.0
     spread = [values.std() for values in light.values()]
     assert spread[0] > 1.2 * spread[1] > 1.2 * 1.2 * spread[2] > 0.1
-    # At the surface itself there is nothing yet that could be gathered.
+    # At the surface itself no light is focused yet.
     np.testing.assert_allclose(optics("caustics_at(p)", bottom(0.0)), 1.0, atol=1e-6)
 
 
 def test_no_tile_of_caustics_repeats(optics):
-    """However far one goes along either texture's axes there is another pattern."""
+    """The pattern never repeats along either texture's axes."""
     places = bottom(-400.0)
     light = optics("caustics_at(p)", places)[:, 0]
     for turn in ([[0.0029, -0.0009], [0.0009, 0.0029]], [[-0.0010, -0.0035], [0.0035, -0.0010]]):
@@ -184,7 +184,7 @@ def test_caustics_move(optics):
 
 
 def test_colours_near_the_eye_are_true_on_a_reef_and_blue_in_the_deep(optics):
-    """What is left of white light, of which the eye takes some away again."""
+    """Remaining share of white light, after the eye's adaptation."""
     for depth, most in ((100.0, 0.12), (350.0, 0.25)):
         eye = (0.0, 0.0, -depth)
         red, _, blue = optics("daylight(p.z)", [eye], u_eye=eye)[0]
@@ -192,7 +192,7 @@ def test_colours_near_the_eye_are_true_on_a_reef_and_blue_in_the_deep(optics):
     deep = (0.0, 0.0, -2500.0)
     red, green, blue = optics("daylight(p.z)", [deep], u_eye=deep)[0]
     assert red < 0.3 * green < 0.3 * blue
-    # And from anywhere what is deeper is darker, in red most.
+    # From anywhere, deeper places are darker, most of all in red.
     shares = optics("daylight(p.z - 300.0) / daylight(p.z)", [deep], u_eye=deep)[0]
     np.testing.assert_allclose(shares, np.exp([-0.6, -0.24, -0.126]), rtol=1e-5)
 
