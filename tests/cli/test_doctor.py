@@ -1,4 +1,4 @@
-"""The doctor finds what is there, and what is missing."""
+"""The doctor finds installed and missing parts."""
 
 import os
 import subprocess

@@ -160,7 +160,7 @@ def test_the_front_door_is_the_dive():
 
 
 def test_a_missing_package_is_one_line():
-    """A newcomer who has not run `make` yet: here, a Python without its site-packages."""
+    """Before `make` was run: here, a Python without its site-packages."""
     done = subprocess.run(
         [sys.executable, "-S", str(DOOR)], capture_output=True, text=True, check=False
     )

@@ -1,4 +1,4 @@
-"""Labelled frames of what a fish sees, as somebody would use them who studies vision."""
+"""Labelled frames of a fish's view, used as in vision research."""
 
 import json
 import re
@@ -84,7 +84,7 @@ def test_every_identity_is_in_the_table_and_its_own_is_not_in_the_maps(seen):
 
 
 def test_the_example_of_the_documentation_makes_the_cloud_that_it_says(seen, monkeypatch):
-    """What the right eye sees of the same things lies in the same places."""
+    """Both eyes place the same things at the same points."""
     (code,) = re.findall(r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
     monkeypatch.chdir(seen.out.parent)
     left, right = {}, {}
@@ -94,7 +94,7 @@ def test_the_example_of_the_documentation_makes_the_cloud_that_it_says(seen, mon
     sand = left["points"][left["labels"] == VALUES["seabed"]]
     assert len(sand) > 300
     assert np.ptp(sand[:, 2]) < 0.5 * np.ptp(sand[:, :2])
-    # Move what the left eye sees into the right one's picture.
+    # Project the left eye's points into the right eye's picture.
     camera = seen.about["camera"]
     x, y, z, _ = np.array(left["frame"]["right"]) @ np.c_[left["points"], np.ones(len(left["z"]))].T
     column = np.rint(camera["fx"] * x / z + camera["cx"]).astype(int)
@@ -137,7 +137,7 @@ def test_a_second_go_that_is_interrupted_keeps_what_was_told(seen, tmp_path, mon
         assert film(out) == 130
     about = (out / "camera.json").read_text()
     assert about == (seen.out / "camera.json").read_text()
-    # Nor is what tells of another film taken for it.
+    # Nor is another film's file accepted.
     (out / "camera.json").write_text(about.replace('"fps": 5.0', '"fps": 7.0'))
     assert film(out) == 0
     assert files(out) == files(seen.out)
@@ -238,7 +238,7 @@ def test_who_sees_the_light_goes_by_it():
                 means.append([retina_brightness(renderer, world, by) for _ in range(2)])
             assert renderer.rig is rig
     for twice in means:
-        assert twice[0] == twice[1]  # the same each time
+        assert twice[0] == twice[1]  # repeatable
         assert 0.05 < twice[0] < 0.95
     assert means[0][0] > means[1][0] + 0.05
     other.seen_light[2] = 0.125
@@ -256,7 +256,7 @@ def test_a_film_tells_the_light_that_its_fish_sees(tmp_path, seen):
 
 
 def test_the_light_depends_on_the_dive_alone_and_not_on_how_it_is_filmed(tmp_path):
-    """Levels of detail that a film of larger pictures has chosen, or a gaze elsewhere, leave it."""
+    """Levels of detail of a film with larger pictures, or another gaze, do not change it."""
     lights = []
     for k, how in enumerate((["--size", "64x64"], ["--size", "400x300", "--gaze=70,0"])):
         out = tmp_path / f"lit{k}"

@@ -29,7 +29,7 @@ from tests.support.scenes import BARE, scene
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-SEA = ["--scenario", str(BARE)]  # of what is not about the sea: a film of the bay begins slowly
+SEA = ["--scenario", str(BARE)]  # for tests that need no full sea: a film of the bay starts slowly
 SMALL = [*SEA, "--size", "161x120", "--seconds", "0.2", "--fps", "20", "--seed", "1"]
 
 
@@ -48,7 +48,7 @@ def test_a_film_plays_has_even_sides_and_its_index_first(tmp_path, capsys):
     pictures = decode(out)
     assert len(pictures) == 4
     assert pictures[0].shape == (120, 160, 3)
-    assert pictures[0].std() > 3.0  # there is something to see
+    assert pictures[0].std() > 3.0  # not a blank picture
     data = out.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")
     assert [path.name for path in tmp_path.iterdir()] == ["dive.mp4"]
@@ -87,7 +87,7 @@ def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
     height, width, _ = picture.shape
     middle = picture[height // 3 : 2 * height // 3, 2 * width // 5 : 3 * width // 5]
     orange = (middle[..., 0] > 150) & (middle[..., 0] > middle[..., 2] + 60)
-    assert orange.mean() > 0.02  # it is there, in the middle
+    assert orange.mean() > 0.02  # visible, in the middle
     capsys.readouterr()
     assert main(["film", str(out), *options, "--follow", "clownfsh"]) == 2
     assert "clownfish" in capsys.readouterr().err
@@ -277,7 +277,7 @@ def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
 
 
 def every_mode():
-    """A picture of a dive of its own in each quality and display that a film can have."""
+    """A picture of a separate dive in each quality and display of films."""
     pictures = {}
     rigs = {name: display_rig(name, (48, 48)) for name in DISPLAYS if name != PAGED}
     with film.headless() as context:
@@ -316,7 +316,7 @@ def test_a_tour_of_the_scenario_is_filmed_to_its_end(tmp_path, capsys):
         assert main(["film", str(out), *arguments, *rest]) == 0
         shown[tour] = [np.asarray(Image.open(path)) for path in sorted(out.glob("*.png"))]
     assert len(shown["short"]) == 3
-    assert (shown["short"][0] != shown["auto"][0]).mean() > 0.5  # it begins elsewhere
+    assert (shown["short"][0] != shown["auto"][0]).mean() > 0.5  # it starts elsewhere
     assert (
         main(["film", str(tmp_path / "auto"), *arguments, "--seconds", "0.6", "--tour", "sh"]) == 2
     )
@@ -358,7 +358,7 @@ def test_a_film_may_begin_later(tmp_path):
     for k in range(2):
         one = np.asarray(Image.open(tmp_path / "all" / f"frame_{k + 3:05d}.png")).astype(int)
         two = np.asarray(Image.open(tmp_path / "late" / f"frame_{k:05d}.png")).astype(int)
-        assert np.abs(one - two).mean() < 0.2  # but for fishes that change their level of detail
+        assert np.abs(one - two).mean() < 0.2  # except fishes that change their level of detail
 
 
 @pytest.mark.parametrize(("module", "more"), [(film, []), (eye_frames, ["--eyes", "0"])])
@@ -398,7 +398,7 @@ def test_a_world_is_reached_when_the_instant_lies_between_its_last_two_ticks(mon
 
 
 def test_a_theatre_is_filmed_into_an_output_for_each_window(tmp_path, monkeypatch, capsys):
-    """The windows of a theatre together show what a single one would, each in its own file."""
+    """The windows of a theatre together equal a single one, each in its own file."""
     out = tmp_path / "wall.png"
     options = ["--seconds", "0.1", "--quality", "low", "--shrink", "16"]
     assert main(["film", str(out), "--theatre", "cave", *options]) == 0

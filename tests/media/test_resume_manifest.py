@@ -1,4 +1,4 @@
-"""A folder of pictures that is filmed in several goes holds what one go would have made."""
+"""A folder filmed in several runs equals that of a single run."""
 
 import subprocess
 import sys
@@ -21,7 +21,7 @@ def pictures(folder):
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory):
-    """The pictures of a film that was made in one go, and its description."""
+    """The pictures of a film from a single run, and its description."""
     out = tmp_path_factory.mktemp("whole") / "frames"
     draw, fading = Renderer.draw, []
 

@@ -1,4 +1,4 @@
-"""Pictures and films taken during a dive: their names, their frames, and disks that refuse."""
+"""Pictures and films taken during a dive: names, frames, and failing disks."""
 
 import errno
 import os
@@ -18,7 +18,7 @@ NOON = datetime(2026, 5, 4, 12, 3, 2)
 
 @pytest.fixture
 def camera(tmp_path):
-    """ScreenCapture at noon into a folder that is not there yet, and what they told."""
+    """ScreenCapture at noon into a folder that does not exist yet, and its messages."""
     told = []
     return ScreenCapture(tmp_path / "pictures" / "mine", told.append, lambda: NOON), told
 
@@ -50,7 +50,7 @@ def test_pictures_have_the_date_for_a_name_and_never_replace_another(camera, tmp
 
 def test_a_film_lasts_as_long_as_the_dive_did_however_fast_that_was(camera, tmp_path):
     taken, told = camera
-    taken.frame(pixels(), 0.1)  # before it began
+    taken.frame(pixels(), 0.1)  # before the film
     taken.film((65, 49))
     assert taken.filming
     times = [0.5, 0.1, 0.1, 0.005, 0.005, 0.005, 0.085, 10.0]  # the first is before it began
@@ -65,7 +65,7 @@ def test_a_film_lasts_as_long_as_the_dive_did_however_fast_that_was(camera, tmp_
     assert frames[0][5, 5, 0] > 200 > 50 > frames[0][-5, 5, 0]
     assert told == [f"filming: {path}", f"film of {len(frames) / FPS:.1f} s: {path}"]
     green = [int(frame[30:, :, 1].mean()) for frame in (frames[2], frames[8])]
-    assert green[0] < green[1]  # the pictures are in it in their order
+    assert green[0] < green[1]  # pictures in order
 
 
 def test_a_window_that_changes_its_size_ends_the_film(camera, tmp_path):

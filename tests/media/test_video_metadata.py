@@ -1,4 +1,4 @@
-"""Players are told what a film shows; whether they understand it, ffmpeg's own readers say."""
+"""Metadata of films for players, checked by ffmpeg's own readers."""
 
 import struct
 from fractions import Fraction
@@ -23,7 +23,7 @@ def film(out, display, frames=40):
 
 
 def told(path):
-    """Numbers at the beginning of what a reader finds beside the first picture, by kind."""
+    """First numbers of the side data that a reader finds at the first picture, by kind."""
     with av.open(str(path)) as container:
         first = next(container.decode(video=0))
         return {data.type: struct.unpack("<I", bytes(data)[:4])[0] for data in first.side_data}

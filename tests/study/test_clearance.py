@@ -37,7 +37,7 @@ def test_clearance_is_the_least_of_snout_middle_and_tail():
 
 
 def test_a_study_measures_the_distances_that_fishes_perceive():
-    """Of obliquely lying points too, off which a rock's distance has several approximations."""
+    """Also for oblique points, where a rock's distance has several approximations."""
     rng = np.random.default_rng(3)
     places = rng.uniform((40.0, -380.0, -380.0), (160.0, -220.0, -220.0), (40, 3))
     record = a_record(places[None], rocks=ROCKS)

@@ -28,7 +28,7 @@ def test_bodies_overlap_as_ellipses_do():
 
 
 def test_a_bent_body_is_where_it_bends():
-    """The tail of the first fish swings 8 cm aside, to where the second one is."""
+    """The tail of the first fish swings 8 cm aside, onto the second one."""
     there = still(1, (0, 0, -200), (-2, 7, -200))
     straight = a_record(there)
     bent = straight._replace(tail=straight.tail + np.array([[[0, 8, 0], [0, 0, 0]]], np.float32))

@@ -203,7 +203,7 @@ def test_a_result_never_takes_the_place_of_the_record(damaged, tmp_path, monkeyp
 
 @pytest.mark.parametrize("when", ["measuring", "drawing"])
 def test_ctrl_c_leaves_no_result(record, tmp_path, monkeypatch, capsys, when):
-    """It comes in the middle of a measure or of a plot, and is heeded after it."""
+    """Ctrl-C in the middle of a measure or plot takes effect after it."""
     done = []
 
     def disturbed(*given):
@@ -247,7 +247,7 @@ def test_outlines_are_those_of_the_species(name):
 
 
 def test_a_scenario_of_any_length_fits_beside_the_data(record):
-    """The text is an attribute, of which HDF5's compact ones hold 64 KB at most."""
+    """The text is an attribute; compact attributes of HDF5 hold at most 64 KB."""
     with h5py.File(record) as file:
         assert file.attrs.get_id("scenario").dtype.hasobject
 

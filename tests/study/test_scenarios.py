@@ -1,4 +1,4 @@
-"""What records of the scenarios show, at reduced length: figures at full length in behavior.md."""
+"""Measures of short records of scenarios; behavior.md has figures at full length."""
 
 import pytest
 
@@ -11,7 +11,7 @@ MINUTE, FIFTY_SECONDS = 1900, 1515  # ticks
 
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
-    """What is measured in the first minute of the peaceful bay, and among pillars."""
+    """Measures of the first minute of the peaceful bay, and among pillars."""
     folder = tmp_path_factory.mktemp("scenarios")
     found = {}
     for scenario, ticks in (("peaceful", MINUTE), ("schooling", FIFTY_SECONDS)):

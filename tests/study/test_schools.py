@@ -9,7 +9,7 @@ from tests.support.records import EAST, NORTH, a_record, row
 
 
 def a_school(offsets, ticks=41, intention=None, **changed):
-    """Fishes of which the first leads, at `offsets` (n, 3) or (T, n, 3) from the middle, cm."""
+    """Fishes led by the first, at `offsets` (n, 3) or (T, n, 3) from the middle, cm."""
     places = np.broadcast_to(np.array(offsets, float), (ticks, *np.shape(offsets)[-2:]))
     n = places.shape[1]
     leader = np.zeros((ticks, n), np.int32)
