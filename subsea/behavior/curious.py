@@ -59,7 +59,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
 
 @kernel
 def place_before(sea: Sea, length: float, identity: float) -> Vector:
-    """Where a fish watches, cm from the middle of the hull: spread by length and identity."""
+    """Place where a fish watches, cm from the middle of the hull: spread by length and identity."""
     gaze = vector(sea.submarine[6:9])
     aside = FAN_RAD * (identity - 0.5)
     c, s = np.cos(aside), np.sin(aside)

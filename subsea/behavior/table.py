@@ -35,7 +35,7 @@ class Behavior(NamedTuple):
     name: str
     routine: Routine
     desires: tuple[tuple[int, Desire], ...]
-    tires: bool = False  # whether the desire fades while it is followed (Tu §7.7.2)
+    tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
 
 
 # The first seven in the order of the codes AVOID to WANDER of `state`.
