@@ -1,1 +1,1 @@
-"""How a fish moves: playback of captured segments, gliding, balancing, fins."""
+"""Motion of a fish: playback of captured segments, gliding, balancing, fins."""

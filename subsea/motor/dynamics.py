@@ -145,7 +145,7 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 
 
 class Integration(NamedTuple):
-    """How a tick of the simulation is integrated."""
+    """Integration parameters of a tick."""
 
     dt: float  # s, a tick
     time_step: float  # factor on the step of 5.5 ms, as in `state.Physics`
