@@ -17,7 +17,7 @@ class Curve(NamedTuple):
     times: Array  # (n,) s, ascending
     places: Array  # (n, 3) cm
     velocities: Array  # (n, 3) cm/s, there
-    loop: bool  # whether it begins again at its end
+    loop: bool  # True if it begins again at its end
 
 
 def curve_through(times: Array, places: Array, loop: bool = False) -> Curve:
