@@ -39,7 +39,7 @@ LOOKS_BINDING = 0  # of the uniform block
 GUTTER = 2**COARSEST
 CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
-# How far the lower jaw turns down.
+# Angle by which the lower jaw turns down.
 GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
 LIPS = 0.25  # half the width of the border between the jaws over the length of the mouth
 TEETH = 24.0  # of a predator, on half the circumference of its body

@@ -15,7 +15,7 @@ from subsea.view.culling import ViewArrays, in_frustum, view_arrays
 
 OUT_OF_SIGHT = -1  # instead of a level
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
-LEAST_PX = 3.0  # what covers less is not drawn
+LEAST_PX = 3.0  # smaller items are not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 
 

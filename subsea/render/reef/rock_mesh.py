@@ -33,7 +33,7 @@ BURIED_CM = 20.0  # depth of meshes below the sand
 CELLS = 46.0  # along the longest side of a formation, at the finest level
 FINEST_CM, COARSEST_CM = 4.5, 10.0  # limits of their size
 ACROSS = 4.0  # least number of cells across a formation
-PIECE_CM = 220.0  # width of pieces, each of which has its own level
+PIECE_CM = 220.0  # width of a piece, which has its own level
 NEAR_CM = 200.0  # formations closer than this shade one another
 SUN_WIDE = 0.16  # width of the cone of sunlight, for soft shadows
 
@@ -58,7 +58,7 @@ def shapes(formations: list[Array], floor: Floor) -> list[list[StaticMesh]]:
 
 
 def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
-    """Cut the levels of a formation into pieces, each of which is drawn at its own level.
+    """Cut the levels of a formation into pieces, each drawn at its own level.
 
     Pieces extend beyond their boxes by the length of a triangle, so that neighbours at different
     levels overlap without gaps.
