@@ -123,7 +123,7 @@ class Packet:
     passing_cm_s: tuple[float, float, float] = (0.0, 0.0, 0.0)  # velocity of the submarine
     vessel: Array | None = None  # (3,) cm, position of the submarine; None: that of the eyes
     hook: Array | None = None  # (3,) cm, position of its bend; None: no hook in the water
-    bait: bool = False  # whether bait is on the hook
+    bait: bool = False  # True if bait is on the hook
     # Leaves of seaweed in sight, fine ones first; the number of fine ones; and the leaves (v, k)
     # that each view sees, None: all.
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
