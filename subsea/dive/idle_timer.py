@@ -23,7 +23,7 @@ class IdleTimer:
     def update(
         self, active: bool, dt: float, allowed: bool = True
     ) -> Literal["begin", "end"] | None:
-        """What to do `dt` seconds later. `active`: there was input; `allowed`: a tour may begin."""
+        """The action `dt` seconds later. `active`: there was input; `allowed`: a tour may begin."""
         self.idle_s = 0.0 if active else self.idle_s + dt
         self.toured_s += dt
         if active and self.touring:

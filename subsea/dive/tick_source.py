@@ -1,4 +1,4 @@
-"""Where ticks come from: this computer, or the master of a cluster."""
+"""Sources of ticks: this computer, or the master of a cluster."""
 
 import time
 from collections.abc import Callable, Iterator

@@ -66,7 +66,7 @@ def steer_along(world: World, course: Course | None) -> Steer:
 
 
 class Subject(NamedTuple):
-    """What to look at: a kind from HOOK to SHOAL, and its members.
+    """The subject of a tour: a kind from HOOK to SHOAL, and its members.
 
     Members of a hook: its catch, if any; of a hunt: hunter and prey; of a pair: male and female;
     of a shoal: its species and number of living fishes.
