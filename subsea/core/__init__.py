@@ -1,1 +1,1 @@
-"""What all stages share: errors, files, caches, compiled kernels."""
+"""Shared basics: errors, files, caches, compiled kernels."""

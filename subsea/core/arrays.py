@@ -1,4 +1,4 @@
-"""Types of numpy arrays, by what their elements are."""
+"""Numpy array types, by type of element."""
 
 from typing import Any
 

@@ -50,9 +50,9 @@ def check_file(path: Path) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a hidden path beside `path` to write to; rename it to `path` at the end.
 
-    Missing folders are created, and the target of a link is replaced. On an error neither the
-    partial file nor a new folder is left, and an OSError becomes a UserError. Partial files that
-    killed processes left in the folder a day ago or earlier are removed.
+    Creates missing folders and replaces the target of a link. On an error, removes the partial file
+    and new folders and turns an OSError into a UserError. Also removes partial files of killed
+    processes that are at least a day old.
     """
     real = Path(os.path.realpath(path))
     temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
@@ -70,7 +70,7 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
-        with suppress(OSError):  # folders that are not empty stay
+        with suppress(OSError):  # not empty
             for folder in new:
                 folder.rmdir()
 
@@ -82,6 +82,6 @@ def _remove_stale(folder: Path) -> None:
         for part in folder.glob(".*.*.part*"):
             if not PART.search(part.name):
                 continue
-            with suppress(OSError):  # another process may be first
+            with suppress(OSError):  # another process may have removed it
                 if time.time() - part.stat().st_mtime > STALE_S:
                     part.unlink()

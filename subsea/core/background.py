@@ -20,9 +20,9 @@ class CancelledByUserError(Exception):
 def run_in_background(
     work: Callable[[Callable[[str], None]], T], look: Callable[[str | None], None]
 ) -> T:
-    """Return or raise what `work` does; call `look` in this thread until it is done.
+    """Return or raise the result of `work`; call `look` in this thread until it is done.
 
-    `work` gets a function that takes lines about its progress. `look` gets each of these lines
+    `work` receives a function to report progress in lines. `look` receives each of these lines
     once, else None. If it raises, as `CancelledByUserError`, the work is abandoned.
     """
     lines: SimpleQueue[str] = SimpleQueue()

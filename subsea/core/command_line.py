@@ -16,8 +16,8 @@ from subsea.core.errors import UserError, unknown
 def run_command(program: str, run: Callable[[], int]) -> int:
     """Run a command and return the exit code of the process.
 
-    That is what ``run`` returns (0 done, 1 a negative finding), 2 for an error that the user can
-    mend (one line on standard error), or 130 after Ctrl-C or SIGTERM.
+    The code is the return value of ``run`` (0 done, 1 a negative finding), 2 for an error that the
+    user can fix (one line on standard error), or 130 after Ctrl-C or SIGTERM.
     """
     signal.signal(signal.SIGTERM, _terminate)
     try:

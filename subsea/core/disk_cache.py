@@ -25,8 +25,8 @@ from subsea.core.source_stamp import source_stamp
 P = ParamSpec("P")
 T = TypeVar("T")
 
-MAX_BYTES = 512 << 20  # of all files: twice what the shipped scenarios need
-SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum at the start of a file, of the size after it
+MAX_BYTES = 512 << 20  # of all files; twice the need of the shipped scenarios
+SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum at the start of a file, and of the size after it
 ALIGNED = 64  # bytes: alignment of each part, as kernels need it for arrays
 
 
@@ -36,9 +36,9 @@ def cache_folder() -> Path:
 
 
 def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
-    """Return ``make(*given, **named)``, read from the disk if it was computed before.
+    """Return ``make(*given, **named)``, from the disk if it was computed before.
 
-    Arguments and result must pickle. Without a writable folder it is computed each time.
+    Arguments and result must be picklable. Without a writable folder, compute it each time.
     """
     path = cache_folder() / f"{cache_name(make, *given, **named)}.pickle"
     with suppress(Exception):  # a damaged pickle may raise anything
@@ -69,7 +69,7 @@ def _packed(made: object) -> bytearray:
 
 
 def _unpacked(data: memoryview) -> Any:
-    """Undo `_packed`; damaged data raises an exception of any kind."""
+    """Undo `_packed`; damaged data may raise any exception."""
     if zlib.crc32(data[SUM_BYTES:]) != int.from_bytes(data[:SUM_BYTES]):
         raise ValueError("damaged")
     start = SUM_BYTES + SIZE_BYTES
@@ -94,7 +94,7 @@ def cache_name(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> 
 
 
 def _make_room(place: Path) -> None:
-    """Delete least recently used files until the others fit."""
+    """Delete the least recently used files until the others fit."""
     there = []
     for path in place.iterdir():  # partial files, too
         with suppress(OSError):  # another process may have deleted it

@@ -1,22 +1,21 @@
-"""Errors that the user can mend, shown as one line without a stack trace."""
+"""Errors that the user can fix, shown as one line without a stack trace."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-MAX_CHARACTERS = 1000  # of a line: a word that it quotes may be as long as its file
+MAX_CHARACTERS = 1000  # of a line, which may quote a word as long as its file
 
 
 class UserError(Exception):
-    """Something the user can mend; `str` gives one line such as ``reef.toml:12: message``.
+    """An error that the user can fix; `str` gives one line such as ``reef.toml:12: message``.
 
-    Fields, which handlers read instead of taking the line apart:
+    Handlers read these fields instead of parsing the line:
 
-    - `message`: what is wrong and what was expected, without the place.
-    - `file`: the file at fault (or what stands for it, such as "the scenario"), None if unknown.
-    - `line`: the line in `file`, from 1; None if no single line is at fault.
-    - `key`: the key at fault, such as ``fish[0].kind``; it names a place in `file` and is not
-      shown: where it helps, `message` quotes it.
+    - `message`: what is wrong and what was expected, without the location.
+    - `file`: the faulty file (or its description, such as "the scenario"), None if unknown.
+    - `line`: the line in `file`, from 1; None if no single line is faulty.
+    - `key`: the faulty key in `file`, such as ``fish[0].kind``. Not shown unless in `message`.
     - `changes`: settings of the command line (``--set``) that were applied on top of `file`.
     """
 
@@ -52,6 +51,6 @@ def nearest(word: str, choices: list[str]) -> str:
 
 
 def unknown(kind: str, word: str, choices: list[str], key: str | None = None) -> UserError:
-    """The error for a name that is not among the choices, with the nearest one named."""
+    """The error for a name that is not among the choices, with the nearest choice."""
     hint = nearest(word, choices) or f"; there are: {', '.join(choices)}"
     return UserError(f"unknown {kind} {word!r}{hint}", key=key)

@@ -1,4 +1,4 @@
-"""The only module that opens HDF5 files: reads what it can trust, writes whole files or none."""
+"""Read HDF5 files with checks and write them atomically; no other module opens them."""
 
 import math
 import zlib
@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 
-MAX_DATASET_BYTES = 256 * 2**20  # a repertoire holds a few megabytes; more is a damaged header
+MAX_DATASET_BYTES = 256 * 2**20  # a repertoire has a few megabytes; more is a damaged header
 MAX_ATTRIBUTE_BYTES = 2**20
-MAX_INFLATION = 1032  # times the size of what deflate has packed
+MAX_INFLATION = 1032  # times the size of deflated data
 SHUFFLE, DEFLATE = h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE
 PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
 Kind = Literal["f", "i", "u", "b"]
@@ -27,7 +27,7 @@ LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without times
 
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
-    """Open `path` for reading; any fault of the file becomes one line that names it."""
+    """Open `path` for reading; any fault of the file is one line that names it."""
     if not path.is_file():
         raise UserError("no such file", file=path)
     try:
@@ -40,10 +40,10 @@ def reading(path: Path) -> Iterator[Any]:
 
 @contextmanager
 def writing(path: Path) -> Iterator[Any]:
-    """Write a small file `path` whole or not at all; the same input gives the same bytes.
+    """Write a small file `path` atomically; the same input gives the same bytes.
 
-    The file is composed in memory: a disk that is full in the middle of it is a fault of one
-    plain write then, and none inside the HDF5 library.
+    The file is composed in memory, so a disk that fills up causes an error of one plain write,
+    outside the HDF5 library.
     """
     with replacing(path) as temporary:
         with h5py.File(temporary, "w", driver="core", backing_store=False, **LAYOUT) as file:
@@ -62,9 +62,9 @@ def recording(
 ) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
     """Write a file whose datasets grow along their first axis.
 
-    Yields `append`, which takes a block of rows for every dataset. `notes` are the attributes of
-    each dataset, by its name. Ctrl-C keeps the blocks so far as a whole file and goes on as
-    KeyboardInterrupt; with no rows, or on any other fault, nothing is left.
+    Yields `append`, which accepts a block of rows for every dataset. `notes` are the attributes of
+    each dataset, by its name. Ctrl-C saves the blocks so far as a complete file and continues as
+    KeyboardInterrupt. With no rows, or on any other fault, no file is left.
     """
     notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
@@ -114,10 +114,10 @@ def recording(
 
 
 class _Disk:
-    """A file that takes everything that the HDF5 library writes, and keeps its first fault.
+    """A file that accepts everything that the HDF5 library writes, and stores its first fault.
 
-    The library cannot live with a disk that is full: it tries again from destructors, and in the
-    end crashes the process.
+    The library cannot handle a full disk: it retries from destructors and finally crashes the
+    process.
     """
 
     def __init__(self, raw: Any) -> None:
@@ -130,7 +130,7 @@ class _Disk:
             raise self.fault
 
     def write(self, data: memoryview) -> int:
-        """Write all of it, or nothing any more."""
+        """Write all data; after a fault, write nothing."""
         left = memoryview(data).cast("B")
         try:
             while len(left) and not self.fault:
@@ -140,7 +140,7 @@ class _Disk:
         return len(data)
 
     def truncate(self, size: int) -> int:
-        """Make the file so long."""
+        """Set the length of the file."""
         try:
             return int(self.raw.truncate(size))
         except OSError as fault:
@@ -148,18 +148,18 @@ class _Disk:
             return size
 
     def __getattr__(self, name: str) -> Any:
-        """What cannot fail for want of room is the file's own."""
+        """Pass everything that a full disk cannot affect to the file."""
         return getattr(self.raw, name)
 
 
 @contextmanager
 def _forgiving(raw: Any) -> Iterator[_Disk]:
-    """A file for the HDF5 library, and its first fault in the end."""
+    """Yield a file for the HDF5 library; raise its first fault at the end."""
     disk = _Disk(raw)
     try:
         yield disk
     except Exception:
-        disk.check()  # whatever the library says then is not the reason
+        disk.check()  # the library's own error is not the cause
         raise
     disk.check()
 
@@ -172,8 +172,8 @@ def text(value: str) -> np.bytes_:
 def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     """The attribute `name` of a group as a plain Python value of the given `kind`.
 
-    Strings must be of fixed length: those of variable length lie in a heap of the file, and in
-    a damaged heap the HDF5 library searches for ever.
+    Strings must be of fixed length. Variable-length strings are in a heap of the file, and the HDF5
+    library searches a damaged heap forever.
     """
     if name not in group.attrs:
         raise UserError(f"attribute {name!r} is missing, expected {NOUNS[kind]}", file=where)
@@ -196,7 +196,7 @@ def attribute(group: Any, name: str, kind: type, where: str) -> Any:
 
 
 def texts(group: Any, name: str, where: str) -> list[str]:
-    """The attribute `name` of a group that is a row of strings of fixed length."""
+    """The attribute `name` of a group: a row of strings of fixed length."""
     if name not in group.attrs:
         raise UserError(f"attribute {name!r} is missing, expected a row of words", file=where)
     stored = group.attrs.get_id(name)
@@ -215,10 +215,10 @@ def array(
     least: int = 1,
     most_bytes: int = MAX_DATASET_BYTES,
 ) -> NDArray[Any]:
-    """The dataset `name` of finite numbers of a kind, checked before it is read.
+    """Check and read the dataset `name` of finite numbers of the given kind.
 
-    `shape` gives each length, None for any length of at least `least`. Links that lead out of the
-    file or the group, other types, other shapes, and implausible sizes are refused.
+    `shape` gives each length, None for any length of at least `least`. Refuses links that lead out
+    of the file or the group, other types or shapes, and implausible sizes.
     """
     if not isinstance(group.get(name, getlink=True), h5py.HardLink):
         raise UserError("missing, expected a dataset", file=f"{where}/{name}")
@@ -250,10 +250,10 @@ def array(
 
 
 def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
-    """Whether the library unpacks the pieces of a dataset without more memory than they claim.
+    """Whether the chunks of a dataset unpack without more memory than they claim.
 
-    It inflates them to whatever they hold, and makes room for whole ones even where a dataset has
-    but a corner of them.
+    The library inflates chunks to any size, and allocates whole chunks even if a dataset fills only
+    a corner of them.
     """
     if dataset.chunks is None:
         return True
@@ -265,7 +265,7 @@ def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
     if not packing or dataset.id.get_storage_size() * MAX_INFLATION <= most_bytes:
         return True
     large: list[Any] = []
-    skips = 1 << packing.index(DEFLATE)  # pieces that grew by it are stored without
+    skips = 1 << packing.index(DEFLATE)  # chunks that it would enlarge are stored without it
     dataset.id.chunk_iter(
         lambda piece: (
             large.append(piece.chunk_offset)
@@ -282,12 +282,12 @@ def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
 
 
 def has_member(group: Any, name: str) -> bool:
-    """Whether `group` has anything of that name; unlike ``in``, this follows no link."""
+    """Whether `group` has a member of that name; unlike ``in``, this follows no link."""
     return group.get(name, getlink=True) is not None
 
 
 def subgroup(group: Any, name: str, where: str) -> Any:
-    """The group `name` inside `group`, never one that a link brings in from elsewhere."""
+    """The group `name` inside `group`; links are refused."""
     if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
         group[name], h5py.Group
     ):

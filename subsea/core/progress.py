@@ -1,4 +1,4 @@
-"""Progress of long work, and the time left."""
+"""Progress and remaining time of long work."""
 
 import sys
 import time
@@ -9,14 +9,14 @@ from tqdm import tqdm
 
 from subsea.core.console import say
 
-REPORT_S = 10.0  # between two lines where there is no terminal
+REPORT_S = 10.0  # between two lines without a terminal
 
 
 @contextmanager
 def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], object]]:
-    """Yield a function to call after each of `total` units; `done` units are done already.
+    """Yield a function to call after each of `total` units; `done` units are already done.
 
-    Shows a bar on a terminal, elsewhere a line every `REPORT_S`, so that logs stay short.
+    Shows a bar on a terminal; elsewhere a line every `REPORT_S`, to keep logs short.
     """
     if sys.stderr.isatty():
         with tqdm(total=total, initial=done, unit=unit) as bar:

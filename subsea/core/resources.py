@@ -1,7 +1,7 @@
 """Locate shaders, assets, repertoires and the user's own files.
 
-Resources lie beside the package in a checkout, and inside it in an installed wheel. Files that the
-user makes lie in the user's data folder.
+Resources are next to the package in a checkout and inside it in an installed wheel. The user's own
+files are in the user's data folder.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Change values in a TOML text; every other byte stays: comments, order, layout."""
+"""Change values in a TOML text and leave all other bytes unchanged."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,19 +9,19 @@ from subsea.core.toml_positions import Place
 
 Content = Mapping[str, Any]  # of a table, as tomllib reads it; lists may be tuples
 
-MAX_LINE = 100  # characters: a longer list of tables has a line for each
+MAX_LINE = 100  # characters; a longer list of tables has one table per line
 _MISSING = object()
 
 
 def edit_toml(
     text: str, old: Content, new: Content, table: Place = (), file: Path | None = None
 ) -> str:
-    """Change the table at the place `table` of a TOML text from `old` to `new`.
+    """Change the table at the key `table` of a TOML text from `old` to `new`.
 
-    Only keys in which `old` and `new` differ are touched, so both may leave out keys that stay.
-    A text that cannot be edited is a UserError about `file`.
+    Only keys that differ between `old` and `new` are changed, so both may omit the others. A text
+    that cannot be edited is a UserError about `file`.
     """
-    import tomlkit  # takes long to import, and few commands edit
+    import tomlkit  # slow to import, and few commands need it
     from tomlkit.exceptions import TOMLKitError
 
     # Blank lines and comments at the end are set aside: new keys go before them.
@@ -59,7 +59,7 @@ def toml_value(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Tuples as lists, so that they equal what is read."""
+    """Tuples as lists, so that they equal parsed values."""
     if isinstance(value, Mapping):
         return {key: _plain(one) for key, one in value.items()}
     return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
@@ -78,7 +78,7 @@ def _change(table: Any, old: Content, new: Content) -> None:
 
 
 def _set(container: Any, key: Any, old: Any, new: Any) -> None:
-    """Set one value of a tomlkit table or array; in lists and tables, only what differs."""
+    """Set one value of a tomlkit table or array; in lists and tables, only the differences."""
     import tomlkit
     from tomlkit.items import AoT, InlineTable
 
@@ -99,7 +99,7 @@ def _set(container: Any, key: Any, old: Any, new: Any) -> None:
 
 
 def _has_headers(container: Any) -> bool:
-    """Whether the tables in a tomlkit table have headers of their own: then a new one has, too."""
+    """Whether the tables in a tomlkit table have their own headers; new ones follow suit."""
     from tomlkit.items import Table
 
     if not isinstance(container, Table):

@@ -16,8 +16,8 @@ from subsea.core.validation import same_at, violation
 T = TypeVar("T")
 
 MAX_BYTES = 1 << 20  # of a TOML file
-# A key of 32 or more tables within tables, or a comment that looks like one. The time that the
-# parser takes grows with the square of their number.
+# A key of 32 or more nested tables, or a comment that looks like one. Parsing time grows with
+# the square of their number.
 _TOO_DEEP = re.compile(
     r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
 )
@@ -25,11 +25,11 @@ _TOO_DEEP_MESSAGE = "not valid TOML (tables within tables, too deep)"
 
 
 def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
-    """Read a TOML file as the msgspec struct `kind`; any fault is a UserError with its place.
+    """Read a TOML file as the msgspec struct `kind`; any error is a UserError with its location.
 
-    Each of `changes` sets one value: a key with its tables, joined by dots, list entries by their
-    number from 0, then = and a TOML value or a word, such as ``fish.0.species=fusilier``. An error
-    that a change causes shows the changes instead of a line.
+    Each of `changes` sets one value, such as ``fish.0.species=fusilier``: the key with its tables,
+    joined by dots, with list indices from 0, then = and a TOML value or a word. An error caused by
+    a change shows the changes instead of a line.
     """
     text = _read_text(path)
     if deep := _TOO_DEEP.search(text):
@@ -61,7 +61,7 @@ def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
 
 
 def error_at(path: Path, key: str, message: str) -> UserError:
-    """The error of a key in a TOML file, with the line of the key or else of its table."""
+    """The error of a key in a TOML file, with the line of the key or of its table."""
     return UserError(message, file=path, line=_line(path, key), key=key)
 
 
@@ -69,10 +69,10 @@ def error_at(path: Path, key: str, message: str) -> UserError:
 def locate_errors(
     content: msgspec.Struct, source: Path | str, changes: Sequence[str] = ()
 ) -> Iterator[None]:
-    """Add `source`, and the line of their key, to errors about `content` that name no file.
+    """Add `source` and the line of the key to errors about `content` that name no file.
 
-    The line is left out where `content` no longer is what the file `source` says at that key;
-    then `changes`, those that were made to it, are shown instead.
+    The line is omitted if `content` no longer matches the file `source` at that key; the error then
+    shows the applied `changes` instead.
     """
     try:
         yield
@@ -91,8 +91,8 @@ def locate_errors(
 
 
 def _line(path: Path, key: str) -> int | None:
-    """The line of a key or else of its table; None where the file has neither."""
-    with suppress(UserError):  # the file may have gone since it was read
+    """The line of a key or of its table; None if the file has neither."""
+    with suppress(UserError):  # the file may have been deleted since
         return line_of(key_lines(_read_text(path)), place_of(key))
     return None
 
@@ -111,14 +111,14 @@ def _read_text(path: Path) -> str:
 
 
 def _syntax_error(told: str, text: str) -> tuple[int, str]:
-    """Line and reason from the message of tomllib, which has no data before Python 3.14."""
+    """Line and reason from the message of tomllib, which has no fields before Python 3.14."""
     if found := re.fullmatch(r"(.*) \(at line (\d+), (column \d+)\)", told):
         return int(found[2]), f"{found[1]}, {found[3]}"
     return text.rstrip().count("\n") + 1, told
 
 
 def _set(content: dict[str, Any], setting: str) -> None:
-    """Change one value in the content of a TOML file; the entry behind a list's last is added."""
+    """Change one value in the content of a TOML file; an index just past the end appends."""
     keys, equals, text = setting.partition("=")
     steps = [step.strip() for step in keys.split(".")]
     option = f"--set {setting}"

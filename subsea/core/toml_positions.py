@@ -1,6 +1,6 @@
 """Line numbers of the keys in a TOML file, for error messages.
 
-TOML parsers do not report them. The text must be valid TOML: nothing is checked here.
+TOML parsers do not report them. The text must be valid TOML; it is not checked here.
 """
 
 import re
@@ -10,7 +10,7 @@ from typing import Any
 Place = tuple[str | int, ...]  # keys of tables, and numbers in lists from 0
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-# A multi-line string may end in five quotes, of which two belong to it.
+# A multi-line string may end in five quotes: its own last two, then the delimiter.
 _STRING = re.compile(
     r'"""(?:\\.|[^\\])*?"""(?:"{0,2})' r"|'''.*?'''(?:'{0,2})"
     r'|"(?:\\.|[^"\\])*"' r"|'[^']*'",
@@ -24,14 +24,14 @@ _STEP = re.compile(r"[^.\[\]]+")
 def key_lines(text: str) -> dict[Place, int]:
     """The line, from 1, of every table, key and list entry in a TOML text.
 
-    The line of a list of tables is that of its first table, and the line of a table that of its
+    The line of a list of tables is that of its first table; the line of a table is that of its
     first mention.
     """
     return _Reader(text).lines
 
 
 def line_of(lines: dict[Place, int], place: Place) -> int | None:
-    """The line of a place, or of the table that it would be in; None if that is the file.
+    """The line of a key or of the table that would contain it; None if that is the file.
 
     A list entry that does not exist has no line.
     """
@@ -43,7 +43,7 @@ def line_of(lines: dict[Place, int], place: Place) -> int | None:
 
 
 def place_of(words: str) -> Place:
-    """Parse a place such as ``fish[0].kind``."""
+    """Parse a key such as ``fish[0].kind``."""
     return tuple(int(step) if is_count(step) else step for step in _STEP.findall(words))
 
 
@@ -53,7 +53,7 @@ def is_count(step: str) -> bool:
 
 
 def words_of(place: Place) -> str:
-    """Format a place such as ``fish[0].kind``."""
+    """Format a key such as ``fish[0].kind``."""
     steps = [f"[{step}]" if isinstance(step, int) else f".{step}" for step in place]
     return "".join(steps).removeprefix(".")
 
@@ -64,9 +64,9 @@ class _Reader:
     def __init__(self, text: str) -> None:
         self.lines: dict[Place, int] = {}
         self._text, self._at = text, 0
-        self._line, self._counted = 1, 0  # the line of the character at this offset
+        self._line, self._counted = 1, 0  # the line number at this offset
         table: Place = ()
-        listed: dict[Place, int] = {}  # number of tables in each list so far
+        listed: dict[Place, int] = {}  # number of tables so far in each list
         while self._skip():
             if text[self._at] != "[":
                 self._pair(table)

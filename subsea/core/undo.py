@@ -8,7 +8,7 @@ State = TypeVar("State")
 class History(Generic[State]):
     """Immutable states with undo and redo; `present` is the current one.
 
-    States are compared by ``==``: a state with arrays should only be equal to itself.
+    States are compared by ``==``, so a state with arrays should only equal itself.
     """
 
     def __init__(self, state: State) -> None:
@@ -38,7 +38,7 @@ class History(Generic[State]):
         return self._saved is None or self.present != self._saved
 
     def saved(self, really: bool = True) -> None:
-        """Mark the current state as saved, or as never saved if not `really`."""
+        """Mark the current state as saved, or as unsaved if not `really`."""
         self._saved = self.present if really else None
 
     def do(self, state: State) -> None:

@@ -1,6 +1,6 @@
-"""Check content against a msgspec type, and tell which key is at fault.
+"""Check content against a msgspec type, and find the faulty key.
 
-msgspec offers no data on a failure, only a sentence: this module is the only one that reads it.
+msgspec gives no data on a failure, only a sentence. No other module parses it.
 """
 
 import re
@@ -15,19 +15,19 @@ from subsea.core.toml_positions import Place, place_of, words_of
 
 T = TypeVar("T")
 MISSING = object()
-_OF_KEY = " - at `key` in `$"  # how msgspec marks a fault of a key rather than of its value
+_OF_KEY = " - at `key` in `$"  # msgspec's mark for a faulty key rather than its value
 
 
 class Violation(NamedTuple):
-    """Why content does not fit its type."""
+    """The reason why content does not fit its type."""
 
-    message: str  # with the place and a hint at the right name
-    table: Place  # where msgspec found it
-    culprit: Place  # the key at fault, or `table` if none is known
+    message: str  # with the location and a hint at the right name
+    table: Place  # the location that msgspec reports
+    culprit: Place  # the faulty key, or `table` if unknown
 
 
 def convert(content: Any, kind: type[T]) -> T:
-    """Build the msgspec struct `kind` from tables and lists; a UserError has the key at fault."""
+    """Build the msgspec struct `kind` from tables and lists; a UserError has the faulty key."""
     try:
         return msgspec.convert(content, kind)
     except msgspec.ValidationError as error:
@@ -36,12 +36,12 @@ def convert(content: Any, kind: type[T]) -> T:
 
 
 def violation(error: msgspec.ValidationError, content: Any, kind: Any) -> Violation:
-    """What msgspec found wrong with `content`, in our words."""
+    """The violation that msgspec found in `content`, in our words."""
     told = str(error)
     message, _, where = told.replace(_OF_KEY, " - at `$").partition(" - at `$")
     table, *inside = where.removesuffix("`").split("[...]")
     place = place_of(table)
-    for rest in inside:  # within a table that may have any keys
+    for rest in inside:  # in a table with arbitrary keys
         place = (*place, _faulty_key(content, kind, place), *place_of(rest))
     types, hint = _types_at(kind, place), ""
     if key := re.search(r"unknown field `([^`]*)`", message):
@@ -65,7 +65,7 @@ def violation(error: msgspec.ValidationError, content: Any, kind: Any) -> Violat
 
 
 def value_at(content: Any, place: Place) -> Any:
-    """The value at a place in tables, lists and structs; `MISSING` if there is none."""
+    """The value of a key in tables, lists and structs; `MISSING` if it does not exist."""
     for step in place:
         if isinstance(step, int):
             fits = isinstance(content, list | tuple) and step < len(content)
@@ -80,13 +80,13 @@ def value_at(content: Any, place: Place) -> Any:
 
 
 def same_at(one: Any, other: Any, place: Place) -> bool:
-    """Whether two contents have the same value at a place."""
+    """Whether two contents have the same value of a key."""
     mine, theirs = value_at(one, place), value_at(other, place)
     return bool(mine == theirs) or repr(mine) == repr(theirs)  # nan does not equal itself
 
 
 def _faulty_key(content: Any, kind: Any, place: Place) -> str:
-    """The first key of a table in `content` that is at fault even when it stands alone."""
+    """The first key of a table in `content` that is faulty even on its own."""
     table = value_at(content, place)
     entries = dict(table)
     try:
@@ -104,7 +104,7 @@ def _faulty_key(content: Any, kind: Any, place: Place) -> str:
 
 
 def _types_at(kind: Any, place: Place) -> list[inspect.Type]:
-    """The types allowed at a place of a struct; empty where that is unknown."""
+    """The types allowed for a key of a struct; empty if unknown."""
     here = _alternatives(inspect.type_info(kind))
     for step in place:
         within = [field.type for one in here for field in getattr(one, "fields", ())

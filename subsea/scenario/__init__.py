@@ -1,1 +1,1 @@
-"""Scenarios: who lives where, read, saved and looked up."""
+"""Scenarios: read, save and look up the inhabitants of a sea."""

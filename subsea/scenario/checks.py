@@ -1,4 +1,4 @@
-"""Check what no single table of a scenario shows: places, names and totals."""
+"""Check places, names and totals across the tables of a scenario."""
 
 import math
 from collections.abc import Iterator
@@ -18,9 +18,9 @@ from subsea.scenario.schema import (
 
 
 def check_scenario(scenario: Scenario) -> None:
-    """Raise a UserError with its key for places, names and totals that cannot be.
+    """Raise a UserError with its key for impossible places, names and totals.
 
-    `world.create_world` refuses what only a world shows: things inside one another.
+    `world.create_world` finds the faults that need a world, such as overlapping objects.
     """
     bounds, known = scenario.bounds, species_names()
     for key, place in _places(scenario):
@@ -67,7 +67,7 @@ def check_scenario(scenario: Scenario) -> None:
 
 
 def shoals_of(scenario: Scenario) -> Shoals:
-    """What directions may refer to."""
+    """The shoals of a scenario, as directions refer to them."""
     kinds: list[str] = []
     for shoal in scenario.fish:
         kinds += [shoal.kind or load_species(shoal.species).kind] * shoal.number
@@ -91,7 +91,7 @@ def _places(scenario: Scenario) -> Iterator[tuple[str, tuple[float, ...]]]:
 
 
 def _check_tours(scenario: Scenario) -> None:
-    """Raise a UserError for a tour that cannot be followed in any sea."""
+    """Raise a UserError for a tour that is impossible in any sea."""
     living = scenario.species
     for k, tour in enumerate(scenario.tour):
         here = f"tour[{k}]"

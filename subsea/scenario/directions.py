@@ -30,10 +30,10 @@ INFLUENCES = (*MOVES, "pair", "current_cm_s", "hook", "lights", "camera", "capti
 
 
 class FishSelector(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Fishes: those of a shoal, one, or all of a species."""
+    """Select the fishes of a shoal, one fish, or all of a species."""
 
     shoal: Number | None = None  # its number, from 0
-    fish: Number | None = None  # its number, as shoals count from 0
+    fish: Number | None = None  # its number from 0, counted through all shoals
     species: str | None = None
 
     def __post_init__(self) -> None:
@@ -46,16 +46,16 @@ class FishSelector(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A directed camera: a tour, or a position and a target."""
 
-    tour: str | None = None  # the name of one, begun anew
-    position_cm: Place | None = None  # where it is; none: `distance_cm` from what it looks at
+    tour: str | None = None  # the name of a tour, which starts over
+    position_cm: Place | None = None  # its position; None: `distance_cm` from the target
     look_at_cm: Place | None = None
-    follow: FishSelector | Literal["cast"] | None = None  # fishes; "cast": whom the event is about
+    follow: FishSelector | Literal["cast"] | None = None  # fishes; "cast": those of the event
     distance_cm: Annotated[float, msgspec.Meta(ge=60, le=5000)] = 200.0
-    behind: bool = False  # from behind those that it follows, rather than from where it comes
-    over_s: Seconds = 3.0  # so long the way there takes, or longer if it is far; 0: a cut
+    behind: bool = False  # film from behind its target, not from its own side
+    over_s: Seconds = 3.0  # duration of the way there, longer if it is far; 0: a cut
 
     def __post_init__(self) -> None:
-        """Require one thing to show."""
+        """Require exactly one target."""
         if self.look_at_cm is not None and self.follow is not None:
             raise ValueError("only one of `look_at_cm` and `follow` can be looked at")
         looks = self.look_at_cm is not None or self.follow is not None
@@ -70,44 +70,44 @@ class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One scripted event: when, and what."""
+    """One scripted event: its conditions and its effects."""
 
-    # By which others follow it, and records tell it.
+    # For other directions (`after`) and for records.
     name: Annotated[str, msgspec.Meta(max_length=60)] = ""
 
-    # When: as soon as all of this is so; of nothing at once.
+    # Conditions; the event begins once all are met, or at once if there are none.
     at_s: Seconds | None = None  # not before
     after: str | None = None  # not before the direction of this name has begun ...
-    delay_s: Seconds = 0.0  # ... and so many s have passed
+    delay_s: Seconds = 0.0  # ... and this delay has passed
     event: Event | None = None
-    of: FishSelector | None = None  # whose event; none: anybody's, and of "passes" the submarine's
-    gate_cm: Place | None = None  # what is passed, ...
-    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1e5)] = 100.0  # ... at most so far away
-    fewer_than: Annotated[int, msgspec.Meta(ge=1, le=100_000)] | None = None  # of them are alive
-    once: bool = True  # else each time that it becomes so
-    every_s: Annotated[float, msgspec.Meta(ge=0.1, le=1e5)] | None = None  # again while it is so
+    of: FishSelector | None = None  # of the event; None: any fish, or the submarine for "passes"
+    gate_cm: Place | None = None  # the place to pass ...
+    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1e5)] = 100.0  # ... within this distance
+    fewer_than: Annotated[int, msgspec.Meta(ge=1, le=100_000)] | None = None  # living fishes
+    once: bool = True  # else each time that the conditions become true
+    every_s: Annotated[float, msgspec.Meta(ge=0.1, le=1e5)] | None = None  # repeat while true
 
-    # What, of whom, and for how long.
-    who: FishSelector | None = None  # whom it moves
+    # Effects, affected fishes and durations.
+    who: FishSelector | None = None  # affected fishes
     path_cm: Annotated[list[Place], msgspec.Meta(min_length=1, max_length=200)] | None = None
-    loop: bool = False  # the path is gone round and round
-    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # none: cruising
+    loop: bool = False  # repeat the path
+    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # None: cruising speed
     hunger: Share | None = None
     libido: Share | None = None
     fear: Share | None = None
-    over_s: Seconds = 0.0  # so long a change takes
-    for_s: Seconds | None = None  # and so long it is held
+    over_s: Seconds = 0.0  # duration of a change
+    for_s: Seconds | None = None  # duration of holding it
     likes: list[Habit] | None = None  # Tu §7.3
-    hunts: FishSelector | Literal["any"] | None = None  # predators: whom they may hunt; they start
-    rests: bool = False  # predators: they hunt nobody
-    pair: tuple[Number, Number] | Literal["nearest"] | None = None  # two are to court ...
+    hunts: FishSelector | Literal["any"] | None = None  # predators: hunt only these
+    rests: bool = False  # predators stop hunting
+    pair: tuple[Number, Number] | Literal["nearest"] | None = None  # two fishes court ...
     place_cm: Place | None = None  # ... there
     current_cm_s: tuple[Flow, Flow] | None = None
     hook: Literal["down", "up"] | None = None
     lights: bool | None = None  # of the submarine
     camera: Camera | None = None
     caption: Annotated[str, msgspec.Meta(min_length=1, max_length=300)] | None = None
-    end: bool = False  # of the film that is directed
+    end: bool = False  # end the directed film
 
     @property
     def influences(self) -> tuple[str, ...]:
@@ -118,7 +118,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class Shoals(NamedTuple):
-    """What directions may refer to: species and size of each shoal, kind of each fish."""
+    """Valid references of directions: species and size of each shoal, kind of each fish."""
 
     species: Sequence[str]
     numbers: Sequence[int]
@@ -132,10 +132,10 @@ def check_directions(
     hook: bool,
     inside: Callable[[str, Place], None],
 ) -> None:
-    """Raise a UserError with its key for a direction that cannot be followed.
+    """Raise a UserError with its key for a direction that cannot be carried out.
 
-    `tours` are the names of the scenario's tours, `hook` says whether it has a hook; `inside`
-    raises a UserError for the key of a place outside the sea.
+    `tours` are the names of the scenario's tours; `hook` is true if it has a hook; `inside` raises
+    a UserError for the key of a place outside the sea.
     """
     names: dict[str, int] = {}
     for k, one in enumerate(directions):
@@ -174,7 +174,7 @@ def _refuse(key: str, fault: str) -> NoReturn:
 def _faults(
     one: Direction, shoals: Shoals, tours: Sequence[str], hook: bool
 ) -> list[tuple[str, str]]:
-    """Key and fault of each thing wrong in a direction by itself."""
+    """Key and fault of each error in a single direction."""
     faults: list[tuple[str, str]] = []
     wholes = [("of", one.of), ("who", one.who)]
     wholes += [("hunts", one.hunts)] if isinstance(one.hunts, FishSelector) else []
@@ -232,7 +232,7 @@ def _faults(
     for name, kind in (("hunts", "predator"), ("rests", "predator"), ("fear", "prey"),
                        ("libido", "pacifist"), ("pair", "pacifist")):  # fmt: skip
         if name == "pair" and one.pair != "nearest":
-            continue  # those two are not among `who`
+            continue  # the pair is not part of `who`
         if one.who is not None and name in one.influences:
             kinds = {shoals.kind[i] for i in numbers_of(one.who, shoals)}
             if kinds and kind not in kinds:
@@ -241,7 +241,7 @@ def _faults(
 
 
 def numbers_of(whose: FishSelector, shoals: Shoals) -> range | list[int]:
-    """The numbers of the selected fishes, as far as they exist."""
+    """The numbers of the selected fishes that exist."""
     if whose.fish is not None:
         return range(whose.fish, min(whose.fish + 1, sum(shoals.numbers)))
     if whose.shoal is not None:
@@ -263,7 +263,7 @@ def renumbered(
 ) -> list[Direction]:
     """Renumber fishes and shoals in directions by two functions from old to new numbers.
 
-    -1 means removed: directions about it are left out, and those that wait for them.
+    -1 means removed: directions about it are dropped, with those that wait for them.
     """
 
     def now(whose: Any) -> Any:

@@ -9,7 +9,7 @@ from subsea.core.toml_files import load_toml, locate_errors
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 
-SHIPPED = "assets/scenarios"  # the folder of the scenarios that come with the program
+SHIPPED = "assets/scenarios"  # the folder of the shipped scenarios
 
 
 def own_scenarios() -> Path:
@@ -18,7 +18,7 @@ def own_scenarios() -> Path:
 
 
 def scenario_names() -> list[str]:
-    """Names that `load_scenario` knows: the shipped ones, then the user's own."""
+    """Names that `load_scenario` accepts: the shipped ones, then the user's own."""
     shipped = resource_names(SHIPPED, ".toml")
     return shipped + [name for name in stems(own_scenarios(), ".toml") if name not in shipped]
 

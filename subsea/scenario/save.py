@@ -1,7 +1,7 @@
-"""Write scenarios as readable files that differ from the old ones only where they changed.
+"""Write scenarios as readable files; change only the parts that differ.
 
-A file is split at headers such as ``[[rock]]``. Tables that did not change keep their bytes and
-comments; in changed tables single values are edited; tables are added and removed whole.
+A file is split at headers such as ``[[rock]]``. Unchanged tables keep their bytes and comments. In
+changed tables single values are edited. Tables are added and removed whole.
 """
 
 import re
@@ -32,8 +32,8 @@ _MISSING = object()
 def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> None:
     """Write a scenario to a file from which `load_scenario` reads the same.
 
-    `like` is the file that it came from, whose comments, order and unchanged values are kept. The
-    file is written atomically. An invalid scenario or path is a UserError.
+    `like` is the original file; its comments, order and unchanged values are preserved. The file is
+    written atomically. An invalid scenario or path is a UserError.
     """
     text = scenario_text(scenario, like)
     with replacing(path) as temporary:
@@ -45,7 +45,7 @@ def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
     with locate_errors(scenario, "the scenario"):
         check_scenario(scenario)
     if like is not None:
-        # If the old file is gone or cannot be edited: a new one.
+        # Write a new one if the old file is missing or cannot be edited.
         with suppress(UserError, OSError, ValueError):
             old = load_toml(like, Scenario)
             text = _edited(like.read_bytes().decode("utf-8"), _short(old), _short(scenario))
@@ -114,13 +114,13 @@ def _lines(content: Content) -> str:
 class _Piece(NamedTuple):
     """Lines of a file: a header, its keys, and the comments just above."""
 
-    key: str  # of the scenario, "" for what comes before the first header
-    begins: bool  # whether its header is that of a table of the scenario, not of one within
+    key: str  # of the scenario, "" before the first header
+    begins: bool  # whether its header starts a table of the scenario rather than a nested one
     text: str
 
 
 def _edited(text: str, old: Content, new: Content) -> str:
-    """The text of the scenario `old` changed to that of `new`."""
+    """The text of the scenario `old`, changed to `new`."""
     ends = "\r\n" if text.count("\r\n") == text.count("\n") > 0 else "\n"
     head, pieces = _taken_apart(text.replace(ends, "\n"))
     in_head = tomllib.loads(head)
@@ -139,7 +139,7 @@ def _edited(text: str, old: Content, new: Content) -> str:
 
 
 def _taken_apart(text: str) -> tuple[str, list[_Piece]]:
-    """Split a text into what precedes the first header, and one piece per table."""
+    """Split a text into the part before the first header, and one piece per table."""
     lines = text.splitlines(keepends=True)
     cuts = []
     for k, line in enumerate(lines):
@@ -165,7 +165,7 @@ def _exchange(
     """Change, remove and insert tables of a key; unchanged ones stay in place."""
     old, new = ([repr(sorted(table.items())) for table in tables] for tables in (was, now))
     places = [k for k, piece in enumerate(pieces) if piece.key == key and piece.begins]
-    if len(places) != len(was):  # written in an unknown way
+    if len(places) != len(was):  # in an unknown notation
         places = []
     # From the last to the first, so that indices stay valid.
     for what, i, j, m, n in reversed(SequenceMatcher(None, old, new, autojunk=False).get_opcodes()):
@@ -185,7 +185,7 @@ def _exchange(
 
 
 def _room(pieces: list[_Piece], places: list[int], key: str) -> int:
-    """Where the first table of a key goes: before its others, or after the keys before it."""
+    """Index for the first table of a key: before its others, or after the preceding keys."""
     if places:
         return places[0]
     order = {name: k for k, name in enumerate(KEYS)}
@@ -207,7 +207,7 @@ def _put_in(pieces: list[_Piece], place: int, piece: _Piece) -> None:
 
 
 def _take_out(pieces: list[_Piece], place: int) -> None:
-    """Remove a piece; with the last one also the blank line above it."""
+    """Remove a piece; for the last one also the blank line above it."""
     last = place == len(pieces) - 1
     del pieces[place]
     if last and pieces:

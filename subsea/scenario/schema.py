@@ -1,4 +1,4 @@
-"""Tables of scenario files: who lives where. See `assets/scenarios`."""
+"""Tables of scenario files. See `assets/scenarios`."""
 
 from typing import Annotated, Literal
 
@@ -8,14 +8,14 @@ from subsea.fish.species import BodyLength
 from subsea.scenario.directions import MAX_DIRECTIONS, Coordinate, Direction, Flow, Habit
 
 MAX_FISHES = 100_000
-# Two rows each in a texture, whose height OpenGL drivers limit to 16384 or less.
+# Each has two rows in a texture; OpenGL drivers limit its height to 16384 or less.
 MAX_SIMULATED = 4000
-MAX_SOLIDS = 200  # pillars, and as many rocks
+MAX_SOLIDS = 200  # of pillars, and of rocks
 MAX_CLUSTERS, MAX_LEAVES = 500, 40  # of seaweed in a group, of leaves in a cluster
 MAX_VENTS = 50
-MAX_GROWTHS = 2000  # in all reefs
-MAX_SEAWEED = 8000  # leaves in all: their nodes must fit into a texture
-AUTOPILOT, DIRECTED = "auto", "directed"  # no tour of a scenario may have these names
+MAX_GROWTHS = 2000  # in all reefs together
+MAX_SEAWEED = 8000  # leaves in total; their nodes must fit into a texture
+AUTOPILOT, DIRECTED = "auto", "directed"  # reserved names of tours
 MAX_WAYPOINTS = 200  # of a tour
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 MAX_SEED = 2**32 - 1
@@ -48,11 +48,11 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     fog: Colour  # linear RGB of the far water, seen level
     visibility_cm: Annotated[
         float, msgspec.Meta(ge=50, le=1e5)
-    ]  # distance at which contrast has fallen to 2%
+    ]  # distance at which contrast falls to 2%
     current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
     plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
     temperature_c: tuple[Celsius, Celsius] = (27.0, 21.0)  # at the surface and at `depth_cm`
-    light_depth_cm: Positive = 700.0  # where the light has fallen to 1/e
+    light_depth_cm: Positive = 700.0  # depth at which light falls to 1/e
 
 
 class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -68,19 +68,19 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     species: str
     number: Annotated[int, msgspec.Meta(ge=0, le=MAX_FISHES)]
-    size_cm: tuple[BodyLength, BodyLength] | None = None  # smallest and largest; none: the species'
+    size_cm: tuple[BodyLength, BodyLength] | None = None  # smallest and largest; None: the species'
     position_cm: tuple[Coordinate, Coordinate, Coordinate] | None = (
-        None  # centre; none: spread over the sea
+        None  # centre; None: spread over the sea
     )
     spread_cm: Positive = 150.0
-    heading_deg: Coordinate | None = None  # none: random
-    toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # where they are bound first
-    leader_cm: BodyLength | None = None  # of the first fish, which leads; none: as the others
-    kind: Kind | None = None  # none: as the species is
+    heading_deg: Coordinate | None = None  # None: random
+    toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # their first goal
+    leader_cm: BodyLength | None = None  # of the first fish, the leader; None: like the others
+    kind: Kind | None = None  # None: the species'
     male_share: Share = 0.5
     likes: list[Habit] = []  # Tu §7.3
-    schooling: bool | None = None  # none: as the species does
-    hunger: Share | None = None  # at the start, the urge within; none: random
+    schooling: bool | None = None  # None: the species'
+    hunger: Share | None = None  # initial internal urge; None: random
     libido: Share | None = None
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
@@ -96,17 +96,17 @@ class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A boulder: an ellipsoid of whose height `sunk` is below the seabed."""
+    """A boulder: an ellipsoid with the share `sunk` of its height below the seabed."""
 
     position_cm: tuple[Coordinate, Coordinate]
     size_cm: tuple[Size, Size, Size]  # half axes
     yaw_deg: Coordinate = 0.0
     sunk: Share = 0.3
-    height_cm: Coordinate | None = None  # of its middle above the seabed, instead of `sunk`
+    height_cm: Coordinate | None = None  # of its centre above the seabed, instead of `sunk`
 
 
 class Outcrop(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A knoll of rocks that overlap: so many, the same for the same seed."""
+    """A knoll of overlapping rocks; the same seed gives the same rocks."""
 
     position_cm: tuple[Coordinate, Coordinate]
     size_cm: tuple[Size, Size, Size]  # half length, half width, height above the seabed
@@ -116,10 +116,10 @@ class Outcrop(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class Arch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Rocks on rocks: two legs and a bow, under which the submarine and schools swim through."""
+    """An arch of rocks: two legs and a bow, for the submarine and schools to swim through."""
 
     position_cm: tuple[Coordinate, Coordinate]  # of the middle between the legs
-    # The opening: wide enough for the hull, with the room that it keeps on both sides.
+    # The opening; fits the hull with its safety distance on both sides.
     span_cm: Annotated[float, msgspec.Meta(ge=220, le=3000)]
     height_cm: Annotated[float, msgspec.Meta(ge=160, le=3000)]
     thickness_cm: Annotated[float, msgspec.Meta(ge=30, le=600)] = 90.0
@@ -137,41 +137,43 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
     @property
     def bait_cm(self) -> tuple[float, float, float]:
-        """Where the bait hangs in the end."""
+        """The final position of the bait."""
         return (*self.position_cm, -self.depth_cm)
 
 
 class SeaweedTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Clusters of leaves that are rooted in the seabed, or on a solid that stands there."""
+    """Clusters of leaves rooted in the seabed or on a solid that stands there."""
 
-    # Broad leaves, tall stipes with blades, short tufts, branched red algae: each along a chain.
+    # Broad leaves, tall stipes with blades, short tufts, branched red algae; each along a chain.
     kind: Literal["ribbon", "kelp", "grass", "red"] = "ribbon"
-    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: scattered over the sea
-    spread_cm: Positive = 120.0  # how far the clusters stand from it
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # None: scattered over the sea
+    spread_cm: Positive = 120.0  # maximum distance of clusters from it
     clusters: Annotated[int, msgspec.Meta(ge=0, le=MAX_CLUSTERS)] = 1
     leaves: Annotated[int, msgspec.Meta(ge=1, le=MAX_LEAVES)] = 6  # of each cluster
     height_cm: Annotated[float, msgspec.Meta(ge=5, le=1000)] = 90.0
-    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # none: by kind and height
-    colour: Colour | None = None  # linear RGB; none: as the kind is
+    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # None: by kind and height
+    colour: Colour | None = None  # linear RGB; None: the kind's
 
 
 class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Where air bubbles leave the seabed (Tu §8.2)."""
+    """A place where air bubbles leave the seabed (Tu §8.2)."""
 
     position_cm: tuple[Coordinate, Coordinate]
     rate_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 12.0
-    size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # across, the largest
+    size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # largest diameter
 
 
 class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Corals, sponges and anemones on the sand and on what stands there."""
+    """Corals, sponges and anemones on the sand and on solids that stand there."""
 
-    position_cm: tuple[Coordinate, Coordinate] | None = None  # none: all over the sea
-    spread_cm: Positive = 200.0  # how far they grow from it
-    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = 100  # at most: as many as fit
-    kinds: dict[GrowthKind, Weight] = {}  # weights; none: all kinds, as they suit the ground
+    position_cm: tuple[Coordinate, Coordinate] | None = None  # None: all over the sea
+    spread_cm: Positive = 200.0  # maximum distance from it
+    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = (
+        100  # maximum; fewer if they do not fit
+    )
+    kinds: dict[GrowthKind, Weight] = {}  # weights; empty: all kinds that suit the ground
     size: Annotated[float, msgspec.Meta(ge=0.3, le=3)] = 1.0  # factor on the usual sizes
-    rock: Share = 0.65  # share of the places that are on rocks and pillars, where there are any
+    rock: Share = 0.65  # share on rocks and pillars, if there are any
     seed: Seed = 0
 
     def __post_init__(self) -> None:
@@ -181,15 +183,15 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Where the submarine begins."""
+    """Initial state of the submarine."""
 
     position_cm: tuple[Coordinate, Coordinate, Coordinate]
     heading_deg: Coordinate = 0.0
-    lights: bool = False  # whether they are on
+    lights: bool = False  # on or off
 
 
 class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A place on a tour, and what is looked at from there; nothing: as before and after it."""
+    """A place on a tour and its target; without a target, as before and after it."""
 
     time_s: Annotated[float, msgspec.Meta(ge=0, le=3600)]
     position_cm: tuple[Coordinate, Coordinate, Coordinate]
@@ -198,13 +200,13 @@ class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     ahead: bool = False  # along the path
 
     def __post_init__(self) -> None:
-        """Refuse to look at two things at once."""
+        """Refuse two targets at once."""
         if (self.look_at_cm is not None) + (self.follow is not None) + self.ahead > 1:
             raise ValueError("only one of `look_at_cm`, `follow` and `ahead` can be looked at")
 
     @property
     def looks(self) -> bool:
-        """Whether it says what to look at."""
+        """Whether it has a target."""
         return self.ahead or self.look_at_cm is not None or self.follow is not None
 
 
@@ -213,7 +215,7 @@ class TourTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     name: Annotated[str, msgspec.Meta(min_length=1)]
     waypoint: Annotated[list[Waypoint], msgspec.Meta(min_length=2, max_length=MAX_WAYPOINTS)]
-    loop: bool = False  # the last waypoint is the first again, and it goes on
+    loop: bool = False  # return from the last waypoint to the first and repeat
 
 
 class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -244,12 +246,14 @@ class NatureTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
 class IndividualTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Properties of one fish, which replace those of its shoal and random values."""
 
-    fish: Annotated[int, msgspec.Meta(ge=0, lt=MAX_FISHES)]  # its number, as shoals count from 0
+    fish: Annotated[
+        int, msgspec.Meta(ge=0, lt=MAX_FISHES)
+    ]  # its number from 0, counted through all shoals
     kind: Kind | None = None
     male: bool | None = None
     likes: list[Habit] | None = None  # Tu §7.3
     schooling: bool | None = None
-    hunger: Share | None = None  # the urge within
+    hunger: Share | None = None  # the internal urge
     libido: Share | None = None
     appetite: Annotated[float, msgspec.Meta(ge=1, le=1000)] | None = None  # meals that fill it
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
@@ -267,11 +271,11 @@ class PhysicsTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     hydrodynamics: bool = True
     time_step: Annotated[float, msgspec.Meta(ge=0.05, le=50)] = 1.0
     iterations: Annotated[int, msgspec.Meta(ge=1, le=60)] = 6
-    fish: Annotated[int, msgspec.Meta(ge=-1, lt=MAX_FISHES)] = -1  # is simulated before all others
+    fish: Annotated[int, msgspec.Meta(ge=-1, lt=MAX_FISHES)] = -1  # has priority for simulation
 
 
 class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The start of a dive."""
+    """The initial state of a dive."""
 
     title: str
     seed: Seed
@@ -293,10 +297,10 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     nature: NatureTable = NatureTable()
     individual: list[IndividualTable] = []
     physics: PhysicsTable = PhysicsTable()
-    # So many of the nearest fishes are simulated instead of played back.
+    # Number of the nearest fishes that are simulated instead of played back.
     simulated: Annotated[int, msgspec.Meta(ge=0, le=MAX_SIMULATED)] = 0
 
     @property
     def species(self) -> list[str]:
-        """The species that live here, as they are numbered in its world."""
+        """The species of the scenario, in the order of their numbers in the world."""
         return sorted({shoal.species for shoal in self.fish})

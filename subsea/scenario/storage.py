@@ -1,4 +1,4 @@
-"""Save scenarios, but never over one that comes with the program."""
+"""Save scenarios without overwriting shipped ones."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ def is_shipped(path: Path) -> bool:
 
 
 def place_of(source: Path) -> Path:
-    """Where to save the scenario of a file: there, or as ``my-NAME`` if it is shipped."""
+    """The path to save a scenario to: its own, or ``my-NAME`` if it is shipped."""
     if not is_shipped(source):
         return source
     number, path = 1, own_scenarios() / f"my-{source.name}"
@@ -27,9 +27,9 @@ def place_of(source: Path) -> Path:
 
 
 def place_named(name: str) -> Path:
-    """Where to save a scenario under a name or path, which must be unused.
+    """The path to save a scenario under a name or path, which must be unused.
 
-    A name without a slash is one in the user's own folder.
+    A name without a slash is in the user's own folder.
     """
     if not name or name.endswith(("/", "\\")):
         raise UserError(f"{name or 'nothing'}: expected a name to save the scenario as")
@@ -54,9 +54,9 @@ def held(path: Path) -> bytes:
 
 
 def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
-    """Write the scenario of the file `source`, whose content was `known`, to `path`.
+    """Write the scenario of the file `source`, whose last known content is `known`, to `path`.
 
-    A UserError if it cannot be written or another program has changed the file.
+    UserError if it cannot be written or another program has changed the file.
     """
     if is_shipped(path):
         raise UserError("comes with the program, expected another place", file=path)

@@ -1,4 +1,4 @@
-"""Compiled kernels: one decorator, their cache on disk, groups of arrays by pointer."""
+"""Compiled kernels: the decorator, their disk cache, and groups of arrays by pointer."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +9,7 @@ from subsea.core.kernels.cache import KernelCache, report
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Compile a function when it is called: a decorator, and all that numba is told.
+    """Decorate a function to compile it when it is first called.
 
     The code is cached on disk, divides by zero as numpy does, keeps the order of floating-point
     operations, and runs without the GIL.
@@ -17,6 +17,6 @@ def kernel(function: Callable[..., Any]) -> Any:
     compiled = njit(error_model="numpy", nogil=True, fastmath=False)(function)
     try:
         compiled._cache = KernelCache(function)
-    except (OSError, RuntimeError):  # no folder can be written
+    except (OSError, RuntimeError):  # no writable folder
         report("no folder for it can be written")
     return compiled

@@ -1,8 +1,8 @@
-"""The cache of compiled kernels on disk, invalidated when code that they call changes.
+"""Disk cache of compiled kernels, invalidated when code that they call changes.
 
-Numba keeps a kernel as long as the file that defines it stays the same. It does not see that the
-kernel calls functions of other files: after an update their old code would run on inside it. The
-classes here are numba's with another stamp; only this project's kernels use them.
+Numba reuses a kernel while the file that defines it is unchanged. It ignores that the kernel calls
+functions of other files, so their old code would run after an update. These classes are numba's
+with another stamp; only this project's kernels use them.
 """
 
 import hashlib
@@ -28,19 +28,19 @@ def _own(file: str) -> Path | None:
 
 @cache
 def _make_folder(path: str) -> None:
-    """Make a folder, or raise an OSError. Tries to write once per folder, not once per kernel."""
+    """Make a folder, or raise an OSError. Tests writing once per folder, not once per kernel."""
     Path(path).mkdir(parents=True, exist_ok=True)
     tempfile.TemporaryFile(dir=path).close()
 
 
 @cache
 def report(reason: str) -> None:
-    """Say once why compiled code is not cached."""
+    """Report once why compiled code is not cached."""
     print(f"subsea: cannot cache compiled code ({reason}); every start compiles", file=sys.stderr)
 
 
 class _Stamped:
-    """Stamps a file of this project with all that it imports, and any other as numba does."""
+    """Stamp a file of this project with all its imports, and any other file as numba does."""
 
     _py_file: str
 
@@ -53,15 +53,15 @@ class _Stamped:
 
 
 class ProvidedLocator(_Stamped, caching.UserProvidedCacheLocator):  # type: ignore[misc]
-    """Caches in NUMBA_CACHE_DIR, ..."""
+    """Cache in NUMBA_CACHE_DIR (first choice)."""
 
 
 class InTreeLocator(_Stamped, caching.InTreeCacheLocator):  # type: ignore[misc]
-    """... or else beside the sources, ..."""
+    """Cache beside the sources (second choice)."""
 
 
 class UserWideLocator(_Stamped, caching.UserWideCacheLocator):  # type: ignore[misc]
-    """... or else in the user's cache folder."""
+    """Cache in the user's cache folder (last choice)."""
 
 
 class _Code(caching.CompileResultCacheImpl):  # type: ignore[misc]
@@ -69,11 +69,11 @@ class _Code(caching.CompileResultCacheImpl):  # type: ignore[misc]
 
 
 class VerifiedFile(caching.IndexDataCacheFile):  # type: ignore[misc]
-    """The cached code of one kernel; what is damaged or does not match its index is not read.
+    """The cached code of one kernel; damaged or mismatched code is not loaded.
 
-    Numba writes first the index and then the code. A process that is killed between the two, or a
-    full disk, would leave a new index beside old code, and two processes that write at once the
-    code of one signature under the name of another.
+    Numba writes the index before the code. A process killed in between, or a full disk, would leave
+    a new index beside old code. Two processes that write at once could store the code of one
+    signature under the name of another.
     """
 
     def save(self, key: Any, data: Any) -> None:
@@ -82,7 +82,7 @@ class VerifiedFile(caching.IndexDataCacheFile):  # type: ignore[misc]
         super().save(key, (hashlib.sha256(whole).digest(), whole))
 
     def load(self, key: Any) -> Any:
-        """Read the code of a signature; None where there is none."""
+        """Read the code of a signature; None if it is not cached."""
         try:
             digest, whole = super().load(key)
             if hashlib.sha256(whole).digest() != digest:
@@ -105,7 +105,9 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
     _impl_class = _Code
 
     def __init__(self, function: Any) -> None:
-        """Of a Python function; an OSError or RuntimeError where no folder can be written."""
+        """Create the cache of a Python function; OSError or RuntimeError without a writable
+        folder.
+        """
         super().__init__(function)
         found = self._impl
         self._cache_file = VerifiedFile(
@@ -113,7 +115,7 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
         )
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Cache what was compiled. A full disk stops no dive: the kernel works all the same."""
+        """Cache a compiled overload. A full disk is ignored: the kernel works without the cache."""
         try:
             super().save_overload(signature, data)
         except OSError as fault:

@@ -1,8 +1,8 @@
-"""Groups of arrays that compiled kernels take by one pointer.
+"""Groups of arrays that compiled kernels receive as one pointer.
 
-A kernel that is handed a named tuple of fifty arrays is compiled with code that takes all of them
-apart, a second or more for each kernel. A group behind a pointer costs it a twentieth of that,
-and a call does not take the fifty apart either. Kernels read `group.field` alike.
+A kernel with a named tuple of fifty arrays as argument contains code to unpack all of them, which
+takes a second or more to compile for each kernel; every call unpacks them, too. A pointer to a
+group compiles in a twentieth of that time. Kernels read `group.field` in both cases.
 """
 
 import hashlib
@@ -19,10 +19,10 @@ T = TypeVar("T")
 
 
 class Kind(types.StructRef):  # type: ignore[misc]
-    """What the compiler calls a group: each has a class of its own, at the top level of a module.
+    """Numba type of a group; each group has its own subclass at the top level of a module.
 
-    Numba would name it by all its fields: some thousand characters, part of the names of all
-    kernels that take one, and kept with them.
+    Otherwise numba would name the type by all its fields: some thousand characters in the names of
+    all kernels that use it and in their cache.
     """
 
     def __init__(self, fields: Any) -> None:
@@ -40,10 +40,10 @@ def {name}(arrays):
 
 
 def by_pointer(kind: type[Kind]) -> Callable[[type[T]], type[T]]:
-    """Let kernels take instances of a NamedTuple class by pointer: a decorator for the class.
+    """Decorate a NamedTuple class so that kernels receive its instances by pointer.
 
-    `kind` is what the compiler calls such a group. The instance stays a named tuple for Python. A
-    kernel cannot replace its fields, only write into those that are arrays.
+    `kind` is the numba type of the group. The instance stays a named tuple in Python. A kernel
+    cannot replace its fields; it can only write into fields that are arrays.
     """
     return lambda group: _pointed(group, structref.register(kind))
 
@@ -83,11 +83,11 @@ _makers: dict[Any, Any] = {}
 
 
 def _maker(name: str, fields: tuple[str, ...], kind: Any) -> Any:
-    """The kernel that allocates a group of that type and fills in its fields."""
+    """The kernel that allocates a group of this type and fills in its fields."""
     if kind not in _makers:
         lines = "\n    ".join(f"group.{field} = arrays[{k}]" for k, field in enumerate(fields))
         source = SOURCE.format(name=f"make_{name.lower()}", fields=lines)
-        # Compiled under this file's name, so that numba can keep it with this file's other code.
+        # Compiled under this file's name, so that numba caches it with this file's kernels.
         names = {"new": structref.new, "kind": kind, "__name__": __name__}
         exec(compile(source, __file__, "exec"), names)
         _makers[kind] = kernel(names[f"make_{name.lower()}"])
