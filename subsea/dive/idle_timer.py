@@ -1,4 +1,4 @@
-"""When a tour begins and ends by itself: the time since the last input."""
+"""Start and end tours by the time since the last input."""
 
 from typing import Literal
 
@@ -17,7 +17,7 @@ class IdleTimer:
         self.toured_s = 0.0
 
     def begin(self) -> None:
-        """A tour begins now."""
+        """Start a tour now."""
         self.touring, self.toured_s = True, 0.0
 
     def update(

@@ -1,4 +1,4 @@
-"""A ride on a fish: the sea from between its eyes, and what both of them see (Tu §6.7, §9.3)."""
+"""A ride on a fish: the view from between its eyes, and of each eye (Tu §6.7, §9.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -39,7 +39,7 @@ class Ride:
     """A ride on a fish: its eyes, their gaze, and the view."""
 
     def __init__(self, world: World, fish: int, behind: bool = False) -> None:
-        """Through the eyes of a fish, looking straight ahead; or from `behind` it."""
+        """Look straight ahead through the eyes of a fish, or from `behind` it."""
         self.by = fish_eyes(world, fish)
         self.gaze = Gaze()
         self.behind = behind  # followed, rather than looked through its eyes
