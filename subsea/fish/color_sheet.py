@@ -81,8 +81,8 @@ def picture_of(path: Path) -> Path:
 def wear(path: Path, sheet: Bytes) -> Path:
     """Save a sheet as a PNG beside the species file, and set its key there.
 
-    All else in the file stays, comments too. Returns the path of the PNG. What `picture_of` refuses
-    is a UserError.
+    All else in the file stays, comments too. Returns the path of the PNG.
+    A UserError as in `picture_of`.
     """
     picture = picture_of(path)
     text = path.read_text(encoding="utf-8")

@@ -38,7 +38,7 @@ def couple(way: Way, rest_nodes: Array, rest_points: Array) -> Coupling:
 
 
 def place(coupling: Coupling, nodes: Array) -> Array:
-    """Where the points (…, p, 3) are for nodes (…, 23, 3), in the axes of the nodes."""
+    """Return the points (…, p, 3) for nodes (…, 23, 3), in the axes of the nodes."""
     points = coupling.weights @ nodes
     if coupling.offset.any():
         axes = face_axes(nodes)[..., coupling.face, :, :]

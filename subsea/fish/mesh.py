@@ -40,7 +40,7 @@ VERTEX_COLUMNS = 16
 class Detail(NamedTuple):
     """The sampling of one level."""
 
-    body: int  # how often its samples were thinned out: `kept`
+    body: int  # number of times its samples were thinned: `kept`
     fins: int
     paddles: tuple[int, int]  # samples along and across a paired fin
 

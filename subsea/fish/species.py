@@ -69,7 +69,7 @@ class SkinSpots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     colour: Colour
     radius: tuple[Positive, Positive]  # of the smallest and the largest
     spacing: Annotated[float, msgspec.Meta(ge=0.005, le=1)]
-    rings: Share = 0.0  # how many of the larger ones are rings
+    rings: Share = 0.0  # share of the larger ones that are rings
 
     def __post_init__(self) -> None:
         """Refuse spots that run into one another."""
@@ -97,7 +97,7 @@ class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     brightness: Share = 0.08
     pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # how far it is displaced,
     # body lengths
-    torn: Share = 0.12  # how many have a nick in their dorsal fin
+    torn: Share = 0.12  # share with a nick in the dorsal fin
 
 
 class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -106,7 +106,7 @@ class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     of: Colour
     to: Colour
     reach: Annotated[float, msgspec.Meta(gt=0, le=2)] = (
-        0.35  # how far a colour may be from `of`, in linear RGB
+        0.35  # greatest distance of a colour from `of`, linear RGB
     )
     saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # of all colours, times as much
     brightness: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
@@ -129,15 +129,15 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     ventral: FinSkin | None = None
     paddles: FinSkin | None = None  # pectoral and pelvic
     iris: Colour
-    gloss: Share  # how much the scales mirror
-    silver: Share = 0.0  # how much what is pale on its flanks mirrors the water around
-    scales: Share = 1.0  # how plainly they show
-    rays: Share = 1.0  # how plainly the rays of the fins show
+    gloss: Share  # reflectance of the scales
+    silver: Share = 0.0  # reflectance of pale parts of the flanks
+    scales: Share = 1.0  # contrast of the scales
+    rays: Share = 1.0  # contrast of the fin rays
     gills: Annotated[int, msgspec.Meta(ge=0, le=7)] = 1  # 0 a pore, 1 a gill cover, else slits
     pupil: Share = 0.55  # its size, share of the eye
     mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
-    clear_back: Share = 0.0  # how much the back is like glass
-    blotches: Share = 0.5  # how unevenly it is coloured
+    clear_back: Share = 0.0  # transparency of the back
+    blotches: Share = 0.5  # strength of the uneven colour
     variation: Variation = Variation()
     display: CourtshipColours | None = None
 

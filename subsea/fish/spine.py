@@ -240,7 +240,7 @@ def carried(spine: Spines, points: Array) -> Array:
     out = np.empty((*at.shape, 3))
     for t, (place, direction) in enumerate(zip(*spine, strict=True)):
         theta = np.interp(at[t], MIDDLES, direction)
-        beyond = at[t] - np.clip(at[t], 0.0, 1.0)  # what juts out goes straight on
+        beyond = at[t] - np.clip(at[t], 0.0, 1.0)  # parts beyond the ends continue straight
         ahead, left = (np.interp(at[t], JOINTS, place[:, k]) for k in range(2))
         out[t, :, 0] = ahead - beyond * np.cos(theta) + right[t] * np.sin(theta)
         out[t, :, 2] = -(left - beyond * np.sin(theta)) + right[t] * np.cos(theta)

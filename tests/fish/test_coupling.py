@@ -48,7 +48,7 @@ def test_many_frames_at_once_are_those_one_by_one(known_repertoire, way):
     np.testing.assert_allclose(every[3], place(coupling, nodes[3]), atol=1e-12)
 
 
-@pytest.mark.parametrize("way", ["sections", "patches"])  # five tetrahedra are no mirror image
+@pytest.mark.parametrize("way", ["sections", "patches"])  # five tetrahedra are not symmetric
 def test_the_mirror_image_of_a_fish_has_the_mirror_image_of_its_surface(
     known_repertoire_nodes, known_motion, way
 ):

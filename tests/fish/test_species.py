@@ -41,7 +41,7 @@ def test_grades_are_ordered(repertoire):
 def test_left_turns_left_and_right_is_its_mirror(repertoire, grade):
     left, right = (repertoire.segments[f"turn_{side}_{grade}"] for side in ("left", "right"))
     assert left.turn_deg > 2
-    # The frame's origin, ½(n5 + n7), is no mirror image of itself, so small gaps remain.
+    # The frame's origin, ½(n5 + n7), is not its own mirror image, so small gaps remain.
     assert right.turn_deg == pytest.approx(-left.turn_deg, abs=0.5)
     assert right.speed_cm_s == pytest.approx(left.speed_cm_s, rel=1e-2)
     assert len(right.nodes) == len(left.nodes)

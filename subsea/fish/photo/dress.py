@@ -74,7 +74,7 @@ def dress(photo: Path, name: str, out: Path | None, flip: bool, mesh: Path | Non
 def check_sheet(photo: Path, name: str, out: Path | None) -> None:
     """Check that a sheet can be written to `out` or beside a species file, else UserError.
 
-    The photograph, and what else lies there and is no sheet of the species, is not written over.
+    The photograph, and other files that are not sheets of the species, are not overwritten.
     """
     if out is not None and out.suffix.lower() != ".png":
         raise UserError("expected the name of a file that ends in .png", file=out)

@@ -44,8 +44,8 @@ ALIKE = 128  # pixels of the longer side, where shapes are compared
 UNIT = 200.0  # pixels of a body length of the shape that is compared
 SOFT = 2.5  # pixels by which both are blurred
 TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
-STEEP = 0.04  # what the likeness loses at a tilt of a right angle: fishes are upright
-FLATTER = 0.25  # what it loses for each logarithm of flatter or deeper than the species
+STEEP = 0.04  # loss of likeness at a tilt of a right angle: fishes are upright
+FLATTER = 0.25  # loss of likeness for each logarithm of flatter or deeper than the species
 SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
 SURE = 0.955  # likeness above which no other guess is tried
 LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
@@ -59,7 +59,7 @@ ROUNDS = 2  # of segmenting again, from a known rough place
 # Body lengths inside (outside) a silhouette from which on all (nothing) is fish, by stage.
 WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
 AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
-NEAR = 0.008  # the photograph's own edges are felt so near to what was told apart
+NEAR = 0.008  # the photograph's edges count this near to the segmented fish
 CLOSE = 0.005  # and smoothed so much
 
 
@@ -67,7 +67,7 @@ class FishFit(NamedTuple):
     """A fish in a photograph."""
 
     meshes: FishMeshes  # over the photograph
-    mask: Bools  # (h, w) of the photograph: what was told apart
+    mask: Bools  # (h, w) of the photograph: the segmented fish
     likeness: float  # of the species' shape to that, 0 to 1
 
 
@@ -203,7 +203,7 @@ def _closer(
 
 def _cut_off(mask: Bools) -> float:
     """Return the share of a mask's outline that lies on the picture's border."""
-    k = 1 + max(1, round(0.01 * min(mask.shape)))  # what `guesses` leaves out
+    k = 1 + max(1, round(0.01 * min(mask.shape)))  # the border that `guesses` leaves out
     rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
     return float(rim.sum()) / max(1, int(_border(mask).sum()))
 
@@ -327,7 +327,7 @@ class _Shape:
         onto = matrix[:, :2] @ self.back[:2]
         onto[:, 2] += matrix[:, 2]
         here = cv2.warpAffine(self.picture, onto, there.shape[::-1], flags=cv2.INTER_LINEAR)
-        # What lies beyond the picture counts too: fishes are seen whole.
+        # Parts beyond the picture count too: fishes are seen whole.
         own = self.area * float(np.exp(2.0 * values[2]))
         both = 2.0 * float(np.minimum(here, there).sum()) / (own + float(there.sum()))
         return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
@@ -359,7 +359,7 @@ def _climbed(
 def snap_to_outline(meshes: FishMeshes, colour: Bytes, mask: Bools) -> None:
     """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
 
-    ``mask`` (h, w) is what was told apart from the background.
+    ``mask`` (h, w) is the segmented fish.
     """
     body = meshes.body.nodes
     length = float(np.hypot(*(body[4, 0] - body[4, -1])))

@@ -127,7 +127,7 @@ def _lift_flank(
     level = _level(trunk)
     steep = _lit_from_above(picture[..., :3], level)
     picture[..., :3] *= _evened(steep, level)[..., None]
-    web = _smooth((s - tail) / WEB)  # how far the body has become a fin
+    web = _smooth((s - tail) / WEB)  # 0 on the body, 1 on the fin
     clear = (1.0 - skin.tail.opacity) * _smooth((s - tail) / (1.0 - tail))
     picture[..., 3] = 1.0 + web * (np.where(inside, picture[..., 3], 1.0) * (1.0 - clear) - 1.0)
     typical = _typical(picture[..., :3], inside & (s > tail + WEB))
@@ -295,7 +295,7 @@ def _typical(light: Array, where: Bools) -> Colour | None:
 
 
 def _level(trunk: Bools) -> Array:
-    """How high texels (h, w) are from belly to back, 0 to 1, and on the tail as at its root.
+    """Return the height of texels (h, w), belly 0 to back 1; on the tail as at its root.
 
     ``trunk`` is where the body without its tail is.
     """

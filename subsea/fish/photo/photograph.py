@@ -19,7 +19,7 @@ MOST_BYTES = 200 << 20
 MOST_PIXELS = 150_000_000
 LEAST = 96  # pixels of the longer side
 WORK = 1600  # pixels of the longer side that are kept: a sheet is 1024 texels wide
-TOLD_APART = 400  # the same, where fish and background are told apart
+TOLD_APART = 400  # the same, for segmentation
 CLEAR = 0.005  # a share of clear pixels from which on the opacity shows the fish
 BAND = 0.06  # of the shorter side: a border that is mostly background
 COLOURS = 6  # of the background, as a first guess
@@ -97,7 +97,7 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
 
 
 def _white(image: Image.Image) -> float:
-    """What is white among greys of 16 bits or of fractions."""
+    """Return the white level of greys of 16 bits or of fractions."""
     if image.mode.startswith("I;16"):
         return 65535.0
     most = float(np.fmax.reduce(np.asarray(image), axis=None))  # of what is a number

@@ -47,7 +47,7 @@ SQUARES = 8  # of the checkerboard behind the sheet, along a quarter of its widt
 
 
 class SkinEditor:
-    """The tool: what the document does not know of windows, files and background work."""
+    """The tool: windows, files and background work around the document."""
 
     def __init__(
         self,

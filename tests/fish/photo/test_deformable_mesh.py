@@ -168,7 +168,7 @@ def test_fins_stay_rooted_on_the_body():
     one = meshes.fins[DORSAL]
     np.testing.assert_allclose(one.mesh.nodes[0], one.root_weights @ meshes.body.nodes[0])
     assert one.mesh.nodes[1, 3, 1] < 30.0
-    # What pulls at a fin pulls at its body.
+    # Forces on a fin pull at its body too.
     alone = finned()
     alone.fins[DORSAL].mesh.mouse[1, 3] = 100.0, 10.0
     step(alone, None, times=100)

@@ -70,7 +70,7 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
 def test_an_opacity_tells_the_fish_apart(clownfish_photo):
     photograph, truth = clownfish_photo
     plan = load_species("clownfish").surface
-    # The colours are no help here: there are none.
+    # Colours cannot help here: the picture is grey.
     cut = photograph._replace(
         colour=np.full_like(photograph.colour, 90), opacity=np.where(truth, 255, 0).astype(np.uint8)
     )

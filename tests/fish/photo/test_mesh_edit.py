@@ -92,7 +92,7 @@ def test_grips_take_what_they_hold_along_and_back(meshes, grip):
     assert not same(there, meshes, atol=1.0)
     grown = np.sqrt(np.abs(np.linalg.det(_affine(meshes, there))))
     assert grown == pytest.approx(1.1 if grip < 4 else np.sqrt(1.1) if grip < 8 else 1.0, rel=1e-6)
-    if grip < 8:  # what lies on the other side stays
+    if grip < 8:  # the other side stays
         other = grips[(grip + 2) % 4 + (4 if grip > 3 else 0)]
         assert _affine(meshes, there) @ other + _shift(meshes, there) == pytest.approx(other)
     assert same(mesh_edit.drag_grip(meshes, frame, grip, begin, begin), meshes)

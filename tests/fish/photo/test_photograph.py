@@ -1,4 +1,4 @@
-"""Photographs: read within limits, and the fish told apart."""
+"""Photographs: reading within limits, and segmenting the fish."""
 
 import struct
 import zlib
