@@ -410,7 +410,7 @@ def script(words):
     source = path.read_text(encoding="utf-8")
     if path.name == "run_submarine.py":
         return  # `subsea dive`, with these words: tests/cli/test_main.py
-    asks = "sys.argv", "argparse", "folder_asked"
+    asks = "sys.argv", "argparse", "output_folder"
     assert len(words) == 1 or any(one in source for one in asks), "it takes nothing"
 
     def read(parser, arguments=None, namespace=None):
