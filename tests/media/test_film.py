@@ -371,7 +371,9 @@ def test_what_passes_before_a_film_is_in_no_frame_time(tmp_path, monkeypatch, mo
 
     monkeypatch.setattr(film_timing, "step", counted)
     monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: len(made)))
-    monkeypatch.setattr(module, "sentence", lambda durations: told.extend(durations) or "")
+    monkeypatch.setattr(
+        module, "describe_durations", lambda durations: told.extend(durations) or ""
+    )
     arguments = [str(tmp_path / "later"), *SEA, "--size", "64x64", "--fps", "10"]
     assert main(["film", *arguments, "--start", "1.5", "--seconds", "0.5", *more]) == 0
     assert len(made) > 45
