@@ -44,7 +44,7 @@ def lost(body: Body, state: BodyState, contraction: Floats) -> float:
     i, j = UNITS.T
     for rest in muscle_lengths(body, contraction):
         x, v, _ = copy_state(state)
-        advance(state.x, state.v, *body[1:], rest[None], STILL, NO_FORCE, STEP, state.watch)
+        advance(state.x, state.v, body.material, rest[None], STILL, NO_FORCE, STEP, state.watch)
         force = np.zeros((NODES, 3))
         add_water_force(x, v, STILL, body.drag, force)
         middle = (v + state.v) / 2

@@ -45,7 +45,7 @@ def test_kernels_are_kept_by_that_stamp():
 
 def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
     def file(stamp):
-        return VerifiedFile(str(tmp_path), "kernel", source_stamp)
+        return VerifiedFile(str(tmp_path), "kernel", stamp)
 
     def full(*unused):
         raise OSError("no room")
