@@ -109,5 +109,5 @@ def test_a_species_that_is_unknown_or_unrecorded_is_one_line(
         make_clips("fusiler")
     nowhere = tmp_path / "fusilier.h5"
     monkeypatch.setattr("capture.export.clips.repertoire_file", lambda name: nowhere)
-    with pytest.raises(UserError, match=r"fusilier.h5: no such file; run `subsea-capture record fus"):
+    with pytest.raises(UserError, match=r"fusilier.h5: no such file; run `subsea-capture rec"):
         make_clips("fusilier")

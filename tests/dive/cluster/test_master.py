@@ -195,7 +195,7 @@ def test_one_that_tries_again_and_again_does_not_fill_the_log(harness, seas):
         for k in range(30):
             stranger.send(encode(Hello("left", other)))
             stranger.send(encode(Hello(f"node{k}", ours)))
-        harness.show_until(lambda: harness.master._strangers == 30)
+        harness.show_until(lambda: harness.master._refusals == 30)
         stranger.close()
     assert sum("seed 4, expected 3: refused" in line for line in harness.told) == 1
     assert sum("not among the nodes" in line for line in harness.told) == 2
