@@ -226,7 +226,7 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     until(boat, lambda: boat.overlay.help_opacity == 0.0)  # a ride counts as under way
     first = boat.picture.ride.by.fish
     colours = corner(boat)
-    beside = np.asarray(boat.picture._renderer.rig.canvas) - boat.picture.rig.canvas
+    beside = np.asarray(boat.picture.renderer.rig.canvas) - boat.picture.rig.canvas
     assert beside[1] > 60
     subprocess.run(["xdotool", "keydown", "Right"], check=True, timeout=60)
     until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
@@ -246,7 +246,7 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
     assert boat.window.open
-    assert boat.picture._renderer.rig is boat.picture.rig
+    assert boat.picture.renderer.rig is boat.picture.rig
 
 
 def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
@@ -256,7 +256,7 @@ def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
     fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
     for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
         boat.picture.ride.gaze = gaze
-        ahead = retina_brightness(boat.picture._renderer, boat.world, boat.picture.ride.by)
+        ahead = retina_brightness(boat.picture.renderer, boat.world, boat.picture.ride.by)
         assert 0.05 < ahead < 0.95
         boat.frame(0.1)
         assert boat.world.seen_light[fish] == ahead
@@ -297,7 +297,7 @@ def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
     assert not boat.picture.insets
-    assert boat.picture._renderer.rig is boat.picture.rig
+    assert boat.picture.renderer.rig is boat.picture.rig
     key("t")
     until(boat, lambda: boat.picture.pattern)
     assert not words(boat).any()
@@ -358,9 +358,9 @@ def test_the_window_may_change_its_size_during_a_ride(boat):
         glfw.set_window_size(boat.window.handle, *size)
         until(boat, lambda size=size: boat.window.size == size)
         boat.frame(0.1)
-        assert boat.picture._renderer.rig.outputs == (size,)
+        assert boat.picture.renderer.rig.outputs == (size,)
         assert (
-            len(boat.picture._renderer.rig.patches) == 5
+            len(boat.picture.renderer.rig.patches) == 5
         )  # the sea, two pictures and their frames
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)
