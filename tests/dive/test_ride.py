@@ -359,8 +359,6 @@ def test_the_window_may_change_its_size_during_a_ride(boat):
         until(boat, lambda size=size: boat.window.size == size)
         boat.frame(0.1)
         assert boat.picture.renderer.rig.outputs == (size,)
-        assert (
-            len(boat.picture.renderer.rig.patches) == 5
-        )  # the sea, two pictures and their frames
+        assert len(boat.picture.renderer.rig.patches) == 5  # the sea, two pictures and their frames
     key("Escape")
     until(boat, lambda: not boat.pilot.riding)

@@ -7,7 +7,7 @@ import sys
 import h5py
 import pytest
 
-from capture.cli.main import main as capture_cli
+from capture.cli import main as capture_cli
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.core.resources import ROOT, own_path, resource_path

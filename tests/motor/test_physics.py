@@ -53,7 +53,7 @@ def tried(usual, physics, ticks):
     world, start = usual
     snapshot.restore(world, start)
     world.physics, world.notices = physics, []
-    world.told.clear()
+    world.reported_bursts.clear()
     simulated = world.state.fishes.live.copy()
     went_on(world, ticks)
     return world, simulated

@@ -230,7 +230,7 @@ def test_a_report_stands_against_an_older_one(ladder, tmp_path, capsys):
     options = [*SEA, "--frames", "12", "--fish", "20"]
     assert main(["benchmark", *options, "--compare", str(slow)]) == 0
     told = capsys.readouterr().out
-    assert "not alike: tour\n" in told
+    assert "different: tour\n" in told
     name, then, now, ratio, low, to, high, told = re.search(r"^frame .*", told, re.M)[0].split()
     assert (name, to, told) == ("frame", "to", "faster")
     assert float(then) == pytest.approx(old["frame_ms"]["p50"], abs=1e-3)
