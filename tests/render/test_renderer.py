@@ -53,7 +53,7 @@ def test_what_the_gpu_cannot_hold_changes_nothing(renderer, make_packet, fish, m
         raise moderngl.Error("out of memory")
 
     with monkeypatch.context() as patch:
-        patch.setattr("subsea.render.renderer.Target", refuse)
+        patch.setattr("subsea.render.renderer.RenderTarget", refuse)
         for change in (
             lambda: renderer.adapt(Quality(samples=4)),
             lambda: renderer.arrange(display_rig("mono", (9, 9))),

@@ -170,7 +170,7 @@ def test_a_record_of_another_program_and_one_that_is_too_long(tmp_path, damaged,
         del file["time"]
         file["time"] = np.arange(1, 2_000_001, dtype=float)
     assert main(["study", str(damaged)]) == 2
-    assert "too much for one study" in capsys.readouterr().err
+    assert "are too many for one study" in capsys.readouterr().err
 
 
 def test_no_room_for_results_is_said_before_the_work(record, tmp_path, capsys):

@@ -110,7 +110,8 @@ def faults(sea, *waypoints, **more):
         check_tours(scenario_with(*waypoints, **more), sea, ["`rock[0]`"])
     text = str(fault.value)
     assert "\n" not in text
-    assert text.startswith("file.toml: `tour[0]` 'way' ")
+    assert text.startswith("`tour[0]` 'way' ")
+    assert fault.value.key.startswith("tour[0]")
     return text
 
 

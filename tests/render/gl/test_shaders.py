@@ -8,7 +8,7 @@ import pytest
 
 from subsea.core.resources import resource_names
 from subsea.frame import packet
-from subsea.habitat import formations, seaweed
+from subsea.habitat import seaweed, stone_shade
 from subsea.render.gl import shaders
 from subsea.render.reef import coral, rocks
 from subsea.render.reef.seaweed import FRONDS
@@ -76,7 +76,7 @@ def numbers(name, pattern):
 
 def test_shaders_and_python_mean_the_same_sun():
     (sun,) = numbers("optics.glsl", r"SUN = vec3\( # , # , # \)")
-    np.testing.assert_array_equal(sun, formations.SUN)
+    np.testing.assert_array_equal(sun, stone_shade.SUN)
 
 
 def test_corals_sway_as_far_as_their_vertices_are_told():

@@ -75,7 +75,7 @@ def test_a_fish_that_explodes_is_told_and_comes_to_no_harm(pool, hands, spots, c
     hands.until(pool, lambda: pool.world.state.fishes.live[fish])
     capsys.readouterr()
     spots.drag(pool, "time step", 0.43, 0.9)
-    hands.until(pool, lambda: pool.world.told)
+    hands.until(pool, lambda: pool.world.reported_bursts)
     hands.glide(pool, 0.2)
     told = capsys.readouterr().err
     assert "exploded" in told and "time step" in told
