@@ -281,12 +281,12 @@ def test_an_idle_window_draws_nothing_and_ctrl_c_ends_it(display, tmp_path):
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "from test_tool_window import Line\n"
         "from subsea.ui.tool_window import run_tool\n"
-        "from subsea.core.command_line import answer\n"
+        "from subsea.core.command_line import run_command\n"
         "class Counted(Line):\n"
         "    def draw(self, elapsed_s):\n"
         "        print(self.frames, flush=True)\n"
         "        return super().draw(elapsed_s)\n"
-        "sys.exit(answer('subsea', lambda: run_tool('idle', Counted, 'no')))\n"
+        "sys.exit(run_command('subsea', lambda: run_tool('idle', Counted, 'no')))\n"
     )
     frames = tmp_path / "frames"
     with frames.open("w") as out:
