@@ -37,6 +37,6 @@ docs: .venv/ready-test
 clean:
 	rm -rf .venv tools/gltf-validator/node_modules
 
+# The script makes the file, unless something is missing: then the next `make` tries again.
 .venv/ready-%: $(LOCKED)
 	@sh tools/setup.sh $*
-	@touch $@

@@ -2,7 +2,8 @@
 
 import sys
 
-from subsea.cli.main import main
+from subsea.__main__ import main
 
 if __name__ == "__main__":
-    sys.exit(main(["dive", *sys.argv[1:]]))
+    sys.argv.insert(1, "dive")
+    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Time every kernel and put the table into docs/performance.md: `python benchmarks/table.py`."""
+"""Time every kernel for docs/developers/performance.md: `python benchmarks/table.py`."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ from pathlib import Path
 from subsea.core.atomic_io import replacing
 
 HERE = Path(__file__).parent
-PAGE = HERE.parent / "docs" / "performance.md"
+PAGE = HERE.parent / "docs" / "developers" / "performance.md"
 BEGIN, END = "<!-- kernels: benchmarks/table.py -->\n", "<!-- end of kernels -->\n"
 
 

@@ -1,8 +1,7 @@
 """Compiled kernels beside plain alternatives that do the same, in one run.
 
-Each group is one piece of work. What is not the project's own says what it would cost to leave it
-to a library, or, copying memory, the least that touching so many bytes can cost. Results are
-compared before anything is timed.
+Each group is one piece of work. The alternatives show the cost of a library, or of copying the same
+memory, which is a lower bound. Results are compared before anything is timed.
 """
 
 import numpy as np
@@ -37,7 +36,7 @@ from subsea.perception.grid import make_grid, nearest
 from subsea.profiling.paper_tables import place_nodes
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.culling import OUT_OF_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.build import create_world
@@ -54,7 +53,7 @@ def ocean():
     """Ten thousand fishes in the open ocean, awake."""
     world = create_world(load_scenario("open-ocean")[0], fish=MANY)
     for _ in range(30):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 
@@ -63,12 +62,12 @@ def bay():
     """The peaceful bay, awake."""
     world = create_world(load_scenario("peaceful")[0])
     for _ in range(30):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 
 @pytest.fixture
-def dice():
+def rng():
     return np.random.default_rng(4)
 
 
@@ -94,14 +93,14 @@ def copied(benchmark, group, of, *arrays):
 
 
 @pytest.fixture
-def system(dice):
+def system(rng):
     """A matrix as the semi-implicit step has it (23, 23), and its load (23, 3)."""
-    A = np.diag(dice.uniform(20, 200, NODES))
+    A = np.diag(rng.uniform(20, 200, NODES))
     for i, j in UNITS:
-        eta = dice.uniform(0, 10)
+        eta = rng.uniform(0, 10)
         A[[i, j], [i, j]] += eta
         A[[i, j], [j, i]] -= eta
-    return A, dice.normal(0, 100, (NODES, 3))
+    return A, rng.normal(0, 100, (NODES, 3))
 
 
 @njit(cache=True)
@@ -149,9 +148,9 @@ def water_force(x, v, water, drag):
 
 
 @pytest.mark.parametrize("of", ["kernel", "numpy"])
-def test_water(benchmark, dice, of):
+def test_water(benchmark, rng, of):
     x = build_body(load_species("fusilier").body).rest
-    v, water, force = dice.normal(0, 2, (NODES, 3)), np.zeros(3), np.zeros((NODES, 3))
+    v, water, force = rng.normal(0, 2, (NODES, 3)), np.zeros(3), np.zeros((NODES, 3))
     add_water_force(x, v, water, 1.0, force)
     np.testing.assert_allclose(force, water_force(x, v, water, 1.0), atol=1e-9)
     group = "force of the water on 78 triangles (Tu eq. 4.3)"
@@ -211,9 +210,9 @@ def test_nodes(benchmark, ocean, of):
 
 
 @pytest.mark.parametrize("of", ["table, numpy", "scipy"])
-def test_surface(benchmark, dice, of):
+def test_surface(benchmark, rng, of):
     """Half a body: 9 × 21 control points at 15 × 39 places."""
-    control, samples = dice.normal(0, 1, (9, 21, 3)), (15, 39)
+    control, samples = rng.normal(0, 1, (9, 21, 3)), (15, 39)
     tables = [basis_table(n, m) for n, m in zip((9, 21), samples, strict=True)]
     tap = np.arange(DEGREE + 1)
 
@@ -345,17 +344,7 @@ def test_leaves(benchmark, bay, of):
     group = f"{len(state.seaweed.node)} leaves, one tick"
     if of == "kernel":
         flow = flow_at(bay.current_cm_s, 1.0)
-        timed(
-            benchmark,
-            group,
-            of,
-            step_seaweed,
-            state.seaweed,
-            state.fishes,
-            state.sea,
-            flow,
-            far,
-            clock,
-        )
+        given = state.seaweed, state.fishes, state.sea, flow, far, clock
+        timed(benchmark, group, of, step_seaweed, *given)
     else:
         copied(benchmark, group, of, state.seaweed.node, state.seaweed.previous)

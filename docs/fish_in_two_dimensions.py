@@ -1,13 +1,13 @@
 """Build, train and draw the flat fish of KS: `python docs/fish_in_two_dimensions.py [FOLDER]`.
 
-The script of docs/two-dimensional-fish.md: prints its numbers and draws FOLDER/flat_*.png (default
-docs/pictures). `--only NAME` runs one part, `--quick` all parts briefly, for the tests. All
-seeds are fixed. Units are cm, g and tu (0.1 s); the plane is seen from above, x ahead and y to the
-left of a fish at rest.
+The script of docs/concepts/two-dimensional-fish.md: prints the numbers of
+docs/developers/two-dimensional-fish-figures.md and draws FOLDER/flat_*.png (default docs/pictures).
+`--only NAME` runs one part, `--quick` all parts briefly, for the tests. All seeds are fixed. Units
+are cm, g and tu (0.1 s); the plane is seen from above, x ahead and y to the left of a fish at rest.
 """
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -24,30 +24,20 @@ from picture_files import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, save_pl
 
 from subsea.biomechanics.controllers import ease
 from subsea.fish.species import load_species
-from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, spines, swung
+from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, pose_spine, swing_angles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STEP_TU = 0.055
-"""The step of the three-dimensional fish."""
-FRAME = 6
-"""Steps between two stored states."""
-MUSCLES = 6
-"""Three segments, left and right."""
-DRAG = 2.0
-"""µ of the water, g/(cm² tu)."""
-LARGEST = 0.15
-"""Bound of the amplitudes, relative to a muscle's length."""
-FREQUENCIES = (0.05, 0.4)
-"""Bounds of the frequencies, beats a tu."""
-SWIM_TU = 60.0
-"""Duration of an evaluation."""
-TURN_TU = 60.0
-MEAN = 30
-"""Frames over which headings are averaged, about 10 tu, to average the yaw of a beat."""
-RISE_TU = 4.0
-"""Duration of a fade-in, and of a transition between controllers."""
+STEP_TU = 0.055  # the step of the three-dimensional fish
+FRAME = 6  # steps between two stored states
+MUSCLES = 6  # three segments, left and right
+DRAG = 2.0  # µ of the water, g/(cm² tu)
+LARGEST = 0.15  # bound of the amplitudes, relative to a muscle's length
+FREQUENCIES = (0.05, 0.4)  # bounds of the frequencies, beats a tu
+SWIM_TU = TURN_TU = 60.0  # duration of an evaluation
+MEAN = 30  # frames, about 10 tu, over which headings are averaged: the yaw of a beat cancels
+RISE_TU = 4.0  # duration of a fade-in, and of a transition between controllers
 
 
 class Effort(NamedTuple):
@@ -86,6 +76,10 @@ class Body(NamedTuple):
     def long(self) -> float:
         """Body length, cm."""
         return float(np.ptp(self.rest[:, 0]))
+
+    def at_rest(self, stretch: float = 1.0) -> Floats:
+        """The state (2, n, 2) of a body that does not move, longer by a factor."""
+        return np.stack([stretch * self.rest, np.zeros_like(self.rest)])
 
 
 def flat_body() -> Body:
@@ -127,6 +121,14 @@ def flat_body() -> Body:
 
 
 @njit(cache=True, error_model="numpy")
+def _direction(x: Floats, i: int, j: int) -> tuple[float, float, float]:
+    """Unit vector from node i to node j, and their distance."""
+    wx, wy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+    length = np.sqrt(wx * wx + wy * wy)
+    return wx / length, wy / length, length
+
+
+@njit(cache=True, error_model="numpy")
 def add_forces(x: Floats, v: Floats, body: Body, rest: Floats, force: Floats) -> None:
     """Add the forces of units with rest lengths ``rest`` (s,) and of water to ``force`` (n, 2).
 
@@ -134,9 +136,7 @@ def add_forces(x: Floats, v: Floats, body: Body, rest: Floats, force: Floats) ->
     """
     for s in range(len(body.units)):
         i, j = body.units[s, 0], body.units[s, 1]
-        wx, wy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-        length = np.sqrt(wx * wx + wy * wy)
-        wx, wy = wx / length, wy / length
+        wx, wy, length = _direction(x, i, j)
         faster = (v[j, 0] - v[i, 0]) * wx + (v[j, 1] - v[i, 1]) * wy
         tension = body.stiffness[s] * (length - rest[s]) + body.viscosity[s] * faster
         force[i, 0] += tension * wx
@@ -145,9 +145,8 @@ def add_forces(x: Floats, v: Floats, body: Body, rest: Floats, force: Floats) ->
         force[j, 1] -= tension * wy
     for e in range(len(body.hull)):
         a, b = body.hull[e, 0], body.hull[e, 1]
-        nx, ny = x[b, 1] - x[a, 1], x[a, 0] - x[b, 0]  # outward
-        length = np.sqrt(nx * nx + ny * ny)
-        nx, ny = nx / length, ny / length
+        ny, nx, length = _direction(x, b, a)
+        nx = -nx  # outward: to the right of the edge
         outward = 0.5 * ((v[a, 0] + v[b, 0]) * nx + (v[a, 1] + v[b, 1]) * ny)
         half = 0.5 * min(0.0, -body.drag * length * body.height[e] * outward)
         for k in (a, b):
@@ -163,9 +162,7 @@ def add_slopes(
     n = len(x)
     for s in range(len(body.units)):
         i, j = body.units[s, 0], body.units[s, 1]
-        wx, wy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-        length = np.sqrt(wx * wx + wy * wy)
-        wx, wy = wx / length, wy / length
+        wx, wy, length = _direction(x, i, j)
         # A compressed spring gives way sideways: left out, or the matrix could be indefinite.
         aside = body.stiffness[s] * max(0.0, 1.0 - rest[s] / length)
         stiff, thick = body.stiffness[s] - aside, body.viscosity[s]
@@ -174,9 +171,8 @@ def add_slopes(
         _add_pair(by_speed, n, i, j, -1.0, thick * wx * wx, thick * wx * wy, thick * wy * wy)
     for e in range(len(body.hull)):
         a, b = body.hull[e, 0], body.hull[e, 1]
-        nx, ny = x[b, 1] - x[a, 1], x[a, 0] - x[b, 0]  # outward
-        length = np.sqrt(nx * nx + ny * ny)
-        nx, ny = nx / length, ny / length
+        ny, nx, length = _direction(x, b, a)
+        nx = -nx
         if (v[a, 0] + v[b, 0]) * nx + (v[a, 1] + v[b, 1]) * ny > 0.0:
             quarter = 0.25 * body.drag * length * body.height[e]
             _add_pair(by_speed, n, a, b, 1.0, quarter * nx * nx, quarter * nx * ny,
@@ -255,7 +251,7 @@ def swim(
                     x[i, k] += step * v[i, k]
                     v[i, k] += step / body.mass[i] * force[i, k]
         if not np.abs(x).max() < 1e6:
-            break  # it has exploded: what would follow are no numbers
+            break  # it has exploded: all later states would be NaN
         if (t + 1) % every == 0:
             frames[(t + 1) // every, 0], frames[(t + 1) // every, 1] = x, v
     return frames
@@ -345,30 +341,32 @@ def steps_of(tu: float) -> int:
     return round(tu / STEP_TU / FRAME) * FRAME
 
 
-def lengths(body: Body, one: Controller, steps: int, rise: bool = True) -> Floats:
+def angles(one: Controller, time: Floats) -> Floats:
+    """Angles (t, 6), rad, of the sinusoids of a controller."""
+    return np.asarray(2.0 * np.pi * one.frequency * time[:, None] + one.phase)
+
+
+def lengths(body: Body, one: Controller, steps: int) -> Floats:
     """Rest lengths (steps, 6) of the muscles, cm, faded in at the start."""
-    time = STEP_TU * np.arange(steps)[:, None]
-    wave = one.amplitude * np.sin(2.0 * np.pi * one.frequency * time + one.phase)
-    return np.asarray(
-        body.length[:MUSCLES] * (1.0 + (ease(time / RISE_TU) if rise else 1.0) * wave)
-    )
+    time = STEP_TU * np.arange(steps)
+    wave = one.amplitude * np.sin(angles(one, time))
+    return np.asarray(body.length[:MUSCLES] * (1.0 + ease(time / RISE_TU)[:, None] * wave))
 
 
 def run(body: Body, muscles: Floats, start: Floats | None = None) -> Floats:
     """Swim, implicitly, from a state (2, n, 2) or from rest: states (frames, 2, n, 2)."""
-    if start is None:
-        start = np.stack([body.rest, np.zeros_like(body.rest)])
+    start = body.at_rest() if start is None else start
     return np.asarray(swim(body, start, muscles, STEP_TU, True, FRAME))
 
 
 def is_sound(body: Body, frames: Floats) -> bool:
-    """Whether the scaffold has never folded."""
+    """True if the scaffold has never folded."""
     return bool(np.isfinite(frames).all() and room(body, frames[:, 0]).min() > 0.0)
 
 
-def distance(body: Body, one: Controller, tu: float = SWIM_TU) -> float:
+def distance(body: Body, one: Controller) -> float:
     """The score of KS: body lengths of the centre of mass ahead; -1 for a folded fish."""
-    frames = run(body, lengths(body, one, steps_of(tu)))
+    frames = run(body, lengths(body, one, steps_of(SWIM_TU)))
     if not is_sound(body, frames):
         return -1.0
     return float((middle(body, frames[-1, 0]) - middle(body, body.rest))[0] / body.long)
@@ -415,6 +413,18 @@ def anneal(
     return Annealing(np.array(points), np.array(scores), np.array(held))
 
 
+def search(
+    score: Callable[[Floats], float], dimensions: int, tries: int, seeds: int, hot: float
+) -> tuple[Annealing, ...]:
+    """Annealings with the seeds 1 to `seeds`."""
+    return tuple(anneal(score, dimensions, tries, seed, hot) for seed in range(1, seeds + 1))
+
+
+def best_of(runs: Iterable[Annealing]) -> Annealing:
+    """The run with the best score."""
+    return max(runs, key=lambda one: one.scores.max())
+
+
 class Lessons(NamedTuple):
     """The controllers learned with all seeds."""
 
@@ -425,16 +435,15 @@ class Lessons(NamedTuple):
     @property
     def swimmer(self) -> Controller:
         """The best of all swimming controllers."""
-        return controller_at(max(self.swims, key=lambda one: one.scores.max()).winner)
+        return controller_at(best_of(self.swims).winner)
 
     @property
     def turner(self) -> Controller:
         """The best of all turning controllers."""
-        return controller_at(max(self.turns, key=lambda one: one.scores.max()).winner)
+        return controller_at(best_of(self.turns).winner)
 
 
-HOT_L, HOT_DEG = 0.3, 5.0
-"""First temperatures: a step worse by so much is often taken."""
+HOT_L, HOT_DEG = 0.3, 5.0  # first temperatures: a step that is worse by this is often taken
 
 
 @lru_cache(maxsize=2)
@@ -442,21 +451,19 @@ def learn(effort: Effort) -> Lessons:
     """Anneal swimming and turning with several seeds."""
     body = flat_body()
 
-    def swims(dimensions: int) -> tuple[Annealing, ...]:
-        return tuple(
-            anneal(lambda point: distance(body, controller_at(point)), dimensions,
-                   effort.tries, seed, HOT_L)
-            for seed in range(1, effort.seeds + 1)
-        )  # fmt: skip
+    def far(point: Floats) -> float:
+        return distance(body, controller_at(point))
 
-    one, six = swims(2 * MUSCLES + 1), swims(3 * MUSCLES)
-    swimmer = Lessons(one, six, ()).swimmer
+    def angle(point: Floats) -> float:
+        return turned(body, start, controller_at(point))
+
+    one, six = (
+        search(far, dimensions, effort.tries, effort.seeds, HOT_L)
+        for dimensions in (2 * MUSCLES + 1, 3 * MUSCLES)
+    )
+    swimmer = controller_at(best_of(one).winner)
     start = run(body, lengths(body, swimmer, steps_of(SWIM_TU)))[-1]
-    turns = tuple(
-        anneal(lambda point: turned(body, start, controller_at(point)), 2 * MUSCLES + 1,
-               effort.turn_tries, seed, HOT_DEG)
-        for seed in range(1, effort.turn_seeds + 1)
-    )  # fmt: skip
+    turns = search(angle, 2 * MUSCLES + 1, effort.turn_tries, effort.turn_seeds, HOT_DEG)
     return Lessons(one, six, turns)
 
 
@@ -483,11 +490,6 @@ def gained(angle: Floats) -> float:
 WAYS = ("parameters", "phases", "lengths")
 
 
-def angles(one: Controller, time: Floats) -> Floats:
-    """Angles (t, 6), rad, of its sinusoids."""
-    return np.asarray(2.0 * np.pi * one.frequency * time[:, None] + one.phase)
-
-
 def passage(body: Body, old: Controller, new: Controller, begin: float, way: str) -> Floats:
     """Lengths (steps, 6) of a transition from ``old`` to ``new`` that starts at ``begin``, tu.
 
@@ -500,11 +502,8 @@ def passage(body: Body, old: Controller, new: Controller, begin: float, way: str
     if way == "lengths":
         wave = (1 - share) * old.amplitude * np.sin(first) + share * new.amplitude * np.sin(last)
     elif way == "parameters":
-        middle_of = Controller(
-            *((1 - share) * a + share * b for a, b in zip(old, new, strict=True))
-        )
-        angle = 2.0 * np.pi * middle_of.frequency * time[:, None] + middle_of.phase
-        wave = middle_of.amplitude * np.sin(angle)
+        mixed = Controller(*((1 - share) * a + share * b for a, b in zip(old, new, strict=True)))
+        wave = mixed.amplitude * np.sin(angles(mixed, time))
     else:
         frequency = (1 - share) * old.frequency + share * new.frequency
         angle = first[0] + 2.0 * np.pi * STEP_TU * np.cumsum(frequency, axis=0)
@@ -519,10 +518,8 @@ def steady(body: Body, one: Controller, begin: float, steps: int) -> Floats:
     return np.asarray(body.length[:MUSCLES] * (1.0 + one.amplitude * np.sin(angles(one, time))))
 
 
-NEAR_L = 0.5
-"""Body lengths from its goal at which a fish is there."""
-ASTRAY_DEG, RIGHT_DEG = 30.0, 10.0
-"""Off its course by more it begins to turn, by less it ends."""
+NEAR_L = 0.5  # body lengths from its goal at which a fish has arrived
+ASTRAY_DEG, RIGHT_DEG = 30.0, 10.0  # off course by more it begins to turn, by less it ends
 
 
 def swim_to(
@@ -569,8 +566,7 @@ def tightest(body: Body, old: Controller, new: Controller, moments: Floats, way:
 
 # III.A: the body that is seen
 
-SLIM = 0.8
-"""Width of the body over that of its scaffold."""
+SLIM = 0.8  # width of the body over that of its scaffold
 
 
 @lru_cache(maxsize=1)
@@ -668,16 +664,6 @@ def show_body(effort: Effort, folder: Path) -> None:
     save_plot(picture, folder / "flat_body.png")
 
 
-def in_vacuum(body: Body) -> Body:
-    """The body without water."""
-    return body._replace(drag=0.0)
-
-
-def stretched(body: Body) -> Floats:
-    """A state (2, n, 2) at rest, stretched by 5%."""
-    return np.stack([1.05 * body.rest, np.zeros_like(body.rest)])
-
-
 STEPS = {  # of the comparison: the step over explicit Euler's limit, explicit or not, colour
     "explicit, 0.9 of the limit": (0.9, False, GREEN),
     "explicit, 1.2 times": (1.2, False, PINK),
@@ -694,8 +680,8 @@ def released(body: Body, tu: float) -> dict[str, tuple[Floats, Floats]]:
     for name, (share, implicit, _) in STEPS.items():
         step = share * limit
         steps = round(tu / step)
-        frames = swim(in_vacuum(body), stretched(body), np.repeat(natural, steps, axis=0), step,
-                      implicit, 1)  # fmt: skip
+        muscles = np.repeat(natural, steps, axis=0)
+        frames = swim(body._replace(drag=0.0), body.at_rest(1.05), muscles, step, implicit, 1)
         shown = energy(body, frames)
         found[name] = (step * np.arange(len(shown)), shown / shown[0])
     return found
@@ -727,9 +713,8 @@ def show_integrators(effort: Effort, folder: Path) -> None:
               title="where a step may lie")  # fmt: skip
     right.legend(loc="upper center", fontsize=8)
     lessons = learn(effort)
-    start = np.stack([body.rest, np.zeros_like(body.rest)])
     muscles = lengths(body, lessons.swimmer, 200)
-    both = [swim(body, start, muscles, STEP_TU, implicit, 1) for implicit in (False, True)]
+    both = [swim(body, body.at_rest(), muscles, STEP_TU, way, 1) for way in (False, True)]
     fold = int(np.argmax(room(body, both[0][:, 0]) <= 0))
     shown = [0, *range(fold - 4, fold + 13, 4)]
     print(f"movie 1: explicit Euler folds the fish after {fold} steps of {STEP_TU} tu")
@@ -753,11 +738,10 @@ def show_integrators(effort: Effort, folder: Path) -> None:
         far = []
         for implicit in (False, True):
             steps = round(SWIM_TU / step)
-            time = step * np.arange(steps)[:, None]
-            one = lessons.swimmer
-            wave = ease(time / RISE_TU) * one.amplitude * np.sin(angles(one, time[:, 0]))
-            start = np.stack([body.rest, np.zeros_like(body.rest)])
-            frames = swim(body, start, body.length[:MUSCLES] * (1 + wave), step, implicit, steps)
+            time, one = step * np.arange(steps), lessons.swimmer
+            wave = ease(time / RISE_TU)[:, None] * one.amplitude * np.sin(angles(one, time))
+            muscles = body.length[:MUSCLES] * (1 + wave)
+            frames = swim(body, body.at_rest(), muscles, step, implicit, steps)
             far.append((middle(body, frames[-1, 0]) - middle(body, body.rest))[0] / body.long)
         print(f"    {step:8.4f} tu     {far[0]:8.3f}  {far[1]:8.3f}")
 
@@ -809,9 +793,9 @@ def show_learning(effort: Effort, folder: Path) -> None:
 def show_swims(effort: Effort, folder: Path) -> None:
     """Draw a fish before, during and after learning."""
     body, lessons = flat_body(), learn(effort)
-    best = max(lessons.swims, key=lambda one: one.scores.max())
+    best = best_of(lessons.swims)
     halfway = int(np.argmax(best.best >= 0.5 * best.best[-1]))
-    whom = {
+    shown_swims = {
         "before: the first try": best.points[0],
         f"meanwhile: try {halfway + 1}": best.points[halfway],
         f"after: the best of {len(best.points)} tries": best.winner,
@@ -819,7 +803,7 @@ def show_swims(effort: Effort, folder: Path) -> None:
     picture = Figure(figsize=(7.4, 6.6), layout="constrained")
     above, below = picture.subfigures(2, 1, height_ratios=(2.6, 1.3))
     rows = above.subplots(3, 1, sharex=True)
-    for axis, (name, point) in zip(rows, whom.items(), strict=True):
+    for axis, (name, point) in zip(rows, shown_swims.items(), strict=True):
         frames = run(body, lengths(body, controller_at(point), steps_of(SWIM_TU)))
         shown = np.linspace(0, len(frames) - 1, 5).astype(int)
         for k in shown:
@@ -969,14 +953,13 @@ def show_folding(effort: Effort, folder: Path) -> None:
     left.plot(LEVELS, 100.0 * np.array(shares), "o-", color=ORANGE)
     left.set(xlabel="amplitude of all muscles, share of length", ylabel="folded, %",
              ylim=(-3, 103), title=f"{effort.folds} random controllers each")  # fmt: skip
-    found = {
-        bound: [
-            anneal(lambda point, bound=bound: distance(body, controller_at(point, bound)),
-                   2 * MUSCLES + 1, effort.tries // 2, seed, HOT_L).scores.max()
-            for seed in range(1, effort.bound_seeds + 1)
-        ]
-        for bound in BOUNDS
-    }  # fmt: skip
+    found = {}
+    for bound in BOUNDS:
+        runs = search(
+            lambda point, bound=bound: distance(body, controller_at(point, bound)),
+            2 * MUSCLES + 1, effort.tries // 2, effort.bound_seeds, HOT_L,
+        )  # fmt: skip
+        found[bound] = [one.scores.max() for one in runs]
     for bound, far in found.items():
         right.plot([bound] * len(far), far, "o", color=BLUE, alpha=0.6)
     right.plot([*found], [np.median(far) for far in found.values()], color=BLUE)
@@ -1016,7 +999,7 @@ def ruled(swing: Swing, beat: Floats) -> Spines:
     easy = msgspec.structs.replace(rules.turn, sharp_beats=20)
     plan = msgspec.structs.replace(rules, swing=swing, turn=easy)
     straight = np.zeros((len(beat), UNITS))
-    return spines(plan, beat, 1.0, straight, np.ones(UNITS))
+    return pose_spine(plan, beat, 1.0, straight, np.ones(UNITS))
 
 
 def show_rules(effort: Effort, folder: Path) -> None:
@@ -1039,7 +1022,8 @@ def show_rules(effort: Effort, folder: Path) -> None:
                 [0.0] * 3, 0.35 - np.array(swing.inflections), "_", color=ORANGE, markersize=14
             )
     rows = strips.subplots(2, 8)
-    wide = width_along(body)
+    hull = body.rest[body.hull[:7, 0]] / body.long
+    wide = SLIM * np.interp(JOINTS, -hull[:, 0], hull[:, 1])
     for row, function in zip(rows, ("sinusoidal", "linear"), strict=True):
         swing = msgspec.structs.replace(FISH, function=function)
         shown = ruled(swing, np.arange(8) / 8)
@@ -1059,7 +1043,7 @@ def show_rules(effort: Effort, folder: Path) -> None:
     over = np.linspace(0.0, 2.0, 400)
     for function, colour in (("sinusoidal", BLUE), ("linear", ORANGE)):
         swing = msgspec.structs.replace(FISH, function=function)
-        rate = np.gradient(np.degrees(swung(swing, np.full(1, 0.8), over, 1.0)), over)
+        rate = np.gradient(np.degrees(swing_angles(swing, np.full(1, 0.8), over, 1.0)), over)
         left.plot(over, rate, color=colour, label=function)
     left.set(xlabel="beats", ylabel="turning of a unit at 0.8 L,\n° a beat",
              title="the linear one ticks")  # fmt: skip
@@ -1070,47 +1054,30 @@ def show_rules(effort: Effort, folder: Path) -> None:
         place, sway = envelope(body, controller_at(one.winner))
         right.plot(place, sway, color=GREEN, alpha=1.0 if number == 0 else 0.4, marker=".",
                    label="muscles, learned" if number == 0 else None)  # fmt: skip
-    alike = even_masses(body)
-    best = max(
-        (
-            anneal(lambda point: distance(alike, controller_at(point)), 2 * MUSCLES + 1,
-                   effort.tries, seed, HOT_L)
-            for seed in range(1, effort.bound_seeds + 1)
-        ),
-        key=lambda one: one.scores.max(),
-    )  # fmt: skip
+    alike = body._replace(mass=np.full_like(body.mass, body.mass.mean()))
+    runs = search(lambda point: distance(alike, controller_at(point)), 2 * MUSCLES + 1,
+                  effort.tries, effort.bound_seeds, HOT_L)  # fmt: skip
+    best = best_of(runs)
     place, sway = envelope(alike, controller_at(best.winner))
     right.plot(place, sway, color=GREEN, linestyle="--", marker=".", label="the same, even masses")
     print(
         f"with even masses it swims {best.scores.max():.2f} L, the snout swings by {sway[0]:.2f} L"
     )
-    sway = np.abs(ruled(FISH, np.arange(40) / 40).place[:, :, 1]).max(axis=0)
+    beat = np.arange(40) / 40
+    sway = np.abs(ruled(FISH, beat).place[:, :, 1]).max(axis=0)
     right.plot(JOINTS, sway, color=BLUE, label="rules, stiff head")
     even = msgspec.structs.replace(FISH, flexibility=((0.0, 0.6), (1.0, 0.6)))
-    sway = np.abs(ruled(even, np.arange(40) / 40).place[:, :, 1]).max(axis=0)
+    sway = np.abs(ruled(even, beat).place[:, :, 1]).max(axis=0)
     right.plot(JOINTS, sway, color=BLUE, linestyle="--", label="rules, even")
     right.set(xlabel="behind the nose, L", ylabel="farthest to a side, L", ylim=(0, None),
               title="how far each part swings", xticks=at.round(2)[::2])  # fmt: skip
     right.set_ylim(0, 1.6 * right.get_ylim()[1])
     right.legend(loc="upper center", fontsize=8)
-    apart = np.abs(
-        ruled(FISH, np.arange(40) / 40).place
-        - ruled(msgspec.structs.replace(FISH, function="linear"), np.arange(40) / 40).place
-    ).max()
+    linear = msgspec.structs.replace(FISH, function="linear")
+    apart = np.abs(ruled(FISH, beat).place - ruled(linear, beat).place).max()
     print(f"sinusoidal and linear swing lie {apart:.3f} L apart at most; a wave of "
           f"{float(phase(FISH, np.ones(1))[0] / np.pi):.2f} halves behind the middle")  # fmt: skip
     save_plot(picture, folder / "flat_rules.png")
-
-
-def even_masses(body: Body) -> Body:
-    """The body with equal masses of all nodes."""
-    return body._replace(mass=np.full_like(body.mass, body.mass.mean()))
-
-
-def width_along(body: Body) -> Floats:
-    """Half-widths (241,), L, of the flat fish along its spine."""
-    hull = body.rest[body.hull[:7, 0]] / body.long
-    return np.asarray(SLIM * np.interp(JOINTS, -hull[:, 0], hull[:, 1]))
 
 
 def envelope(body: Body, one: Controller) -> tuple[Floats, Floats]:

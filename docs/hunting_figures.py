@@ -1,4 +1,4 @@
-"""Figures of docs/behavior.md: `python docs/hunting_figures.py preying|go-fish [SEEDS]`.
+"""Figures of behavior-figures.md: `python docs/hunting_figures.py preying|go-fish [SEEDS]`.
 
 Runs the scenario with seeds 1 to SEEDS (10) and prints a line for each.
 """
@@ -11,7 +11,7 @@ import numpy as np
 
 from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, HOOKED, LANDED, PACIFIST, PREDATOR, PREY
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
@@ -23,7 +23,7 @@ def ticks(name: str, seed: int, seconds: float) -> Iterator[World]:
     """The world of a scenario after each tick."""
     world = create_world(load_scenario(name)[0], seed=seed)
     for _ in range(round(seconds / TICK_S)):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         yield world
 
 

@@ -2,7 +2,7 @@
 
 Each uses this project's fusilier and fixed seeds: (a) one frequency for all muscles against one
 for each, (b) turns by sinusoids against the steering map, (c) folding bodies, (d) roll caused by a
-coarse triangulation. Prints the numbers of docs/learning.md and draws
+coarse triangulation. Prints the numbers of docs/developers/learning-figures.md and draws
 FOLDER/ks_*.png (default docs/pictures). `--quick` runs all parts briefly, for the tests.
 """
 
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from numba import njit
 from tqdm import tqdm
 
-from capture.inspection.gait import entries, headings, muscle_work, speed_kept
+from capture.inspection.gait import entries, muscle_work, speed_kept
 from capture.learning.search import search
 from capture.learning.turn import with_holds
 from capture.recording.trial import beat_contraction, beat_phase, steady_beat
@@ -26,24 +26,20 @@ from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body,
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
+from subsea.biomechanics.gait import headings
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.fish.species import load_species
 
-SIDES = 6
-"""Muscle groups as in KS's flat fish: upper and lower together, left and right separate."""
+SIDES = 6  # muscle groups as in KS's flat fish: upper and lower together, left and right separate
+# The group of each of the twelve muscles: segment by segment, left before right.
 OF_SIDE = np.array([2 * (k // 4) + (k % 4 in (1, 2)) for k in range(MUSCLES)])
-"""The group of each of the twelve muscles: segment by segment, left before right."""
-FREQUENCIES = (0.1, 0.4)
-"""Beats a tu; the shipped gait has 0.216."""
-STRONGEST = 0.5
-"""Greatest contraction searched."""
-ANGLE = 60.0
-"""Degrees of the turns compared."""
+FREQUENCIES = (0.1, 0.4)  # beats a tu; the shipped gait has 0.216
+STRONGEST = 0.5  # greatest contraction searched
+ANGLE = 60.0  # degrees of the turns compared
 RISE_TU = 5.0
 ROLL_TU = 400.0
-START_BEATS = 8
-"""That a start from rest takes to find its heading."""
+START_BEATS = 8  # until a start from rest has found its heading
 
 
 class Effort(NamedTuple):
@@ -122,7 +118,7 @@ def frequencies(body: Body, effort: Effort, folder: Path) -> None:
             name = f"{method}, {'one frequency' if one else 'six frequencies'}"
             runs = []
             for seed in tqdm(range(1, effort.seeds + 1), desc=f"(a) {name}", disable=None):
-                told: list[float] = []
+                speeds: list[float] = []
                 dimensions = 2 * SIDES + (1 if one else SIDES)
                 search(
                     lambda point, one=one: (
@@ -132,9 +128,9 @@ def frequencies(body: Body, effort: Effort, folder: Path) -> None:
                     method,
                     effort.budget,
                     seed,
-                    lambda tried, told=told: told.append(-tried.loss),
+                    lambda tried, speeds=speeds: speeds.append(-tried.loss),
                 )
-                runs.append(np.maximum.accumulate(told))
+                runs.append(np.maximum.accumulate(speeds))
             curves[name] = np.array(runs)
     print("(a) best speed, L/tu:                 median   quartiles        best")
     for name, runs in curves.items():
@@ -203,7 +199,7 @@ def turning(body: Body, swim: SwimPlan, turn: TurnPlan, effort: Effort, folder: 
         turned = turn_from(body, swim, steady, 0.0, sinusoidal(point, about_rest)).by(beat)
         return 360.0 if np.isnan(turned) else abs(turned - ANGLE)
 
-    # What muscles do when the turn begins at a phase of the beat. Sinusoids know of none.
+    # Muscle lengths when the turn begins at a phase of the beat, which sinusoids do not have.
     muscles: dict[str, Callable[[float], Floats]] = {
         "steering map": lambda phase: turn_contraction(swim, turn, ANGLE, phase),
         "straight on": lambda phase: swim_contraction(

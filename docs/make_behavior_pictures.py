@@ -20,11 +20,11 @@ from PIL import Image, ImageDraw
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.display_rigs import display_rig
 from subsea.world.build import create_world
@@ -61,7 +61,7 @@ def courtship_plate() -> Image.Image:
         picture_maker(context, world, display_rig("mono", CELL), PRESETS["high"]) as renderer,
     ):
         for _ in range(int(LIMIT_S / TICK_S)):
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
             for title, who, comes, *look_from in moments:
                 if title not in pictures and comes(world):
                     pictures[title] = _moment(renderer, world, who, title, *look_from)
@@ -103,19 +103,19 @@ def _courted(seed: int) -> Array:
     world = create_world(load_scenario("mating")[0], seed)
     rows = []
     for _ in range(int(LIMIT_S / TICK_S)):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         rows.append(world.state.minds.courtship.copy())
     return np.array(rows)
 
 
 def _completes(states: Array) -> bool:
-    """Whether a fish went through all states in order."""
+    """True if a fish went through all states in order."""
     changes = states[np.flatnonzero(np.diff(states, append=255))]
     return " ".join(map(str, range(1, len(COURTSHIP)))) + " 0" in " ".join(map(str, changes))
 
 
 def _is_turned_down(states: Array) -> bool:
-    """Whether a fish was rejected by the first one that he courted."""
+    """True if a fish was rejected by the first one that he courted."""
     changes = list(states[np.flatnonzero(np.diff(states, append=255))])
     return LOOPING in changes and changes[changes.index(LOOPING) + 1] < LOOPING
 

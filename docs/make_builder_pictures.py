@@ -1,4 +1,4 @@
-"""docs/pictures/builder-*.jpg: the fish builder at work, for docs/builder.md.
+"""docs/pictures/builder-*.jpg: the fish builder at work, for docs/how-to/builder.md.
 
 Run from the root of a checkout, where there is a display (or by xvfb-run -a -s "-screen 0
 1280x800x24"): python docs/make_builder_pictures.py [FOLDER]
@@ -35,7 +35,7 @@ def take(window: ToolWindow, name: str, pause_s: float = 2.0) -> None:
     while window.busy and time.monotonic() < end:
         window.frame(0.02)
     window.frame(0.02)
-    save(Image.fromarray(window.picture()), folder / f"builder-{name}.jpg")
+    save(Image.fromarray(window.window_set.picture()), folder / f"builder-{name}.jpg")
 
 
 def edited(window: ToolWindow, *edits: Callable[[SpeciesDraft], SpeciesDraft]) -> None:

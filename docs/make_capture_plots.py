@@ -1,6 +1,6 @@
-"""Make the pages of docs/capture.md and docs/biomechanics.md: `python docs/make_capture_plots.py`.
+"""Make the plots of capture.md and biomechanics.md: `python docs/make_capture_plots.py`.
 
-fusilier.png, fusilier_swim_fast.png, fusilier_turn_left_sharp.png, emperor_angelfish.png and
+fusilier.png, fusilier_swim_fast.png, fusilier_turn_left_sharp.png and
 emperor_angelfish_swim_fast.png: as `subsea-capture plot` draws them.
 """
 
@@ -16,7 +16,7 @@ from subsea.repertoire import read_repertoire
 
 SHOWN = {
     "fusilier": ("fusilier", "fusilier_swim_fast", "fusilier_turn_left_sharp"),
-    "emperor_angelfish": ("emperor_angelfish", "emperor_angelfish_swim_fast"),
+    "emperor_angelfish": ("emperor_angelfish_swim_fast",),
 }
 
 

@@ -23,10 +23,11 @@ def main() -> None:
         _go(dive, 3.0)
         _save(dive, "dive-1-start")
         dive.run_command("menu")
+        dive.gui.pointed(0.0, 0.0)  # beside its entries
         _go(dive, 1.0)
         _save(dive, "menu", SMALL)
         dive.menu.back()
-        dive.overlay.toggle_help()
+        dive.overlay.hide_help()
         dive.pilot.hold("up", "Up", 0.2)
         dive.pilot.wheel(4)
         _go(dive, 3.0)

@@ -42,10 +42,10 @@ LEADER_AHEAD = (-95.0, -75.0, 8.0)  # cm, from the school's fish that is looked 
 def plate() -> Image.Image:
     """Draw two columns of three pictures."""
     world, tour = start_world("peaceful"), Tour()
-    sketcher, rig = DiagramBuilder(world), display_rig("mono", SIZE)
+    builder, rig = DiagramBuilder(world), display_rig("mono", SIZE)
     for _ in range(TICKS):
         step(world, tour.helm(world))
-        sketcher.follow()
+        builder.follow()
     fishes, minds = world.state.fishes, world.state.minds
     led = minds.schools & (minds.leader >= 0)
     middle = np.median(fishes.position[led], axis=0)
@@ -59,7 +59,7 @@ def plate() -> Image.Image:
     with headless() as context, picture_maker(context, world, rig, PRESETS["high"]) as renderer:
         for k, (names, caption, wireframe) in enumerate(PLATES):
             chosen = fish if "perception" in names else None
-            drawing = sketcher.draw(names, seen, 1.0, chosen)
+            drawing = builder.draw(names, seen, 1.0, chosen)
             renderer.wireframe = wireframe
             renderer.draw(pack(world, seen, 1.0, PackOptions(detail=1.6), lines=drawing.lines))
             words = place_labels(rig, seen, drawing.labels)

@@ -1,4 +1,4 @@
-"""Make the picture of docs/directing.md: `python docs/make_directing_picture.py [FOLDER]`.
+"""Make the picture of docs/how-to/directing.md: `python docs/make_directing_picture.py [FOLDER]`.
 
 rendezvous.jpg: nine moments of the scenario `rendezvous` as its directed camera films it.
 """

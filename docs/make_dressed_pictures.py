@@ -1,4 +1,4 @@
-"""Pictures of docs/skin.md: `python docs/make_dressed_pictures.py [FOLDER]`.
+"""Pictures of docs/how-to/skin.md: `python docs/make_dressed_pictures.py [FOLDER]`.
 
 skin-photograph.jpg: a rendered fish in place of a photograph (none could be shipped); the meshes
 before and after the fit; the extracted texture. skin-worn.jpg: the same fish painted, and with that
@@ -23,10 +23,11 @@ from subsea.fish.photo.photograph import Photograph, downscale
 from subsea.fish.photo.side_view import make_fish_meshes, mesh_outlines
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import rotate
-from subsea.render import Renderer, headless_context
+from subsea.render.gl.context import headless_context
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -84,7 +85,7 @@ def main() -> None:
     fish = int(np.flatnonzero(world.state.fishes.species == kind)[0])
     species = world.species[kind]
     for _ in range(TICKS):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     rig, scene = display_rig("mono", SIZE), make_scene(world)
     with headless_context() as context, TemporaryDirectory() as name:
         renderer = Renderer(context, scene, rig, PRESETS["high"])
@@ -92,7 +93,7 @@ def main() -> None:
         one = find_fish(Photograph(Path("angelfish.png"), colour, None), species.surface)
         sheet = lift_sheet(colour, one.meshes, species, one.mask)
         for _ in range(LATER):
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
         views = [(-25.0, 1.2), (30.0, 1.2)]
         painted = [shot(renderer, world, fish, *view) for view in views]
         renderer.release()
@@ -104,8 +105,8 @@ def main() -> None:
         wearing = [shot(dressed, world, fish, *view) for view in views]
         dressed.release()
     less, share = downscale(Photograph(Path("angelfish.png"), colour, None))
-    told = cv2.resize(one.mask.astype(np.uint8), less.shape[1::-1], interpolation=cv2.INTER_AREA)
-    matrix, _ = align_shape(species.surface, told > 0)
+    matte = cv2.resize(one.mask.astype(np.uint8), less.shape[1::-1], interpolation=cv2.INTER_AREA)
+    matrix, _ = align_shape(species.surface, matte > 0)
     flat = sheet[::-1].astype(np.float32)
     over = flat[..., 3:] / 255.0
     flat = flat[..., :3] * over + np.array(BACKDROP) * (1.0 - over)

@@ -1,4 +1,4 @@
-"""Make the picture of docs/export.md: exported files in Blender.
+"""Make the picture of docs/how-to/export.md: exported files in Blender.
 
 Blender is not part of the project; its module needs a separate environment:
 

@@ -1,4 +1,4 @@
-"""Make the pictures of docs/behavior.md: `python docs/make_hunting_pictures.py [FOLDER] [NAME]`.
+"""Make the pictures of behavior.md: `python docs/make_hunting_pictures.py [FOLDER] [NAME]`.
 
 capture.jpg: a reef shark sucks in a prey, moment by moment.
 scatter.png: the paths of a school, seen from above, before and after the shark comes near.
@@ -19,11 +19,12 @@ from PIL import Image
 from subsea.behavior.chasing import mouth_of
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import x_axis
-from subsea.render import Renderer, headless_context
+from subsea.render.gl.context import headless_context
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -42,7 +43,7 @@ def run(scenario: str, seed: int) -> Iterator[World]:
     """The world after each tick."""
     world = create_world(load_scenario(scenario)[0], seed=seed)
     for _ in range(LONGEST):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         yield world
 
 

@@ -51,7 +51,7 @@ def show(names: list[str], sea: str, size: tuple[int, int], quality: str, *chang
     with closing(
         Dive(DiveOptions(sea, changes, 1, display=DisplayOptions(size=size, quality=quality)))
     ) as dive:
-        dive.run_command("help")
+        dive.overlay.hide_help()
         dive.inspector.toggle()
         wait(dive, 1.5)  # until the help has faded
         dive.inspector.chosen = FISH

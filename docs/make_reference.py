@@ -7,6 +7,7 @@ fails when a page is out of date.
 import argparse
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator
 from inspect import cleandoc
 from pathlib import Path
@@ -50,16 +51,40 @@ def commands() -> Iterator[str]:
     ]
     yield from ("", "| command | what |", "| --- | --- |")
     for parser in parsers:
-        summary, _ = told(parser)
+        summary, _ = described(parser)
         yield f"| [`{parser.prog}`](#{parser.prog.replace(' ', '-')}) | {summary} |"
+    common = shared_options(parsers)
+    yield from ("", "## Shared options", "", "| option | what |", "| --- | --- |")
+    yield from common.values()
     for parser in parsers:
-        yield from command(parser)
+        yield from command(parser, common)
     yield ""
 
 
-def command(parser: argparse.ArgumentParser) -> Iterator[str]:
-    """Describe a command, its options and examples."""
-    summary, text = told(parser)
+def shared_options(parsers: list[argparse.ArgumentParser]) -> dict[str, str]:
+    """The rows of options that several commands have with one meaning, by option.
+
+    Of an option with other meanings, the row that three or more commands have.
+    """
+    rows: dict[str, Counter[str]] = {}
+    for parser in parsers:
+        for action in parser._actions:
+            if action.option_strings and action.dest != "help":
+                rows.setdefault(action.option_strings[0], Counter())[option_row(action)] += 1
+    usual = {name: (*has.most_common(1)[0], len(has)) for name, has in rows.items()}
+    return {
+        name: row for name, (row, count, kinds) in usual.items() if count > (1 if kinds == 1 else 2)
+    }
+
+
+def option_row(action: argparse.Action) -> str:
+    """The row of an argument or option in a table."""
+    return f"| {names(action)} | {cell(meaning(action))} |"
+
+
+def command(parser: argparse.ArgumentParser, common: dict[str, str]) -> Iterator[str]:
+    """Describe a command, its options and examples; `common` ones by name only."""
+    summary, text = described(parser)
     positional = [usage(action) for action in parser._actions if not action.option_strings]
     yield from ("", f"## {parser.prog}", "")
     yield f"{summary}.{' ' * bool(text)}{paragraphs(text)}"
@@ -72,9 +97,12 @@ def command(parser: argparse.ArgumentParser) -> Iterator[str]:
         if group.title not in ("positional arguments", "options"):
             yield from ("", f"{title}: {linked(group.description or '')}".removesuffix(": "))
         kind = "argument" if group.title == "positional arguments" else "option"
-        yield from ("", f"| {kind} | what |", "| --- | --- |")
-        for action in rows:
-            yield f"| {names(action)} | {cell(meaning(action))} |"
+        own = [action for action in rows if option_row(action) not in common.values()]
+        if own:
+            yield from ("", f"| {kind} | what |", "| --- | --- |", *map(option_row, own))
+        also = [f"`{action.option_strings[0]}`" for action in rows if action not in own]
+        if also:
+            yield from ("", f"[Shared options](#shared-options): {', '.join(also)}")
     examples = (parser.epilog or "").partition("examples:\n")[2].splitlines()
     yield from ("", "```sh", *(example.strip() for example in examples), "```")
 
@@ -88,7 +116,7 @@ def paragraphs(text: str) -> str:
     return linked(re.sub(r"(- .*)\n\n(?=- )", r"\1\n", text))
 
 
-def told(parser: argparse.ArgumentParser) -> tuple[str, str]:
+def described(parser: argparse.ArgumentParser) -> tuple[str, str]:
     """The summary and the description of a command."""
     summary, _, text = (parser.description or "").partition("\n\n")
     return summary.removesuffix("."), text
@@ -123,7 +151,7 @@ def meaning(action: argparse.Action) -> str:
 
 def linked(text: str) -> str:
     """Replace names of pages by links."""
-    return re.sub(r"docs/([\w-]+)\.md", r"[\1](\1.md)", text)
+    return re.sub(r"docs/([\w-]+/([\w-]+)\.md)", r"[\2](../\1)", text)
 
 
 def cell(text: str) -> str:
@@ -155,7 +183,7 @@ def settings() -> Iterator[str]:
 def controls() -> Iterator[str]:
     """List the action of each input."""
     yield (
-        "What each input does: a list for each control. Keys are named by their place on a US "
+        "The inputs of each control, as a list. Keys are named by their place on a US "
         "keyboard, alone or as `Ctrl+Shift+Q`; `mouse left`, `right`, `middle`, 4 to 8; the parts "
         "of a gamepad as here."
     )
@@ -196,7 +224,11 @@ def state() -> Iterator[str]:
     yield ""
 
 
-MADE = {"commands.md": commands, "settings.md": settings, "state.md": state}
+MADE = {
+    "reference/commands.md": commands,
+    "reference/settings.md": settings,
+    "developers/state.md": state,
+}
 
 if __name__ == "__main__":
     main()

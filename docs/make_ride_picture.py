@@ -31,10 +31,9 @@ def main() -> None:
         _go(dive, RIDE_S)
         save(window_image(dive), folder / "ride.jpg")
     with closing(Dive(DiveOptions("mating", seed=1, display=DISPLAY))) as dive:
-        dive.run_command("help")
         _go(dive, COURTED_S)
         dive.ride_fish(FEMALE, behind=True)
-        dive.commands.start_ride(None, None, reins=True)
+        dive.commands.start_ride(None, None, teleop=True)
         _go(dive, STEER_S)
         save(window_image(dive), folder / "steered.jpg")
 

@@ -2,7 +2,7 @@
 
 dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the three
 presets side by side. visitors.jpg, preying.jpg: other scenarios.
-equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorial, as its blocks build it.
+equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their blocks build it.
 """
 
 import os
@@ -23,7 +23,7 @@ from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -41,7 +41,7 @@ class Shot(NamedTuple):
     tick: int
     fishes: tuple[int, int]  # the first of them, and the next that is not: toward their middle ...
     eye_cm: tuple[float, float, float]  # ... from there
-    past_cm: tuple[float, float, float]  # it is looked past it by so much
+    past_cm: tuple[float, float, float]  # the view passes beside it by this
 
 
 BAY = Shot("peaceful", 1, 460, (0, 33), (-122.0, 62.0, 10.0), (0.0, 0.0, 6.0))
@@ -52,14 +52,15 @@ SWIMMING = BAY._replace(tick=400)
 STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
 SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
 LETTERS = 18
-JEWEL = "reef_jewel"  # the species of the tutorial
+TUTORIALS = "first-dive.md", "first-fish.md"
+JEWEL = "reef_jewel"  # the species of the tutorials
 
 
 def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int = 1) -> list[Array]:
     """Pictures of a shot from its tick on, with a fixed eye."""
     world = create_world(load_scenario(shot.scenario)[0], seed=shot.seed)
     while world.state.tick < shot.tick:
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     middle = np.median(world.state.fishes.position[slice(*shot.fishes)], axis=0).astype(float)
     forward = np.subtract(shot.past_cm, shot.eye_cm)
     forward /= np.linalg.norm(forward)
@@ -74,7 +75,7 @@ def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int 
                 fine = {"detail": preset.detail, "growth": preset.growth}
                 renderer.draw(pack(world, views, 1.0, **fine))
                 pictures.append(renderer.read_pixels())
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
     return pictures
 
 
@@ -107,24 +108,25 @@ def qualities() -> Image.Image:
     return sheet
 
 
-def filmed_by(*arguments: str, page: str | None = None) -> Image.Image:
-    """Run `subsea film` in a home folder with the files of a page."""
+def filmed_by(*arguments: str, pages: tuple[str, ...] = ()) -> Image.Image:
+    """Run `subsea film` in a home folder with the files of tutorials."""
     with TemporaryDirectory() as home:
         surroundings = os.environ | {"XDG_DATA_HOME": home, "PYTHONPATH": str(ROOT)}
 
         def run(*command: str) -> None:
             subprocess.run([sys.executable, "-m", *command], cwd=home, env=surroundings, check=True)
 
-        if page is not None:
-            furnish(Path(home), page)
+        if pages:
+            furnish(Path(home), pages)
             run("capture", "record", JEWEL)
         run("subsea", "film", "picture.png", *arguments)
         return Image.open(Path(home) / "picture.png").convert("RGB")
 
 
-def furnish(home: Path, page: str) -> None:
-    """Write the files and copy the species of a page."""
-    text = (Path(__file__).parent / page).read_text(encoding="utf-8")
+def furnish(home: Path, pages: tuple[str, ...]) -> None:
+    """Write the files and copy the species of tutorials, in their order."""
+    folder = Path(__file__).parent / "tutorials"
+    text = "".join((folder / page).read_text(encoding="utf-8") for page in pages)
     for block in re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         name = re.match(r"# ([\w.]+)", block)
         assert name
@@ -148,7 +150,7 @@ def main() -> None:
         "equirectangular": lambda: filmed_by(
             "--display", "equirectangular", "--seconds", "8", "--size", "1600x800"
         ),
-        "lagoon": lambda: filmed_by(*lagoon, "--size", "1200x500", page="tutorial.md"),
+        "lagoon": lambda: filmed_by(*lagoon, "--size", "1200x500", pages=TUTORIALS),
     }
     wanted = sys.argv[2:] or ["swimming", *made]
     for name, make in made.items():

@@ -69,12 +69,12 @@ class Hand:
 
     def save(self, name, box=None):
         """Save the window or a part of it."""
-        picture = Image.fromarray(self.window.picture())
+        picture = Image.fromarray(self.window.window_set.picture())
         save(picture if box is None else picture.crop(box), folder / f"skin-{name}.jpg")
 
     def seen(self, box):
         """A part of the window."""
-        return np.asarray(Image.fromarray(self.window.picture()).crop(box))
+        return np.asarray(Image.fromarray(self.window.window_set.picture()).crop(box))
 
 
 with tempfile.TemporaryDirectory() as temporary:
@@ -89,7 +89,7 @@ with tempfile.TemporaryDirectory() as temporary:
         canvas = editor.canvas.view
         (left, top), (wide, high) = canvas.place, canvas.size
         view = round(left), round(top), round(left + wide), round(top + high)
-        # Where the tail ends no edge was found: hands know better.
+        # No edge was found at the end of the tail: correct it by hand.
         share = editor.canvas.box[2] / photograph.colour.shape[1]
         rows, columns = np.nonzero(truth.mask)
         for tip, half in zip(TIPS, (rows < rows.mean(), rows > rows.mean()), strict=True):

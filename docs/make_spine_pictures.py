@@ -1,4 +1,4 @@
-"""Make the pictures of docs/spine.md: `python docs/make_spine_pictures.py [FOLDER]`.
+"""Make the pictures of docs/concepts/spine.md: `python docs/make_spine_pictures.py [FOLDER]`.
 
 spine_swings.png: a beat of the ribbon eel's spine from above, for both swing functions and two
 rules of propagation (KS's movies B1 and B2).
@@ -16,10 +16,11 @@ from PIL import Image
 
 from subsea.core.resources import resource_path
 from subsea.fish.species import load_species, shipped_species
-from subsea.fish.spine import MIDDLES, UNITS, spines, swung
+from subsea.fish.spine import MIDDLES, UNITS, pose_spine, swing_angles
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
-from subsea.render import Renderer, headless_context
+from subsea.render.gl.context import headless_context
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.repertoire import read_repertoire
 from subsea.scenario.schema import Water
 from subsea.view.camera import NEAR_CM, View, look, off_axis
@@ -108,7 +109,7 @@ def swings() -> Any:
             axis = shapes[2 * row + column]
             swing = msgspec.structs.replace(plan.swing, function=function, propagation=propagation)
             one = msgspec.structs.replace(plan, swing=swing)
-            place = spines(one, beat, 1.0, straight, np.ones(UNITS)).place
+            place = pose_spine(one, beat, 1.0, straight, np.ones(UNITS)).place
             for k, shape in enumerate(place):
                 axis.plot(-shape[:, 1], shape[:, 0], color=colour, alpha=0.25 + 0.75 * k / MOMENTS)
             axis.set(aspect="equal", xlim=(-0.12, 0.12), xticks=(-0.1, 0.1))
@@ -117,7 +118,7 @@ def swings() -> Any:
                 along, over = MIDDLES, np.zeros(1)
             else:
                 along, over = np.full(1, plan.swing.inflections[1]), np.linspace(0.0, 2.0, 200)
-            direction = np.degrees(swung(swing, along, over, 1.0))
+            direction = np.degrees(swing_angles(swing, along, over, 1.0))
             charts[row].plot(
                 along if len(over) == 1 else over, direction, color=colour, label=function
             )

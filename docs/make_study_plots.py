@@ -1,4 +1,4 @@
-"""Make the plots of docs/behavior.md: `python docs/make_study_plots.py [FOLDER]`.
+"""Make the plots of studies: `python docs/make_study_plots.py [FOLDER]`.
 
 Records peaceful for ten minutes and schooling for two, plots both and prints the tables.
 """

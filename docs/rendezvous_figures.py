@@ -1,4 +1,6 @@
-"""Figures of docs/scenarios.md: `python docs/rendezvous_figures.py [SEEDS] [SCENARIO]`.
+"""Make the table of docs/developers/scenario-figures.md.
+
+`python docs/rendezvous_figures.py [SEEDS] [SCENARIO]`
 
 Runs the first minute of the scenario `rendezvous` with SEEDS (10) seeds from 0, and prints when all
 parts of its scene were in the picture of its camera at the same time.
@@ -20,10 +22,10 @@ from subsea.world.world import TICK_S, World
 
 PAIR, SCHOOL, SHARK = slice(0, 2), slice(2, 38), 38  # the numbers of the scenario's fishes
 ASPECT = 16 / 9
-FRONT_CM = 250.0  # so near the camera the pair is in front
-BEHIND_CM = 100.0  # and the school is so much farther away
-MOST = 0.5  # so many of the living school are in view
-LEAST_S = 3.0  # all must last so long without a break
+FRONT_CM = 250.0  # distance from the camera within which the pair is in front
+BEHIND_CM = 100.0  # how much farther away the school is
+MOST = 0.5  # share of the living school in view
+LEAST_S = 3.0  # shortest time without a break
 SECONDS = 60.0
 PARTS = ("pair", "school", "shark")
 

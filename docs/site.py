@@ -30,5 +30,5 @@ def moved(text: str) -> str:
 def on_page_markdown(text: str, **unused: Any) -> str:
     """Make links to pages of the project's root lead to those of the site."""
     for name, page in PAGES.items():
-        text = text.replace(f"](../{name}", f"]({page}")
+        text = text.replace(f"](../../{name}", f"](../{page}")
     return text

@@ -22,8 +22,8 @@ from subsea.fish.species import load_species
 from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
 from subsea.geometry.spline import basis_at, dense
 
-FINER = 3  # pixels are made of so many each way
-MOST = 0.015  # body lengths that outlines may be off
+FINER = 3  # supersampling each way
+MOST = 0.015  # largest error of an outline, body lengths
 
 
 class Case(NamedTuple):
@@ -93,13 +93,9 @@ def made(case: Case) -> Made:
             low, high = (along @ row for row in control[points].reshape(2, FIN_V, 3)[..., :2])
             up = np.linspace(0.0, 1.0, 9)[:, None, None]
             wide, tall = (frame.right - frame.left) * columns, (frame.top - frame.bottom) * rows
-            texel = np.stack(
-                np.broadcast_arrays(
-                    frame.left * columns + fine * wide - 0.5,
-                    frame.bottom * rows + np.clip(up[:, :, 0], 0.02, 0.98) * tall - 0.5,
-                ),
-                axis=2,
-            )
+            x = frame.left * columns + fine * wide - 0.5
+            y = frame.bottom * rows + np.clip(up[:, :, 0], 0.02, 0.98) * tall - 0.5
+            texel = np.stack(np.broadcast_arrays(x, y), axis=2)
             parts.append((pixels(low + up * (high - low), True), texel))
     across = dense(basis_at(U, np.linspace(0.0, 1.0, 49)), U)
     body = np.einsum(
@@ -145,7 +141,7 @@ def _background(case: Case, species: object, sheet: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(case.seed + 7)
     wide, high = case.size
     y, x = np.mgrid[:high, :wide].astype(np.float32)
-    body = sheet_layout.framed(sheet.transpose(2, 0, 1), sheet_layout.BODY)[:3]
+    body = sheet_layout.crop(sheet.transpose(2, 0, 1), sheet_layout.BODY)[:3]
     flank = 255.0 * np.median(body[:, 150:360, 300:700].reshape(3, -1), axis=1)
     plain = np.zeros((high, wide, 3), np.float32)
     if case.background == "plain":

@@ -1,4 +1,4 @@
-"""Figures of docs/behavior.md: `python docs/study_figures.py [SCENARIO SECONDS SEEDS]`.
+"""Figures of behavior-figures.md: `python docs/study_figures.py [SCENARIO SECONDS SEEDS]`.
 
 Records each scenario with each seed and prints the measures of `subsea study`; without arguments,
 all figures of the page: `peaceful 600 1,2`, `schooling 50 3,4,5` and
@@ -21,12 +21,12 @@ from subsea.study.record import read_record
 from subsea.study.report import measure
 from subsea.study.simulate import simulate
 from subsea.study.table import table
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S
 
-TOLD = (
+RUNS = (
     ("peaceful", 600.0, (1, 2)),
     ("schooling", 50.0, (3, 4, 5)),
     ("schooling", 200.0, (3, 4, 5, 6)),
@@ -41,7 +41,7 @@ def hungry(scenario: str, minutes: float, seed: int) -> Iterator[str]:
     every = round(60.0 * LOOKS_MIN / TICK_S)
     for look in range(1, int(minutes / LOOKS_MIN) + 1):
         for _ in range(every):
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
         hunger = minds.mental[:, HUNGER] >= 1.0
         counts = [
             f"{np.sum(hunger & those)} of {np.sum(those)} {one.name}"
@@ -63,13 +63,13 @@ def main() -> None:
     """Print a table for each seed."""
     given = sys.argv[1:]
     counts = given[:1] == ["hungry"]
-    told = TOLD
+    runs = RUNS
     if given:
         if len(given) != 3 + counts:
             raise SystemExit(__doc__)
         scenario, long, seeds = given[counts:]
-        told = ((scenario, float(long), tuple(map(int, seeds.split(",")))),)
-    for scenario, long, seeds in told:
+        runs = ((scenario, float(long), tuple(map(int, seeds.split(",")))),)
+    for scenario, long, seeds in runs:
         for seed in seeds:
             print(f"{scenario}, {long:g} {'minutes' if counts else 's'}, seed {seed}")
             for line in (hungry if counts else measured)(scenario, long, seed):

@@ -17,9 +17,9 @@ out vec2 v_along;
 out vec3 v_sun;    // vertices are closer together than the caustics' lines
 out vec3 v_clear;  // haze changes so slowly that the vertices suffice
 out vec3 v_veil;
-#ifdef MARKS
-in float a_mark;
-flat out float v_mark;
+#ifdef OBJECT_IDS
+in float a_object_id;
+flat out float v_object_id;
 #endif
 
 const float MOST_SWAY_CM = 10.0;
@@ -42,8 +42,8 @@ void main() {
     float distance = length(ray);
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
-#ifdef MARKS
-    v_mark = a_mark;
+#ifdef OBJECT_IDS
+    v_object_id = a_object_id;
 #endif
     gl_Position = u_view_projection * vec4(place, 1.0);
 }

@@ -28,9 +28,9 @@ out vec3 v_veil;
 out vec2 v_skin;
 flat out vec4 v_tone;
 flat out float v_fade;
-#ifdef MARKS
-uniform float u_mark;  // of fish 0
-flat out float v_mark;
+#ifdef OBJECT_IDS
+uniform float u_object_id;  // of fish 0
+flat out float v_object_id;
 #endif
 
 const float WRAP = 0.25;
@@ -70,8 +70,8 @@ void main() {
     v_tone = tone(i_pose.w, kind, i_show.z);
     v_skin = own.xy;
     v_fade = i_show.y;
-#ifdef MARKS
-    v_mark = u_mark + i_show.w;
+#ifdef OBJECT_IDS
+    v_object_id = u_object_id + i_show.w;
 #endif
     gl_Position = u_projection * u_view * vec4(world, 1.0);
     // Outside: this species has no such fin, or it is the onlooker's own body.

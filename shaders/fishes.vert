@@ -43,9 +43,9 @@ flat out float v_fade;
 flat out float v_gape;  // by how much the lower jaw is turned down, rad
 #endif
 flat out int v_kind;
-#ifdef MARKS
-uniform float u_mark;  // of fish 0
-flat out float v_mark;
+#ifdef OBJECT_IDS
+uniform float u_object_id;  // of fish 0
+flat out float v_object_id;
 #endif
 
 const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out; its share of the beat
@@ -163,8 +163,8 @@ void main() {
     float distance = length(ray);
     v_clear = clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
-#ifdef MARKS
-    v_mark = u_mark + i_show.w;
+#ifdef OBJECT_IDS
+    v_object_id = u_object_id + i_show.w;
 #endif
     gl_Position = u_projection * u_view * vec4(v_world, 1.0);
     // Outside: this species has no such fin, or it is the onlooker's own body.

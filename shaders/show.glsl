@@ -1,18 +1,18 @@
-// Output of a pixel: its colour, or with MARKS the object id of what hides at least half of what lies
+// Output of a pixel: its colour, or with OBJECT_IDS the object id of what hides at least half of what lies
 // behind it, and the distance along the view.
-#ifdef MARKS
-#ifdef OWN_MARKS
-flat in float v_mark;  // per vertex
+#ifdef OBJECT_IDS
+#ifdef OWN_IDS
+flat in float v_object_id;  // per vertex
 #else
-uniform float u_mark;
-#define v_mark u_mark
+uniform float u_object_id;
+#define v_object_id u_object_id
 #endif
 
-out vec2 f_mark;  // object id; cm
+out vec2 f_object_id;  // object id; cm
 
 void show(vec4 colour) {
     if (colour.a < 0.5) discard;
-    f_mark = vec2(v_mark, 1.0 / gl_FragCoord.w);
+    f_object_id = vec2(v_object_id, 1.0 / gl_FragCoord.w);
 }
 #else
 out vec4 f_colour;

@@ -13,9 +13,9 @@ out vec3 v_light;  // of the sky, of the sun, hollow
 out vec3 v_cover;
 out vec3 v_clear;  // daylight and haze change so slowly that the vertices suffice
 out vec3 v_veil;
-#ifdef MARKS
-in float a_mark;
-flat out float v_mark;
+#ifdef OBJECT_IDS
+in float a_object_id;
+flat out float v_object_id;
 #endif
 
 // As `caustics_at`, blurred: a vertex stands for all that lies about it.
@@ -41,8 +41,8 @@ void main() {
     v_clear = clearness(distance);
     v_veil = open_water(ray / distance) * (1.0 - v_clear) + glow(ray / distance, distance);
     v_clear *= EXPOSURE * daylight(v_world.z);
-#ifdef MARKS
-    v_mark = a_mark;
+#ifdef OBJECT_IDS
+    v_object_id = a_object_id;
 #endif
     gl_Position = u_view_projection * vec4(a_position, 1.0);
 }

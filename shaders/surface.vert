@@ -20,7 +20,7 @@ void main() {
     v_world = vec3(u_eye.xy + reach * a_place, 0.0);
     float distance = length(v_world - u_eye);
     v_share = clearness(distance).g * (1.0 - smoothstep(0.55, 0.95, length(a_place)));
-#ifdef MARKS
+#ifdef OBJECT_IDS
     v_share = 1.0;  // haze hides nothing from who asks what is where
 #endif
     v_level = water_radiance(vec3(1.0, 0.0, 0.0));

@@ -1,7 +1,20 @@
-"""`python -m subsea …` is `subsea …`."""
+"""The process of `subsea …`, also of `python -m subsea …`."""
 
 import sys
 
-from subsea.cli.main import main
+from subsea.core.interrupts import run_program
 
-sys.exit(main())
+
+def main() -> int:
+    """Run `subsea` as this process and return its exit code."""
+    return run_program("subsea", _command)
+
+
+def _command() -> int:
+    from subsea.cli.main import main  # may be interrupted, as it takes a while
+
+    return main()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

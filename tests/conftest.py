@@ -1,4 +1,4 @@
-"""What several tests share: a fish whose motion is known in closed form, and worlds of it."""
+"""Shared fixtures: a fish whose motion is known in closed form, and worlds of it."""
 
 import gc
 import os
@@ -25,7 +25,7 @@ from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty
 
 pytest_plugins = ["tests.support.windows"]
 
-# The first example of a test may compile a kernel, so time is no measure of a failure.
+# The first example of a test may compile a kernel, so time is not a measure of a failure.
 settings.register_profile("subsea", deadline=None, derandomize=True)
 settings.load_profile("subsea")
 
@@ -33,12 +33,12 @@ settings.load_profile("subsea")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let pictures be accepted: `pytest tests/render --regenerate`."""
     parser.addoption(
-        "--regenerate", action="store_true", help="store the pictures of tests/render anew"
+        "--regenerate", action="store_true", help="store the pictures of tests/render again"
     )
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """No test, nor what it starts, sees the species and scenarios of who runs it."""
+    """No test, nor what it starts, sees the species and scenarios of the user who runs it."""
     gc.set_threshold(50_000, 20, 20)  # thousands of tests are many objects to look through
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
@@ -91,7 +91,7 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """No test, nor what it starts, goes by the settings of who runs it."""
+    """No test, nor what it starts, goes by the settings of the user who runs it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         yield
@@ -196,7 +196,7 @@ SEABED = np.full((9, 9), -SEA_DEPTH, np.float32)
 
 
 class Tank(NamedTuple):
-    """What every desire and routine is given."""
+    """The arguments of every desire and routine."""
 
     fishes: Fishes
     minds: Minds
@@ -214,7 +214,7 @@ class Tank(NamedTuple):
         routine(chosen, *self)
 
     def desire(self, function: Any) -> np.ndarray:
-        """What a desire says of each fish."""
+        """A desire of each fish."""
         out = np.zeros(len(self.fishes.species), np.float32)
         function(np.arange(len(out)), *self, out)
         return out

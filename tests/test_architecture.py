@@ -1,4 +1,4 @@
-"""The structure of docs/architecture.md: imports, sizes and names."""
+"""The structure of docs/developers/architecture.md: imports, sizes and names."""
 
 import ast
 import re
@@ -87,7 +87,7 @@ def test_a_command_imports_only_what_it_needs(module, others):
 
 
 @pytest.mark.parametrize(
-    "page", [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")], ids=lambda p: p.name
+    "page", [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")], ids=lambda p: p.name
 )
 def test_every_link_of_the_documentation_exists(page):
     links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))

@@ -62,7 +62,7 @@ def some_room():
 def test_a_full_disk_is_an_error_of_one_line_and_keeps_the_old_file(writer, tmp_path):
     file = tmp_path / WRITERS[writer][1]
     file.write_text("former")
-    running = start(command(writer, tmp_path), preexec_fn=no_room)
+    running = start([*command(writer, tmp_path), "--force"], preexec_fn=no_room)
     _, err = running.communicate(timeout=250)
     assert running.returncode == 2, err
     assert "Traceback" not in err

@@ -32,13 +32,13 @@ from PIL import ExifTags, Image
 
 from capture.export.obj import read_mesh
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.core.resources import resource_path
 from subsea.dive.cluster import messages
 from subsea.dive.settings import default_text, read_settings
 from subsea.fish import color_sheet
 from subsea.fish.photo.dress import load_mesh, save_mesh
-from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.photograph import read_photograph as read_photograph
+from subsea.fish.photo.photograph import Photograph, read_photograph
 from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species
 from subsea.profiling.comparison import read_reports
@@ -46,10 +46,10 @@ from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.study.record import read_record
 from subsea.study.simulate import simulate
+from subsea.view.theatre import pfm
 from subsea.view.theatre.mpcdi import read_mpcdi
-from subsea.view.theatre.obj import read_obj
-from subsea.view.theatre.pfm import read_pfm
 from subsea.view.theatre.theatre_file import load_theatre
+from subsea.view.theatre.warp_files import read_warp as read_any_warp
 from subsea.world import snapshot
 from subsea.world.build import create_world
 
@@ -60,21 +60,12 @@ MAX_FINDINGS = 5  # of a kind, then the next kind
 FILE_EVENTS = {"os.remove", "os.rename", "os.mkdir", "os.rmdir", "subprocess.Popen", "os.system"}
 WRITE_MODES = re.compile(r"[wax+]")
 EXTREME_VALUES = [
-    b"nan",
-    b"inf",
-    b"-1",
-    b"0",
-    b"1e308",
-    b"9" * 40,
-    b"9" * 5000,
-    b"1e400",
-    b"1979-05-27",
-    b'"text"',
-    b"[]",
-    b"{}",
-    b"true",
-    b"1.5",
+    *(b"nan", b"inf", b"-1", b"0", b"1e308", b"9" * 40, b"9" * 5000, b"1e400"),
+    *(b"1979-05-27", b'"text"', b"[]", b"{}", b"true", b"1.5"),
 ]
+
+
+FORK = multiprocessing.get_context("fork")
 
 
 class Kind(NamedTuple):
@@ -100,9 +91,8 @@ def records(folder: Path) -> list[bytes]:
 
 def reports(unused: Path) -> list[bytes]:
     """A report of a benchmark."""
-    stages = {"draw": 1.0}
     report = {
-        "fish": 60, "version": "0.1.0", "frame_ms": {"p50": 2.0}, "stages_ms": stages,
+        "fish": 60, "version": "0.2.0", "frame_ms": {"p50": 2.0}, "stages_ms": {"draw": 1.0},
         "renderer": "any", "size": [640, 480], "display": "mono", "scenario": "peaceful",
         "seed": 1, "frames": 10, "without": [], "parts_ms": {"draw": [1.0, 2.0]},
     }  # fmt: skip
@@ -124,10 +114,8 @@ def archives(folder: Path) -> list[bytes]:
         "<geometryWarpFile><path>warp.pfm</path></geometryWarpFile>\n<alphaMap>"
         "<path>alpha.png</path><gammaEmbedded>2.2</gammaEmbedded></alphaMap>\n</fileset></files></MPCDI>\n"
     )
-    grid = np.stack(
-        [*np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12)), np.zeros((12, 16))]
-    )
-    warp = b"PF\n16 12\n-1.0\n" + grid.transpose(1, 2, 0).astype("<f4").tobytes()
+    x, y = np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12))
+    warp = b"PF\n16 12\n-1.0\n" + np.dstack([x, y, 0 * x]).astype("<f4").tobytes()
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("mpcdi.xml", xml)
@@ -140,7 +128,17 @@ def squares(folder: Path) -> list[bytes]:
     """A mesh of four corners."""
     corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
     faces = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
-    return sound(f"{corners}{faces}".encode(), folder / "sample.obj", read_obj)
+    return sound(f"{corners}{faces}".encode(), folder / "sample.obj", read_warp)
+
+
+def read_warp(path: Path) -> object:
+    """A warp for a small projector."""
+    return read_any_warp(path, (64, 48))
+
+
+def read_float_map(path: Path) -> object:
+    """The numbers of a float map."""
+    return pfm.parse_pfm(read_input(path, pfm.MAX_BYTES), str(path))
 
 
 def sound(sample: bytes, path: Path, read: Callable[[Path], object]) -> list[bytes]:
@@ -169,21 +167,17 @@ class Snapshots:
 
 def node_messages(unused: Path) -> list[bytes]:
     """Messages of nodes of a cluster."""
-    who = messages.Identity("0.1.0", "A bay", "s" * 8, 1, "p", "r", "a", "v")
-    said = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
-    return [messages.encode(one) for one in said]
+    who = messages.Identity("0.2.0", "c", "A bay", "s" * 8, 1, "p", "r", "a", "v")
+    sent = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
+    return [messages.encode(one) for one in sent]
 
 
 def master_messages(unused: Path) -> list[bytes]:
     """Messages of the master of a cluster."""
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
-    said = [
-        messages.WorldState("d", 7, bytes(40)),
-        picture,
-        messages.Swap(7),
-        messages.Refused("no"),
-    ]
-    return [messages.encode(one) for one in said]
+    state = messages.WorldState("d", 7, bytes(40))
+    sent = [state, picture, messages.Swap(7), messages.Refused("no")]
+    return [messages.encode(one) for one in sent]
 
 
 SEA = Snapshots()
@@ -221,11 +215,8 @@ class Skin:
     def samples(self, folder: Path) -> list[bytes]:
         """A saved mesh."""
         plan = self.species.surface
-        save_mesh(
-            folder / "mesh.json",
-            self.photograph,
-            make_fish_meshes(plan, centred_matrix(160, 120, plan)),
-        )
+        meshes = make_fish_meshes(plan, centred_matrix(160, 120, plan))
+        save_mesh(folder / "mesh.json", self.photograph, meshes)
         return [(folder / "mesh.json").read_bytes()]
 
     def read(self, path: Path) -> object:
@@ -251,9 +242,9 @@ KINDS = {
     "photograph": Kind(".png", photographs, read_photograph),
     "sheet": Kind(".png", sheets, color_sheet.read),
     "meshes": Kind(".json", SKIN.samples, SKIN.read),
-    "float-map": Kind(".pfm", floats, read_pfm),
+    "float-map": Kind(".pfm", floats, read_float_map),
     "archive": Kind(".mpcdi", archives, read_mpcdi),
-    "warp": Kind(".obj", squares, read_obj),
+    "warp": Kind(".obj", squares, read_warp),
     "mesh": Kind(".obj", squares, read_mesh),
 }
 
@@ -358,9 +349,8 @@ def corrupt_hdf5(data: bytes, rng: random.Random) -> bytes:
         path = Path(folder) / "file.h5"
         path.write_bytes(data)
         # With this library even writing to a damaged file may crash.
-        fork = multiprocessing.get_context("fork")
         other = random.Random(rng.getrandbits(64))
-        maker = fork.Process(target=_corrupt_in_process, args=(path, other))
+        maker = FORK.Process(target=_corrupt_in_process, args=(path, other))
         maker.start()
         maker.join(SECONDS)
         maker.kill()
@@ -383,10 +373,8 @@ def _corrupt_in_process(path: Path, rng: random.Random) -> None:
 def zip_bomb() -> bytes:
     """2.5 MB that deflate to more than the available memory."""
     packing = zlib.compressobj(9)
-    first, next_ = (
-        packing.compress(bytes(2**22)) + packing.flush(zlib.Z_FULL_FLUSH) for _ in range(2)
-    )
-    return first + next_ * (MEMORY // 2**22 + 128)
+    parts = [packing.compress(bytes(2**22)) + packing.flush(zlib.Z_FULL_FLUSH) for _ in range(2)]
+    return parts[0] + parts[1] * (MEMORY // 2**22 + 128)
 
 
 def corrupt_zip(data: bytes, rng: random.Random) -> bytes:
@@ -401,9 +389,8 @@ def corrupt_zip(data: bytes, rng: random.Random) -> bytes:
                     suffix = ".toml" if name.endswith(".xml") else Path(name).suffix
                     content = damage(content, suffix, rng)
                     name = rng.choice([name, name, name, f"../../{name}", f"/etc/{name}"])
-                after.writestr(
-                    name, content, rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
-                )
+                method = rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
+                after.writestr(name, content, method)
     except Exception:  # the archive is damaged already
         return data
     return packed.getvalue()
@@ -464,7 +451,7 @@ def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
     while begin < rounds and findings < MAX_FINDINGS:
         with tempfile.TemporaryDirectory() as folder:
             mine, theirs = multiprocessing.Pipe(duplex=False)
-            worker = multiprocessing.get_context("fork").Process(
+            worker = FORK.Process(
                 target=_read_damaged, args=(kind, range(begin, rounds), seed, Path(folder), theirs)
             )
             worker.start()
@@ -485,28 +472,28 @@ def fuzz(name: str, kind: Kind, rounds: int, seed: int, keep: Path) -> int:
             if what:
                 findings += 1
                 keep.mkdir(parents=True, exist_ok=True)
-                kept = keep / f"{name}-{seed}-{number}{kind.suffix}"
-                kept.write_bytes((Path(folder) / f"damaged{kind.suffix}").read_bytes())
-                print(f"{name}, round {number}: {what}\n    {kept}")
+                saved = keep / f"{name}-{seed}-{number}{kind.suffix}"
+                saved.write_bytes((Path(folder) / f"damaged{kind.suffix}").read_bytes())
+                print(f"{name}, round {number}: {what}\n    {saved}")
             begin = number + 1 if what else rounds
     print(f"{name}: {rounds} damaged files, {findings} findings", flush=True)
     return findings
 
 
-def _read_damaged(kind: Kind, rounds: range, seed: int, folder: Path, told: Any) -> None:
+def _read_damaged(kind: Kind, rounds: range, seed: int, folder: Path, pipe: Any) -> None:
     """Read files one after another; send the number of each before, and its finding after."""
     samples = kind.samples(folder)
     path = folder / f"damaged{kind.suffix}"
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, -1))
-    told.send("ready")
+    pipe.send("ready")
     for number in rounds:
         rng = random.Random(f"{seed} {number}")
         path.write_bytes(damage(rng.choice(samples), kind.suffix, rng))
-        told.send((number, None))
+        pipe.send((number, None))
         what = finding(kind.read, path)
         if what:
-            told.send((number, what))
+            pipe.send((number, what))
             return
 
 
@@ -581,18 +568,14 @@ def main() -> int:
     """Run from the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("kinds", metavar="KIND", nargs="*", help=f"of {', '.join(KINDS)} (all)")
-    parser.add_argument(
-        "--rounds", type=int, default=1000, help="damaged files of each kind (1000)"
-    )
+    parser.add_argument("--rounds", type=int, default=1000, help="files of each kind (1000)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"), metavar="DIR")
     options = parser.parse_args()
     if wrong := set(options.kinds) - KINDS.keys():
         parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
-    chosen = options.kinds or [*KINDS]
-    findings = [
-        fuzz(name, KINDS[name], options.rounds, options.seed, options.keep) for name in chosen
-    ]
+    given = options.rounds, options.seed, options.keep
+    findings = [fuzz(name, KINDS[name], *given) for name in options.kinds or KINDS]
     return 1 if any(findings) else 0
 
 

@@ -13,7 +13,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.fish.coupling import Way, couple, place
+from subsea.fish.coupling import CouplingMethod, couple, place
 from subsea.fish.species import load_species, repertoire_file
 from subsea.fish.surface import LEFT, RIGHT, U, V, rest_control_points
 from subsea.geometry.spline import basis_at, dense
@@ -49,7 +49,7 @@ def bends_deg(surface: Array) -> Array:
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def distortion(name: str, way: Way) -> tuple[float, float, float]:
+def distortion(name: str, way: CouplingMethod) -> tuple[float, float, float]:
     """Least and greatest relative area, and the greatest increase of an angle, degrees."""
     species, repertoire = load_species(name), read_repertoire(repertoire_file(name))
     nodes = repertoire.rest_nodes
@@ -71,12 +71,12 @@ def main() -> None:
     """Print a row for each kind of coupling."""
     names = sys.argv[1:] or ["fusilier", "emperor_angelfish"]
     print(f"{'':14s}" + "".join(f"{name:>30s}" for name in names))
-    for way in get_args(Way):
-        told = []
+    for way in get_args(CouplingMethod):
+        print(f"{way:14s}", end="")
         for name in names:
             least, most, bend = distortion(name, way)
-            told.append(f"{least:.2f} to {most:.2f}, {bend:.1f} degrees")
-        print(f"{way:14s}" + "".join(f"{text:>30s}" for text in told))
+            print(f"{f'{least:.2f} to {most:.2f}, {bend:.1f} degrees':>30s}", end="")
+        print()
 
 
 if __name__ == "__main__":

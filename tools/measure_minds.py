@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import step
 from subsea.world.build import create_world
 
@@ -37,7 +37,7 @@ def medians_ms(number: int) -> list[float]:
     world = create_world(load_scenario("open-ocean")[0], fish=number)
     rows = []
     for tick in range(SETTLED + TICKS):
-        step.step(world, HANDS_OFF)
+        step.step(world, NEUTRAL)
         if tick >= SETTLED:
             rows.append([1000.0 * world.stages_s[stage] for stage in STAGES])
     return [float(value) for value in np.median(rows, axis=0)]

@@ -32,18 +32,13 @@ def main() -> None:
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
     width, height = map(int, options.size.split("x"))
-    with closing(
-        Dive(
-            DiveOptions(
-                options.scenario, display=DisplayOptions(size=(width, height), quality="low")
-            )
-        )
-    ) as dive:
+    display = DisplayOptions(size=(width, height), quality="low")
+    with closing(Dive(DiveOptions(options.scenario, display=display))) as dive:
         show(measured(dive, options.rounds))
 
 
 def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, float]]]:
-    """Of each choice of panels: seconds of the overlay, by one thread and by all, and of frames."""
+    """Seconds of the overlay, by one thread and by all, and of frames, by choice of panels."""
     choices = {"closed": None, "the bar": set[str]()}
     choices |= {name: {name} for name in PANELS} | {"all of them": set(PANELS)}
     dive.inspector.chosen = 0
@@ -66,7 +61,7 @@ def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, floa
 
 
 def timed(dive: Dive) -> Callable[[], tuple[float, float]]:
-    """Have all that is drawn over the picture timed; what the last frame took."""
+    """Time all that is drawn over the picture; returns a function for the last frame's times."""
     write, last = dive._write, (0.0, 0.0)
 
     def written(elapsed_s: float) -> None:

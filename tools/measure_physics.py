@@ -58,7 +58,7 @@ def advance_explicitly(
 
 
 def survives(advance: Callable[..., None], body: Body, beat: Floats, step: float) -> bool:
-    """Whether the body keeps its shape through BEATS of fast swimming in steps of `step` tu."""
+    """True if the body keeps its shape through BEATS of fast swimming in steps of `step` tu."""
     duration = len(beat) * STEP
     times = np.arange(int(duration / step)) * step
     contraction = beat[(times / STEP).astype(int) % len(beat)]

@@ -12,11 +12,13 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
+from fastest import fastest_ms
+
 from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render import Renderer
 from subsea.render.output.quality import LADDER, PRESETS, Quality
+from subsea.render.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.step import step
 
@@ -47,7 +49,7 @@ def variants() -> dict[str, Quality]:
 def packets(
     scenario: str, size: tuple[int, int], qualities: dict[str, Quality]
 ) -> tuple[Any, dict[str, list[Packet]]]:
-    """The scene, and for each quality what is to be drawn at three moments."""
+    """The scene, and for each quality the packets of three moments."""
     world, tour = start_world(scenario), Tour()
     found: dict[str, list[Packet]] = {name: [] for name in qualities}
     for tick in range(1, AT_TICKS[-1] + 1):
@@ -59,20 +61,9 @@ def packets(
     return make_scene(world), found
 
 
-def least_ms(clock: Callable[[], float], draw: Callable[[], object]) -> float:
-    """The shortest of several runs, in milliseconds; the first one compiles."""
-    draw()
-    durations = []
-    for _ in range(REPEATS):
-        start = clock()
-        draw()
-        durations.append(clock() - start)
-    return 1000.0 * min(durations)
-
-
 def main() -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__, add_help=True)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenario", nargs="?", default="peaceful")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
@@ -82,13 +73,13 @@ def main() -> None:
     with headless() as context:
         renderer = Renderer(context, scene, display_rig("mono", (width, height)), PRESETS["low"])
 
-        def cost(name: str, clock: Callable[[], float] = time.process_time) -> float:
+        def cost(name: str) -> float:
             def draw() -> None:
                 for packet in found[name]:
                     renderer.draw(packet)
                     context.finish()
 
-            return least_ms(clock, draw) / len(AT_TICKS)
+            return fastest_ms(draw, repeats=REPEATS) / len(AT_TICKS)
 
         print(f"{context.info['GL_RENDERER']}, {options.scenario}, {options.size}: ms a picture")
         low = cost("low")
@@ -104,10 +95,10 @@ def main() -> None:
 
 
 def stages(context: Any, renderer: Renderer, whole: float, cost: Callable[[str], float]) -> None:
-    """What of a picture at low are vertices, triangles and fragments.
+    """Print the cost of vertices, triangles and fragments of a picture at low.
 
-    Vertices: with everything thrown away before it becomes pixels. Triangles: what is added by a
-    canvas of a few pixels. The rest is filling pixels.
+    Vertices: without rasterisation. Triangles: the difference to a canvas of a few pixels.
+    Fragments: the rest.
     """
     context.enable(context.RASTERIZER_DISCARD)
     vertices = cost("low")
@@ -124,7 +115,7 @@ def stages(context: Any, renderer: Renderer, whole: float, cost: Callable[[str],
 
 
 def parts(context: Any, renderer: Any, found: list[Packet]) -> None:
-    """What each part of a picture at low costs if it is finished before the next begins."""
+    """Print the cost of each part of a picture at low, finished before the next begins."""
     spent: dict[str, float] = {}
 
     def timed(name: str, draw: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,15 +1,15 @@
-"""How long a dive takes to open, part by part.
+"""Measure the time that a dive takes to open, part by part.
 
 .venv/bin/python tools/measure_start.py [SCENARIO] [--times N] [--against CHECKOUT] [--first]
 
-Opens the dive N times at 1280x720, quality `low`, in processes of their own, each time both with
-an empty folder for what is kept on the disk ("nothing kept") and with what the time before left
-there ("warm"); with --against also that of another checkout, with its own code and what it keeps,
-in turn. With --first once more with no compiled kernels either: a minute or more each.
+Opens the dive N times at 1280x720, quality `low`, in separate processes, each time with an empty
+disk cache ("nothing cached") and with the cache of the time before ("warm"); with --against also
+another checkout, with its own code and cache, in turn. With --first once more without compiled
+kernels: a minute or more each.
 
-Figures are seconds since the process was started, by processor time of all its threads and of the
-processes it began, and by the clock, which means something only if nothing else runs; the least of
-N. Needs a display.
+Figures are seconds since the start of the process, the least of N: processor time of all its
+threads and child processes, and elapsed time, which is meaningful only on an idle computer. Needs a
+display.
 """
 
 import argparse
@@ -28,7 +28,7 @@ PICTURE = "the first picture"
 
 
 def child(scenario: str, begin: float) -> None:
-    """Open the dive in this process; print when what was told, and when the first picture came."""
+    """Open the dive in this process; print the times of its messages and of its pictures."""
     marks: list[tuple[str, float, float]] = []
 
     def mark(what: str) -> None:
@@ -40,11 +40,11 @@ def child(scenario: str, begin: float) -> None:
     mark("the interpreter")
     say = console.say
 
-    def told(message: str) -> None:
+    def noted(message: str) -> None:
         mark(re.split("[:(]", message)[0].strip())
         say(message)
 
-    console.say = told
+    console.say = noted
     import glfw
 
     swap = glfw.swap_buffers
@@ -59,7 +59,7 @@ def child(scenario: str, begin: float) -> None:
 
 
 def opened(checkout: Path, scenario: str, **places: str) -> dict[str, tuple[float, float]]:
-    """When each part of a start was done: processor time and time by the clock, s."""
+    """End of each part of a start: processor time and elapsed time, s."""
     environment = os.environ | {"PYTHONPATH": str(checkout)} | places
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     command = [sys.executable, __file__, scenario, "--child", str(time.monotonic())]
@@ -78,15 +78,16 @@ def opened(checkout: Path, scenario: str, **places: str) -> dict[str, tuple[floa
         else:
             done[now] = tuple(times)
             now = what
-    done[PICTURE] = tuple(marks[last + 2][1:])  # before it comes what was told last
+    done[PICTURE] = tuple(marks[last + 2][1:])  # after the window and the last message
     return done
 
 
 def least(runs: list[dict[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
-    """Of each part the least of both times."""
+    """The least of both times of each part."""
     return {
         what: (min(run[what][0] for run in runs), min(run[what][1] for run in runs))
         for what in runs[0]
+        if all(what in run for run in runs)  # only the first may have compiled
     }
 
 
@@ -106,17 +107,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number, checkout in enumerate([HERE, *([options.against] if options.against else [])]):
             if options.first:
-                kernels, kept = f"{folder}/kernels{number}", f"{folder}/first{number}"
-                places = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": kept}
+                kernels, cache = f"{folder}/kernels{number}", f"{folder}/first{number}"
+                places = {"NUMBA_CACHE_DIR": kernels, "XDG_CACHE_HOME": cache}
                 name = f"the very first{f' of {checkout}' if number else ''}"
                 runs[name] = [opened(checkout, options.scenario, **places)]
         for number in range(options.times):
-            kept = {"XDG_CACHE_HOME": f"{folder}/{number}"}
-            runs.setdefault("nothing kept", []).append(opened(HERE, options.scenario, **kept))
-            runs.setdefault("warm", []).append(opened(HERE, options.scenario, **kept))
+            cache = {"XDG_CACHE_HOME": f"{folder}/{number}"}
+            for name in ("nothing cached", "warm"):
+                runs.setdefault(name, []).append(opened(HERE, options.scenario, **cache))
             if options.against:
                 other = {"XDG_CACHE_HOME": f"{folder}/other"}
-                if not number:  # it compiles, and keeps what it keeps
+                if not number:  # compiles, and fills its cache
                     opened(options.against, options.scenario, **other)
                 found = opened(options.against, options.scenario, **other)
                 runs.setdefault(str(options.against), []).append(found)

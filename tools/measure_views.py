@@ -19,8 +19,8 @@ import numpy as np
 from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.levels import LodState, empty_lod_state
@@ -42,7 +42,7 @@ def pixels_drawn(rig: CameraRig) -> int:
 
 
 def one_view(pixels: int) -> CameraRig:
-    """A plain display of 16:9 with so many pixels."""
+    """A plain display of 16:9 with this number of pixels."""
     height = round(np.sqrt(pixels * 9 / 16))
     return display_rig("mono", (round(pixels / height), height))
 
@@ -89,7 +89,7 @@ class Measured:
     """A rig, what it drew last, and the times of its pictures."""
 
     def __init__(self, rig: CameraRig, world: World) -> None:
-        """Nothing drawn yet."""
+        """Start without measurements."""
         self.rig = rig
         self.memory: LodState = empty_lod_state(len(world.state.fishes.species))
         self.packets: list[Packet] = []
@@ -112,7 +112,7 @@ class Measured:
         self.packets.append(packet)
 
     def draw(self, context: Any, renderer: Renderer) -> None:
-        """Draw what was packed, in a row, on a canvas that no other rig has drawn on between."""
+        """Draw the packets in a row, on a canvas of this rig alone."""
         renderer.arrange(self.rig)
         for number, packet in enumerate(self.packets):
             context.finish()
@@ -128,7 +128,7 @@ class Measured:
 
 
 def moments(world: World, number: int) -> Iterator[Callable[[], None]]:
-    """So many moments of the tour; each is a function that goes one tick on."""
+    """Moments of the tour, each as a function that advances by a tick."""
     tour = Tour()
 
     def tick() -> None:
@@ -141,7 +141,7 @@ def moments(world: World, number: int) -> Iterator[Callable[[], None]]:
 
 
 def median(seconds: list[float]) -> float:
-    """In milliseconds."""
+    """The median in milliseconds."""
     return 1000.0 * float(np.median(seconds))
 
 
@@ -168,7 +168,7 @@ def main() -> None:
                 tick()
                 for one in every:
                     one.pack(world)
-            # Who comes first is another each time.
+            # Alternate the order.
             for one in every if number % 2 else every[::-1]:
                 one.draw(context, renderer)
         name = context.info["GL_RENDERER"]

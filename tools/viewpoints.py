@@ -18,7 +18,7 @@ from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.render.output.quality import PRESETS
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose, pose_from_angles
 from subsea.world.step import step
@@ -42,14 +42,8 @@ def viewpoints(world: World) -> Iterator[tuple[str, CameraPose]]:
         near = np.linalg.norm(sea.rocks[:, :2] - start[:2], axis=1)
         centre = np.asarray(sea.rocks[near.argmin(), :3], np.float64)
         aside = max(aside, float(sea.rocks[near.argmin(), 3:6].max()))
-    yield (
-        "reef",
-        _looking_at(
-            world,
-            centre + (-110.0 - 1.4 * aside, -30.0 - 1.4 * aside, 60.0),
-            centre + (0.0, 0.0, 25.0),
-        ),
-    )
+    eye = centre + (-110.0 - 1.4 * aside, -30.0 - 1.4 * aside, 60.0)
+    yield "reef", _looking_at(world, eye, centre + (0.0, 0.0, 25.0))
     numbers = np.bincount(fishes.species[fishes.alive])
     places = fishes.position[fishes.alive & (fishes.species == numbers.argmax())]
     middle = places[np.linalg.norm(places - np.median(places, axis=0), axis=1).argmin()]
@@ -87,7 +81,7 @@ def main() -> None:
         for name in names:
             world = start_world(name)
             for _ in range(round(arguments.seconds / TICK_S)):
-                step(world, HANDS_OFF)
+                step(world, NEUTRAL)
             pictures = []
             with picture_maker(context, world, display_rig("mono", size), quality) as renderer:
                 for title, eye in viewpoints(world):

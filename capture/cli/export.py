@@ -6,24 +6,28 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import add_command, number_reader
+from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import GLTF, PICTURE, USD, check_result, json_file
+
+KINDS = {
+    ".glb": GLTF,
+    ".png": PICTURE,
+    ".usdc": USD,
+    ".json": json_file("a description of an OpenVAT texture", "os-remap"),
+}
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the program."""
+def add(commands: Any) -> None:
+    """Add the command."""
     parser = add_command(
         commands,
         "export",
-        "write a species and its motion for other programs",
-        "Writes the mesh that a dive draws, its texture, and every recorded segment as a clip:\n"
-        "  gltf  glTF 2.0 with a fitted skeleton, or exact with --morph, and an animation\n"
-        "        for each segment: OUT/SPECIES.glb\n"
-        "  vat   a vertex animation texture in the OpenVAT layout, for game engines:\n"
-        "        OUT/SPECIES_vat/ with animation texture, mesh, colour texture and ranges\n"
-        "  usd   a USD stage with points in every frame: OUT/SPECIES.usdc and its texture. Needs\n"
-        "        usd-core (subsea[usd])\n"
-        "docs/export.md explains the files and how to import them into other programs.",
+        "export a species and its motion to other programs",
+        "Writes mesh, texture and a clip for each segment: docs/how-to/export.md. Formats:\n"
+        "  gltf  glTF 2.0 with a fitted skeleton, or exact with --morph: OUT/SPECIES.glb\n"
+        "  vat   vertex animation texture (OpenVAT) for game engines: OUT/SPECIES_vat/\n"
+        "  usd   USD stage with points in each frame: OUT/SPECIES.usdc; needs the extra `usd`",
         [
             "subsea-capture export fusilier --to gltf",
             "subsea-capture export fusilier --to vat --out game/Assets",
@@ -37,38 +41,43 @@ def add_to(commands: Any) -> None:
         metavar="DIR",
         type=Path,
         default=Path(),
-        help="folder to write to (current folder)",
+        help="folder to write to (default: current folder)",
     )
     parser.add_argument(
         "--root",
         choices=["apart", "baked"],
         default="apart",
-        help="path of the fish: as motion of the root (default), or in the points",
+        help="store the path as motion of the root (default) or in the points",
     )
     parser.add_argument(
         "--detail",
         metavar="N",
         type=number_reader(int, 0, 3),
         default=0,
-        help="level of detail, 0 (finest) to 3 (0)",
+        help="level of detail (default 0, the finest)",
     )
     parser.add_argument(
         "--morph",
         action="store_true",
-        help="gltf: a morph target for each frame instead of a skeleton",
+        help="gltf: morph targets instead of a skeleton",
     )
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from capture.export.clips import make_clips
-    from capture.export.usd import write_usd
-    from capture.export.vat import write_vat
+    from capture.export.gltf import gltf_files
+    from capture.export.usd import usd_files, write_usd
+    from capture.export.vat import vat_files, write_vat
 
     if options.morph and options.to != "gltf":
         raise UserError(f"--morph is for --to gltf, not {options.to}")
     check_folder(options.out)
+    files = {"gltf": gltf_files, "vat": vat_files, "usd": usd_files}[options.to]
+    for path in files(options.out, options.species):
+        check_result(path, KINDS[path.suffix], options.force)
     model, clips = make_clips(options.species, options.detail)
     if options.to == "gltf":
         return _export_gltf(options, model, clips)

@@ -6,15 +6,14 @@ from typing import Any
 from subsea.core.command_line import add_command
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the program."""
+def add(commands: Any) -> None:
+    """Add the command."""
     parser = add_command(
         commands,
         "inspect",
-        "show the segments of a repertoire and measure its motion",
-        "Lists the segments, then simulates the fish again from the file's provenance. Each\n"
-        "measure is compared with the limit for every fish (at least) and with a goal (aim).\n"
-        "Exit code 0 if every limit is kept, 1 if not; a missed aim is not a failure.",
+        "list the segments of a repertoire and measure its motion",
+        "Simulates the fish again from the file's provenance and compares each measure with a\n"
+        "limit and an aim. Exit code 1 if a limit is not kept; a missed aim is not a failure.",
         ["subsea-capture inspect fusilier", "subsea-capture inspect repertoires/fusilier.h5"],
     )
     parser.add_argument("file", metavar="SPECIES", help="species, or path of a repertoire (.h5)")

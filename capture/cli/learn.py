@@ -4,19 +4,18 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import add_command, number_reader
+from subsea.core.command_line import add_command, add_force, number_reader
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the program."""
+def add(commands: Any) -> None:
+    """Add the command."""
     parser = add_command(
         commands,
         "learn",
         "find the motor controllers of a species' body",
         "Optimises the tables [swim] and [turn] of a species file for speed, economy, a straight\n"
-        "course and exact turns. The winner is verified for longer and under disturbances, then\n"
-        "written to the file; nothing else in it changes. Exit code 0 if better controllers were\n"
-        "found, 1 if not: then nothing is written. Needs cma and scipy (subsea[learn]).",
+        "course and exact turns. The result is verified under disturbances, then written. Exit\n"
+        "code 1 if nothing better was found; then nothing is written. Needs the extra `learn`.",
         [
             "subsea-capture learn fusilier",
             "subsea-capture learn fusilier --only turn --dry-run",
@@ -38,35 +37,43 @@ def add_to(commands: Any) -> None:
         metavar="N",
         type=number_reader(int, 1, 1_000_000),
         default=300,
-        help="evaluations of each search (300)",
+        help="evaluations of each search (default 300)",
     )
     parser.add_argument(
         "--seed",
         metavar="N",
         type=number_reader(int, 0, 2**31),
         default=1,
-        help="the same seed gives the same result (1)",
+        help="seed of the search (default 1)",
     )
     parser.add_argument(
-        "--ticks", metavar="N", type=number_reader(int, 4, 60), help="fix the ticks of a beat"
+        "--ticks",
+        metavar="N",
+        type=number_reader(int, 4, 60),
+        help="fixed duration of a beat in ticks",
     )
     parser.add_argument(
         "--economy",
         metavar="W",
         type=number_reader(float, 0, 10),
         default=0.1,
-        help="weight of economy relative to speed (0.1)",
+        help="weight of economy relative to speed (default 0.1)",
     )
     parser.add_argument(
         "--out", metavar="FILE", type=Path, help="species file to write (default: the one read)"
     )
     parser.add_argument("--dry-run", action="store_true", help="write nothing")
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from capture.learning.improve import improve_species
+    from subsea.core.file_kinds import check_result, toml_file
+
+    if options.out is not None and not options.dry_run:
+        check_result(options.out, toml_file("a species", "surface", "skin"), options.force)
 
     return improve_species(
         options.species,

@@ -6,7 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from capture.cli import export, inspect, learn, mesh, plot, record
-from subsea.core.command_line import make_parser, parse_arguments, run_command
+from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
+
+GROUPS = {
+    "record and measure": (record, inspect, plot),
+    "learn to swim": (learn,),
+    "use elsewhere": (export, mesh),
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,7 +39,4 @@ def _run(arguments: Sequence[str]) -> int:
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """The parser of ``subsea-capture`` and its commands."""
     parser = make_parser("subsea-capture", "Record the motion of simulated fishes, and measure it.")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for command in (record, learn, inspect, plot, mesh, export):
-        command.add_to(commands)
-    return parser, commands
+    return parser, add_groups(parser, GROUPS)

@@ -5,31 +5,33 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import add_command
+from subsea.core.command_line import add_command, add_force
 from subsea.core.errors import unknown
+from subsea.core.file_kinds import MESH, check_results
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the program."""
+def add(commands: Any) -> None:
+    """Add the command."""
     parser = add_command(
         commands,
         "mesh",
-        "move your own mesh with a recorded segment",
+        "animate your own mesh with a recorded segment",
         "Binds a Wavefront OBJ mesh to the nodes of the fish and writes an OBJ file for each\n"
-        "recorded frame (0.033 s). Faces, materials and texture coordinates stay the same. The\n"
-        "mesh must be in body axes and centimetres: x anterior, y dorsal, z right, the origin in\n"
-        "the middle of the second ring of nodes. With --fit it only has to head along x.",
+        "frame (0.033 s). The mesh must be in cm and body axes: x anterior, y dorsal, z right,\n"
+        "the origin in the middle of the second ring of nodes. With --fit it only has to head\n"
+        "along x.",
         ["subsea-capture mesh fusilier sardine.obj --fit --out frames"],
     )
     parser.add_argument("file", metavar="SPECIES", help="species, or path of a repertoire (.h5)")
     parser.add_argument("mesh", metavar="MESH", type=Path, help="mesh file (.obj)")
     parser.add_argument(
-        "--segment", metavar="NAME", default="swim_fast", help="segment (swim_fast)"
+        "--segment", metavar="NAME", default="swim_fast", help="segment (default swim_fast)"
     )
     parser.add_argument("--out", metavar="DIR", type=Path, required=True, help="folder to write to")
     parser.add_argument(
         "--fit", action="store_true", help="scale the mesh to the fish and align its snout"
     )
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
@@ -45,10 +47,12 @@ def run(options: argparse.Namespace) -> int:
     if options.segment not in repertoire.segments:
         raise unknown("segment", options.segment, list(repertoire.segments))
     mesh = bind_mesh(repertoire, options.mesh, options.fit)
-    check_folder(options.out)
     name = f"{options.mesh.stem}_{options.segment}"
     nodes = repertoire.segments[options.segment].nodes
+    files = [options.out / f"{name}_{frame:04d}.obj" for frame in range(len(nodes))]
+    check_folder(options.out)
+    check_results(files, MESH, options.force)
     for frame in trange(len(nodes), unit="frame"):
-        write_mesh(options.out / f"{name}_{frame:04d}.obj", mesh, nodes[frame])
-    print(f"{options.out / name}_0000.obj and {len(nodes) - 1} more")
+        write_mesh(files[frame], mesh, nodes[frame])
+    print(f"{files[0]} and {len(nodes) - 1} more")
     return 0

@@ -7,22 +7,22 @@ from typing import Any
 from subsea.core.atomic_io import check_folder
 from subsea.core.command_line import add_command, number_reader
 from subsea.core.errors import UserError, unknown
+from subsea.core.file_kinds import check_results, hdf5_file
 from subsea.core.interrupts import deferred_interrupts
 from subsea.core.resources import resource_path
 
 MAX_JOBS = 64
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the program."""
+def add(commands: Any) -> None:
+    """Add the command."""
     parser = add_command(
         commands,
         "record",
-        "swim fishes and write their repertoires",
-        "Records three swims and four turns of each species to OUT/SPECIES.h5. The same species\n"
-        "files give the same repertoires with any number of jobs. Repertoires that are up to\n"
-        "date are skipped; an interrupted run continues where it stopped. Your own species are\n"
-        "recorded to your own folder of repertoires.",
+        "record the motion of species",
+        "Simulates three swims and four turns of each species and writes the repertoire\n"
+        "OUT/SPECIES.h5. Skips repertoires that are up to date; an interrupted run continues\n"
+        "where it stopped.",
         [
             "subsea-capture record fusilier",
             "subsea-capture record --all --jobs 2",
@@ -36,23 +36,27 @@ def add_to(commands: Any) -> None:
         "--out",
         metavar="DIR",
         type=Path,
-        help="folder to write to (a checkout's repertoires/; your own folder for your own species)",
+        help="folder to write to (default: where dives look for them)",
     )
     parser.add_argument(
         "--jobs",
         metavar="N",
         type=number_reader(int, 1, MAX_JOBS),
         default=1,
-        help="processes to record in (1)",
+        help="parallel processes (default 1)",
     )
     parser.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="record on the Dask cluster of this scheduler instead, such as tcp://host:8786",
+        help="address of a Dask scheduler, such as tcp://host:8786; needs the extra `cluster`",
     )
-    parser.add_argument("--force", action="store_true", help="record also what is up to date")
     parser.add_argument(
-        "--progress", action="store_true", help="show progress without a terminal, too"
+        "--force",
+        action="store_true",
+        help="record up-to-date species too, and replace existing files of any kind",
+    )
+    parser.add_argument(
+        "--progress", action="store_true", help="show progress even without a terminal"
     )
     parser.set_defaults(run=run)
 
@@ -66,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
     from capture.recording.workers import process_pool, serial
     from subsea.fish.species import shipped_species, species_names
     from subsea.repertoire import SEGMENTS
+    from subsea.repertoire.schema import FORMAT
 
     known = species_names()
     for name in options.species:
@@ -81,6 +86,9 @@ def run(options: argparse.Namespace) -> int:
     folders = {name: options.out or _folder_of(name) for name in names}
     for folder in dict.fromkeys(folders.values()):
         check_folder(folder)
+    if options.out is not None:
+        kind = hdf5_file("a repertoire", FORMAT)
+        check_results([repertoire_path(options.out, name) for name in names], kind, options.force)
     bars: dict[str, Any] = {}
 
     def show(name: str, segments: int) -> None:

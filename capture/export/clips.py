@@ -1,8 +1,7 @@
 """The mesh of a species, and each recorded segment as a clip of that mesh.
 
-The points are those of a dive (`shaders/fishes.vert` with a shut mouth, spread fins and relaxed
-paired fins), of a typical adult: larger than the recorded fish by a factor α and slower by √α, as
-in playback.
+Points are as in `shaders/fishes.vert` with closed mouth, spread fins and relaxed paired fins, of a
+typical adult: α times as large as the recorded fish and slower by √α, as in playback.
 """
 
 from collections.abc import Mapping
@@ -17,7 +16,17 @@ from subsea.core.resources import is_path
 from subsea.fish import sheet_layout
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.coupling import couple, place
-from subsea.fish.mesh import ABSENT, BODY, DETAILS, FIN, PECTORAL, PELVIC, Mesh, fish_mesh, outfit
+from subsea.fish.mesh import (
+    ABSENT,
+    BODY,
+    DETAILS,
+    FIN,
+    PECTORAL,
+    PELVIC,
+    Mesh,
+    fish_mesh,
+    species_vertices,
+)
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
 from subsea.fish.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
 from subsea.geometry.rotation import matrix, multiply, normalised
@@ -67,9 +76,9 @@ class Clip(NamedTuple):
 
 
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
-    """The mesh of a species at a level of detail, and a clip of each segment of its repertoire.
+    """The mesh of a species at a level of detail, and a clip of each recorded segment.
 
-    UserError for an unknown species, a path, or a missing or damaged repertoire.
+    UserError for an unknown species, a path, or a faulty repertoire.
     """
     if is_path(name, ".toml"):  # it has no known repertoire
         raise UserError(f"{name}: expected the name of a species; your own are in {own_species()}")
@@ -135,7 +144,7 @@ def clips_of(
 def root_motion(segment: Segment) -> tuple[Array, Array]:
     """Position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
 
-    A row holds the step that leads to it; the first row's closes a cycle (SMC eqs. 10 and 11).
+    A row holds the step that leads to it; the first row closes a cycle (SMC eqs. 10 and 11).
     """
     rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])]
     position, rotation = [np.zeros(3)], [np.array([1.0, 0.0, 0.0, 0.0])]
@@ -185,7 +194,7 @@ class Surface:
 
     def __init__(self, plan: SurfacePlan, length_cm: float, detail: int) -> None:
         mesh = fish_mesh(DETAILS[detail])
-        own = outfit(plan, mesh, DETAILS[detail])
+        own = species_vertices(plan, mesh, DETAILS[detail])
         exists = own[:, 2] != ABSENT
         number = np.cumsum(exists) - 1
         once = mesh.triangles[: mesh.body + mesh.fins]
@@ -282,9 +291,9 @@ def _texture_coordinates(plan: SurfacePlan, mesh: Mesh, own: Array) -> Array:
 
 
 def _facing(triangles: Ints, body: int, points: Array, normals: Array) -> tuple[Ints, int]:
-    """Turn the triangles of fins to the side of their normals; return also the body's count.
+    """Turn fin triangles to the side of their normals and drop degenerate ones.
 
-    Degenerate triangles at the snout are left out.
+    Return also the number of the body's.
     """
     a, b, c = (points[triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)

@@ -25,6 +25,11 @@ LINEAR_MIPMAPS = 9987
 ROOT = 0  # node
 
 
+def gltf_files(folder: Path, name: str) -> list[Path]:
+    """The file that `write_gltf` writes."""
+    return [folder / f"{name}.glb"]
+
+
 def write_gltf(
     folder: Path, model: Model, clips: list[Clip], baked: bool, rig: Skeleton | None
 ) -> Path:
@@ -33,7 +38,7 @@ def write_gltf(
     The path of the fish is the motion of the node `root`, or `baked` into joints or targets.
     UserError if the file cannot be written.
     """
-    path = folder / f"{model.name}.glb"
+    [path] = gltf_files(folder, model.name)
     data = _morphed(model, clips, baked) if rig is None else _skinned(model, clips, baked, rig)
     with replacing(path) as part:
         part.write_bytes(data)

@@ -10,24 +10,20 @@ from subsea.biomechanics.body import Floats
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
 
 MAX_BYTES = 256 * 2**20
-MAX_DISTANCE = 3.0
-"""Body lengths between the fish and a vertex."""
+MAX_DISTANCE = 3.0  # body lengths between the fish and a vertex
 
 
 def read_mesh(path: Path) -> tuple[list[str], Floats]:
     """Read the lines and vertices (n, 3) of a Wavefront OBJ file; UserError for a faulty one."""
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise UserError(f"larger than {MAX_BYTES >> 20} MiB", file=path)
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = read_input(path, MAX_BYTES).decode("utf-8").splitlines()
     except UnicodeDecodeError as fault:
         raise UserError("not a Wavefront OBJ file (not text)", file=path) from fault
-    except OSError as fault:
-        raise UserError(f"{fault.strerror}", file=path) from fault
     vertices = []
     for number, line in enumerate(lines, start=1):
         if not _is_vertex(line):
@@ -66,10 +62,9 @@ def fit_to_fish(vertices: Floats, repertoire: Repertoire) -> Floats:
 
 
 def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
-    """Bind the mesh of a file to the nodes of a fish.
+    """Bind the mesh of a file, in body axes and cm, to the nodes of a fish.
 
-    It is in body axes and cm: x anterior, y dorsal, z right; with `fit` it only has to head
-    along x. UserError for a faulty file or a mesh that is far from the fish.
+    With `fit` it only has to head along x. UserError for a faulty file or a mesh far away.
     """
     lines, vertices = read_mesh(path)
     if fit:
@@ -88,10 +83,7 @@ def bind_mesh(repertoire: Repertoire, path: Path, fit: bool) -> BoundMesh:
 
 
 def write_mesh(path: Path, mesh: BoundMesh, nodes: Array) -> None:
-    """Write the mesh for nodes (23, 3).
-
-    Only the vertices change; normals are left out.
-    """
+    """Write the mesh for nodes (23, 3), without normals."""
     with replacing(path) as temporary:
         temporary.write_text(_moved(mesh.lines, mesh.weights @ nodes), encoding="utf-8")
 

@@ -121,9 +121,8 @@ def _fit_motion(
 ) -> None:
     """Fit one joint after another, SWEEPS times, in place.
 
-    Each gets the rigid motion that best compensates the error of the others (Procrustes), from
-    sums over vertices that are computed once. `firm` (J,) is the weight of the rotation of all
-    vertices `about` it: joints with vertices on a line would otherwise jump between frames.
+    Each gets the rigid motion that best compensates the error of the others (Procrustes). `firm`
+    (J,) weighs the motion `about` it, without which joints with vertices on a line would jump.
     """
     frames, _, joints, _ = motion.shape
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)  # (n, 4 J)
@@ -143,10 +142,7 @@ def _fit_motion(
 
 
 def _rigid(rest: Array, goal: Array) -> Array:
-    """The rigid motion (F, 3, 4) that fits points (m, 3) to a goal (F, m, 3) (Procrustes).
-
-    It is regularised, for points on a line such as a thin tail.
-    """
+    """The regularised rigid motion (F, 3, 4) of points (m, 3) to a goal (F, m, 3) (Procrustes)."""
     middle, there = rest.mean(axis=0), goal.mean(axis=1)
     arms = rest - middle
     across = (goal - there[:, None]).swapaxes(1, 2) @ arms
@@ -181,7 +177,7 @@ def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
 def best_shares(gram: Array, most: int) -> Array:
     """Weights w ≥ 0 with sum one and at most `most` not zero, that make w·G·w small.
 
-    Starts with the optimum of all and removes one weight after another, the least useful first.
+    Backward elimination from the optimum of all.
     """
     w = np.zeros(len(gram))
     w[np.argmin(np.diag(gram))] = 1.0

@@ -24,6 +24,7 @@ from capture.export.png import sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.extras import require
 
 SOLID, CLEAR = "solid", "clear"  # materials
 
@@ -37,17 +38,21 @@ class _MeshPart(NamedTuple):
     two_sided: bool
 
 
+def usd_files(folder: Path, name: str) -> list[Path]:
+    """The files that `write_usd` writes: the stage and its texture."""
+    return [folder / f"{name}.usdc", folder / f"{name}_basecolor.png"]
+
+
 def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
     """Write the stage NAME.usdc and its texture into `folder`; return both files.
 
     The motion of the root is that of the model's prim, or `baked` into the points. UserError
     without usd-core or if a file cannot be written.
     """
-    try:
-        from pxr import Tf, Usd
-    except ImportError as fault:
-        raise UserError("USD needs usd-core: install subsea[usd]") from fault
-    file, sheet = folder / f"{model.name}.usdc", folder / f"{model.name}_basecolor.png"
+    require("usd", "USD")
+    from pxr import Tf, Usd
+
+    file, sheet = usd_files(folder, model.name)
     stage = Usd.Stage.CreateInMemory(file.name)
     _fill(stage, sheet.name, model, clips, baked)
     with replacing(sheet) as picture, replacing(file) as part:
@@ -195,9 +200,9 @@ def _bind(thing: Any, material: Any) -> None:
 
 
 def _divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
-    """Bind materials to the transparent and the solid faces of a mesh, if it has both.
+    """Bind materials to subsets of transparent and solid faces, if a mesh has both.
 
-    Some importers ignore the material of a mesh with subsets, so each face is in a subset.
+    Some importers ignore the material of a mesh with subsets, so all faces are in one.
     """
     from pxr import UsdGeom, UsdShade, Vt
 

@@ -44,6 +44,12 @@ class AnimationTexture(NamedTuple):
     first: list[int]  # each clip's first frame, from 0
 
 
+def vat_files(folder: Path, name: str) -> list[Path]:
+    """The files that `write_vat` writes: animation texture, colours, mesh and ranges."""
+    names = f"{name}_vat.png", f"{name}_basecolor.png", f"{name}.glb", f"{name}-remap_info.json"
+    return [folder / f"{name}_vat" / one for one in names]
+
+
 def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> list[Path]:
     """Write the folder NAME_vat into `folder`; return the files.
 
@@ -51,18 +57,17 @@ def write_vat(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     be written.
     """
     texture = encode(model, clips, baked)
-    folder = folder / f"{model.name}_vat"
-    colours = f"{model.name}_basecolor.png"
-    files = {
-        f"{model.name}_vat.png": png16(texture.texels),
-        colours: sheet_png(model.sheet),
-        f"{model.name}.glb": _mesh(model, len(texture.texels), colours),
-        f"{model.name}-remap_info.json": _ranges(model, clips, texture, baked),
-    }
+    files = vat_files(folder, model.name)
+    contents = (
+        png16(texture.texels),
+        sheet_png(model.sheet),
+        _mesh(model, len(texture.texels), files[1].name),
+        _ranges(model, clips, texture, baked),
+    )
     with ExitStack() as all_or_none:
-        for name, data in files.items():
-            all_or_none.enter_context(replacing(folder / name)).write_bytes(data)
-    return [folder / name for name in files]
+        for path, data in zip(files, contents, strict=True):
+            all_or_none.enter_context(replacing(path)).write_bytes(data)
+    return files
 
 
 def encode(model: Model, clips: list[Clip], baked: bool) -> AnimationTexture:

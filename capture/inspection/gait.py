@@ -1,13 +1,12 @@
-"""Measures of a gait or a turn, from nodes and muscles."""
+"""Measures of a gait or a turn that need a simulation."""
 
 import numpy as np
 
-from capture.recording.trial import beat_phase, displacement, sharp_turn
+from capture.recording.trial import beat_phase, sharp_turn
 from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
-from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction, turn_contraction
-from subsea.biomechanics.fins import UP
+from subsea.biomechanics.gait import contraction_step, headings
 from subsea.biomechanics.simulation import (
     NO_FORCE,
     STILL,
@@ -19,10 +18,7 @@ from subsea.biomechanics.simulation import (
 from subsea.biomechanics.solver import STEP, advance
 
 ENTRY_PHASES = 7
-MIN_DISTANCE = 1e-9
-"""Lower bound of a divisor, cm, for a fish that does not swim."""
-SETTLE_BEATS = 6
-"""Beats after a turn; the new heading is measured in the last one."""
+SETTLE_BEATS = 6  # beats after a turn; the new heading is measured in the last one
 
 
 def swim_beats(body: Body, state: BodyState, beat: Floats, count: int) -> Floats:
@@ -31,56 +27,9 @@ def swim_beats(body: Body, state: BodyState, beat: Floats, count: int) -> Floats
     return np.concatenate([start[None], simulate(body, state, np.tile(beat, (count, 1)))])
 
 
-def contraction_step(body: Body, contraction: Floats) -> float:
-    """Greatest change of a muscle's rest length in one step, cm; the limit is S_MAX."""
-    return float(np.abs(np.diff(muscle_lengths(body, contraction), axis=0)).max())
-
-
 def turn_contraction_step(body: Body, swim: SwimPlan, turn: TurnPlan, angles: list[float]) -> float:
     """Greatest change of a muscle's rest length in one step, cm, in any of several sharp turns."""
     return max(contraction_step(body, turn_contraction(swim, turn, angle)) for angle in angles)
-
-
-def sweep(frames: Floats, nodes: list[int]) -> float:
-    """Peak-to-peak distance of the middle of ``nodes`` across the path of one beat, cm."""
-    chord = displacement(frames)
-    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), MIN_DISTANCE))
-    across = frames[:, nodes].mean(axis=1) @ aside
-    drift = np.linspace(0.0, across[-1] - across[0], len(across))
-    return float(np.ptp(across - drift))
-
-
-def snout_bend(frames: Floats) -> float:
-    """Greatest angle between the snout and the head behind it, degrees."""
-    nose, first, second = frames[:, 0], frames[:, 1:5].mean(axis=1), frames[:, 5:9].mean(axis=1)
-    return max(
-        _angle(snout, head) for snout, head in zip(nose - first, first - second, strict=True)
-    )
-
-
-def straightness(frames: Floats, ticks_per_beat: int) -> tuple[float, float]:
-    """Drift of the heading, degrees, and to the side, cm, over the whole beats of ``frames``.
-
-    Heading is the direction of a beat's displacement, first against last; the drift to the side
-    is the greatest distance from the line between the ends.
-    """
-    centres = frames[::ticks_per_beat].mean(axis=1)
-    steps = np.diff(centres, axis=0)
-    offset = centres - centres[0]
-    line = offset[-1] / max(float(np.linalg.norm(offset[-1])), MIN_DISTANCE)
-    aside = np.linalg.norm(offset - np.outer(offset @ line, line), axis=1).max()
-    return _angle(steps[0], steps[-1]), float(aside)
-
-
-def _angle(a: Floats, b: Floats) -> float:
-    """Angle between two vectors in degrees."""
-    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
-
-
-def headings(frames: Floats) -> Floats:
-    """Heading of the body frame in degrees, left positive, without jumps."""
-    forward = body_frame(frames)[1][:, :, 0]
-    return np.asarray(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))))
 
 
 def entries(body: Body, swim: SwimPlan, steady: BodyState) -> list[tuple[BodyState, float]]:

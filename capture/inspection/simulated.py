@@ -1,4 +1,4 @@
-"""Measure the repertoire of a muscle-driven fish against docs/biomechanics.md.
+"""Measure the repertoire of a muscle-driven fish against docs/developers/biomechanics-figures.md.
 
 Except for the timing, the fish is simulated again from the plans in the provenance.
 """
@@ -7,17 +7,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from capture.inspection.gait import (
-    contraction_step,
-    entries,
-    snout_bend,
-    speed_kept,
-    straightness,
-    sweep,
-    swim_beats,
-    turned,
+from capture.inspection.gait import entries, speed_kept, swim_beats, turned
+from capture.inspection.targets import (
+    Measure,
+    Range,
+    at_least,
+    at_most,
+    compare,
+    limit_at_any_phase,
+    limit_at_phase_0,
+    within,
 )
-from capture.inspection.targets import Measure, Range, at_least, at_most, compare, within
 from capture.inspection.timing import frame_cost, replay_cost, step_cost
 from capture.recording.record import Motion, run_trial, steady_contraction
 from capture.recording.trial import Trial, beat_contraction, displacement, speed_map
@@ -25,6 +25,7 @@ from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build
 from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import balance, pectoral_force
+from subsea.biomechanics.gait import contraction_step, snout_bend, straightness, sweep
 from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.arrays import Array
@@ -35,8 +36,7 @@ from subsea.repertoire import Repertoire, Segment
 STEADY_BEATS = 20
 REPLAYED_CYCLES = 10
 TURN_ANGLES = (30.0, 45.0, 60.0, 90.0)
-FIN_AREA = 0.01
-"""Area of a pectoral fin over the square of the body length."""
+FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
 LEAN = np.radians(15.0)
 
 
@@ -72,11 +72,9 @@ def measure_simulated(motion: Motion, repertoire: Repertoire) -> Iterator[Measur
     )
     name = f"{REPLAYED_CYCLES} cycles replayed against simulation"
     yield compare(name, error / length, ".1e", " L", at_most(0.01), at_most(1e-4))
-    step, nodes, frame = (
-        step_cost(body, trials["swim_fast"].state),
-        replay_cost(repertoire.segments["swim_fast"]),
-        frame_cost(repertoire.segments["swim_fast"]),
-    )
+    segment = repertoire.segments["swim_fast"]
+    step = step_cost(body, trials["swim_fast"].state)
+    nodes, frame = replay_cost(segment), frame_cost(segment)
     yield compare("one step of simulation", step, ".2f", " µs", at_most(5), at_most(2.5))
     yield compare("replay of 23 nodes", nodes, ".3f", " µs", at_most(0.15), at_most(0.06))
     yield compare("replay of a body frame", frame, ".3f", " µs", at_most(0.03), at_most(0.01))
@@ -140,10 +138,7 @@ def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure
 
 
 def _mean_attitude(frames: Floats) -> tuple[float, float]:
-    """Roll and pitch in degrees, positive, averaged over whole beats.
-
-    The body frame sways within a beat, so only the mean is the attitude.
-    """
+    """Roll and pitch in degrees, positive, averaged over whole beats, as the frame sways."""
     rotation = body_frame(frames)[1]
     roll, pitch = (np.degrees(np.arcsin(np.mean(rotation[1:, 1, axis]))) for axis in (2, 0))
     return abs(float(roll)), abs(float(pitch))
@@ -181,12 +176,11 @@ def _turned(body: Body, motion: Motion, angle: float, start: BodyState, phase: f
 
 
 def _turning(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
-    swim, _turn = motion.swim, motion.turn
-    starts = entries(body, swim, steady)
+    starts = entries(body, motion.swim, steady)
     for angle in TURN_ANGLES:
         errors = [_turned(body, motion, angle, *start) - angle for start in starts]
         worst = errors[int(np.argmax(np.abs(errors)))]  # NaN, a body out of shape, is the worst
-        entered, anywhere = (within(3), within(7)) if angle <= 60 else (within(6), within(10))
+        entered, anywhere = limit_at_phase_0(angle), limit_at_any_phase(angle)
         aim = within(1) if angle <= 60 else within(3)
         name = f"turn of {angle:g}°"
         yield compare(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)

@@ -6,10 +6,7 @@ import numpy as np
 
 
 class Measure(NamedTuple):
-    """One line of the report: a measured value and two targets; an empty target is none.
-
-    ``limit`` holds for every species, ``aim`` is the goal for good ones.
-    """
+    """One line of the report; ``limit`` is for every species, ``aim`` for good ones."""
 
     name: str
     value: str
@@ -26,7 +23,7 @@ class Range(NamedTuple):
     high: float = np.inf
 
     def holds(self, *values: float) -> bool:
-        """Whether all values are inside."""
+        """True if all values are inside."""
         return all(self.low <= value <= self.high for value in values)
 
     def text(self, unit: str) -> str:
@@ -55,6 +52,16 @@ def at_most(high: float) -> Range:
 def within(bound: float) -> Range:
     """From ``-bound`` to ``bound``."""
     return Range(-bound, bound)
+
+
+def limit_at_phase_0(angle: float) -> Range:
+    """Range of the error of a turn by ``angle`` degrees that begins at phase 0."""
+    return within(3.0 if angle <= 60 else 6.0)
+
+
+def limit_at_any_phase(angle: float) -> Range:
+    """Range of the error of a turn by ``angle`` degrees that begins at any phase."""
+    return within(7.0 if angle <= 60 else 10.0)
 
 
 def compare(

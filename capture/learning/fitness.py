@@ -1,8 +1,7 @@
 """The loss of a controller, which learning minimises, and its verification.
 
-A candidate is evaluated over :data:`HORIZON` beats from a slightly disturbed start. A winner is
-verified over :data:`VERIFY_FACTOR` times as many, with stronger disturbances and at all its
-amplitudes, because some gaits begin to circle only beyond the horizon.
+Candidates swim HORIZON beats from a slightly disturbed start. Winners are verified over
+VERIFY_FACTOR times as many, with stronger disturbances and at all amplitudes.
 """
 
 from typing import NamedTuple
@@ -10,20 +9,20 @@ from typing import NamedTuple
 import numpy as np
 
 from capture.inspection.gait import (
-    MIN_DISTANCE,
-    contraction_step,
     entries,
-    headings,
     muscle_work,
-    snout_bend,
     speed_kept,
-    straightness,
-    sweep,
     swim_beats,
     turn_contraction_step,
     turned,
 )
-from capture.inspection.targets import Range, at_least, at_most, within
+from capture.inspection.targets import (
+    Range,
+    at_least,
+    at_most,
+    limit_at_any_phase,
+    limit_at_phase_0,
+)
 from capture.recording.trial import (
     STRAIGHT,
     beat_contraction,
@@ -37,35 +36,30 @@ from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT, S_MAX, WIDEST_TURN, ease, turn_contraction
+from subsea.biomechanics.gait import (
+    MIN_DISTANCE,
+    contraction_step,
+    headings,
+    snout_bend,
+    straightness,
+    sweep,
+)
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.errors import UserError
 
-HORIZON = 60
-"""Beats of a candidate at each amplitude."""
-VERIFY_FACTOR = 2.5
-"""Horizons of a verification."""
-MEASURED_BEATS = 20
-"""Last beats of a swim, which are measured."""
-AMPLITUDES = (1.0, 0.5, 0.25)
-"""Amplitudes of a candidate: a gait must be stable at all of its grades."""
-DISTURBANCE, STRONG_DISTURBANCE = 0.1, 0.2
-"""Root mean square of the random velocity of each node at the start, cm/tu.
+HORIZON = 60  # beats of a candidate at each amplitude
+VERIFY_FACTOR = 2.5  # horizons of a verification
+MEASURED_BEATS = 20  # last beats of a swim, which are measured
+AMPLITUDES = (1.0, 0.5, 0.25)  # of a candidate: a gait must be stable at all of its grades
+DISTURBANCE, STRONG_DISTURBANCE = 0.1, 0.2  # rms random velocity of each node at the start, cm/tu
+STARTS = 3  # disturbed starts of each grade in a verification, and number of random amplitudes
+ECONOMY = 0.1  # weight of economy relative to speed: a gait that is 1% faster may cost 10% more
+DURATION_WEIGHT = 0.5  # weight of the duration of a turn relative to the speed kept in it
+PENALTY = 5.0  # loss for missing a limit by its whole value; a factor of e in speed is worth 1
+UNSOUND = 100.0  # loss greater than any of a body that keeps its shape
 
-At 0.5 light nodes lose their shape in any gait.
-"""
-STARTS = 3
-"""Disturbed starts of each grade in a verification, and number of random amplitudes."""
-ECONOMY = 0.1
-"""Weight of economy relative to speed: a gait that is 1% faster may cost 10% more."""
-DURATION_WEIGHT = 0.5
-"""Weight of the duration of a turn relative to the speed kept in it."""
-PENALTY = 5.0
-"""Loss for missing a limit by its whole value; a factor of e in speed is worth 1."""
-UNSOUND = 100.0
-"""Loss greater than any of a body that keeps its shape."""
-
-GAIT_LIMITS = {
+GAIT_LIMITS = {  # of a fast gait (docs/developers/biomechanics-figures.md)
     "drift": at_most(1.0),
     "aside": at_most(0.02),
     "tail": Range(0.15, 0.25),
@@ -75,9 +69,7 @@ GAIT_LIMITS = {
     "contraction_step": at_most(S_MAX),
     "closure": at_most(1e-3),
 }
-"""Limits of a fast gait (docs/biomechanics.md)."""
-STRIDE = at_least(0.35)
-"""L/beat of a fast gait; a body that cannot reach it may still learn."""
+STRIDE = at_least(0.35)  # L/beat of a fast gait; a body that cannot reach it may still learn
 TURN_LIMITS = {"contraction_step": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.7)}
 GRADE_RATIO = at_least(1.4)
 GRADUAL_DEG = Range(2.0, 18.0)
@@ -125,10 +117,7 @@ def start_swimming(body: Body, beat: Floats, rms: float, rng: np.random.Generato
 
 
 def beats_survived(body: Body, state: BodyState, beat: Floats, count: int) -> int:
-    """Swim ``count`` beats, or until the body loses its shape; changes ``state``.
-
-    The shape is checked every five beats.
-    """
+    """Swim up to ``count`` beats and check the shape every five; changes ``state``."""
     for done in range(0, count, 5):
         simulate(body, state, np.tile(beat, (min(5, count - done), 1)))
         if not is_sound(state):
@@ -137,7 +126,7 @@ def beats_survived(body: Body, state: BodyState, beat: Floats, count: int) -> in
 
 
 def measure_gait(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> GaitMeasures:
-    """Measure the swimming of ``state``, over :data:`WATCHED` more beats; changes ``state``."""
+    """Measure MEASURED_BEATS more beats of ``state``, which changes."""
     length = float(np.ptp(body.rest[:, 0]))
     beat = beat_contraction(swim, amplitude)
     frames = swim_beats(body, state, beat, MEASURED_BEATS)
@@ -180,10 +169,7 @@ def missed(measured: GaitMeasures | TurnMeasures, limits: dict[str, Range]) -> d
 
 
 def swim_loss(body: Body, swim: SwimPlan, seed: int, economy: float = ECONOMY) -> float:
-    """-ln(speed) + ``economy`` ln(cost) of the fast swim, plus penalties.
-
-    ``seed`` determines the disturbance of the start.
-    """
+    """-ln(speed) + ``economy`` ln(cost) of the fast swim, plus penalties; ``seed`` disturbs it."""
     rng = np.random.default_rng(seed)
     states, survived = [], 0
     for amplitude in AMPLITUDES:
@@ -255,10 +241,7 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 def measure_turning(
     body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, angles: list[float]
 ) -> TurnMeasures:
-    """Measure sharp turns by ``angles`` from ``steady`` swimming at grade medium, phase 0.
-
-    UserError where the body loses its shape.
-    """
+    """Measure sharp turns from ``steady`` swimming at grade medium; UserError for a lost shape."""
     starts = entries(body, swim, steady)
     errors = np.array(
         [[turned(body, swim, turn, angle, *start) - angle for start in starts] for angle in angles]
@@ -275,18 +258,8 @@ def measure_turning(
     )
 
 
-def limit_at_any_phase(angle: float) -> Range:
-    """Largest error of a turn by ``angle`` degrees that begins at any phase of the beat."""
-    return within(7.0) if angle <= 60 else within(10.0)
-
-
-def limit_at_phase_0(angle: float) -> Range:
-    """Largest error of a turn by ``angle`` degrees that begins at phase 0."""
-    return within(3.0) if angle <= 60 else within(6.0)
-
-
 def turn_loss(turning: TurnMeasures, angles: list[float]) -> float:
-    """-ln(speed kept) + :data:`HASTE` ln(duration) of the widest turn, plus penalties."""
+    """-ln(speed kept) + DURATION_WEIGHT ln(duration) of the widest turn, plus penalties."""
     loss = -np.log(max(turning.kept, 1e-3)) + DURATION_WEIGHT * np.log(turning.ticks)
     loss += PENALTY * sum(missed(turning, TURN_LIMITS).values())
     for angle, error, worst in zip(angles, turning.errors, turning.worst, strict=True):

@@ -1,7 +1,6 @@
 """Improve the controllers of a species file: search, report and write."""
 
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -24,22 +23,18 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.core.resources import resource_path
 from subsea.core.toml_files import load_toml
 from subsea.fish.species import SHIPPED, Species, species_file
 
-LIBRARIES = ("cma", "scipy")
-
 
 def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **options: Any) -> int:
-    """Learn the controllers of the species ``name`` (or file) and write them; the exit code.
+    """Learn the controllers of a species and write them; return 0, or 1 if none are better.
 
-    0 if better ones were found, 1 if not: then nothing is written. ``options`` are those of
-    :func:`capture.learning.learn.learn`. UserError before the search.
+    ``options`` are those of :func:`capture.learning.learn.learn`. UserError before the search.
     """
-    for library in LIBRARIES:
-        if find_spec(library) is None:
-            raise UserError(f"learning needs {library}: install subsea[learn]")
+    require("learn", "learning")
     source = species_file(name)
     species = load_toml(source, Species)
     muscles = species.muscles
@@ -61,18 +56,14 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
             bars[stage].set_postfix_str(f"best {loss:.4f}", refresh=False)
         bars[stage].update()
 
-    def close_bars() -> None:
-        for bar in bars.values():
-            bar.close()
-
     try:
         found = learn(muscles, budget=budget, progress=show, **options)
     except KeyboardInterrupt:
-        close_bars()
         kept = [f"best {stage} so far, not verified: {best[stage][1]}" for stage in best]
         raise KeyboardInterrupt("; ".join([*kept, f"{target} is unchanged"])) from None
     finally:
-        close_bars()
+        for bar in bars.values():
+            bar.close()
     if found.swim is None and found.turn is None:
         tried = sum(bar.n for bar in bars.values())
         rejected = [note.partition("rejected: ") for note in found.notes if "rejected: " in note]

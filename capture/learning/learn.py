@@ -1,9 +1,8 @@
-"""Learn the motor controllers of a body that is given (Tu §11.2, KS §I.D).
+"""Learn the motor controllers of a given body (Tu §11.2, KS §I.D).
 
-First the swim controller: both contractions, the lag and the ticks of a beat are searched; the
-amplitudes of the slower grades follow from measured speeds. Then the turn controllers: the angle,
-speed and duration of a bend are searched; the hold times of the steering map follow from measured
-headings. Candidates are verified, best first, until one passes (capture/learning/fitness.py).
+First contractions, lag and ticks of the swim controller are searched; the grades follow from
+measured speeds. Then angle, speed and duration of bends are searched; hold times follow from
+measured headings. Candidates are verified, best first, until one passes (fitness.py).
 """
 
 from collections.abc import Callable
@@ -26,8 +25,7 @@ class LearnedControllers(NamedTuple):
     notes: list[str]  # rejected candidates and the reasons
 
 
-Progress = Callable[[str, float, SwimPlan | TurnPlan], object]
-"""Called with ``swim`` or ``turn``, the loss of a candidate and the candidate."""
+Progress = Callable[[str, float, SwimPlan | TurnPlan], object]  # "swim" or "turn", loss, candidate
 
 
 def learn(
@@ -42,10 +40,9 @@ def learn(
 ) -> LearnedControllers:
     """Search for better swim and turn controllers of a body, from the given ones.
 
-    ``only`` is ``swim``, ``turn`` or empty for both; a new gait always gets new hold times in
-    the steering map. ``budget`` is the number of evaluations of each search, ``ticks`` fixes the
-    ticks of a beat, ``economy`` is the weight of economy relative to speed. ``progress`` is
-    called after each evaluation.
+    ``only`` is ``swim``, ``turn`` or empty; a new gait always gets new hold times. ``budget`` is
+    the number of evaluations of each search, ``ticks`` fixes the ticks of a beat, ``economy`` is
+    weighed against speed. ``progress`` is called after each evaluation.
     """
     plan, swim, turn = muscles
     body = build_body(plan)

@@ -4,20 +4,17 @@ The libraries `cma` and `scipy` propose the points; the caller chooses among all
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from subsea.biomechanics.body import Floats
-from subsea.core.errors import UserError
 
 METHODS = ("cma", "annealing")
-SPREAD = 0.2
-"""Initial step size of CMA-ES in the unit box."""
-MIN_DISTANCE = 0.02
-"""Least distance, in some coordinate of the unit box, of points that count as different."""
-TEMPERATURE = 5.0
-"""Initial temperature of annealing; scipy's 5230 suits budgets a thousand times larger."""
+SPREAD = 0.2  # initial step size of CMA-ES in the unit box
+MIN_DISTANCE = 0.02  # least distance, in some coordinate of the unit box, of distinct points
+TEMPERATURE = 5.0  # initial, of annealing; scipy's 5230 suits budgets a thousand times larger
 
 
 class Evaluation(NamedTuple):
@@ -57,8 +54,7 @@ def search(
 ) -> list[Evaluation]:
     """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ; return them, best first.
 
-    The search begins at ``start`` (n,). ``progress`` is called after each evaluation. The same
-    arguments give the same points. UserError where the library is not installed.
+    The search begins at ``start`` (n,) and is deterministic.
     """
     tried: list[Evaluation] = []
 
@@ -70,20 +66,13 @@ def search(
         progress(tried[-1])
         return tried[-1].loss
 
-    try:
+    with suppress(_BudgetSpent):
         {"cma": _cma, "annealing": _annealing}[method](evaluate, np.clip(start, 0, 1), seed, budget)
-    except _BudgetSpent:
-        pass
-    except ImportError as fault:
-        raise UserError(f"learning needs {fault.name}: install subsea[learn]") from fault
     return sorted(tried)
 
 
 def distinct(tried: list[Evaluation]) -> Iterator[Evaluation]:
-    """Evaluations, best first, that are not close to one yielded before.
-
-    So a rejected candidate is not followed by similar ones.
-    """
+    """Evaluations, best first, that are not close to one yielded before."""
     yielded: list[tuple[float, ...]] = []
     for one in sorted(tried):
         if all(np.abs(np.subtract(one.point, other)).max() > MIN_DISTANCE for other in yielded):

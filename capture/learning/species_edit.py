@@ -14,9 +14,9 @@ from subsea.fish.species import Species
 
 
 def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:
-    """Write the species file ``source`` to ``target`` with these tables [swim] and [turn].
+    """Write the species file ``source`` to ``target`` with other tables [swim] and [turn].
 
-    Comments and order are kept. The file is written whole or not at all; UserError on failure.
+    Comments and order are kept; UserError on failure.
     """
     text = source.read_bytes().decode("utf-8")
     content = tomllib.loads(text)

@@ -15,17 +15,12 @@ from subsea.biomechanics.controllers import S_MAX, swim_amplitude
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.core.errors import UserError
 
-TICKS_PER_BEAT = (8, 24)
-"""Range of the search, unless the number is given."""
-MAX_CONTRACTION = 0.6
-"""Limit of the species file."""
+TICKS_PER_BEAT = (8, 24)  # range of the search, unless the number is given
+MAX_CONTRACTION = 0.6  # limit of the species file
 LAGS = (0.0, 3.2)
-GRADES = (1 / 1.5**2, 1 / 1.5)
-"""Speeds of slow and medium relative to fast."""
-MIN_GAIN = 0.002
-"""Least improvement of the loss over the old controller."""
-MAX_VERIFIED = 12
-"""Most candidates of a search that are verified."""
+GRADES = (1 / 1.5**2, 1 / 1.5)  # speeds of slow and medium relative to fast
+MIN_GAIN = 0.002  # least improvement of the loss over the old controller
+MAX_VERIFIED = 12  # most candidates of a search that are verified
 
 
 def verified_swims(
@@ -81,10 +76,10 @@ def swim_point(body: Body, swim: SwimPlan) -> Floats:
 def swim_at(
     body: Body, base: SwimPlan, point: Floats | tuple[float, ...], ticks: int | None = None
 ) -> SwimPlan:
-    """The swim controller at a point of the unit box, with the grades of ``base``.
+    """The swim controller at a point of the unit box, with the grades of ``base``, rounded.
 
-    The point holds both contractions as fractions of the greatest that keeps S_MAX, the lag and,
-    unless given, the ticks of a beat. Numbers are rounded as in the file.
+    The point holds both contractions as fractions of the greatest within S_MAX, the lag and,
+    unless given, the ticks of a beat.
     """
     if ticks is None:
         fewest, most = TICKS_PER_BEAT
@@ -110,10 +105,7 @@ def max_contractions(body: Body, ticks: int) -> Floats:
 
 
 def with_grades(body: Body, swim: SwimPlan) -> SwimPlan:
-    """Set the amplitudes of slow and medium to fixed fractions of the fast speed.
-
-    UserError where the body does not swim steadily at all amplitudes.
-    """
+    """Set slow and medium to fixed fractions of the fast speed; UserError without steady gaits."""
     speeds = speed_map(body, swim)
     if not (np.diff(speeds.speed) > 0).all():
         raise UserError("its speed does not rise with the amplitude")

@@ -27,10 +27,8 @@ BENDS = (0.03, 0.35)
 BEND_TICKS = (4.0, 20.0)
 RESTORE_TICKS = (8.0, 40.0)
 AMPLITUDES = (0.0, 1.0)
-LONGEST_HOLD = 160.0
-"""Ticks."""
-GRADUAL_DEG_PER_BEAT = 8.0
-"""Angle of a gradual turn in one beat."""
+LONGEST_HOLD = 160.0  # ticks
+GRADUAL_DEG_PER_BEAT = 8.0  # angle of a gradual turn in one beat
 
 
 class Unreachable(Exception):  # noqa: N818 - a finding, no error
@@ -141,8 +139,7 @@ def turn_at(base: TurnPlan, point: Floats | tuple[float, ...]) -> TurnPlan:
 def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) -> TurnPlan:
     """Set the hold times so that each row turns by its angle from ``steady``.
 
-    Unreachable where a bend turns too far without a hold, not far enough with the longest one,
-    or where the body loses its shape.
+    Unreachable if no hold time does, or the body loses its shape.
     """
     from scipy.optimize import brentq
 
@@ -174,9 +171,9 @@ def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) ->
 
 
 def with_gradual(body: Body, swim: SwimPlan, turn: TurnPlan) -> TurnPlan:
-    """Set the gradual turn to :data:`GRADUAL_DEG_PER_BEAT`, in the proportion of the widest turn.
+    """Set the gradual turn to GRADUAL_DEG_PER_BEAT by a fraction of the bend of the widest turn.
 
-    UserError where the bend of the widest turn is too small.
+    UserError if that is too small.
     """
     from scipy.optimize import brentq
 

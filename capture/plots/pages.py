@@ -18,7 +18,7 @@ from capture.recording.spine_motion import spine_motion
 from capture.recording.trial import deformation, speed_map
 from subsea.biomechanics.body import Floats, build_body
 from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.repertoire import Repertoire, Segment
 
 DPI = 100
@@ -34,6 +34,12 @@ STYLE = {
 ANGLES = np.arange(15.0, 91.0, 15.0)
 
 
+def plots_in(folder: Path, repertoire: Repertoire) -> list[Path]:
+    """The files that `plot_repertoire` writes: a page for each segment, then the repertoire's."""
+    names = [f"{repertoire.species}_{name}" for name, _ in panels.in_order(repertoire)]
+    return [folder / f"{name}.png" for name in [*names, repertoire.species]]
+
+
 def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
     """Write a PNG page for each segment and one for the repertoire; return the files.
 
@@ -41,11 +47,10 @@ def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
     the provenance; they are left out where it holds no plans. UserError without matplotlib or
     where the folder cannot be written.
     """
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError as fault:
-        raise UserError("plots need matplotlib: install subsea[plot]") from fault
+    require("plot", "plots")
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
     motion = _motion(repertoire)
     written = []
     with rc_context(STYLE):

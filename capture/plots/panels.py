@@ -108,16 +108,18 @@ def trajectories(ahead: Any, aside: Any, segment: Segment, tick_s: float) -> Non
 def path(axis: Any, segment: Segment) -> None:
     """Paths of nose, origin and tail from above."""
     played = top_view(segment, CYCLES)
-    for name, points in (
-        ("nose", played.midline[:, 0]),
-        ("tail", played.midline[:, -1]),
-        ("origin", played.origin),
-    ):
-        axis.plot(*_screen(points), color=POINTS[name], label=name, linewidth=1)
-    axis.fill(*_screen(played.nodes[-1, OUTLINE]), BODY, zorder=0)
+    _draw_paths(axis, played)
     axis.set_aspect("equal", adjustable="datalim")
     axis.set(xlabel="z to the right, cm", ylabel="x ahead, cm", title="Path from above")
     axis.legend()
+
+
+def _draw_paths(axis: Any, played: TopView) -> None:
+    """Draw the paths of nose, tail and origin, and the last outline."""
+    ends = {"nose": played.midline[:, 0], "tail": played.midline[:, -1], "origin": played.origin}
+    for name, points in ends.items():
+        axis.plot(*_screen(points), color=POINTS[name], label=name, linewidth=1)
+    axis.fill(*_screen(played.nodes[-1, OUTLINE]), BODY, zorder=0)
 
 
 def speed(axis: Any, segment: Segment, repertoire: Repertoire) -> None:
@@ -196,13 +198,7 @@ def paths(axes: Any, repertoire: Repertoire) -> None:
     everything = np.concatenate([p.midline.ravel() for p in played.values()])
     width = max(np.ptp(_limits(-p.midline.imag.ravel())) for p in played.values())
     for axis, (name, one) in zip(axes, played.items(), strict=True):
-        for point, points in (
-            ("nose", one.midline[:, 0]),
-            ("tail", one.midline[:, -1]),
-            ("origin", one.origin),
-        ):
-            axis.plot(*_screen(points), color=POINTS[point], linewidth=1, label=point)
-        axis.fill(*_screen(one.nodes[-1, OUTLINE]), BODY, zorder=0)
+        _draw_paths(axis, one)
         middle = np.mean(_limits(-one.midline.imag.ravel()))
         axis.set(ylim=_limits(everything.real), xlim=(middle - width / 2, middle + width / 2))
         axis.set_aspect("equal")

@@ -18,8 +18,7 @@ from subsea.repertoire import Segment
 
 Complex = NDArray[np.complex128]
 
-STRAIGHT = 1e-3
-"""Change of heading in a cycle, rad, below which its path counts as straight."""
+STRAIGHT = 1e-3  # change of heading in a cycle, rad, below which its path counts as straight
 
 
 class TopView(NamedTuple):
@@ -60,8 +59,7 @@ def midline(nodes: Array) -> Floats:
 def lateral_offset(segment: Segment, cycles: int = 1) -> Floats:
     """Offset (t, 7) of the midline to the right of the path, cm.
 
-    The path of a cycle is the straight line or circle that it follows in the mean; for other
-    segments it is the axis of the body frame.
+    The path of a cycle is its mean line or circle, that of other segments the body axis.
     """
     if not segment.cyclic:
         return np.asarray(midline(segment.nodes)[..., 2])

@@ -26,9 +26,8 @@ def record_all(
 ) -> list[str]:
     """Write the repertoires of species to their folders; return the names of those recorded.
 
-    Repertoires that are up to date are skipped without ``force``. Segments saved by an
-    interrupted run are reused. ``progress(species, segments)`` is called when the number of
-    finished segments of a species grows.
+    Those up to date are skipped without ``force``; segments of an interrupted run are reused.
+    ``progress(species, segments)`` is called when the number of finished segments grows.
     """
     species = {name: load_species(name) for name in folders}
     done: dict[str, dict[str, Recorded]] = {}

@@ -10,19 +10,19 @@ from capture.recording.fingerprint import fingerprint
 from capture.recording.record import Recorded
 from capture.recording.workers import POLL_S, Check, Job, Results, Workers, record_job
 from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.fish.species import Species
 
 CONNECT_S = 4.0
 FETCH_S = 5.0
-NO_WORKER_S = 15.0
-"""Longest time without any worker."""
+NO_WORKER_S = 15.0  # longest time without any worker
 
 
 def dask_workers(address: str) -> Workers:
-    """Workers of the Dask cluster with a scheduler at ``address``.
+    """Workers of the Dask cluster with a scheduler at ``address``; lost jobs are repeated.
 
-    The jobs of a lost worker are repeated. UserError without the package `distributed`, without
-    an answer or a worker, or if a worker runs another version.
+    UserError without the package `distributed`, without an answer or a worker, or for a worker of
+    another version.
     """
 
     def run(jobs: Mapping[Job, Species], check: Check) -> Results:
@@ -51,10 +51,9 @@ def dask_workers(address: str) -> Workers:
 
 def _connect(address: str) -> Any:
     """A client of the scheduler."""
-    try:
-        from distributed import Client
-    except ImportError as fault:
-        raise UserError("--cluster needs Dask: install subsea[cluster]") from fault
+    require("cluster", "--cluster")
+    from distributed import Client
+
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # replaced by our own messages
     try:
         asyncio.run(asyncio.wait_for(_identify(address), CONNECT_S))

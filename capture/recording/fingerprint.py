@@ -5,7 +5,6 @@ import io
 import re
 import tokenize
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import msgspec
 import numba
 import numpy as np
 
+from subsea import __version__
 from subsea.fish.species import Species
 
 ROOT = "capture.recording.record"
@@ -27,17 +27,14 @@ def fingerprint(species: Species) -> str:
     plans = msgspec.to_builtins(species)
     for key in ("name", "scientific_name", "kind", "size_cm", "skin"):
         del plans[key]
-    known = {"plans": plans, "versions": library_versions(), "code": _code_hash()}
+    libraries = {"numpy": np.__version__, "numba": numba.__version__}
+    known = {"plans": plans, "versions": libraries, "code": _code_hash()}
     return hashlib.sha256(msgspec.json.encode(known, order="deterministic")).hexdigest()
 
 
 def library_versions() -> dict[str, str]:
-    """The versions of the packages that decide the numbers of a recording."""
-    try:
-        own = version("subsea")
-    except PackageNotFoundError:  # run from a checkout that is not installed
-        own = "checkout"
-    return {"subsea": own, "numpy": np.__version__, "numba": numba.__version__}
+    """The versions of the programs that make a recording, for its provenance."""
+    return {"subsea": __version__, "numpy": np.__version__, "numba": numba.__version__}
 
 
 @cache

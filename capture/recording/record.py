@@ -18,15 +18,11 @@ from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 
-Motion = Muscles
-"""The three plans that determine how a species moves."""
+Motion = Muscles  # the three plans that determine how a species moves
 
 
 def steady_contraction(motion: Motion, name: str) -> Floats:
-    """Contractions (6 T, 12) of one beat of a segment such as ``turn_left_gradual``.
-
-    For a sharp turn: of the beat before it.
-    """
+    """Contractions (6 T, 12) of one beat of a segment, or of the beat before a sharp turn."""
     swim = motion.swim
     kind, _, grade = name.rpartition("_")
     if kind == "swim":
@@ -51,8 +47,7 @@ def run_trial(motion: Motion, name: str) -> Trial:
     return turned._replace(warm_up_beats=trial.warm_up_beats)
 
 
-Recorded = tuple[Segment, int]
-"""A segment and the number of its warm-up beats."""
+Recorded = tuple[Segment, int]  # a segment and the number of its warm-up beats
 
 
 def record_segment(species: Species, name: str) -> Recorded:
@@ -77,10 +72,9 @@ def record_segment(species: Species, name: str) -> Recorded:
 
 
 def _surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:
-    """Bind the 426 control points of a surface to the nodes of a body (SMC eq. 9, Tu §5.4)."""
+    """Couple the 426 control points of a surface to the nodes of a body (SMC eq. 9, Tu §5.4)."""
     nodes = build_body(body).rest
-    points = rest_control_points(surface, body.length, nodes[0, 0])
-    return couple(surface.coupling, nodes, points)
+    return couple(surface.coupling, nodes, rest_control_points(surface, body.length, nodes[0, 0]))
 
 
 def motion_of(species: Species) -> Motion:
@@ -101,17 +95,14 @@ def motion_from_provenance(provenance: dict[str, Any]) -> Motion:
 
 def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, SurfacePlan]:
     """The plans of a spine-driven fish; msgspec.ValidationError without them."""
-    return (
-        msgspec.convert(provenance.get("spine"), SpinePlan),
-        msgspec.convert(provenance.get("surface"), SurfacePlan),
-    )
+    plans = provenance.get("spine"), provenance.get("surface")
+    return msgspec.convert(plans[0], SpinePlan), msgspec.convert(plans[1], SurfacePlan)
 
 
 def record_species(name: str, species: Species) -> Repertoire:
     """Record the whole repertoire of a species in this process."""
-    return assemble(
-        name, species, {segment: record_segment(species, segment) for segment in SEGMENTS}
-    )
+    segments = {segment: record_segment(species, segment) for segment in SEGMENTS}
+    return assemble(name, species, segments)
 
 
 def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repertoire:

@@ -1,8 +1,7 @@
 """Save finished segments, so that an interrupted recording can continue.
 
-A finished segment is the file ``.SPECIES.SEGMENT.recording`` in the folder of the repertoire: a
-repertoire of one segment. They are removed when the whole repertoire is written. They have no
-folder of their own, because another process that records the same species may remove it.
+Each is a repertoire of one segment, ``.SPECIES.SEGMENT.recording`` beside the final file, and is
+removed when that is written. A folder for them could be removed by another process.
 """
 
 from contextlib import suppress
@@ -21,7 +20,7 @@ def repertoire_path(folder: Path, name: str) -> Path:
 
 
 def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
-    """Whether the repertoire is complete and was recorded from exactly this species."""
+    """True if the repertoire is complete and was recorded from exactly this species."""
     repertoire = _read(repertoire_path(folder, name), name, species)
     return repertoire is not None and set(SEGMENTS) <= repertoire.segments.keys()
 

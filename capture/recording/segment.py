@@ -19,12 +19,11 @@ def make_segment(
     coupling: Coupling | None = None,
     surface: Floats | None = None,
 ) -> Segment:
-    """The segment that leads through the states ``frames`` (T + 1, 23, 3), world axes, cm.
+    """The segment of states ``frames`` (T + 1, 23, 3), world axes, cm.
 
     Row k holds the increment from state k to k + 1 in the body axes of state k, (Rᵏ)ᵀ Rᵏ⁺¹, and
-    the deformation at k + 1. (SMC eq. 6 gives the rotation in world axes, which holds only for
-    the heading of the recorded fish.) The control points come from ``coupling`` (SMC eq. 9) or
-    are ``surface`` (T + 1, 426, 3), in world axes.
+    the deformation at k + 1; SMC eq. 6, in world axes, holds only for the recorded heading. Control
+    points come from ``coupling`` (SMC eq. 9) or ``surface`` (T + 1, 426, 3), world axes.
     """
     origin, rotation = body_frame(frames)
     turn = np.swapaxes(rotation[:-1], -1, -2) @ rotation[1:]

@@ -11,8 +11,8 @@ from capture.recording.segment import make_segment
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
-from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, carried, flapped, spines
-from subsea.fish.surface import SurfacePlan, along, fitted, rest_surface
+from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, bend_points, flap_wings, pose_spine
+from subsea.fish.surface import SurfacePlan, along, fit_control_points, rest_surface
 from subsea.repertoire import Segment
 
 PATH_STEPS = 20000  # steps of the integration of a path
@@ -46,11 +46,7 @@ class SwimPath(NamedTuple):
 
 
 def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
-    """Record the segment ``name`` with its control points.
-
-    23 nodes are too few for the wave of an eel or the wing of a ray, so the surface is always
-    computed from the spine.
-    """
+    """Record the segment ``name`` with control points: 23 nodes are too few for eels and rays."""
     kind, _, grade = name.rpartition("_")
     motion = spine_motion(plan, surface, name)
     return make_segment(
@@ -72,12 +68,13 @@ def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotio
     # A right turn is the mirror image of a left one: its beat begins half a beat later.
     side = 0.5 if path.turn < 0 else 0.0
     around = path.heading(travelled[:, None] + plan.centre - MIDDLES) - heading[:, None]
-    spine = spines(plan, beat + side, gait.amplitude, around, unit_mass(surface))
+    spine = pose_spine(plan, beat + side, gait.amplitude, around, unit_mass(surface))
     rest = np.concatenate([rest_nodes(plan, surface), rest_surface(surface)])
-    body = rest
     if plan.wings:
-        body = flapped(plan.wings, rest, half_span(surface), beat, gait.amplitude)
-    moved = roll(carried(spine, body), bank_angle(plan, path, travelled))
+        body = flap_wings(plan.wings, rest, half_span(surface), beat, gait.amplitude)
+    else:
+        body = rest
+    moved = roll(bend_points(spine, body), bank_angle(plan, path, travelled))
     # The body frame follows the path without sway and bank, so that playback can steer it.
     moved[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest[FRAME_NODES] * (-1, 1, 1)
     c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
@@ -92,7 +89,9 @@ def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotio
         axis=-1,
     )
     world *= plan.length
-    return SpineMotion(world[:, :NODES], np.asarray(fitted(world[:, NODES:]), np.float64))
+    return SpineMotion(
+        world[:, :NODES], np.asarray(fit_control_points(world[:, NODES:]), np.float64)
+    )
 
 
 def gait_and_path(plan: SpinePlan, name: str) -> tuple[SpineGait, int, SwimPath]:
@@ -124,9 +123,9 @@ def path_points(path: SwimPath, travelled: Array) -> Array:
 
 
 def bank_angle(plan: SpinePlan, path: SwimPath, travelled: Array) -> Array:
-    """Bank angle of the fish on its path, rad, positive with its left side down.
+    """Bank angle on the path, rad, left side down positive, proportional to the curvature.
 
-    Proportional to the curvature; `bank` is reached at the greatest curvature of a sharp turn.
+    `bank` is reached at the greatest curvature of a sharp turn.
     """
     _, _, sharp = gait_and_path(plan, "turn_left_sharp")
     step = 1e-4
@@ -162,10 +161,10 @@ def nodes_at_rest(plan: SpinePlan, surface: SurfacePlan) -> Array:
 
 
 def rest_nodes(plan: SpinePlan, surface: SurfacePlan) -> Array:
-    """The 23 nodes (23, 3) at rest, (distance behind the snout, up, right), body lengths.
+    """The nodes (23, 3) at rest, (distance behind the snout, up, right), body lengths.
 
-    They are in the order of the mass-spring fish, in rings around the spine. The second ring,
-    which defines the body frame, is at the centre; on rays its neighbours lie on the wings.
+    They are in rings around the spine, in the order of the mass-spring fish. The second ring is at
+    the centre; on rays its neighbours lie on the wings.
     """
     c = plan.centre
     stations = np.array([0.0, c / 2, c, *np.linspace(c, 1.0, 5)[1:]])

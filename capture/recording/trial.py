@@ -1,7 +1,7 @@
-"""Let the simulated fish swim or turn, and return its nodes.
+"""Simulate a fish that swims or turns.
 
-Trials begin and end at phase 0 of a tail beat, for right turns half a beat later, so that a right
-turn is the exact mirror image of a left one.
+Trials begin and end at phase 0 of a tail beat. Right turns begin half a beat later, so that they
+are exact mirror images of left ones.
 """
 
 from typing import NamedTuple
@@ -25,8 +25,7 @@ from subsea.core.errors import UserError
 
 MIN_WARM_UP = 24
 MAX_WARM_UP = 1000
-CLOSURE_GOAL = 1e-9
-"""Loop closure of a steady beat, body lengths."""
+CLOSURE_GOAL = 1e-9  # loop closure of a steady beat, body lengths
 STRAIGHT = (0.0, 0.0)
 
 

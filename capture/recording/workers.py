@@ -1,7 +1,7 @@
 """Record segments in this process or in a pool of processes, with the same result.
 
-A job is one segment of one species. Workers are a function that takes jobs and yields each with
-its result, in any order, as soon as it is finished.
+A job is one segment of one species. Workers are functions that take jobs and yield each with its
+result, in any order.
 """
 
 import signal
@@ -22,8 +22,7 @@ Results = Generator[tuple[Job, Recorded], None, None]
 Workers = Callable[[Mapping[Job, Species], Check], Results]
 
 POLL_S = 0.2
-MAX_CRASHES = 3
-"""Crashes of worker processes after which recording stops."""
+MAX_CRASHES = 3  # crashes of worker processes after which recording stops
 
 
 def record_job(job: Job, species: Species) -> Recorded:
@@ -82,10 +81,9 @@ def _in_pool(number: int, jobs: Mapping[Job, Species], check: Check) -> Results:
 
 @contextmanager
 def _ctrl_c_blocked() -> Iterator[None]:
-    """Block Ctrl-C in processes that are started inside; they inherit the signal mask.
+    """Block Ctrl-C in processes that are started inside, which inherit the signal mask.
 
-    A terminal sends Ctrl-C to all processes of a group; only the main one shall react, after
-    this block. A process that blocked it by itself could be interrupted before.
+    A terminal sends Ctrl-C to all processes of a group; only the main one reacts, after this block.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:

@@ -5,7 +5,7 @@ import numpy as np
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import pass_leadership, remove
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import Vector, minus, norm, vector
+from subsea.geometry.vector import minus, norm, vector
 from subsea.state import (
     BAIT,
     EAT,
@@ -46,7 +46,8 @@ def in_reach(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) -> 
 def approach(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> None:
     """Head for the bait, with an open mouth once it is near."""
     minds.target[i] = BAIT
-    distance = chase(fishes, minds, i, vector(sea.hook), _motion(sea))
+    sink = -sea.tackle[3] if sea.catch[0] == SINKING else 0.0
+    distance = chase(fishes, minds, i, vector(sea.hook), (0.0, 0.0, sink))
     fishes.gape[i] = 1.0 if distance < OPEN_BL * fishes.length[i] else 0.0
 
 
@@ -80,9 +81,3 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         if fishes.position[i, 2] > OUT_BL * fishes.length[i]:
             sea.catch[1] = NOBODY
             remove(fishes, minds, i)
-
-
-@kernel
-def _motion(sea: Sea) -> Vector:
-    """Velocity of the bait, cm/s."""
-    return (0.0, 0.0, -sea.tackle[3] if sea.catch[0] == SINKING else 0.0)

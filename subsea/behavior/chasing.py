@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate, x_axis
-from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.state import Fishes, Minds
 
 NEAR_BL = 1.5  # distance within which a fish slows down, for better control
@@ -20,10 +20,8 @@ FORESIGHT_S = 2.0  # how far ahead the motion of a target is predicted
 def chase(fishes: Fishes, minds: Minds, i: int, target: Vector, velocity: Vector) -> float:
     """Head for a target (cm) that moves at `velocity` (cm/s); returns its distance from the mouth.
 
-    The fish aims at the point of interception. It swims at full speed while that is far, and
-    slows down as it approaches. It slows down further while its turning circle is too wide to
-    slows down as it approaches. It slows down further while a target beside it lies inside its
-    turning circle; otherwise it would circle the target for ever.
+    The fish aims at the point of interception. It slows down as it approaches, and further while a
+    target beside it lies inside its turning circle; otherwise it would circle it for ever.
     """
     mouth = mouth_of(fishes, i)
     toward = minus(target, mouth)
@@ -54,8 +52,7 @@ def follow(fishes: Fishes, minds: Minds, i: int, j: int) -> None:
 @kernel
 def set_urge(minds: Minds, i: int, urge: Vector) -> None:
     """Set the direction in which fish i wants to go."""
-    for axis in range(3):
-        minds.urge[i, axis] = urge[axis]
+    store(minds.urge[i], urge)
 
 
 @kernel

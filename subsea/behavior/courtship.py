@@ -68,7 +68,7 @@ ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])
 def approach(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Chase her; if she intends to mate, the place before her head where he displays."""
     for i in who:
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         if minds.intention[j] == MATE:
             chase(fishes, minds, i, stage(fishes, i, j), vector(fishes.velocity[j]))
             continue
@@ -81,7 +81,7 @@ def arrived(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
     done = np.zeros(len(who), np.bool_)
     for k in range(len(who)):
         i = who[k]
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         distance = norm(minus(stage(fishes, i, j), mouth_of(fishes, i)))
         near = distance < DISPLAY_BL * 0.5 * (fishes.length[i] + fishes.length[j])
         done[k] = near and minds.intention[j] == MATE
@@ -95,7 +95,7 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
         if not minds.male[i]:
             hover(fishes, minds, i, BOB_SLOPE * np.sin(_beat(fishes, i, BOB_HZ, clock)))
             continue
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         swing = _beat(fishes, i, SWING_HZ, clock) + 2.0 * np.pi * fishes.identity[i]
         height = SWING_BL * fishes.length[i] * np.sin(swing)
         point = plus(stage(fishes, i, j), (0.0, 0.0, height))
@@ -149,7 +149,7 @@ def chosen(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
 def circle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
     """Each chases the other's tail in the same sense; her turns are counted."""
     for i in who:
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         male = i if minds.male[i] else j
         way = 1.0 if fishes.identity[male] < 0.5 else -1.0
         toward = plus(
@@ -190,7 +190,7 @@ def ascend(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
     """She ascends fast, then hovers; he follows her abdomen."""
     for i in who:
         if minds.male[i]:
-            j = minds.partner[i]
+            j = np.int64(minds.partner[i])
             under = minus(abdomen_of(fishes, j), (0.0, 0.0, BELOW_BL * fishes.length[i]))
             toward = minus(under, mouth_of(fishes, i))
             speed = min(norm(toward) / fishes.length[i], 1.0)
@@ -213,7 +213,7 @@ def ascended(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Bools:
         i = who[k]
         if minds.male[i] or not _at_top(fishes, minds, i):
             continue
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         distance = norm(minus(abdomen_of(fishes, i), mouth_of(fishes, j)))
         done[k] = distance < FOLLOWED_BL * fishes.length[j]
     return done

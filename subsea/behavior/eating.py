@@ -23,7 +23,7 @@ SUCK_BL = 0.28  # reach of the suction ...
 SUCK_CM_S = 25.0  # ... and its speed
 SWALLOW_BL = 0.06  # distance at which a speck is in the mouth
 ABSENCE_S = (40.0, 90.0)  # until a speck that was eaten is replaced
-ABSENCE_PURPOSE = 60  # key of the random numbers
+ABSENCE_PURPOSE = np.int64(60)  # key of the random numbers
 
 
 @kernel

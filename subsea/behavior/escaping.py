@@ -79,8 +79,7 @@ def danger_of(fishes: Fishes, minds: Minds, i: int, sea: Sea, nature: Nature) ->
         dread = float(minds.dread[i])
     toward = minus(there, vector(fishes.position[i]))
     distance = max(norm(toward), 1e-6)
-    ahead = x_axis(fishes.orientation[i])
-    course = velocity
+    ahead, course = x_axis(fishes.orientation[i]), velocity
     if j != SUBMARINE:
         course = x_axis(fishes.orientation[j])
     elif norm(velocity) < ADRIFT_CM_S:

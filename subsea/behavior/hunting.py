@@ -8,7 +8,7 @@ from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
@@ -150,7 +150,7 @@ def suction(toward: Vector, length: float, dt: float) -> Vector:
     """
     distance, reach = norm(toward), SUCK_BL * length
     if distance >= reach or distance < 1e-6:
-        return (0.0, 0.0, 0.0)
+        return ZERO
     speed = min(SUCK_BL_S * length * (1.0 - distance / reach), distance / dt)
     return times(speed / distance, toward)
 

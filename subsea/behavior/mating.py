@@ -1,14 +1,13 @@
-"""Mating: choose a partner, and begin and end courtships (Tu §7.9.3).
+"""Begin and end courtships (Tu §7.9.3), whose states are in `behavior/courtship.py`."""
 
-`behavior/courtship.py` has the states of a courtship.
-"""
+import numpy as np
 
 from subsea.behavior.chasing import follow
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, enter, perform
 from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
+from subsea.geometry.vector import minus, norm, plus, store, times, vector
 from subsea.state import (
     APPROACHING,
     CIRCLING,
@@ -102,7 +101,7 @@ def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
         if minds.shunning[i] <= 0.0:
             minds.shunning[i] = 0.0
             minds.shunned[i] = NOBODY
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         if j == NOBODY:
             continue
         state = minds.courtship[i]
@@ -123,13 +122,12 @@ def end_courtships(who: Ints, fishes: Fishes, minds: Minds) -> None:
 @kernel
 def _is_alone(fishes: Fishes, minds: Minds, i: int) -> bool:
     """True if the partner attends to something else, or is out of sight."""
-    j = minds.partner[i]
+    j = np.int64(minds.partner[i])
     if minds.intention[i] != MATE or minds.intention[j] != MATE:
         return True
     if minds.courtship[i] > APPROACHING and minds.partner[j] != i:
         return True
-    away = norm(minus(vector(fishes.position[i]), vector(fishes.position[j])))
-    return away > LOST_CM
+    return norm(minus(vector(fishes.position[i]), vector(fishes.position[j]))) > LOST_CM
 
 
 @kernel
@@ -139,7 +137,7 @@ def enter_next_state(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> N
     The male begins looping alone; she notices by herself. After the last state both have mated.
     """
     for i in who:
-        j = minds.partner[i]
+        j = np.int64(minds.partner[i])
         after = minds.courtship[i] + 1
         if after == LOOPING:
             enter(fishes, minds, i, after)
@@ -166,7 +164,7 @@ def _may_court(fishes: Fishes, minds: Minds, i: int, j: int) -> bool:
 @kernel
 def _part(fishes: Fishes, minds: Minds, i: int) -> None:
     """End the courtship of fish i: turn away from the partner and shun it for a while."""
-    j = minds.partner[i]
+    j = np.int64(minds.partner[i])
     enter(fishes, minds, i, NO_COURTSHIP)
     minds.partner[i] = NOBODY
     minds.target[i] = NOBODY
@@ -174,8 +172,6 @@ def _part(fishes: Fishes, minds: Minds, i: int) -> None:
     minds.shunning[i] = SHUN_S
     away = minus(vector(fishes.position[i]), vector(fishes.position[j]))
     away = (away[0], away[1], 0.3 * away[2])
-    size = max(norm(away), 1e-3)
-    place: Vector = plus(vector(fishes.position[i]), times(APART_CM / size, away))
-    for axis in range(3):
-        minds.waypoint[i, axis] = place[axis]
+    away = times(APART_CM / max(norm(away), 1e-3), away)
+    store(minds.waypoint[i], plus(vector(fishes.position[i]), away))
     minds.patience[i] = PARTING_S

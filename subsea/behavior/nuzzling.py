@@ -46,7 +46,7 @@ def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
 def _nudge(fishes: Fishes, minds: Minds, i: int, toward: Vector, distance: float) -> None:
     """Nudge the abdomen from below and straight; break off any other approach."""
     length = fishes.length[i]
-    slope = _slope(toward)
+    slope = toward[2] / max(np.sqrt(toward[0] * toward[0] + toward[1] * toward[1]), 1e-6)
     if slope < SLOPES[0] and distance > GATHER_BL * length:
         toward = plus(toward, (0.0, 0.0, -BELOW_BL * length))
     turn = steer(fishes, minds, i, toward)
@@ -75,12 +75,6 @@ def _retreat(fishes: Fishes, minds: Minds, i: int, toward: Vector) -> None:
     fishes.goal_speed[i] = BACKING
     if steep:
         minds.courtship_mark[i] = max(minds.courtship_mark[i], WAIT_S + MORE_S)
-
-
-@kernel
-def _slope(toward: Vector) -> float:
-    level = np.sqrt(toward[0] * toward[0] + toward[1] * toward[1])
-    return float(toward[2] / max(level, 1e-6))
 
 
 @kernel

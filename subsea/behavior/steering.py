@@ -8,7 +8,7 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
-from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
@@ -147,5 +147,4 @@ def ease_goals(fishes: Fishes, minds: Minds, clock: Clock) -> None:
         warning = float(minds.preference[i, LEFT if left else RIGHT])
         angle = share * min(1.0, 1.5 + warning) * np.arctan2(sine, along)
         wish = unit(plus(times(np.cos(angle), now), times(np.sin(angle), across)))
-        for axis in range(3):
-            fishes.goal_direction[i, axis] = wish[axis]
+        store(fishes.goal_direction[i], wish)

@@ -1,4 +1,4 @@
-"""Struggling on the hook, before all else (Tu §10.1)."""
+"""Struggling on the hook, the most urgent behavior (Tu §10.1)."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 HOLD_TICKS = 14  # how long a direction is held
 DIVE = 0.3, 0.6  # slope downward
 GASP = 0.6  # how far the mouth is held open
-HEADING_PURPOSE, DIVE_PURPOSE = 70, 71  # keys of the random numbers
+HEADING_PURPOSE, DIVE_PURPOSE = np.int64(70), np.int64(71)  # keys of the random numbers
 
 
 @kernel

@@ -9,7 +9,7 @@ from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
-from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, store, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 ROAM = 0.8  # share of the sea's radius within which waypoints lie
@@ -26,7 +26,7 @@ CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and 
 LEADING = 0.45  # a leader keeps its school moving
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
 WAITING = 0.2  # its speed while no companion is near, or many are left behind
-ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = range(4)
+ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) for key in range(4))
 
 
 @kernel
@@ -84,9 +84,7 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
         depth = uniform(clock.seed, i, tick, DEPTH_PURPOSE) ** 1.6
         rise = SLOPE * np.sqrt((x - here[0]) ** 2 + (y - here[1]) ** 2)
         z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
-        minds.waypoint[i, 0] = x
-        minds.waypoint[i, 1] = y
-        minds.waypoint[i, 2] = max(z, floor)
+        store(minds.waypoint[i], (x, y, max(z, floor)))
         there = vector(minds.waypoint[i])
         if _is_free(sea, there) and (not minds.leads[i] or is_broad(sea, here, there)):
             break

@@ -1,7 +1,7 @@
 """The mass-spring-damper fish at rest: 23 nodes, 91 viscoelastic units (Tu §4.2, figs. 4.2, 4.6).
 
-Node 0 is the nose; five rings of four follow, each ordered upper left, upper right, lower right,
-lower left; nodes 21 and 22 are the upper and lower tail tips.
+Node 0 is the nose, followed by five rings of four nodes from the upper left on clockwise as seen
+from behind; nodes 21 and 22 are the upper and lower tail tips.
 """
 
 from typing import NamedTuple
@@ -61,29 +61,24 @@ def _faces() -> tuple[list[tuple[int, int, int]], list[float]]:
     triangles: list[tuple[int, int, int]] = []
     weights: list[float] = []
 
-    def add(corners: tuple[int, ...]) -> None:
-        a, b, c, *rest = corners
-        if not rest:
-            triangles.append((a, b, c))
-            weights.append(1.0)
-            return
-        d = rest[0]
+    def add_quad(a: int, b: int, c: int, d: int) -> None:
         triangles.extend([(a, b, c), (a, c, d), (b, c, d), (b, d, a)])
         weights.extend([0.5] * 4)
 
     first = _ring(0)
     for place in range(4):
-        add((0, first[place], first[(place + 1) % 4]))
+        triangles.append((0, first[place], first[(place + 1) % 4]))
+        weights.append(1.0)
     for number in range(RINGS - 1):
         front, back = _ring(number), _ring(number + 1)
         for place in range(4):
             beside = (place + 1) % 4
-            add((front[place], back[place], back[beside], front[beside]))
+            add_quad(front[place], back[place], back[beside], front[beside])
     a, b, c, d = _ring(4)
-    add((d, LOWER_TAIL, UPPER_TAIL, a))
-    add((b, UPPER_TAIL, LOWER_TAIL, c))
-    add((a, UPPER_TAIL, b))
-    add((c, LOWER_TAIL, d))
+    add_quad(d, LOWER_TAIL, UPPER_TAIL, a)
+    add_quad(b, UPPER_TAIL, LOWER_TAIL, c)
+    triangles += [(a, UPPER_TAIL, b), (c, LOWER_TAIL, d)]
+    weights += [1.0, 1.0]
     return triangles, weights
 
 
@@ -94,8 +89,7 @@ KINDS: Ints = np.repeat(np.arange(3), [len(_MUSCLE), len(_CROSS), len(_OTHER)])
 """0 muscle, 1 cross, 2 other, for each unit (91,)."""
 TRIANGLES: Ints = np.array(_faces()[0])
 """Hull triangles (78, 3), corners anticlockwise from outside."""
-TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])
-"""Share of each triangle in the water force (78,)."""
+TRIANGLE_WEIGHTS: Floats = np.array(_faces()[1])  # share of each triangle in the water force (78,)
 
 HALF_BANDWIDTH = int((UNITS[:, 1] - UNITS[:, 0]).max())
 """Greatest difference of node numbers in a unit, 7: half the bandwidth of the matrix."""

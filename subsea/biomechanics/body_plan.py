@@ -6,17 +6,13 @@ from typing import Annotated, NamedTuple
 
 import msgspec
 
-NODES_AT_STATION = (1, 4, 4, 4, 4, 4, 2)
-"""Nose, five rings of four, two tail tips."""
-MODEL_LENGTHS = (10.0, 40.0)
-"""cm; far from Tu's 20 cm his time step and muscle speed fit no fish."""
+NODES_AT_STATION = (1, 4, 4, 4, 4, 4, 2)  # nose, five rings of four, two tail tips
+MODEL_LENGTHS = (10.0, 40.0)  # cm; far from Tu's 20 cm his time step and muscle speed fit no fish
 SHORTEST_SECTION = 0.02
 HALF_SIZES = (0.005, 0.45)
 """Least and greatest half-width or half-height of a ring, in body lengths."""
-LONGEST = 1000.0
-"""Longest part of a turn in ticks: half a minute."""
-DENSITIES = (0.3, 6.0)
-"""g per cm³ between the nodes: water, with room for tissue around the nodes."""
+LONGEST = 1000.0  # longest part of a turn in ticks: half a minute
+DENSITIES = (0.3, 6.0)  # g per cm³ between the nodes: water, with room for tissue around the nodes
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]

@@ -13,13 +13,10 @@ from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES, Body,
 from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.solver import STEPS_PER_TICK
 
-S_MAX = 0.075
-"""Greatest change of a muscle's rest length in one step, cm (Tu §4.6.1)."""
+S_MAX = 0.075  # greatest change of a muscle's rest length in one step, cm (Tu §4.6.1)
 LEFT, RIGHT = 1.0, -1.0
-WIDEST_TURN = 90.0
-"""Widest single turn in degrees; wider ones are split (Tu §4.6.1)."""
-SETTLE_TICKS = 4
-"""Time in which a straightened body comes to rest."""
+WIDEST_TURN = 90.0  # widest single turn in degrees; wider ones are split (Tu §4.6.1)
+SETTLE_TICKS = 4  # time in which a straightened body comes to rest
 
 
 class SpeedMap(NamedTuple):
@@ -74,20 +71,19 @@ def steering(plan: TurnPlan, angle: float) -> Steering:
     Below the first row the contraction shrinks in proportion; above the last it is the last.
     """
     angles = [row.angle for row in plan.steering]
-
-    def at(values: list[float]) -> float:
-        return float(np.interp(angle, angles, values))
-
+    rows = [
+        (*row.contraction, row.bend_ticks, row.hold_ticks, row.restore_ticks)
+        for row in plan.steering
+    ]
+    front, back, *ticks = (float(np.interp(angle, angles, v)) for v in zip(*rows, strict=True))
     scale = min(1.0, angle / angles[0])
+    bend, hold, restore = ticks
     return Steering(
         angle=angle,
-        contraction=(
-            scale * at([row.contraction[0] for row in plan.steering]),
-            scale * at([row.contraction[1] for row in plan.steering]),
-        ),
-        bend_ticks=at([row.bend_ticks for row in plan.steering]),
-        hold_ticks=at([row.hold_ticks for row in plan.steering]),
-        restore_ticks=at([row.restore_ticks for row in plan.steering]),
+        contraction=(scale * front, scale * back),
+        bend_ticks=bend,
+        hold_ticks=hold,
+        restore_ticks=restore,
     )
 
 
@@ -110,10 +106,9 @@ def turn_beats(swim: SwimPlan, row: Steering) -> int:
 def turn_contraction(swim: SwimPlan, turn: TurnPlan, angle: float, phase: float = 0.0) -> Floats:
     """Contractions (6 T, 12) of a turn by ``angle`` degrees, left positive: turn-MC (Tu §4.6.1).
 
-    The fish swims steadily at grade medium and is at ``phase`` radians of its beat; the steering
-    map holds for a left turn at phase 0 and for a right one at π. The tail keeps beating. A turn
-    wider than :data:`WIDEST_TURN` is a sequence of equal smaller ones. Each lasts a whole number
-    of beats, so that the fish ends at the phase at which it began.
+    It begins in steady swimming at grade medium, at ``phase`` radians of the beat; the steering
+    map holds for left turns at phase 0 and right ones at π. A turn wider than WIDEST_TURN is a
+    sequence of equal smaller ones, each of a whole number of beats.
     """
     side = LEFT if angle >= 0 else RIGHT
     parts = max(1, int(np.ceil(abs(angle) / WIDEST_TURN)))

@@ -10,10 +10,8 @@ from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGL
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.simulation import BodyState
 
-EDGE_ON = np.pi / 2
-"""Orientation at which a fin cuts the water without force."""
-BROADSIDE = np.pi
-"""Orientation at which a fin meets the water with its whole area."""
+EDGE_ON = np.pi / 2  # orientation at which a fin cuts the water without force
+BROADSIDE = np.pi  # orientation at which a fin meets the water with its whole area
 STEEPEST = np.pi / 4
 """Angle by which a fin turns from edge-on to ascend, descend or balance (Tu §4.6.2)."""
 ROLL_GAIN, PITCH_GAIN = 2.0, 6.0
@@ -47,8 +45,8 @@ def pectoral_force(
 def ascend(state: BodyState, angle: float) -> tuple[float, float]:
     """Left and right fin that make a swimming fish climb at ``angle`` radians, up to π/2.
 
-    Tu's ascend-MC maps the angle to an orientation; but a constant lift would turn the fish over,
-    so here it fades as the fish reaches the angle. It also balances.
+    Tu's ascend-MC maps the angle to an orientation. Here the lift fades as the fish reaches the
+    angle, because a constant one would turn it over. Roll is balanced too.
     """
     rotation = body_frame(state.x)[1]
     roll = ROLL_GAIN * (rotation[:, 2] @ UP)
@@ -75,10 +73,9 @@ def brake() -> tuple[float, float]:
 def backward(body: Body, area: float, speed: float) -> float:
     """Rowing speed, cm/tu, of fins of ``area`` cm² for a steady retreat at ``speed`` cm/tu.
 
-    The straight body glides (glide-MC) and the fins, broadside, sweep forwards: use the result as
-    ``rowing`` in :func:`pectoral_force`. Tu assumes a force proportional to the rowing
-    speed, here a fin acts as a plate (Tu eq. 4.3) that balances the drag of the hull at the speed
-    of the retreat, and braking is rowing at rest.
+    It is the ``rowing`` of :func:`pectoral_force` at which broadside fins of a gliding fish balance
+    the drag of its hull. Tu assumes a force proportional to the rowing speed; here a fin is a plate
+    (Tu eq. 4.3).
     """
     a, b, c = (body.rest[TRIANGLES[:, corner]] for corner in range(3))
     twice = np.cross(b - a, c - a)

@@ -11,17 +11,13 @@ from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floa
 from subsea.biomechanics.water import add_water_force
 from subsea.core.kernels import kernel
 
-STEP = 0.055
-"""Time step in tu (Tu §4.5.2): 5.5 ms."""
-STEPS_PER_TICK = 6
-"""Steps between two recorded frames: one tick is 0.33 tu."""
+STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
+STEPS_PER_TICK = 6  # steps between two recorded frames: one tick is 0.33 tu
 TIME_UNIT_S = 0.1
-TICK_S = STEP * STEPS_PER_TICK * TIME_UNIT_S
-"""One tick, 0.033 s."""
+TICK_S = STEP * STEPS_PER_TICK * TIME_UNIT_S  # one tick, 0.033 s
 STRAIN_LIMITS = (0.65, 1.4)
 """Limits of length over rest length; beyond, a ring may have turned inside out."""
-ROWS = NODES + HALF_BANDWIDTH
-"""Rows of the padded band and of the load."""
+ROWS = NODES + HALF_BANDWIDTH  # rows of the padded band and of the load
 
 
 @kernel

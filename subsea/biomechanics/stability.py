@@ -12,8 +12,7 @@ from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.solver import STEP
 
-ROUNDS = 4
-"""Number of rounds. Two are exact to 1e-6 for a fish; extreme bodies may need more."""
+ROUNDS = 4  # number of rounds. Two are exact to 1e-6 for a fish; extreme bodies may need more
 
 
 def check_step(plan: BodyPlan) -> None:

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import add_command, number_reader
+from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError, unknown
 
-MOTORS = ("playback", "dynamics")
 STAGES_TO_LEAVE_OUT = ("culling", "lod")
 
 
@@ -17,9 +16,10 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "benchmark",
-        "measure how long every stage of a frame takes",
-        "Each frame is one tick of the world and one picture, without a window; docs/diving.md\n"
-        "gives the formula of every figure. --paper measures what the 1999 paper measured.",
+        "measure the time of each stage of a frame",
+        "Each frame is one tick of the world and one picture, without a window;\n"
+        "docs/developers/benchmarks.md gives the formula of every figure. --paper\n"
+        "measures what the 1999 paper measured.",
         [
             "subsea benchmark --frames 120 --json report.json",
             "subsea benchmark --fish 60,1000,10000 --tour reef --compare report.json",
@@ -28,65 +28,59 @@ def add(commands: Any) -> None:
             "subsea benchmark --paper",
         ],
     )
-    shared.add_scenario(parser)
+    shared.add(parser, *shared.SCENARIO)
     parser.add_argument(
         "--fish",
         type=_fish_counts,
+        default=(None,),
         metavar="N,…",
-        help="total number of fishes, instead of the scenario's; several, separated by commas, "
-        "are measured one after another",
+        help="total numbers of fishes, measured in turn (default: the scenario's)",
     )
-    parser.add_argument(
-        "--tour",
-        default="auto",
-        metavar="NAME",
-        help="one of the scenario's tours, directed, or auto, which goes where something happens "
-        "(default auto)",
-    )
+    shared.add(parser, "tour")
     parser.add_argument(
         "--frames",
         type=number_reader(int, 1, 100_000),
         default=120,
         metavar="N",
-        help="frames that count, after the warm-up (default 120)",
+        help="frames to measure after the warm-up (default 120)",
     )
-    shared.add_theatre(parser)
-    shared.add_size(parser)
+    shared.add(parser, "theatre", "shrink", "size")
     shared.add_quality(parser, "low")
-    shared.add_target(parser)
-    shared.add_display(parser)
-    shared.add_seed(parser)
+    shared.add(parser, "target-ms", "display", "seed")
     parser.add_argument(
         "--without",
         type=_left_out,
         default=frozenset(),
         metavar="LIST",
-        help=f"leave out, separated by commas: {', '.join(STAGES_TO_LEAVE_OUT)}",
+        help=f"stages to leave out, separated by commas: {', '.join(STAGES_TO_LEAVE_OUT)}",
     )
     parser.add_argument(
         "--motor",
-        type=_motor,
+        choices=("playback", "dynamics"),
         default="playback",
         metavar="MOTOR",
-        help="playback, or dynamics: every fish with muscles is simulated (default playback)",
+        help="playback (default) or dynamics: simulate every fish with muscles",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the report there")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the report")
     parser.add_argument(
         "--compare",
         type=Path,
         metavar="FILE",
-        help="compare with an older report of --json: how many times faster",
+        help="compare with an older report of --json",
     )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="write the times of every frame")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write the times of each frame")
     parser.add_argument(
         "--plot",
         type=Path,
         metavar="FILE",
-        help="plot the times of every frame as PNG (needs matplotlib: subsea[plot])",
+        help="plot the times of each frame (PNG); needs the extra `plot`",
     )
     parser.add_argument(
-        "--paper", action="store_true", help="tables 3 and 4 of the 1999 paper for this machine"
+        "--paper",
+        action="store_true",
+        help="print tables 3 and 4 of the 1999 paper for this machine",
     )
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
@@ -96,12 +90,6 @@ def _fish_counts(text: str) -> tuple[int, ...]:
     if len(set(counts)) < len(counts):
         raise ArgumentTypeError(f"{text!r}: expected every number once")
     return counts
-
-
-def _motor(text: str) -> str:
-    if text not in MOTORS:
-        raise unknown("motor", text, list(MOTORS))
-    return text
 
 
 def _left_out(text: str) -> frozenset[str]:
@@ -126,25 +114,4 @@ def run(options: Namespace) -> int:
     shared.check_display_without_window(options.display)
     shared.check_target(options)
     shared.settle_size(options)
-    return benchmark(
-        BenchmarkOptions(
-            scenario=options.scenario,
-            changes=options.changes,
-            seed=options.seed,
-            fish=options.fish or (None,),
-            motor=options.motor,
-            tour=options.tour,
-            frames=options.frames,
-            without=options.without,
-            display=options.display,
-            size=options.size,
-            theatre=options.theatre,
-            shrink=options.shrink,
-            quality=options.quality,
-            target_ms=options.target_ms,
-            json=options.json,
-            compare=options.compare,
-            csv=options.csv,
-            plot=options.plot,
-        )
-    )
+    return benchmark(BenchmarkOptions(**shared.fields_of(BenchmarkOptions, options)))

@@ -12,10 +12,10 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "build",
-        "build a fish in a window: outline, scaffold, muscles",
-        "A new species begins as a copy of another one and is saved in your own folder. Drag its\n"
-        "points in a side view and a top view; beside them it swims by its own muscles, and\n"
-        "checks list what is missing. Learn and Record make it swim in the sea: docs/builder.md.",
+        "build a fish in a window",
+        "Starts from a copy of a species, which is saved in your own folder. Drag its points in a\n"
+        "side view and a top view; a preview swims by its own muscles, and checks list what is\n"
+        "missing. Learn and Record make it swim in the sea: docs/how-to/builder.md.",
         ["subsea build", "subsea build clownfish", "subsea build my_fish --over fish.jpg"],
     )
     parser.add_argument(
@@ -24,13 +24,13 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--in-place",
         action="store_true",
-        help="save a species that comes with the program into its own file, not under a new name",
+        help="save a shipped species to its own file",
     )
     parser.add_argument(
         "--over",
         type=Path,
         metavar="PHOTO",
-        help="show a photograph from the side behind the side view, to draw over",
+        help="photograph to trace in the side view",
     )
     parser.set_defaults(run=run)
 

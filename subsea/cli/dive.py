@@ -4,7 +4,7 @@ import argparse
 import gc
 import os
 import sys
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, Namespace
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +24,8 @@ def add(commands: Any) -> None:
         commands,
         "dive",
         "pilot the submarine in a window",
-        "Point where you want to look, hold the left button to go there, press the wheel or\n"
-        "the space bar to stop. H shows every control, Esc opens the menu.",
+        "Point to look, hold the left button to go there, press the space bar to stop. H lists\n"
+        "the controls, Esc opens the menu.",
         [
             "subsea dive",
             "subsea dive --fullscreen --seed 3",
@@ -33,20 +33,15 @@ def add(commands: Any) -> None:
             "subsea dive --theatre three-projectors --shrink 4",
         ],
     )
-    shared.add_scenario(parser)
-    shared.add_display(parser)
-    shared.add_theatre(parser)
+    shared.add(parser, *shared.SCENARIO, "display", "theatre", "shrink")
     parser.add_argument(
         "--node",
         metavar="NAME",
-        help="which of a theatre's computers this is, when each shows its own windows: "
-        "docs/cluster.md",
+        help="this computer's node of the theatre: docs/how-to/cluster.md",
     )
-    shared.add_stereo(parser)
-    shared.add_surround(parser)
-    shared.add_size(parser)
+    shared.add(parser, *shared.STEREO, *shared.SURROUND, "size")
     shared.add_quality(parser, "auto")
-    shared.add_target(parser)
+    shared.add(parser, "target-ms")
     parser.add_argument(
         "--fullscreen",
         action=argparse.BooleanOptionalAction,
@@ -55,55 +50,50 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--tour",
         metavar="NAME",
-        help="follow one of the scenario's tours, directed (the camera of its directions) or auto, "
-        "until somebody steers, and again when nobody has steered for a while",
+        help="tour of the scenario, directed (the camera of its directions) or auto; pauses while "
+        "somebody steers",
     )
     parser.add_argument(
         "--attract",
         type=number_reader(float, 0, 1440),
         metavar="MIN",
-        help="minutes without input until a tour begins by itself; 0: never",
+        help="minutes without input until a tour begins; 0: never",
     )
     parser.add_argument(
         "--kiosk",
         action="store_true",
-        help="for exhibitions: full screen, without anything by which a visitor could strand it; "
-        "Ctrl+Shift+Q leaves",
+        help="for exhibitions: full screen, only controls of visitors; Ctrl+Shift+Q quits",
     )
-    shared.add_seed(parser)
+    shared.add(parser, "fish", "seed")
     parser.add_argument(
-        "--seconds", type=number_reader(float, 0.1, 86400), metavar="S", help="end after S seconds"
+        "--seconds", type=number_reader(float, 0.1, 86400), metavar="S", help="quit after S seconds"
     )
-    shared.add_drawing(parser)
-    _add_ride(parser)
+    shared.add(parser, *shared.DRAWING)
     parser.add_argument(
         "--pace",
         type=_pace,
         metavar="RATE",
-        help="speed of time: 0.25, 0.5, 1, 2 or 4; 0: it stands still",
+        help="speed of time: 0 (paused), 0.25, 0.5, 1, 2 or 4",
     )
     parser.add_argument(
         "--settings",
         type=Path,
         metavar="FILE",
-        help="use this settings file instead of the usual one, see `subsea settings`",
+        help="settings file (default: see `subsea settings`)",
     )
-    # Options that are not given come from the settings.
-    parser.set_defaults(run=run, display=None, quality=None)
-
-
-def _add_ride(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("on a fish", "as by keys in a dive: docs/fish-view.md")
-    shared.add_follow(group)
-    group.add_argument("--eyes", metavar="FISH", help="look through its eyes instead")
-    shared.add_gaze(group)
+    group = parser.add_argument_group("on a fish", "as by keys in a dive: docs/how-to/ride.md")
+    shared.add(group, "follow")
+    group.add_argument("--eyes", metavar="FISH", help="look through its eyes")
+    shared.add(group, "gaze")
     group.add_argument(
         "--look",
         choices=("colours", "identity", "range"),
-        help="what the pictures of its eyes show",
+        help="content of its retina images",
     )
-    group.add_argument("--reins", action="store_true", help="steer it")
-    shared.add_see_brightness(group)
+    group.add_argument("--reins", action="store_true", help="steer the fish")
+    shared.add(group, "see-brightness")
+    # Options that are not given come from the settings.
+    parser.set_defaults(run=run, display=None, quality=None)
 
 
 def _pace(text: str) -> float:
@@ -122,12 +112,12 @@ def run(options: Namespace) -> int:
     from subsea.core.resources import named_or_file
     from subsea.dive.settings import read_settings, settings_path, usual_settings
 
-    told: list[str] = []
+    messages: list[str] = []
     file = options.settings
-    settings = usual_settings(told.append) if file is None else read_settings(file)
-    for line in told:
+    settings = usual_settings(messages.append) if file is None else read_settings(file)
+    for line in messages:
         say(line)
-    notes = [line.replace(f"{settings_path().parent}/", "") for line in told]
+    notes = [line.replace(f"{settings_path().parent}/", "") for line in messages]
     _fill_from_settings(options, settings)
     if options.attract is not None:
         settings = replace(settings, attract=replace(settings.attract, after_min=options.attract))
@@ -157,7 +147,6 @@ def run(options: Namespace) -> int:
 
 
 def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
-    """Fill in options that are not given from the settings."""
     display = settings.display
     usual: dict[str, Any] = {"quality": display.quality, "display": "mono", "fullscreen": False}
     if options.theatre is None:  # a theatre file defines its own windows
@@ -190,6 +179,7 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         scenario=options.scenario,
         changes=options.changes,
         seed=options.seed,
+        fish=options.fish,
         seconds=options.seconds,
         tour=options.tour,
         kiosk=options.kiosk,

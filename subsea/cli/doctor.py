@@ -5,29 +5,33 @@ import platform
 import sys
 import tempfile
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from subsea.core.command_line import add_command
 from subsea.core.errors import UserError
+from subsea.core.extras import BASE_COMMAND, EXTRAS, install_command, missing_packages
 
 if TYPE_CHECKING:
     from subsea.ui.monitors import Monitor
 
 PACKAGES = (
     "numpy", "numba", "h5py", "moderngl", "glfw", "pyrr", "imgui-bundle", "msgspec", "pillow",
-    "av", "tqdm",
+    "av", "tqdm", "pyzmq", "platformdirs", "tomlkit",
 )  # fmt: skip
+BASE = "dive", "film", "simulate", "capture"
+DIVE = ("dive",)
+SEA = "dive", "film", "simulate"
 
 
 class Finding(NamedTuple):
-    """One line of the report; the `needed` ones decide whether a dive is possible."""
+    """One line of the report."""
 
     name: str
     good: bool
     text: str
-    needed: bool = True
+    needed_by: Sequence[str] = BASE  # the parts of BASE that do not work without it
 
 
 def add(commands: Any) -> None:
@@ -35,30 +39,34 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "doctor",
-        "report what this machine can do, and what to install",
-        "Exit code 0 if a dive in a window is possible here, 1 if not.",
+        "check this machine and say what to install",
+        "Ends with a line for each part. Exit code 0 if dive, film, simulate and capture work,\n"
+        "1 if not; extras do not change it.",
         ["subsea doctor"],
     )
     parser.set_defaults(run=run)
 
 
 def run(options: Namespace) -> int:
-    """Print the findings; 0 if a dive in a window is possible here, else 1."""
-    checks: tuple[Callable[[], list[Finding]], ...] = (
-        _python,
-        _packages,
-        _cache,
-        _fishes,
-        _display,
-        _headless,
-    )
+    """Print the findings and verdicts; 0 if all parts of BASE work here, else 1."""
+    checks = (_python, _packages, _cache, _fishes, _display, _headless)
     findings = [finding for check in checks for finding in check()]
     for finding in findings:
-        mark = "ok  " if finding.good else "no  " if finding.needed else "--  "
+        mark = "ok  " if finding.good else "no  " if finding.needed_by else "--  "
         print(f"{mark}{finding.name:<24} {finding.text}")
-    possible = all(finding.good for finding in findings if finding.needed)
-    print("a dive is possible" if possible else "a dive is not possible yet: fix the lines above")
-    return 0 if possible else 1
+    print()
+    faults = [
+        next((one for one in findings if not one.good and part in one.needed_by), None)
+        for part in BASE
+    ]
+    for part, fault in zip(BASE, faults, strict=True):
+        verdict = f"does not work: {fault.name}: {fault.text}" if fault else "works"
+        print(f"{part:<10} {verdict}")
+    for extra in EXTRAS:
+        missing = " and ".join(missing_packages(extra))
+        verdict = f"needs {missing}: run `{install_command(extra)}`" if missing else "works"
+        print(f"{extra:<10} {verdict}")
+    return 1 if any(faults) else 0
 
 
 def _python() -> list[Finding]:
@@ -77,7 +85,7 @@ def _packages() -> list[Finding]:
         except PackageNotFoundError:
             missing.append(package)
     if missing:
-        return [Finding("packages", False, f"pip install {' '.join(missing)}")]
+        return [Finding("packages", False, f"{', '.join(missing)}: run `{BASE_COMMAND}`")]
     return [Finding("packages", True, ", ".join(found))]
 
 
@@ -87,17 +95,14 @@ def _cache() -> list[Finding]:
 
     import subsea
 
+    user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     beside = Path(subsea.__file__).parent
-    places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [beside, _user_cache()]
+    places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [beside, user_cache]
     for place in places:
         if _writable(place):
-            return [Finding("cache of kernels", True, str(place), needed=False)]
+            return [Finding("cache of kernels", True, str(place), ())]
     text = f"not writable: {places[0]}; set NUMBA_CACHE_DIR to a folder that is"
-    return [Finding("cache of kernels", False, text, needed=False)]
-
-
-def _user_cache() -> Path:
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return [Finding("cache of kernels", False, text, ())]
 
 
 def _writable(folder: Path) -> bool:
@@ -110,7 +115,7 @@ def _writable(folder: Path) -> bool:
 
 
 def _fishes() -> list[Finding]:
-    """Check every species; a dive needs only the shipped ones."""
+    """Check every species; the shipped ones are needed."""
     from subsea.fish.species import (
         hidden_names,
         is_shipped,
@@ -123,8 +128,8 @@ def _fishes() -> list[Finding]:
 
     findings = []
     for name in species_names():
-        needed = is_shipped(name)
-        own = "" if needed else f", of your own in {own_species()}"
+        needed_by = SEA if is_shipped(name) else ()
+        own = "" if needed_by else f", own species in {own_species()}"
         try:
             load_species(name)
             file = repertoire_file(name)
@@ -132,26 +137,26 @@ def _fishes() -> list[Finding]:
                 raise UserError(f"not recorded yet: `subsea-capture record {name}`{own}")
             repertoire = read_repertoire(file)
             text = f"{len(repertoire.segments)} segments, {repertoire.source}{own}"
-            findings.append(Finding(f"fish {name}", True, text, needed))
+            findings.append(Finding(f"fish {name}", True, text, needed_by))
         except UserError as fault:
-            findings.append(Finding(f"fish {name}", False, str(fault), needed))
+            findings.append(Finding(f"fish {name}", False, str(fault), needed_by))
     for name in hidden_names():
-        text = f"{own_species() / name}.toml: a shipped species has this name, take another one"
-        findings.append(Finding(f"fish {name}", False, text, needed=False))
+        text = f"{own_species() / name}.toml: a shipped species has this name; rename yours"
+        findings.append(Finding(f"fish {name}", False, text, ()))
     return findings
 
 
 def _headless() -> list[Finding]:
-    from subsea.render import headless_context
+    from subsea.render.gl.context import headless_context
 
     try:
         context = headless_context()
     except UserError as fault:
-        return [Finding("OpenGL, no window", False, f"{fault}", needed=False)]
+        return [Finding("OpenGL, no window", False, f"{fault}", ("film",))]
     with context:  # a context that is current on this thread prevents windows from opening
         text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
     context.release()
-    return [Finding("OpenGL, no window", True, text, needed=False)]
+    return [Finding("OpenGL, no window", True, text, ("film",))]
 
 
 def _quality(renderer: str) -> Finding:
@@ -161,7 +166,7 @@ def _quality(renderer: str) -> Finding:
 
     why = "computes pictures without a GPU" if on_software(renderer) else "is a GPU"
     text = f"auto begins at {name_of(LADDER[first_rung(renderer)])}: {renderer} {why}"
-    return Finding("quality", True, f"{text}; holds {target_for(renderer):.3g} ms", needed=False)
+    return Finding("quality", True, f"{text}; holds {target_for(renderer):.3g} ms", ())
 
 
 def _monitor(monitor: "Monitor") -> Finding:
@@ -169,7 +174,7 @@ def _monitor(monitor: "Monitor") -> Finding:
     left, top = monitor.position
     rate = f" at {monitor.rate} Hz" if monitor.rate else ""
     text = f"{monitor!s}{rate}, position {left}, {top}"
-    return Finding("monitor", True, text, needed=False)
+    return Finding("monitor", True, text, ())
 
 
 def _display() -> list[Finding]:
@@ -178,28 +183,29 @@ def _display() -> list[Finding]:
     from subsea.view.stereo import OTHER_STEREO
 
     try:
-        from subsea.render import window_context
+        from subsea.render.gl.context import opengl_remedy, window_context
         from subsea.ui.monitors import on_display
         from subsea.ui.window import hidden_window
     except ImportError as fault:
-        return [Finding("display", False, f"{fault}; try: {INSTALL}")]
+        return [Finding("display", False, f"{fault}; run `{INSTALL}`", DIVE)]
     try:
         with on_display() as display:
             findings = [
-                Finding("display", True, display.platform),
+                Finding("display", True, display.platform, DIVE),
                 *(_monitor(monitor) for monitor in display.monitors),
             ]
             with hidden_window() as loader:
                 if loader is None:
-                    findings.append(Finding("OpenGL, window", False, INSTALL))
+                    text = opengl_remedy(INSTALL)
+                    findings.append(Finding("OpenGL, window", False, text, DIVE))
                 else:
                     context = window_context(loader)
                     text = f"{context.info['GL_RENDERER']}, {context.info['GL_VERSION']}"
-                    findings.append(Finding("OpenGL, window", True, text))
+                    findings.append(Finding("OpenGL, window", True, text, DIVE))
                     findings.append(_quality(context.info["GL_RENDERER"]))
             with hidden_window(stereo=True) as loader:
                 text = "yes" if loader else f"no; use --display {OTHER_STEREO}"
-                findings.append(Finding("quad-buffered stereo", bool(loader), text, needed=False))
+                findings.append(Finding("quad-buffered stereo", bool(loader), text, ()))
             return findings
     except UserError as fault:
-        return [Finding("display", False, str(fault))]
+        return [Finding("display", False, str(fault), DIVE)]

@@ -12,9 +12,9 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "keys",
-        "make keys by which the computers of a theatre know each other",
-        "Writes NAME.key, for all computers, and NAME.key_secret, for that computer alone, into a\n"
-        "folder. The names are those of the theatre's nodes; docs/cluster.md explains the rest.",
+        "make the keys of a theatre's computers",
+        "Writes NAME.key for all computers and NAME.key_secret for that computer only:\n"
+        "docs/how-to/cluster.md.",
         ["subsea keys keys/ middle left right"],
     )
     parser.add_argument("folder", metavar="DIR", type=Path, help="folder to write into")

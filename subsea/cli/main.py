@@ -13,6 +13,7 @@ from subsea.cli import (
     doctor,
     film,
     keys,
+    listing,
     settings,
     simulate,
     skin,
@@ -20,11 +21,15 @@ from subsea.cli import (
     study,
     theatre,
 )
-from subsea.core.command_line import make_parser, parse_arguments, run_command
+from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
 
-COMMANDS = (
-    dive, film, theatre, simulate, study, benchmark, soak, skin, build, doctor, keys, settings,
-)  # fmt: skip
+GROUPS = {
+    "dive and film": (dive, film),
+    "simulate and study": (simulate, study, benchmark, soak),
+    "make fishes": (build, skin),
+    "scenarios and theatres": (listing, theatre, keys),
+    "this machine": (doctor, settings),
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,27 +55,7 @@ def run(arguments: Sequence[str]) -> int:
     return run_command(options)
 
 
-class _Version(argparse.Action):
-    """Looks up the version only on request: that takes longer than all other parsing."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *unused: object) -> None:
-        from importlib.metadata import version
-
-        print(f"subsea {version('subsea')}")
-        parser.exit()
-
-
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """Return the parser of `subsea` and its commands."""
     parser = make_parser("subsea", "A submarine among artificial fishes.")
-    parser.add_argument(
-        "--version",
-        action=_Version,
-        nargs=0,
-        default=argparse.SUPPRESS,
-        help="show the version and exit",
-    )
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for module in COMMANDS:
-        module.add(commands)
-    return parser, commands
+    return parser, add_groups(parser, GROUPS)

@@ -2,6 +2,7 @@
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Iterable
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from subsea.core.command_line import number_reader
@@ -14,212 +15,12 @@ if TYPE_CHECKING:
 MAX_SIZE = 8192  # pixels; the largest texture of common GPUs
 MIN_SIZE = 64
 SIZE = 1280, 720  # default
-STEREO = "swap_eyes", "eye_distance", "screen_distance", "screen_width", "comfort"
-SURROUND = "panorama_angle", "dome_tilt"
+SCENARIO = "scenario", "set"
+STEREO = "swap-eyes", "eye-distance", "screen-distance", "screen-width", "comfort"
+SURROUND = "panorama-angle", "dome-tilt"
+DRAWING = "show", "wireframe", "lights"
 # Defined by a theatre file if there is one.
-SINGLE_WINDOW = "size", "fullscreen", "screen_distance", "screen_width", *SURROUND
-
-
-def add_scenario(parser: ArgumentParser) -> None:
-    """Add --scenario and --set."""
-    parser.add_argument(
-        "--scenario",
-        default="peaceful",
-        metavar="NAME|FILE",
-        help="a scenario's name or a .toml file (default peaceful)",
-    )
-    parser.add_argument(
-        "--set",
-        dest="changes",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="set any key of the scenario, such as fish.0.number=20 or nature.keen=0.3; may be "
-        "given several times",
-    )
-
-
-def add_seed(parser: ArgumentParser) -> None:
-    """Add --seed."""
-    parser.add_argument(
-        "--seed",
-        type=number_reader(int, 0, 2**32 - 1),
-        metavar="N",
-        help="use this seed instead of the scenario's: other fishes, same sea",
-    )
-
-
-def add_fish(parser: ArgumentParser) -> None:
-    """Add --fish."""
-    parser.add_argument(
-        "--fish",
-        type=number_reader(int, 1, 100_000),
-        metavar="N",
-        help="total number of fishes, instead of the scenario's",
-    )
-
-
-def add_display(parser: ArgumentParser) -> None:
-    """Add --display."""
-    parser.add_argument(
-        "--display",
-        type=_display,
-        default="mono",
-        metavar="MODE",
-        help="mono, or one of the stereo modes: stereo (shutter glasses, in a window), "
-        "side-by-side, top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard; or "
-        "all round: panorama, dome, equirectangular (default mono)",
-    )
-
-
-def add_theatre(parser: ArgumentParser) -> None:
-    """Add --theatre and --shrink."""
-    parser.add_argument(
-        "--theatre",
-        metavar="NAME|FILE",
-        help="show the windows, screens and projectors of a theatre, by name or a .toml file, "
-        "instead of one window; --display sets how two eyes share each of them",
-    )
-    parser.add_argument(
-        "--shrink",
-        type=number_reader(int, 1, 64),
-        metavar="N",
-        help="divide the theatre's width and height in pixels by N, to try it out",
-    )
-
-
-def add_stereo(parser: ArgumentParser) -> None:
-    """Add the options of the two eyes."""
-    parser.add_argument("--swap-eyes", action="store_true", help="exchange left and right")
-    parser.add_argument(
-        "--eye-distance",
-        type=number_reader(float, 0.0, 100.0),
-        metavar="CM",
-        help="distance between the eyes (default 6.4): a larger one deepens the sea and shrinks it",
-    )
-    parser.add_argument(
-        "--screen-distance",
-        type=number_reader(float, 20.0, 5000.0),
-        metavar="CM",
-        help="distance to the screen: nearer things stand out of it, others lie behind it "
-        "(default 120)",
-    )
-    parser.add_argument(
-        "--screen-width",
-        type=number_reader(float, 5.0, 10000.0),
-        metavar="CM",
-        help="width of the real screen: on a wide one the eyes come closer together, so that "
-        "viewers never have to turn theirs outwards",
-    )
-    parser.add_argument(
-        "--comfort",
-        type=number_reader(float, 0.1, 10.0),
-        metavar="DEG",
-        help="limit how far eyes turn between the screen and infinity: 1 tires few people; the "
-        "eyes come closer together for it (default: no limit)",
-    )
-
-
-def add_surround(parser: ArgumentParser) -> None:
-    """Add the options of panorama and dome."""
-    parser.add_argument(
-        "--panorama-angle",
-        type=number_reader(float, 30.0, 359.0),
-        metavar="DEG",
-        help="angle of view of a panorama from left to right (default 160)",
-    )
-    parser.add_argument(
-        "--dome-tilt",
-        type=number_reader(float, 0.0, 90.0),
-        metavar="DEG",
-        help="tilt of a dome toward the front; 0 has the zenith in its middle (default 30)",
-    )
-
-
-def add_size(parser: ArgumentParser) -> None:
-    """Add --size."""
-    parser.add_argument(
-        "--size",
-        type=_size,
-        metavar="WxH",
-        help=f"pixels (default {SIZE[0]}x{SIZE[1]})",
-    )
-
-
-def add_quality(parser: ArgumentParser, default: str, *, automatic: bool = True) -> None:
-    """Add --quality, with the choice auto if it is `automatic`."""
-    auto = ", or auto, which holds --target-ms" if automatic else ""
-    parser.add_argument(
-        "--quality",
-        type=_quality if automatic else _preset,
-        default=default,
-        metavar="Q",
-        help=f"low, medium or high{auto} (default {default})",
-    )
-
-
-def add_target(parser: ArgumentParser) -> None:
-    """Add --target-ms."""
-    parser.add_argument(
-        "--target-ms",
-        type=number_reader(float, 1.0, 1000.0),
-        metavar="MS",
-        help="frame time that --quality auto holds (default 16.7 on a GPU, 50 without)",
-    )
-
-
-def add_drawing(parser: ArgumentParser) -> None:
-    """Add the diagrams, --wireframe and --lights."""
-    parser.add_argument(
-        "--show",
-        type=_diagrams,
-        default=(),
-        metavar="LIST",
-        help="diagrams over the sea, separated by commas: scaffold, control-mesh, sensitivity, "
-        "school, perception, frusta, axes, paths, bounds, indices",
-    )
-    parser.add_argument(
-        "--wireframe", action="store_true", help="draw the edges of all triangles, not the faces"
-    )
-    parser.add_argument(
-        "--lights",
-        dest="changes",
-        action="append_const",
-        const="submarine.lights=true",
-        default=[],
-        help="start with the submarine's lights on",
-    )
-
-
-def add_follow(parser: Any) -> None:
-    """Add --follow."""
-    parser.add_argument(
-        "--follow",
-        metavar="FISH",
-        help="look at a fish from behind: its number, its species, or SPECIES:NUMBER counted "
-        "from 0",
-    )
-
-
-def add_gaze(parser: Any) -> None:
-    """Add --gaze."""
-    parser.add_argument(
-        "--gaze",
-        type=_gaze,
-        metavar="PAN,TILT",
-        help="degrees that its eyes look to the right and up from straight ahead (default 0,0; "
-        "write --gaze=-30,10)",
-    )
-
-
-def add_see_brightness(parser: Any) -> None:
-    """Add --see-brightness."""
-    parser.add_argument(
-        "--see-brightness",
-        action="store_true",
-        help="the fish whose eyes are shown reacts to the mean brightness of what it sees, instead "
-        "of the sea's",
-    )
+SINGLE_WINDOW = "size", "fullscreen", "screen-distance", "screen-width", *SURROUND
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -272,6 +73,143 @@ def _diagrams(text: str) -> tuple[str, ...]:
     return chosen_diagrams(text)
 
 
+OPTIONS: dict[str, dict[str, Any]] = {
+    "scenario": {
+        "default": "peaceful",
+        "metavar": "NAME|FILE",
+        "help": "name or .toml file (default peaceful)",
+    },
+    "set": {
+        "dest": "changes",
+        "action": "append",
+        "default": [],
+        "metavar": "KEY=VALUE",
+        "help": "set a key of the scenario, such as fish.0.number=20",
+    },
+    "seed": {
+        "type": number_reader(int, 0, 2**32 - 1),
+        "metavar": "N",
+        "help": "seed of the fishes (default: the scenario's)",
+    },
+    "fish": {
+        "type": number_reader(int, 1, 100_000),
+        "metavar": "N",
+        "help": "total number of fishes (default: the scenario's)",
+    },
+    "tour": {
+        "default": "auto",
+        "metavar": "NAME",
+        "help": "tour of the scenario, directed (the camera of its directions) or auto: where "
+        "something happens (default auto)",
+    },
+    "display": {
+        "type": _display,
+        "default": "mono",
+        "metavar": "MODE",
+        "help": "mono (default), stereo (shutter glasses, only in a window), side-by-side, "
+        "top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard, panorama, dome or "
+        "equirectangular",
+    },
+    "theatre": {
+        "metavar": "NAME|FILE",
+        "help": "show the windows of a theatre; --display selects mono or stereo in each",
+    },
+    "shrink": {
+        "type": number_reader(int, 1, 64),
+        "metavar": "N",
+        "help": "divide width and height of the theatre's windows by N, for a test",
+    },
+    "swap-eyes": {"action": "store_true", "help": "exchange left and right"},
+    "eye-distance": {
+        "type": number_reader(float, 0.0, 100.0),
+        "metavar": "CM",
+        "help": "distance between the eyes (default 6.4); more gives more depth",
+    },
+    "screen-distance": {
+        "type": number_reader(float, 20.0, 5000.0),
+        "metavar": "CM",
+        "help": "distance to the screen (default 120); nearer objects appear in front of it",
+    },
+    "screen-width": {
+        "type": number_reader(float, 5.0, 10000.0),
+        "metavar": "CM",
+        "help": "width of the real screen; limits the eye distance so that no eye turns outwards",
+    },
+    "comfort": {
+        "type": number_reader(float, 0.1, 10.0),
+        "metavar": "DEG",
+        "help": "limit of parallax between screen and infinity, by a smaller eye distance; 1 suits "
+        "most viewers (default: no limit)",
+    },
+    "panorama-angle": {
+        "type": number_reader(float, 30.0, 359.0),
+        "metavar": "DEG",
+        "help": "horizontal angle of a panorama (default 160)",
+    },
+    "dome-tilt": {
+        "type": number_reader(float, 0.0, 90.0),
+        "metavar": "DEG",
+        "help": "forward tilt of a dome (default 30); 0: zenith in the middle",
+    },
+    "size": {"type": _size, "metavar": "WxH", "help": f"pixels (default {SIZE[0]}x{SIZE[1]})"},
+    "target-ms": {
+        "type": number_reader(float, 1.0, 1000.0),
+        "metavar": "MS",
+        "help": "frame time for --quality auto (default 16.7 on a GPU, 50 without)",
+    },
+    "show": {
+        "type": _diagrams,
+        "default": (),
+        "metavar": "LIST",
+        "help": "diagrams, separated by commas: scaffold, control-mesh, sensitivity, "
+        "school, perception, frusta, axes, paths, bounds, indices",
+    },
+    "wireframe": {
+        "action": "store_true",
+        "help": "draw only the edges of triangles",
+    },
+    "lights": {
+        "dest": "changes",
+        "action": "append_const",
+        "const": "submarine.lights=true",
+        "default": [],
+        "help": "switch the submarine's lights on",
+    },
+    "follow": {
+        "metavar": "FISH",
+        "help": "follow a fish: number, species or SPECIES:NUMBER, counted from 0",
+    },
+    "gaze": {
+        "type": _gaze,
+        "metavar": "PAN,TILT",
+        "help": "direction of its eyes, degrees right and up (default 0,0); write --gaze=-30,10",
+    },
+    "see-brightness": {
+        "action": "store_true",
+        "help": "the fish of --eyes reacts to the mean brightness of what it sees, not of the sea",
+    },
+}
+"""Declarations of shared options, for :func:`add`."""
+
+
+def add(parser: Any, *names: str) -> None:
+    """Add options of `OPTIONS`, in this order."""
+    for name in names:
+        parser.add_argument(f"--{name}", **OPTIONS[name])
+
+
+def add_quality(parser: ArgumentParser, default: str, *, automatic: bool = True) -> None:
+    """Add --quality, with the choice auto if it is `automatic`."""
+    auto = ", or auto (holds --target-ms)" if automatic else ""
+    parser.add_argument(
+        "--quality",
+        type=_quality if automatic else _preset,
+        default=default,
+        metavar="Q",
+        help=f"low, medium or high{auto} (default {default})",
+    )
+
+
 def check_target(options: Namespace) -> None:
     """Refuse --target-ms without --quality auto."""
     from subsea.render.output.quality import AUTO
@@ -294,9 +232,9 @@ def check_display_without_window(display: str) -> None:
 def refuse(options: Namespace, names: Iterable[str], message: str) -> None:
     """Raise a UserError if one of these options is given; `{}` in `message` is its name."""
     for name in names:
-        value = getattr(options, name, None)
+        value = getattr(options, name.replace("-", "_"), None)
         if value is not None and value is not False and value != ():
-            raise UserError(message.format(f"--{name.replace('_', '-')}"))
+            raise UserError(message.format(f"--{name}"))
 
 
 def settle_size(options: Namespace) -> None:
@@ -308,8 +246,14 @@ def settle_size(options: Namespace) -> None:
     options.shrink = options.shrink or 1
 
 
+def fields_of(kind: Any, options: Namespace) -> dict[str, Any]:
+    """The options that are fields of a dataclass, by name."""
+    names = [field.name for field in fields(kind) if hasattr(options, field.name)]
+    return {name: getattr(options, name) for name in names}
+
+
 def optics(options: Namespace) -> tuple["Stereo", "Surround"]:
-    """Group the options of :func:`add_stereo` and :func:`add_surround`."""
+    """Group the options `STEREO` and `SURROUND`."""
     from subsea.view.stereo import Stereo
     from subsea.view.surround import Surround
 
@@ -321,8 +265,8 @@ def optics(options: Namespace) -> tuple["Stereo", "Surround"]:
         "comfort_deg": options.comfort,
     }
     surround = {"angle_deg": options.panorama_angle, "tilt_deg": options.dome_tilt}
-    return Stereo(**_given(stereo)), Surround(**_given(surround))
-
-
-def _given(options: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in options.items() if value is not None}
+    given = [
+        {name: value for name, value in group.items() if value is not None}
+        for group in (stereo, surround)
+    ]
+    return Stereo(**given[0]), Surround(**given[1])

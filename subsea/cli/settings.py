@@ -11,14 +11,14 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "settings",
-        "show where the settings of a dive are, or write them there",
-        "Keys, mouse, gamepad, comfort and the picture, in one commented file, described in\n"
-        "docs/settings.md.",
+        "print the path of the settings file, or write it",
+        "Keys, mouse, gamepad, comfort and display: docs/reference/settings.md.",
         ["subsea settings", "subsea settings --write"],
     )
     parser.add_argument(
-        "--write", action="store_true", help="write a file with all the defaults, if there is none"
+        "--write", action="store_true", help="write a commented file with all defaults"
     )
+    parser.add_argument("--force", action="store_true", help="replace an existing settings file")
     parser.set_defaults(run=run)
 
 
@@ -26,4 +26,4 @@ def run(options: Namespace) -> int:
     """Show or write the settings."""
     from subsea.dive.settings import show_settings
 
-    return show_settings(options.write)
+    return show_settings(options.write, options.force)

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import add_command, number_reader
+from subsea.core.command_line import add_command, add_force, number_reader
+
+MAX_TICKS = 100_000_000
 
 
 def add(commands: Any) -> None:
@@ -13,33 +15,52 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "simulate",
-        "record what every fish does, without pictures",
-        "Writes an HDF5 file for the study of the fishes. Needs no OpenGL. An interrupted run\n"
-        "leaves a valid file with the ticks so far.",
+        "record what every fish does",
+        "Writes an HDF5 file for studies. Needs no OpenGL. After an interruption the file has the\n"
+        "ticks so far.",
         [
-            "subsea simulate --ticks 1000 --out run.h5",
+            "subsea simulate --seconds 60 --out run.h5",
             "subsea simulate --ticks 9000 --out run.h5 --fish 400 --seed 7",
             "subsea simulate --ticks 900 --out run.h5 --set nature.keen=0.4 --set fish.0.hunger=1",
         ],
     )
-    parser.add_argument(
+    length = parser.add_mutually_exclusive_group(required=True)
+    length.add_argument(
         "--ticks",
-        type=number_reader(int, 1, 100_000_000),
-        required=True,
+        type=number_reader(int, 1, MAX_TICKS),
         metavar="N",
-        help="length of the run; a tick is 33 ms",
+        help="length of the run in ticks of 0.033 s",
     )
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE.h5")
-    shared.add_scenario(parser)
-    shared.add_fish(parser)
-    shared.add_seed(parser)
+    length.add_argument(
+        "--seconds",
+        type=number_reader(float, 0.033, 0.033 * MAX_TICKS),
+        metavar="S",
+        help="length of the run in seconds, rounded to ticks; instead of --ticks",
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE.h5", help="record to write"
+    )
+    shared.add(parser, *shared.SCENARIO, "fish", "seed")
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: Namespace) -> int:
     """Record the run."""
+    from subsea.core.console import say
     from subsea.study.simulate import simulate
+    from subsea.world.world import TICK_S
 
+    ticks = options.ticks
+    if ticks is None:
+        ticks = round(options.seconds / TICK_S)
+        say(f"{options.seconds:g} s are {ticks} ticks of {TICK_S:g} s")
     return simulate(
-        options.ticks, options.out, options.scenario, options.fish, options.seed, options.changes
+        ticks,
+        options.out,
+        options.scenario,
+        options.fish,
+        options.seed,
+        options.changes,
+        options.force,
     )

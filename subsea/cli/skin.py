@@ -4,8 +4,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import add_command
+from subsea.core.command_line import add_command, add_force
 from subsea.core.errors import UserError
+from subsea.core.extras import require
 
 
 def add(commands: Any) -> None:
@@ -13,11 +14,10 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "skin",
-        "dress a species from a photograph",
-        "Opens a window in which you drag meshes over the fish until they match its outline;\n"
-        "--auto does it without one. The pixels under the meshes become the skin of the species:\n"
-        "a picture beside its file, named by skin.sheet. docs/skin.md explains how, and what\n"
-        "makes a good photograph. Needs the extra `skin`.",
+        "make a skin from a photograph",
+        "Opens a window in which you fit meshes to the outline of the fish; --auto fits them\n"
+        "without a window. The pixels under the meshes become a picture beside the species file,\n"
+        "named by skin.sheet: docs/how-to/skin.md. Needs the extra `skin`.",
         [
             "subsea skin guppy.jpg",
             "subsea skin guppy.jpg --species my_guppy --mesh guppy.json",
@@ -28,25 +28,23 @@ def add(commands: Any) -> None:
         ],
     )
     parser.add_argument(
-        "photo", metavar="PHOTO", type=Path, help="a fish from its side: JPEG, PNG …"
+        "photo", metavar="PHOTO", type=Path, help="side view of a fish: JPEG, PNG …"
     )
     parser.add_argument(
-        "--species", metavar="NAME", help="species to dress (in the window default clownfish)"
+        "--species", metavar="NAME", help="species (in the window default clownfish)"
     )
     parser.add_argument("--auto", action="store_true", help="without a window")
     parser.add_argument(
-        "--out", type=Path, metavar="FILE.png", help="write the sheet there and change no species"
+        "--out", type=Path, metavar="FILE.png", help="write the picture there and change no species"
     )
-    parser.add_argument(
-        "--flip", action="store_true", help="the fish heads the other way than detected"
-    )
+    parser.add_argument("--flip", action="store_true", help="the fish heads the other way")
     parser.add_argument(
         "--mesh",
         type=Path,
         metavar="FILE.json",
-        help="meshes to use instead of detecting the fish; a missing file is written, in the "
-        "window by Save",
+        help="read the meshes, or write them if the file is missing",
     )
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
@@ -54,11 +52,8 @@ def run(options: Namespace) -> int:
     """Open the window, or dress the species without one."""
     if options.auto and options.species is None:
         raise UserError("skin: --auto needs --species NAME")
-    try:
-        import cv2  # noqa: F401
-    except ImportError as fault:
-        raise UserError("skin needs OpenCV: install subsea[skin]") from fault
-    given = options.photo, options.species, options.out, options.flip, options.mesh
+    require("skin", "skin")
+    given = options.photo, options.species, options.out, options.flip, options.mesh, options.force
     if options.auto:
         from subsea.fish.photo.dress import dress
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.cli import options as shared
-from subsea.core.command_line import add_command, number_reader
+from subsea.core.command_line import add_command, add_force, number_reader
 
 
 def add(commands: Any) -> None:
@@ -14,20 +14,17 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "soak",
-        "dive for hours with random input, and check invariants",
-        "Steers, takes the reins of fishes, changes current and lights, rewinds time, and draws\n"
-        "in one display mode and theatre after another. Reports numbers that are not finite,\n"
-        "fishes out of the sea, inside rock or stuck, a rewound past that repeats differently,\n"
-        "and memory that grows. Exit code 1 if anything was found.",
+        "dive with random input and check invariants",
+        "Steers submarine and fishes, changes current and lights, rewinds time, and draws in all\n"
+        "display modes and theatres. Reports NaN and infinity, fishes outside the sea, inside\n"
+        "rock or stuck, replays that differ, and memory leaks. Exit code 1 for any of these.",
         [
             "subsea soak --minutes 60",
             "subsea soak --scenario open-ocean --minutes 5 --json soak.json",
             "subsea soak --scenario open-ocean --minutes 5 --compare soak.json",
         ],
     )
-    shared.add_scenario(parser)
-    shared.add_fish(parser)
-    shared.add_seed(parser)
+    shared.add(parser, *shared.SCENARIO, "fish", "seed")
     parser.add_argument(
         "--minutes",
         type=number_reader(float, 0.01, 1440),
@@ -39,22 +36,26 @@ def add(commands: Any) -> None:
         "--draw",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="draw a picture every simulated second (--no-draw: no OpenGL)",
+        help="draw a picture every simulated second; --no-draw needs no OpenGL",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report there")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write a report")
     parser.add_argument(
         "--compare",
         type=Path,
         metavar="FILE",
-        help="expect the checksums in this report of the same soak",
+        help="compare checksums with a report of the same soak",
     )
+    add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: Namespace) -> int:
     """Soak; 1 if anything was found."""
-    from subsea.profiling.soak import soak
+    from subsea.core.file_kinds import check_result
+    from subsea.profiling.soak import REPORT, soak
 
+    if options.json is not None:
+        check_result(options.json, REPORT, options.force)
     return soak(
         options.scenario,
         options.minutes,

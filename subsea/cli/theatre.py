@@ -11,12 +11,12 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         "theatre",
-        "list the contents of a theatre file and check them",
-        "Windows, channels, screens, meshes and masks, without opening a window. Exit code 1 if\n"
-        "a channel does not work. docs/theatre.md explains how to write such a file.",
+        "check a theatre file and list its contents",
+        "Lists windows, channels, screens, meshes and masks. Exit code 1 if a channel does not\n"
+        "work. The keys of the file: docs/reference/theatre-file.md.",
         ["subsea theatre three-projectors", "subsea theatre my/theatre.toml"],
     )
-    parser.add_argument("name", metavar="NAME|FILE", help="a theatre's name or a .toml file")
+    parser.add_argument("name", metavar="NAME|FILE", help="name or .toml file")
     parser.set_defaults(run=run)
 
 

@@ -1,7 +1,9 @@
 """Check output paths before the work, and write files atomically."""
 
+import hashlib
 import os
 import re
+import stat
 import tempfile
 import time
 from collections.abc import Iterator
@@ -12,11 +14,12 @@ from pathlib import Path
 from subsea.core.errors import UserError
 
 STALE_S = 86400.0  # age of a partial file whose process has certainly ended
+MAX_NAME = 200  # bytes; file systems allow 255 with what is added for a partial file
 PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # process ID; libraries may add a suffix
 
 
 def is_folder(path: Path) -> bool:
-    """Whether `path` is an existing folder; an impossible name is a UserError."""
+    """True if `path` is an existing folder; an impossible name is a UserError."""
     try:
         return path.is_dir()
     except OSError as fault:
@@ -28,22 +31,38 @@ def check_folder(folder: Path) -> None:
 
     The folder is not created, so that a command that fails later leaves nothing behind.
     """
-    there = folder = folder.absolute()
+    there = wanted = Path(os.path.realpath(folder))
     try:
-        while not there.exists():
+        while not os.path.lexists(there):
             there = there.parent
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as fault:
-        what = "write there" if there == folder else "make the folder"
+        what = "write there" if there == wanted else "make the folder"
         raise UserError(f"cannot {what} ({fault.strerror})", file=folder) from fault
 
 
 def check_file(path: Path) -> None:
     """Raise a UserError unless the file `path` can be created or replaced."""
-    if is_folder(path):
-        raise UserError("is a folder, expected the name of a file", file=path)
+    _check_replaceable(path)
     check_folder(path.parent)
+
+
+def _check_replaceable(path: Path) -> None:
+    """Raise a UserError unless `path` is a regular file or missing.
+
+    A device such as /dev/null or a pipe would become a file.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
+        raise UserError(getattr(fault, "strerror", None) or str(fault), file=path) from fault
+    if stat.S_ISDIR(mode):
+        raise UserError("is a folder, expected the name of a file", file=path)
+    if not stat.S_ISREG(mode):
+        raise UserError("not a regular file, choose another name", file=path)
 
 
 @contextmanager
@@ -54,8 +73,9 @@ def replacing(path: Path) -> Iterator[Path]:
     and new folders and turns an OSError into a UserError. Also removes partial files of killed
     processes that are at least a day old.
     """
+    _check_replaceable(path)
     real = Path(os.path.realpath(path))
-    temporary = real.with_name(f".{real.name}.{os.getpid()}.part")
+    temporary = real.with_name(f".{_short(real.name)}.{os.getpid()}.part")
     _remove_stale(real.parent)
     new: list[Path] = []
     try:
@@ -73,6 +93,12 @@ def replacing(path: Path) -> Iterator[Path]:
         with suppress(OSError):  # not empty
             for folder in new:
                 folder.rmdir()
+
+
+def _short(name: str) -> str:
+    """The name, or a digest of one that is too long for a partial file."""
+    data = os.fsencode(name)
+    return name if len(data) <= MAX_NAME else hashlib.sha256(data).hexdigest()
 
 
 @cache

@@ -44,13 +44,7 @@ def run_in_background(
             except Empty:
                 look(None)
     except BaseException as reason:
-        code = (
-            130
-            if isinstance(reason, KeyboardInterrupt)
-            else 0
-            if isinstance(reason, CancelledByUserError)
-            else 1
-        )
+        code = {KeyboardInterrupt: 130, CancelledByUserError: 0}.get(type(reason), 1)
         atexit.register(_end, thread, code)
         raise
     if faults:

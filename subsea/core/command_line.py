@@ -4,13 +4,20 @@ import argparse
 import errno
 import math
 import os
-import signal
 import sys
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NoReturn
 
-from subsea.core.errors import UserError, unknown
+from subsea import __version__
+from subsea.core.errors import UserError, nearest, printable, unknown
+from subsea.core.extras import BASE_COMMAND
+from subsea.core.interrupts import INTERRUPTED, raised_interrupts
+from subsea.core.output_streams import tolerant_output
+
+NAME_WIDTH = 12  # of the column of commands in the help
 
 
 def run_command(program: str, run: Callable[[], int]) -> int:
@@ -19,39 +26,57 @@ def run_command(program: str, run: Callable[[], int]) -> int:
     The code is the return value of ``run`` (0 done, 1 a negative finding), 2 for an error that the
     user can fix (one line on standard error), or 130 after Ctrl-C or SIGTERM.
     """
-    signal.signal(signal.SIGTERM, _terminate)
-    try:
-        return run()
-    except UserError as fault:
-        print(f"{program}: {fault}", file=sys.stderr)
-        return 2
-    except ImportError as fault:
+    with tolerant_output() as check, warnings.catch_warnings():
+        # An unreadable setting: otherwise numba warns in ten lines.
+        warnings.filterwarnings("error", "Environment variable 'NUMBA_", RuntimeWarning)
+        try:
+            try:
+                with raised_interrupts(program):
+                    code = run()
+            except SystemExit:  # after --help or --version
+                check()
+                raise
+            check()
+            return code
+        except UserError as fault:
+            print(f"{program}: {fault}", file=sys.stderr)
+            return 2
+        except KeyboardInterrupt as interrupt:
+            print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
+            return INTERRUPTED
+        except Exception as fault:
+            if not (reason := _reason(fault)):
+                raise
+            print(f"{program}: {printable(reason)}", file=sys.stderr)
+            return 2
+
+
+def _reason(fault: Exception) -> str | None:
+    """The words for a fault of the environment; None for one of the program."""
+    settings = [f"{name}={value}" for name, value in os.environ.items() if name.startswith("NUMBA")]
+    if settings and "numba.core" in sys.modules and "numba" not in sys.modules:
+        first = str(fault).partition("\n")[0].rstrip(".")  # its import failed
+        return f"numba does not start with {', '.join(settings)} ({first})"
+    if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
-            raise
+            return None
         # A missing package, or a missing system library of a package.
-        print(
-            f"{program}: {fault}; `make run` in a checkout installs what is missing",
-            file=sys.stderr,
-        )
-        return 2
-    except KeyboardInterrupt as interrupt:
-        print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        # The reader of our output has closed it, as in `subsea … | head`.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as fault:
+        return f"{fault}; run `{BASE_COMMAND}`"
+    if isinstance(fault, FileNotFoundError) and not _has_folder():
+        return "the current folder was deleted; change to another one"
+    if isinstance(fault, OSError) and fault.errno in (errno.ENOSPC, errno.EDQUOT):
         # Results or compiled code fill the disk.
-        if fault.errno not in (errno.ENOSPC, errno.EDQUOT):
-            raise
-        place = f"{fault.filename}: " if fault.filename else ""
-        print(f"{program}: {place}{fault.strerror}", file=sys.stderr)
-        return 2
+        return f"{f'{fault.filename}: ' if fault.filename else ''}{fault.strerror}"
+    return None
 
 
-def _terminate(number: int, frame: object) -> NoReturn:
-    raise KeyboardInterrupt
+def _has_folder() -> bool:
+    """False if the current folder was deleted."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return False
+    return True
 
 
 class _Formatter(argparse.RawDescriptionHelpFormatter):
@@ -68,6 +93,21 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=_Formatter, allow_abbrev=False, **options)
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        choices = list(action.choices or ())
+        if choices and value not in choices:
+            name = "/".join(action.option_strings) or str(action.metavar or action.dest)
+            hint = nearest(str(value), choices) or f"; there are: {', '.join(choices)}"
+            raise argparse.ArgumentError(None, f"{name} {value!r}: unknown choice{hint}")
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        # argparse drops the value of `--OPTION=--`; before Python 3.13 it even goes on without one.
+        if action.option_strings and arg_strings == ["--"]:
+            value = self._get_value(action, "--")
+            self._check_value(action, value)
+            return value
+        return super()._get_values(action, arg_strings)
+
     def error(self, message: str) -> NoReturn:
         """Raise a UserError with the name of the command."""
         command = self.prog.partition(" ")[2]
@@ -76,8 +116,32 @@ class Parser(argparse.ArgumentParser):
 
 def make_parser(name: str, description: str) -> Parser:
     """Create the parser of a program, for `add_command`."""
-    epilog = f"`{name} COMMAND --help` shows the options and examples of a command."
-    return Parser(prog=name, description=description, epilog=epilog)
+    parser = Parser(prog=name, usage=f"{name} COMMAND [OPTION]...", description=description)
+    parser.add_argument(
+        "--version", action="version", version=f"subsea {__version__}", help="show the version"
+    )
+    return parser
+
+
+def add_groups(parser: Parser, groups: Mapping[str, Sequence[Any]]) -> Any:
+    """Add the commands of modules, which have a function `add`; the help lists them by group.
+
+    Returns what argparse's ``add_subparsers`` returns, with the parsers of all commands.
+    """
+    commands = parser.add_subparsers(
+        dest="command", metavar="COMMAND", prog=parser.prog, help=argparse.SUPPRESS
+    )
+    lines: list[str] = []
+    for title, modules in groups.items():
+        lines += [f"{title}:"]
+        for module in modules:
+            module.add(commands)
+            name, command = list(commands.choices.items())[-1]
+            lines += [f"  {name:<{NAME_WIDTH}}{command.get_default('summary')}"]
+        lines += [""]
+    lines += [f"`{parser.prog} COMMAND --help` shows the options and examples of a command."]
+    parser.epilog = "\n".join(lines)
+    return commands
 
 
 def add_command(
@@ -86,11 +150,16 @@ def add_command(
     """Add a command to ``commands`` (of ``add_subparsers``) and return its parser."""
     parser: argparse.ArgumentParser = commands.add_parser(
         name,
-        help=summary,
         description=f"{summary[0].upper()}{summary[1:]}.\n\n{text}",
         epilog="examples:\n" + "\n".join(f"  {example}" for example in examples),
     )
+    parser.set_defaults(summary=summary)
     return parser
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Add --force, for `subsea.core.file_kinds.check_result`."""
+    parser.add_argument("--force", action="store_true", help="replace existing files of any kind")
 
 
 def parse_arguments(
@@ -127,7 +196,8 @@ class NumberReader:
     def expected(self) -> str:
         """The expected input, for messages."""
         noun = "a whole number" if self.kind is int else "a number"
-        return f"{noun} from {self.low} to {self.high}"
+        low, high = (str(bound).removesuffix(".0") for bound in (self.low, self.high))
+        return f"{noun} from {low} to {high}"
 
     def __call__(self, text: str) -> float:
         """Convert a text to a number in the range."""

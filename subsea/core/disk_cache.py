@@ -1,7 +1,8 @@
 """Disk cache of function results, invalidated when the source changes.
 
 For functions whose result depends on their arguments alone. A file is named after its code and
-arguments, so it is never outdated; a damaged one is computed again.
+arguments, so it is never outdated; a damaged one is computed again. Files are data only: reading
+one executes nothing.
 """
 
 import hashlib
@@ -9,25 +10,26 @@ import io
 import os
 import pickle
 import sys
-import zlib
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, get_type_hints
 
 import numpy as np
 import platformdirs
 
+from subsea.core.array_pack import pack, unpack
 from subsea.core.atomic_io import replacing
+from subsea.core.console import say
 from subsea.core.errors import UserError
+from subsea.core.own_files import make_own_folder, open_own
 from subsea.core.source_stamp import source_stamp
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 MAX_BYTES = 512 << 20  # of all files; twice the need of the shipped scenarios
-SUM_BYTES, SIZE_BYTES = 4, 4  # of the checksum at the start of a file, and of the size after it
-ALIGNED = 64  # bytes: alignment of each part, as kernels need it for arrays
 
 
 def cache_folder() -> Path:
@@ -38,48 +40,50 @@ def cache_folder() -> Path:
 def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     """Return ``make(*given, **named)``, from the disk if it was computed before.
 
-    Arguments and result must be picklable. Without a writable folder, compute it each time.
+    Arguments must be picklable, and the result what `subsea.core.array_pack` accepts, of the
+    annotated type. Without a folder that only the user may write, compute it each time.
     """
-    path = cache_folder() / f"{cache_name(make, *given, **named)}.pickle"
-    with suppress(Exception):  # a damaged pickle may raise anything
-        made: T = _unpacked(np.fromfile(path, np.uint8).data)
-        with suppress(OSError):  # a file of another user, or a read-only disk
+    name = cache_name(make, *given, **named)
+    path = cache_folder() / f"{name}.data"
+    if not _may_use(path.parent):
+        return make(*given, **named)
+    with suppress(Exception):  # anything unexpected counts as missing
+        made: T = unpack(_content(path), name, get_type_hints(make).get("return", Any))
+        with suppress(OSError):  # a read-only disk
             os.utime(path)
         return made
     made = make(*given, **named)
-    data = _packed(made)
+    data = pack(name, made)
     with suppress(UserError), replacing(path) as temporary:
         temporary.write_bytes(data)
         _make_room(path.parent)
     return made
 
 
-def _packed(made: object) -> bytearray:
-    """Pack as a checksum, the sizes of the parts, and the parts: a pickle and its arrays."""
-    arrays: list[memoryview] = []
-    head = pickle.dumps(made, 5, buffer_callback=lambda array: arrays.append(array.raw()))
-    sizes = pickle.dumps([len(head), *(array.nbytes for array in arrays)])
-    data = bytearray()
-    first = bytes(SUM_BYTES) + len(sizes).to_bytes(SIZE_BYTES) + sizes
-    for part in (memoryview(first), memoryview(head), *arrays):
-        data += part
-        data += bytes(-len(data) % ALIGNED)
-    data[:SUM_BYTES] = zlib.crc32(memoryview(data)[SUM_BYTES:]).to_bytes(SUM_BYTES)
-    return data
+def _content(path: Path) -> memoryview:
+    """The content of a file, writable; OSError if somebody else may have written it."""
+    with open_own(path) as file:
+        if os.fstat(file.fileno()).st_size > MAX_BYTES:
+            raise OSError(f"larger than {MAX_BYTES} bytes")
+        return np.fromfile(file, np.uint8).data
 
 
-def _unpacked(data: memoryview) -> Any:
-    """Undo `_packed`; damaged data may raise any exception."""
-    if zlib.crc32(data[SUM_BYTES:]) != int.from_bytes(data[:SUM_BYTES]):
-        raise ValueError("damaged")
-    start = SUM_BYTES + SIZE_BYTES
-    place = start + int.from_bytes(data[SUM_BYTES:start])
-    parts = []
-    for size in pickle.loads(data[start:place]):
-        place += -place % ALIGNED
-        parts.append(data[place : place + size])
-        place += size
-    return pickle.loads(parts[0], buffers=parts[1:])
+def _may_use(folder: Path) -> bool:
+    """True if a folder is there or can be made, and only the user may write to it."""
+    try:
+        make_own_folder(folder)
+    except PermissionError:
+        _report(folder)
+        return False
+    except OSError:
+        return False
+    return True
+
+
+@cache
+def _report(folder: Path) -> None:
+    """Report once why nothing is cached."""
+    say(f"no cache, so starts take longer: {folder} must be yours, and nobody else may write there")
 
 
 def cache_name(make: Callable[P, object], *given: P.args, **named: P.kwargs) -> str:

@@ -28,7 +28,7 @@ class UserError(Exception):
         key: str | None = None,
         changes: Sequence[str] = (),
     ) -> None:
-        """Compose the line; control characters become "?", a long line is cut."""
+        """Compose the line, printable on any terminal; a long one is cut."""
         self.message, self.file, self.line, self.key = message, file, line, key
         self.changes = tuple(changes)
         text = message
@@ -39,9 +39,26 @@ class UserError(Exception):
         super().__init__(printable(short))
 
 
+def unreadable(path: Path, fault: OSError | ValueError) -> UserError:
+    """The error for a file that cannot be opened, or is not UTF-8 text."""
+    if isinstance(fault, FileNotFoundError):
+        return UserError("no such file", file=path)
+    if isinstance(fault, IsADirectoryError):
+        return UserError("cannot read (it is a folder)", file=path)
+    if isinstance(fault, UnicodeDecodeError):
+        return UserError("cannot read (not UTF-8 text)", file=path)
+    reason = getattr(fault, "strerror", None) or str(fault).partition("\n")[0]
+    return UserError(f"cannot read ({reason})", file=path)
+
+
 def printable(text: str) -> str:
-    """Replace control characters by "?", so that any text can go to a terminal."""
-    return "".join(c if c.isprintable() else "?" for c in text)
+    """Make any text safe for a terminal.
+
+    Control characters become "?". Bytes of a file name that are not UTF-8 become an escape such as
+    ``\\udcff``.
+    """
+    known = text.encode("utf-8", "backslashreplace").decode("utf-8")
+    return "".join(c if c.isprintable() else "?" for c in known)
 
 
 def nearest(word: str, choices: list[str]) -> str:

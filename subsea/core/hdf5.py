@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.input_files import check_input
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire has a few megabytes; more is a damaged header
 MAX_ATTRIBUTE_BYTES = 2**20
@@ -28,14 +29,19 @@ LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without times
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
     """Open `path` for reading; any fault of the file is one line that names it."""
-    if not path.is_file():
-        raise UserError("no such file", file=path)
+    check_input(path)
     try:
         with h5py.File(path, "r") as file:
             yield file
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, zlib.error) as fault:
         reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
         raise UserError(f"not a readable HDF5 file ({reason})", file=path) from fault
+
+
+def format_of(path: Path) -> str:
+    """The attribute `format` of a file; a UserError for a file without one."""
+    with reading(path) as file:
+        return str(attribute(file, "format", str, str(path)))
 
 
 @contextmanager
@@ -220,37 +226,34 @@ def array(
     `shape` gives each length, None for any length of at least `least`. Refuses links that lead out
     of the file or the group, other types or shapes, and implausible sizes.
     """
+    place = f"{where}/{name}"
     if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-        raise UserError("missing, expected a dataset", file=f"{where}/{name}")
+        raise UserError("missing, expected a dataset", file=place)
     dataset = group[name]
     if isinstance(dataset, h5py.Dataset) and (dataset.is_virtual or dataset.external):
-        raise UserError(
-            "its numbers are in other files, expected them in this", file=f"{where}/{name}"
-        )
+        raise UserError("its numbers are in other files, expected them in this", file=place)
     expected = "×".join("n" if n is None else str(n) for n in shape)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
-        raise UserError(f"expected {expected} {KINDS[kind]} numbers", file=f"{where}/{name}")
+        raise UserError(f"expected {expected} {KINDS[kind]} numbers", file=place)
     fits = len(dataset.shape) == len(shape) and all(
         have == want if want is not None else have >= least
         for have, want in zip(dataset.shape, shape, strict=True)
     )
     if not fits:
         found = "×".join(map(str, dataset.shape))
-        raise UserError(f"shape {found}, expected {expected}", file=f"{where}/{name}")
+        raise UserError(f"shape {found}, expected {expected}", file=place)
     if dataset.size * dataset.dtype.itemsize > most_bytes:
-        raise UserError(f"claims an implausible {dataset.size} numbers", file=f"{where}/{name}")
+        raise UserError(f"claims an implausible {dataset.size} numbers", file=place)
     if not _unpacks_within(dataset, most_bytes):
-        raise UserError(
-            "packed in an unusual way, expected plain gzip at most", file=f"{where}/{name}"
-        )
+        raise UserError("packed in an unusual way, expected plain gzip at most", file=place)
     values = np.asarray(dataset[()])
     if not np.isfinite(values).all():
-        raise UserError("contains numbers that are not finite", file=f"{where}/{name}")
+        raise UserError("contains numbers that are not finite", file=place)
     return values
 
 
 def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
-    """Whether the chunks of a dataset unpack without more memory than they claim.
+    """True if the chunks of a dataset unpack without more memory than they claim.
 
     The library inflates chunks to any size, and allocates whole chunks even if a dataset fills only
     a corner of them.
@@ -282,7 +285,7 @@ def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
 
 
 def has_member(group: Any, name: str) -> bool:
-    """Whether `group` has a member of that name; unlike ``in``, this follows no link."""
+    """True if `group` has a member of that name; unlike ``in``, this follows no link."""
     return group.get(name, getlink=True) is not None
 
 

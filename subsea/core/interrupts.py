@@ -1,9 +1,106 @@
-"""Defer Ctrl-C to safe points."""
+"""Raise Ctrl-C and SIGTERM at safe points."""
 
+import _thread
+import atexit
+import os
 import signal
+import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
+from typing import Any
+
+INTERRUPTED = 130  # exit code
+SIGNALS = signal.SIGINT, signal.SIGTERM
+RETRY_S = 0.02  # until the next attempt to raise
+LIMIT_S = 2.0  # after which a process that has no safe point ends at once
+# Modules whose functions are called by C code, which prints and loses a KeyboardInterrupt, or
+# crashes: the compiler's callbacks, attributes that compiled code reads, the HDF5 library's files,
+# imports of C modules, callbacks of weak references.
+UNSAFE = (
+    "numba", "llvmlite", "subsea.core.kernels", "h5py", "subsea.core.hdf5",
+    "importlib", "_frozen_importlib", "weakref", "_weakrefset",
+)  # fmt: skip
+
+
+def run_program(program: str, main: Callable[[], int]) -> int:
+    """Run `main` as the whole work of this process and return its exit code.
+
+    Where `main` does not handle Ctrl-C and SIGTERM, while its modules are imported and while the
+    interpreter shuts down, they end the process at once.
+    """
+    # Registered first, so called last: Python then removes handlers while it still has work to do.
+    atexit.register(_handle, signal.SIG_IGN)
+    _handle(lambda number, frame: _end_at_once(program))
+    return main()
+
+
+@contextmanager
+def raised_interrupts(program: str) -> Iterator[None]:
+    """Raise KeyboardInterrupt for the first Ctrl-C or SIGTERM as soon as that is safe.
+
+    Later ones are ignored, so that the program can finish its files. After LIMIT_S without a safe
+    point, or at a signal that comes later than that, the process ends at once.
+    """
+    first: float | None = None
+    raised = closed = False
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        nonlocal first, raised
+        first = time.monotonic() if first is None else first
+        if not raised and _is_safe(frame):
+            raised = True
+            raise KeyboardInterrupt
+        if time.monotonic() - first >= LIMIT_S:
+            _end_at_once(program)
+        if not raised:
+            _thread.start_new_thread(retry, (signal.Signals(number),))
+
+    def retry(number: signal.Signals) -> None:
+        time.sleep(RETRY_S)
+        if raised or closed:
+            return
+        if hasattr(signal, "pthread_kill"):  # also ends a wait of the main thread
+            signal.pthread_kill(threading.main_thread().ident or 0, number)
+        else:
+            _thread.interrupt_main(number)
+
+    before = _handle(handle)
+    try:
+        yield
+    finally:
+        closed = True
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _is_safe(frame: FrameType | None) -> bool:
+    """True if no function on the stack is called by C code that loses exceptions."""
+    while frame is not None:
+        module = f"{frame.f_globals.get('__name__')}."
+        if frame.f_code.co_name == "__del__" or any(
+            module.startswith(f"{name}.") for name in UNSAFE
+        ):
+            return False
+        frame = frame.f_back
+    return True
+
+
+def _handle(handler: Any) -> dict[int, Any]:
+    """Set the handler of both signals and return the old ones; an ignored signal stays ignored."""
+    before: dict[int, Any] = {number: signal.getsignal(number) for number in SIGNALS}
+    before = {number: old for number, old in before.items() if old is not signal.SIG_IGN}
+    for number in before:
+        signal.signal(number, handler)
+    return before
+
+
+def _end_at_once(program: str) -> None:
+    """End the process without the interpreter's shutdown, which could crash or wait."""
+    with suppress(OSError):  # standard error may be closed
+        os.write(2, f"{program}: interrupted\n".encode())
+    os._exit(INTERRUPTED)
 
 
 @contextmanager
@@ -26,7 +123,7 @@ def deferred_interrupts() -> Iterator[Callable[[], None]]:
             pending = False
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, record) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, record) for number in SIGNALS}
     try:
         yield check
     finally:

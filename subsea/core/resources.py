@@ -36,7 +36,7 @@ def stems(folder: Path, suffix: str) -> list[str]:
 
 
 def is_path(name: str, suffix: str) -> bool:
-    """Whether `name` is a path: it has a slash or ends in `suffix`."""
+    """True if `name` is a path: it has a slash or ends in `suffix`."""
     return "/" in name or "\\" in name or name.endswith(suffix)
 
 

@@ -6,11 +6,11 @@ from typing import Any
 
 from subsea.core.errors import UserError
 from subsea.core.toml_positions import Place
+from subsea.core.validation import MISSING
 
 Content = Mapping[str, Any]  # of a table, as tomllib reads it; lists may be tuples
 
 MAX_LINE = 100  # characters; a longer list of tables has one table per line
-_MISSING = object()
 
 
 def edit_toml(
@@ -68,10 +68,10 @@ def _plain(value: Any) -> Any:
 def _change(table: Any, old: Content, new: Content) -> None:
     """Set the values of a tomlkit table that differ."""
     for key in {**old, **new}:
-        before, after = old.get(key, _MISSING), new.get(key, _MISSING)
+        before, after = old.get(key, MISSING), new.get(key, MISSING)
         if before == after:
             continue
-        if after is _MISSING:
+        if after is MISSING:
             table.pop(key, None)
         else:
             _set(table, key, before, after)
@@ -99,7 +99,7 @@ def _set(container: Any, key: Any, old: Any, new: Any) -> None:
 
 
 def _has_headers(container: Any) -> bool:
-    """Whether the tables in a tomlkit table have their own headers; new ones follow suit."""
+    """True if the tables in a tomlkit table have their own headers; new ones follow suit."""
     from tomlkit.items import Table
 
     if not isinstance(container, Table):

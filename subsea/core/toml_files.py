@@ -10,13 +10,15 @@ from typing import Any, TypeVar
 import msgspec
 
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_text
 from subsea.core.toml_positions import is_count, key_lines, line_of, place_of, words_of
 from subsea.core.validation import same_at, violation
 
 T = TypeVar("T")
 
 MAX_BYTES = 1 << 20  # of a TOML file
-# A key of 32 or more nested tables, or a comment that looks like one. Parsing time grows with
+MAX_PARTS = 32  # of a key
+# A key of more nested tables, or a comment that looks like one. Parsing time grows with
 # the square of their number.
 _TOO_DEEP = re.compile(
     r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
@@ -98,16 +100,7 @@ def _line(path: Path, key: str) -> int | None:
 
 
 def _read_text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-        if len(data) > MAX_BYTES:
-            limit = MAX_BYTES >> 20
-            raise UserError(f"larger than {limit} MiB, expected a smaller file", file=path)
-        return data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise UserError(f"cannot read ({reason})", file=path) from error
+    return read_text(path, MAX_BYTES).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _syntax_error(told: str, text: str) -> tuple[int, str]:
@@ -117,6 +110,15 @@ def _syntax_error(told: str, text: str) -> tuple[int, str]:
     return text.rstrip().count("\n") + 1, told
 
 
+def _is_text(argument: str) -> bool:
+    """False if an argument of a command has bytes that Python could not decode."""
+    try:
+        argument.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def _set(content: dict[str, Any], setting: str) -> None:
     """Change one value in the content of a TOML file; an index just past the end appends."""
     keys, equals, text = setting.partition("=")
@@ -124,6 +126,11 @@ def _set(content: dict[str, Any], setting: str) -> None:
     option = f"--set {setting}"
     if not equals or not all(steps):
         raise UserError("expected KEY=VALUE such as fish.0.number=20", file=option)
+    if len(steps) > MAX_PARTS:
+        message = f"a key of {len(steps)} parts, expected {MAX_PARTS} at most"
+        raise UserError(message, file=f"--set {'.'.join(steps[:3])}…")
+    if not _is_text(setting):
+        raise UserError("not text in the encoding of this terminal, expected UTF-8", file=option)
     value: Any = text.strip()
     with suppress(ValueError, RecursionError):
         value = tomllib.loads(f"value = {value}")["value"]
@@ -143,7 +150,7 @@ def _set(content: dict[str, Any], setting: str) -> None:
             here.setdefault(step, new)
             key = step
         else:
-            raise UserError(f"`{above}` is no table, expected `{above}=VALUE`", file=option)
+            raise UserError(f"`{above}` is not a table, expected `{above}=VALUE`", file=option)
         if last:
             here[key] = value
         here = here[key]

@@ -48,7 +48,7 @@ def place_of(words: str) -> Place:
 
 
 def is_count(step: str) -> bool:
-    """Whether a word is the index of a list entry, of at most nine digits."""
+    """True if a word is the index of a list entry, of at most nine digits."""
     return step.isdecimal() and len(step) < 10
 
 

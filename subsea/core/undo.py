@@ -24,17 +24,17 @@ class History(Generic[State]):
 
     @property
     def may_undo(self) -> bool:
-        """Whether there is an earlier state."""
+        """True if there is an earlier state."""
         return self._at > 0
 
     @property
     def may_redo(self) -> bool:
-        """Whether a state was undone."""
+        """True if a state was undone."""
         return self._at < len(self._all) - 1
 
     @property
     def unsaved(self) -> bool:
-        """Whether the current state differs from the one saved last."""
+        """True if the current state differs from the one saved last."""
         return self._saved is None or self.present != self._saved
 
     def saved(self, really: bool = True) -> None:

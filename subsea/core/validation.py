@@ -15,6 +15,35 @@ from subsea.core.toml_positions import Place, place_of, words_of
 
 T = TypeVar("T")
 MISSING = object()
+NOUNS = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "text",
+    "bool": "true or false",
+    "object": "a table",
+    "array": "a list",
+    "date": "a date",
+    "datetime": "a date and time",
+    "time": "a time",
+}
+PHRASES = {
+    "Object contains unknown field": "unknown key",
+    "Object missing required field": "missing key",
+    "Invalid enum value": "unknown value",
+    "Invalid value": "unknown value",
+    "Integer value out of range": "number out of range",
+    "Number out of range": "number out of range",
+}
+LIMITS = {
+    r"^ >= (\S+?)(\.0)?$": r" of at least \1",
+    r"^ <= (\S+?)(\.0)?$": r" of at most \1",
+    r"^ > (\S+?)(\.0)?$": r" above \1",
+    r"^ < (\S+?)(\.0)?$": r" below \1",
+    r"^ of (?:at least length|length >=) (\d+)$": r" of at least \1 UNIT",
+    r"^ of (?:at most length|length <=) (\d+)$": r" of at most \1 UNIT",
+    r"^ of length (\d+)( to \d+)?$": r" of \1\2 UNIT",
+    r"^ matching regex ": " that matches ",
+}
 _OF_KEY = " - at `key` in `$"  # msgspec's mark for a faulty key rather than its value
 
 
@@ -52,8 +81,6 @@ def violation(error: msgspec.ValidationError, content: Any, kind: Any) -> Violat
             hint = f"; its keys are: {', '.join(map(repr, one.key_type.values))}"
         elif isinstance(one, inspect.LiteralType):
             hint = f"; there are: {', '.join(map(repr, one.values))}"
-    message = message.replace("Object contains unknown field", "unknown key")
-    message = message.replace("Object missing required field", "missing key")
     culprit = place
     if _OF_KEY in told:
         culprit = *place, _faulty_key(content, kind, place)
@@ -61,7 +88,28 @@ def violation(error: msgspec.ValidationError, content: Any, kind: Any) -> Violat
         named = ((*place, *place_of(word)) for word in re.findall(r"[\w.\[\]]+", message))
         culprit = next((one for one in named if value_at(content, one) is not MISSING), place)
     where = f", at `{words_of(place)}`" if place else ""
-    return Violation(f"{message}{where}{hint}", place, culprit)
+    value = MISSING if culprit != place else value_at(content, place)
+    return Violation(f"{plain_words(message, value)}{where}{hint}", place, culprit)
+
+
+def plain_words(message: str, value: Any = MISSING) -> str:
+    """A message of msgspec without names of types; with the faulty scalar `value`, if given."""
+    for theirs, ours in PHRASES.items():
+        message = message.replace(theirs, ours)
+    expected = re.fullmatch(r"Expected `([^`]+)`(.*?)(?:, got (.*))?", message)
+    if expected is None:
+        return message
+    kinds, limit, got = expected.groups()
+    nouns = [NOUNS.get(kind, kind) for kind in kinds.split(" | ") if kind != "null"]
+    unit = {"array": "values", "str": "characters"}.get(kinds.partition(" | ")[0], "entries")
+    for pattern, words in LIMITS.items():
+        limit = re.sub(pattern, words.replace("UNIT", unit), limit)
+    found = NOUNS.get((got or "").strip("`"), got)
+    if isinstance(value, bool):
+        found = str(value).lower()
+    elif isinstance(value, int | float | str):
+        found = repr(value)
+    return f"expected {' or '.join(nouns)}{limit}" + (f", got {found}" if found else "")
 
 
 def value_at(content: Any, place: Place) -> Any:
@@ -80,7 +128,7 @@ def value_at(content: Any, place: Place) -> Any:
 
 
 def same_at(one: Any, other: Any, place: Place) -> bool:
-    """Whether two contents have the same value of a key."""
+    """True if two contents have the same value of a key."""
     mine, theirs = value_at(one, place), value_at(other, place)
     return bool(mine == theirs) or repr(mine) == repr(theirs)  # nan does not equal itself
 

@@ -26,7 +26,7 @@ def direct(
     script: Script, state: State, nature: Nature, current_cm_s: tuple[float, float], clock: Clock
 ) -> None:
     """Start the directions that are due, and advance those that run."""
-    if not script.acts:
+    if not script.cues:
         return
     context, log = DirectingContext(script, state, nature, current_cm_s, clock), state.directions
     for k in script.order:

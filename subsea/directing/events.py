@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.arrays import Ints
-from subsea.directing.script import Act, DirectingContext, hunger_of
+from subsea.directing.script import Cast, Cue, DirectingContext, hunger_of
 from subsea.state import (
     EAT,
     FEAR,
@@ -16,14 +16,12 @@ from subsea.state import (
     SUBMARINE,
 )
 
-Cast = tuple[int, int]
-
 PULSES = ("spawned", "eaten")  # events of a single tick
 
 
 def triggered_cast(context: DirectingContext, k: int) -> Cast | None:
     """The fishes of direction k if it starts now, else None."""
-    one, log = context.script.acts[k].direction, context.state.directions
+    one, log = context.script.cues[k].direction, context.state.directions
     if log.times[k] and one.once and one.every_s is None:
         return None
     since = _watched_since(context, k)
@@ -35,18 +33,18 @@ def triggered_cast(context: DirectingContext, k: int) -> Cast | None:
 
 def _watched_since(context: DirectingContext, k: int) -> int | None:
     """First tick in which direction k may start, None if that is in the future."""
-    act, log, clock = context.script.acts[k], context.state.directions, context.clock
-    since = round((act.direction.at_s or 0.0) / clock.dt)
-    if act.after >= 0:
-        if log.began[act.after] < 0:
+    cue, log, clock = context.script.cues[k], context.state.directions, context.clock
+    since = round((cue.direction.at_s or 0.0) / clock.dt)
+    if cue.after >= 0:
+        if log.began[cue.after] < 0:
             return None
-        since = max(since, int(log.began[act.after]) + round(act.direction.delay_s / clock.dt))
+        since = max(since, int(log.began[cue.after]) + round(cue.direction.delay_s / clock.dt))
     return since if clock.tick >= since else None
 
 
 def _begins(context: DirectingContext, k: int, since: int) -> bool:
     """True if direction k, whose condition holds, starts now."""
-    one, log, tick = context.script.acts[k].direction, context.state.directions, context.clock.tick
+    one, log, tick = context.script.cues[k].direction, context.state.directions, context.clock.tick
     if log.times[k] == 0:
         return True
     if one.every_s is not None:
@@ -57,32 +55,33 @@ def _begins(context: DirectingContext, k: int, since: int) -> bool:
 
 def _cast_of(context: DirectingContext, k: int) -> Cast | None:
     """The fishes of direction k if its event happens and few enough are left."""
-    act, state = context.script.acts[k], context.state
-    one = act.direction
-    if one.fewer_than is not None and state.fishes.alive[act.of].sum() >= one.fewer_than:
+    cue, state = context.script.cues[k], context.state
+    one = cue.direction
+    if one.fewer_than is not None and state.fishes.alive[cue.of].sum() >= one.fewer_than:
         return None
     if one.event is not None:
-        return EVENTS[one.event](context, act)
-    if act.after >= 0:
-        return _pair_of(state.directions.cast[act.after])
+        return EVENTS[one.event](context, cue)
+    if cue.after >= 0:
+        first, second = state.directions.cast[cue.after]
+        return int(first), int(second)
     return NOBODY, NOBODY
 
 
-def _courting(context: DirectingContext, act: Act) -> Cast | None:
+def _courting(context: DirectingContext, cue: Cue) -> Cast | None:
     """Two fishes are looping, or in a later state of courtship."""
     minds = context.state.minds
-    those = act.of[minds.courtship[act.of] >= LOOPING]
+    those = cue.of[minds.courtship[cue.of] >= LOOPING]
     her = minds.partner[those]
     mutual = (her >= 0) & (minds.courtship[her] >= LOOPING) & (minds.partner[her] == those)
     return _couple(context, those[mutual])
 
 
-def _spawned(context: DirectingContext, act: Act) -> Cast | None:
+def _spawned(context: DirectingContext, cue: Cue) -> Cast | None:
     """Two fishes have mated in the last tick."""
     minds, log, clock = context.state.minds, context.state.directions, context.clock
-    ended = (log.courtship[act.of] == NUZZLING) & (minds.courtship[act.of] == NO_COURTSHIP)
-    just = minds.last_mating[act.of] >= (clock.tick - 1.5) * clock.dt
-    those = act.of[ended & just]
+    ended = (log.courtship[cue.of] == NUZZLING) & (minds.courtship[cue.of] == NO_COURTSHIP)
+    just = minds.last_mating[cue.of] >= (clock.tick - 1.5) * clock.dt
+    those = cue.of[ended & just]
     if not len(those):
         return None
     other = minds.shunned[those[0]]  # its mate
@@ -98,12 +97,12 @@ def _couple(context: DirectingContext, those: Ints) -> Cast | None:
     return (i, j) if context.state.minds.male[i] else (j, i)
 
 
-def _eaten(context: DirectingContext, act: Act) -> Cast | None:
+def _eaten(context: DirectingContext, cue: Cue) -> Cast | None:
     """A fish was eaten in the last tick."""
     fishes, minds, log, clock = (
         context.state.fishes, context.state.minds, context.state.directions, context.clock,
     )  # fmt: skip
-    those = act.of[log.alive[act.of] & ~fishes.alive[act.of]]
+    those = cue.of[log.alive[cue.of] & ~fishes.alive[cue.of]]
     fed = np.flatnonzero(
         (minds.kind == PREDATOR) & (minds.last_meal >= (clock.tick - 1.5) * clock.dt)
     )
@@ -113,42 +112,42 @@ def _eaten(context: DirectingContext, act: Act) -> Cast | None:
     return int(those[0]), int(fed[np.argmin(gaps)])
 
 
-def _caught(context: DirectingContext, act: Act) -> Cast | None:
+def _caught(context: DirectingContext, cue: Cue) -> Cast | None:
     """A fish hangs on the hook."""
     state, fish = context.state.sea.catch
-    return (int(fish), NOBODY) if state == HOOKED and fish in act.of else None
+    return (int(fish), NOBODY) if state == HOOKED and fish in cue.of else None
 
 
-def _sated(context: DirectingContext, act: Act) -> Cast | None:
+def _sated(context: DirectingContext, cue: Cue) -> Cast | None:
     """A fish is no longer hungry enough to eat."""
-    alive = context.state.fishes.alive[act.of]
-    return _one(act.of[alive & (hunger_of(context, act.of) <= context.nature.keen)])
+    alive = context.state.fishes.alive[cue.of]
+    return _one(cue.of[alive & (hunger_of(context, cue.of) <= context.nature.keen)])
 
 
-def _fleeing(context: DirectingContext, act: Act) -> Cast | None:
+def _fleeing(context: DirectingContext, cue: Cue) -> Cast | None:
     """A fish is afraid enough to flee or to school closely."""
     fishes, minds = context.state.fishes, context.state.minds
-    afraid = fishes.alive[act.of] & (minds.mental[act.of, FEAR] > context.nature.alarmed)
-    those = act.of[afraid]
+    afraid = fishes.alive[cue.of] & (minds.mental[cue.of, FEAR] > context.nature.alarmed)
+    those = cue.of[afraid]
     return (int(those[0]), int(minds.predator[those[0]])) if len(those) else None
 
 
-def _hunting(context: DirectingContext, act: Act) -> Cast | None:
+def _hunting(context: DirectingContext, cue: Cue) -> Cast | None:
     """A predator hunts a prey."""
     fishes, minds = context.state.fishes, context.state.minds
     hunts = fishes.alive & (minds.kind == PREDATOR) & (minds.intention == EAT) & (minds.target >= 0)
-    those = act.of[hunts[act.of]]
+    those = cue.of[hunts[cue.of]]
     return (int(those[0]), int(minds.target[those[0]])) if len(those) else None
 
 
-def _passes(context: DirectingContext, act: Act) -> Cast | None:
+def _passes(context: DirectingContext, cue: Cue) -> Cast | None:
     """The submarine, the median place of the fishes, or one of their leaders is at the gate."""
-    one, fishes, minds = act.direction, context.state.fishes, context.state.minds
+    one, fishes, minds = cue.direction, context.state.fishes, context.state.minds
     gate = np.array(one.gate_cm)
     if one.of is None:
         near = np.linalg.norm(context.state.submarine.position - gate) <= one.radius_cm
         return (SUBMARINE, NOBODY) if near else None
-    those = act.of[fishes.alive[act.of]]
+    those = cue.of[fishes.alive[cue.of]]
     if not len(those):
         return None
     leads = those[minds.leads[those] | (len(those) == 1)]
@@ -161,10 +160,6 @@ def _passes(context: DirectingContext, act: Act) -> Cast | None:
 
 def _one(those: Ints) -> Cast | None:
     return (int(those[0]), NOBODY) if len(those) else None
-
-
-def _pair_of(cast: Ints) -> Cast:
-    return int(cast[0]), int(cast[1])
 
 
 EVENTS = {

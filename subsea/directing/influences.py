@@ -9,7 +9,7 @@ from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.core.arrays import Array, Ints
-from subsea.directing.script import Act, DirectingContext, hunger_of, now_s
+from subsea.directing.script import Cast, Cue, DirectingContext, hunger_of, now_s
 from subsea.scenario.directions import INFLUENCES, MOVES, FishSelector
 from subsea.state import (
     ANYONE,
@@ -30,8 +30,6 @@ from subsea.state import (
     STOWED,
 )
 
-Cast = tuple[int, int]
-
 CRUISING = 0.62  # default share of its fastest speed on an errand
 # Body lengths at which a point of a path is reached, and at which it is once the fish recedes:
 # fishes turn in wide circles.
@@ -48,15 +46,15 @@ STRANGE_CM = 1e6  # added to the distance of different species
 
 def start(context: DirectingContext, k: int, cast: Cast) -> None:
     """Start direction k with these two fishes."""
-    act, log = context.script.acts[k], context.state.directions
+    cue, log = context.script.cues[k], context.state.directions
     _take_over(context, k)
     log.began[k], log.running[k], log.stage[k] = context.clock.tick, True, 0
     log.ceded[k] = 0
-    log.cast[k] = cast if act.direction.pair is None else NOBODY
+    log.cast[k] = cast if cue.direction.pair is None else NOBODY
     log.times[k] += 1
-    for name in act.influences:
+    for name in cue.influences:
         if name in ON_START:
-            ON_START[name](context, act)
+            ON_START[name](context, cue)
 
 
 def _take_over(context: DirectingContext, k: int) -> None:
@@ -64,11 +62,11 @@ def _take_over(context: DirectingContext, k: int) -> None:
 
     A direction ends when its path is taken over.
     """
-    acts, log = context.script.acts, context.state.directions
-    kinds, mine = _kinds(acts[k].influences), _moved(context, k)
+    cues, log = context.script.cues, context.state.directions
+    kinds, mine = _kinds(cues[k].influences), _moved(context, k)
     for other in map(int, np.flatnonzero(log.running)):
         theirs = np.isin(_moved(context, other), mine)
-        common = theirs.any() if acts[other].direction.pair is not None else theirs.all()
+        common = theirs.any() if cues[other].direction.pair is not None else theirs.all()
         held = _active(context, other)
         if other == k or (common and "way" in kinds & _kinds(held)):
             ceded = held
@@ -94,26 +92,26 @@ def advance(context: DirectingContext, k: int) -> bool:
 def _active(context: DirectingContext, k: int) -> list[str]:
     """Influences of direction k in every tick, except those that others took over."""
     ceded = int(context.state.directions.ceded[k])
-    names = context.script.acts[k].influences
+    names = context.script.cues[k].influences
     return [name for name in names if name in ADVANCE and not ceded >> INFLUENCES.index(name) & 1]
 
 
 def _release(context: DirectingContext, k: int, names: list[str]) -> None:
     """Undo these influences of direction k on its fishes."""
-    act, minds = context.script.acts[k], context.state.minds
+    cue, minds = context.script.cues[k], context.state.minds
     for name in names:
         if name in ("path_cm", "hunts"):
-            minds.errand[act.who] = 0.0
+            minds.errand[cue.who] = 0.0
         if name in ("hunts", "rests"):
-            minds.quarry[act.who] = ANYONE
+            minds.quarry[cue.who] = ANYONE
         if name == "pair":
             two = context.state.directions.cast[k]
             two = two[two >= 0]
             minds.betrothed[two], minds.errand[two] = NOBODY, 0.0
         if name == "fear":
-            minds.fright[act.who] = -1.0
+            minds.fright[cue.who] = -1.0
         if name == "likes":
-            minds.fancy[act.who] = -1
+            minds.fancy[cue.who] = -1
 
 
 def _kinds(names: Iterable[str]) -> set[str]:
@@ -124,32 +122,28 @@ def _kinds(names: Iterable[str]) -> set[str]:
 
 def _moved(context: DirectingContext, k: int) -> Ints:
     """Fishes that direction k moves; empty if it moves the water, for example."""
-    act, pair = context.script.acts[k], context.state.directions.cast[k]
-    those = act.who if any(name in MOVES for name in act.influences) else act.who[:0]
-    if isinstance(act.direction.pair, tuple):
-        return np.append(those, act.direction.pair)
-    if act.direction.pair is not None:
+    cue, pair = context.script.cues[k], context.state.directions.cast[k]
+    those = cue.who if any(name in MOVES for name in cue.influences) else cue.who[:0]
+    if isinstance(cue.direction.pair, tuple):
+        return np.append(those, cue.direction.pair)
+    if cue.direction.pair is not None:
         return np.append(those, pair[pair >= 0])
     return those
 
 
 def _share(context: DirectingContext, k: int) -> float:
     """Share of the remaining change that is due in this tick, for an even change."""
-    one, began = context.script.acts[k].direction, int(context.state.directions.began[k])
+    one, began = context.script.cues[k].direction, int(context.state.directions.began[k])
     left = round(one.over_s / context.clock.dt) - (context.clock.tick - began)
     return 1.0 / max(left, 1)
 
 
 def _lasts(context: DirectingContext, k: int, held_s: float) -> bool:
     """True if direction k lasts on; `held_s` is its default duration after the change."""
-    one, log = context.script.acts[k].direction, context.state.directions
+    one, log = context.script.cues[k].direction, context.state.directions
     held = held_s if one.for_s is None else one.for_s
     ticks = max((one.over_s + held) / context.clock.dt, 1.0)
     return bool(context.clock.tick - log.began[k] < ticks)
-
-
-def _alive(context: DirectingContext, act: Act) -> Ints:
-    return act.who[context.state.fishes.alive[act.who]]
 
 
 # Each of these acts for one tick and returns whether it continues.
@@ -157,12 +151,12 @@ def _alive(context: DirectingContext, act: Act) -> Ints:
 
 def _lead(context: DirectingContext, k: int) -> bool:
     """Send the leaders to the next point of the path, until the last is reached."""
-    act, log = context.script.acts[k], context.state.directions
-    minds, one = context.state.minds, act.direction
+    cue, log = context.script.cues[k], context.state.directions
+    minds, one = context.state.minds, cue.direction
     points = one.path_cm or []
-    minds.errand[act.who] = 0.0
-    those = _alive(context, act)
-    if len(act.who) > 1:
+    minds.errand[cue.who] = 0.0
+    those = cue.who[context.state.fishes.alive[cue.who]]
+    if len(cue.who) > 1:
         free = those[minds.leader[those] == NOBODY]
         leads = free[minds.leads[free]]
         those = leads if len(leads) else free
@@ -198,73 +192,74 @@ def _send(context: DirectingContext, those: Ints, place: Any, share: Any) -> Non
 
 def _hunger(context: DirectingContext, k: int) -> bool:
     """Ease hunger to the given value, and hold it."""
-    act, minds = context.script.acts[k], context.state.minds
-    assert act.direction.hunger is not None
-    now = hunger_of(context, act.who)
-    wish = now + _share(context, k) * (act.direction.hunger - now)
-    set_hunger(minds, act.who, np.clip(wish, 0.0, 1.0), now_s(context))
+    cue, minds = context.script.cues[k], context.state.minds
+    assert cue.direction.hunger is not None
+    now = hunger_of(context, cue.who)
+    wish = now + _share(context, k) * (cue.direction.hunger - now)
+    set_hunger(minds, cue.who, np.clip(wish, 0.0, 1.0), now_s(context))
     return True
 
 
 def _libido(context: DirectingContext, k: int) -> bool:
     """Ease libido to the given value, and hold it."""
-    act, minds = context.script.acts[k], context.state.minds
-    assert act.direction.libido is not None
-    now, hunger = urge_to_mate(minds, act.who, now_s(context)), hunger_of(context, act.who)
-    wish = now + _share(context, k) * (act.direction.libido - now)
-    set_libido(minds, act.who, hunger, wish, now_s(context))
+    cue, minds = context.script.cues[k], context.state.minds
+    assert cue.direction.libido is not None
+    now = urge_to_mate(minds, cue.who, now_s(context))
+    hunger = hunger_of(context, cue.who)
+    wish = now + _share(context, k) * (cue.direction.libido - now)
+    set_libido(minds, cue.who, hunger, wish, now_s(context))
     return True
 
 
 def _fear(context: DirectingContext, k: int) -> bool:
     """Ease fear to the given value, and hold it."""
-    act, minds = context.script.acts[k], context.state.minds
-    assert act.direction.fear is not None
-    fright = minds.fright[act.who]
-    now = np.where(fright < 0.0, minds.mental[act.who, FEAR], fright)
-    minds.fright[act.who] = now + _share(context, k) * (act.direction.fear - now)
+    cue, minds = context.script.cues[k], context.state.minds
+    assert cue.direction.fear is not None
+    fright = minds.fright[cue.who]
+    now = np.where(fright < 0.0, minds.mental[cue.who, FEAR], fright)
+    minds.fright[cue.who] = now + _share(context, k) * (cue.direction.fear - now)
     return True
 
 
 def _likes(context: DirectingContext, k: int) -> bool:
     """Impose habits."""
-    act = context.script.acts[k]
-    bits = sum(1 << HABITS.index(habit) for habit in {*(act.direction.likes or ())})
-    context.state.minds.fancy[act.who] = bits
+    cue = context.script.cues[k]
+    bits = sum(1 << HABITS.index(habit) for habit in {*(cue.direction.likes or ())})
+    context.state.minds.fancy[cue.who] = bits
     return True
 
 
 def _current(context: DirectingContext, k: int) -> bool:
     """Ease the strength of the current to the given value."""
     current = context.state.directions.current
-    wish = np.array(context.script.acts[k].direction.current_cm_s) - context.current_cm_s
+    wish = np.array(context.script.cues[k].direction.current_cm_s) - context.current_cm_s
     current += _share(context, k) * (wish - current)
     return True
 
 
-def _make_hungry(context: DirectingContext, act: Act) -> None:
+def _make_hungry(context: DirectingContext, cue: Cue) -> None:
     """Make predators hungry and fresh, and limit their prey."""
-    minds, hunts = context.state.minds, act.direction.hunts
-    those = _hunters(context, act)
+    minds, hunts = context.state.minds, cue.direction.hunts
+    those = _hunters(context, cue)
     set_hunger(minds, those, 1.0, now_s(context))
     minds.fatigue[EAT, those] = 0.0
     if isinstance(hunts, FishSelector) and hunts.species is not None:
         minds.quarry[those] = *ANYONE[:2], context.script.species.index(hunts.species)
     else:
-        minds.quarry[those] = (act.prey[0], act.prey[-1] + 1, -1) if len(act.prey) else NOBODY
+        minds.quarry[those] = (cue.prey[0], cue.prey[-1] + 1, -1) if len(cue.prey) else NOBODY
     _forget_prey(context, those)
 
 
-def _sate(context: DirectingContext, act: Act) -> None:
+def _sate(context: DirectingContext, cue: Cue) -> None:
     """Make predators sated, without prey."""
-    minds, those = context.state.minds, _hunters(context, act)
+    minds, those = context.state.minds, _hunters(context, cue)
     set_hunger(minds, those, 0.0, now_s(context))
     minds.quarry[those] = NOBODY
     _forget_prey(context, those)
 
 
-def _hunters(context: DirectingContext, act: Act) -> Ints:
-    return act.who[context.state.minds.kind[act.who] == PREDATOR]
+def _hunters(context: DirectingContext, cue: Cue) -> Ints:
+    return cue.who[context.state.minds.kind[cue.who] == PREDATOR]
 
 
 def _forget_prey(context: DirectingContext, those: Ints) -> None:
@@ -276,11 +271,12 @@ def _forget_prey(context: DirectingContext, those: Ints) -> None:
 
 def _hunt(context: DirectingContext, k: int) -> bool:
     """Send hungry predators that perceive no prey to the nearest one."""
-    act, fishes, minds = context.script.acts[k], context.state.fishes, context.state.minds
-    if act.direction.path_cm is None:
-        those = _hunters(context, act)
+    cue, state = context.script.cues[k], context.state
+    fishes, minds = state.fishes, state.minds
+    if cue.direction.path_cm is None:
+        those = _hunters(context, cue)
         minds.errand[those] = 0.0
-        prey = act.prey[fishes.alive[act.prey] & (minds.kind[act.prey] == PREY)]
+        prey = cue.prey[fishes.alive[cue.prey] & (minds.kind[cue.prey] == PREY)]
         seeks = fishes.alive[those] & (minds.food[those] < 0)
         for i in those[seeks & (hunger_of(context, those) > context.nature.keen)]:
             if len(prey):
@@ -289,20 +285,15 @@ def _hunt(context: DirectingContext, k: int) -> bool:
     return True
 
 
-def _rest(context: DirectingContext, k: int) -> bool:
-    """Continue without prey."""
-    return True
-
-
 def _pair(context: DirectingContext, k: int) -> bool:
     """Bring a pair together, at a place if one is given, until it has spawned.
 
     If the two part before, they gather again.
     """
-    act, log, state = context.script.acts[k], context.state.directions, context.state
+    cue, log, state = context.script.cues[k], context.state.directions, context.state
     minds, fishes = state.minds, state.fishes
     if log.cast[k, 0] < 0:
-        log.cast[k] = _choose_pair(context, act)
+        log.cast[k] = _choose_pair(context, cue)
         if log.cast[k, 0] < 0:
             return True
     two, other = log.cast[k], log.cast[k, ::-1]
@@ -318,7 +309,7 @@ def _pair(context: DirectingContext, k: int) -> bool:
     if (minds.courtship[two] >= LOOPING).all() and (minds.partner[two] == other).all():
         log.stage[k] = COURTING
         return True
-    place = act.direction.place_cm
+    place = cue.direction.place_cm
     meet = fishes.position[two].mean(axis=0) if place is None else np.array(place)
     gaps = np.linalg.norm(fishes.position[two] - meet, axis=1)
     gathers = gaps.max() > (TOGETHER_CM if log.stage[k] == GATHERING else APART_CM)
@@ -334,10 +325,10 @@ def _pair(context: DirectingContext, k: int) -> bool:
     return True
 
 
-def _choose_pair(context: DirectingContext, act: Act) -> Cast:
+def _choose_pair(context: DirectingContext, cue: Cue) -> Cast:
     """Male and female: the two given, or the two nearest to each other and the place."""
-    fishes, minds, one = context.state.fishes, context.state.minds, act.direction
-    those = np.array(one.pair) if isinstance(one.pair, tuple) else act.who
+    fishes, minds, one = context.state.fishes, context.state.minds, cue.direction
+    those = np.array(one.pair) if isinstance(one.pair, tuple) else cue.who
     those = those[those < len(fishes.alive)]
     those = those[fishes.alive[those] & (minds.kind[those] == PACIFIST)]
     if one.pair == "nearest":
@@ -359,9 +350,9 @@ def _choose_pair(context: DirectingContext, act: Act) -> Cast:
     return int(he[i]), int(she[j])
 
 
-def _lower(context: DirectingContext, act: Act) -> None:
+def _lower(context: DirectingContext, cue: Cue) -> None:
     """Lower the hook, or raise it without a catch."""
-    sea, down = context.state.sea, act.direction.hook == "down"
+    sea, down = context.state.sea, cue.direction.hook == "down"
     if down and sea.catch[0] in (STOWED, LANDED):
         sea.hook[:] = *sea.tackle[:2], 0.0
         sea.catch[0] = SINKING
@@ -369,9 +360,9 @@ def _lower(context: DirectingContext, act: Act) -> None:
         sea.catch[:] = HOOKED, NOBODY
 
 
-def _light(context: DirectingContext, act: Act) -> None:
+def _light(context: DirectingContext, cue: Cue) -> None:
     """Switch the submarine's lights."""
-    context.state.submarine.lights[:] = bool(act.direction.lights)
+    context.state.submarine.lights[:] = bool(cue.direction.lights)
 
 
 # Influences when a direction starts ...
@@ -385,7 +376,7 @@ ADVANCE = {
     "fear": _fear,
     "likes": _likes,
     "hunts": _hunt,
-    "rests": _rest,
+    "rests": lambda context, k: True,  # goes on without prey
     "pair": _pair,
     "current_cm_s": _current,
 }

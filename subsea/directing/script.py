@@ -10,8 +10,10 @@ from subsea.scenario.directions import Direction, FishSelector, Shoals, numbers_
 from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State
 
+Cast = tuple[int, int]  # two fishes, NOBODY or SUBMARINE
 
-class Act(NamedTuple):
+
+class Cue(NamedTuple):
     """A direction resolved to indices of fishes."""
 
     direction: Direction
@@ -26,7 +28,7 @@ class Act(NamedTuple):
 class Script(NamedTuple):
     """All directions of a world; constant."""
 
-    acts: tuple[Act, ...]
+    cues: tuple[Cue, ...]
     order: tuple[int, ...]  # indices, each after the one that it follows
     fastest_cm_s: Array  # (n,) float32, of each fish
     species: tuple[str, ...]  # names by index
@@ -55,8 +57,8 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
         return those(follow) if isinstance(follow, FishSelector) else np.zeros(0, np.int64)
 
     names = {one.name: k for k, one in enumerate(scenario.direction) if one.name}
-    acts = tuple(
-        Act(
+    cues = tuple(
+        Cue(
             one,
             one.influences,
             those(one.who),
@@ -69,10 +71,10 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
     )
 
     def depth(k: int) -> int:
-        return 0 if acts[k].after < 0 else 1 + depth(acts[k].after)
+        return 0 if cues[k].after < 0 else 1 + depth(cues[k].after)
 
-    order = tuple(sorted(range(len(acts)), key=depth))
-    return Script(acts, order, fastest_cm_s, tuple(scenario.species))
+    order = tuple(sorted(range(len(cues)), key=depth))
+    return Script(cues, order, fastest_cm_s, tuple(scenario.species))
 
 
 def now_s(context: DirectingContext) -> float:

@@ -25,12 +25,12 @@ REPEATING: tuple[Command, ...] = ("rewind", "tick")  # repeated while a key is h
 
 
 def is_action(control: ControlName) -> TypeGuard[Action]:
-    """Whether a control acts as long as its input is held."""
+    """True if a control acts as long as its input is held."""
     return control in ACTIONS
 
 
 def is_command(control: ControlName) -> TypeGuard[Command]:
-    """Whether a control acts once, when its input goes down."""
+    """True if a control acts once, when its input goes down."""
     return control in COMMANDS
 
 
@@ -53,7 +53,7 @@ CONTROLS: dict[ControlName, Control] = {
     "full stop": Control("stop, and stay", ("Space", "mouse middle", "pad A")),
     "help": Control("show or hide the help", ("H", "F1", "pad back")),
     "menu": Control("the menu", ("Esc", "pad start")),
-    "desk": Control("open or close the desk with its panels", ("Tab",)),
+    "desk": Control("open or close the panels", ("Tab",)),
     "quality": Control("quality of the picture", ("P",)),
     "pattern": Control("test pattern", ("T",)),
     "ride": Control("ride the fish ahead, or the next", ("R", "pad Y")),

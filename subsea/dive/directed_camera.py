@@ -50,7 +50,7 @@ class CameraGoal(NamedTuple):
 
 
 def is_directed(scenario: Scenario) -> bool:
-    """Whether a direction of the scenario cues a camera."""
+    """True if a direction of the scenario cues a camera."""
     return any(one.camera is not None for one in scenario.direction)
 
 
@@ -95,7 +95,7 @@ def endless_tour(world: World, name: str) -> Steer:
 
 
 def is_over(world: World) -> bool:
-    """Whether a direction ended the film, or all cameras and captions were shown in full.
+    """True if a direction ended the film, or all cameras and captions were shown in full.
 
     Repeated ones count after they were shown once.
     """
@@ -113,7 +113,7 @@ def is_over(world: World) -> bool:
 
 
 def is_cut(before: CameraPose | None, now: CameraPose, elapsed_s: float) -> bool:
-    """Whether the eye moved farther in `elapsed_s` than the hull can: a cut."""
+    """True if the eye moved farther in `elapsed_s` than the hull can: a cut."""
     if before is None:
         return False
     return bool(np.linalg.norm(now.eye - before.eye) > LEAP_CM + 2.0 * AHEAD_CM_S * elapsed_s)
@@ -181,7 +181,7 @@ def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course])
         assert stands is not None
         return CameraGoal(stands, still, np.array(camera.look_at_cm))
     fishes = world.state.fishes
-    shown = log.cast[cue] if camera.follow == "cast" else world.script.acts[cue].shown
+    shown = log.cast[cue] if camera.follow == "cast" else world.script.cues[cue].shown
     shown = shown[shown >= 0]
     shown = shown[fishes.alive[shown]]
     if not len(shown):

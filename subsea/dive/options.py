@@ -55,6 +55,7 @@ class DiveOptions:
     scenario: str
     changes: Sequence[str] = ()  # to the scenario, such as "fish.0.number=20"
     seed: int | None = None
+    fish: int | None = None  # total number of fishes; None: the scenario's
     seconds: float | None = None  # the dive ends after; None: never
     tour: str | None = None  # begins at once; None: that of the settings, after their idle time
     kiosk: bool = False

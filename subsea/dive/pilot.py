@@ -36,37 +36,22 @@ class Pilot:
         self._rested: tuple[float, float] | None = None  # where the pointer lost the helm
         self.held: dict[str, tuple[Action, float]] = {}  # by input: action and amount
         self._stopped: dict[str, float] = {}  # inputs that were held when a full stop began
-        self._throttle = 0.0
-        self._stopping = False
+        self.throttle = 0.0  # set with the wheel: share of full thrust in [-1, 1]
+        self.stopping = False  # True during a full stop
+        self.riding = False  # True while inputs turn the gaze of a ridden fish
         self._grip = 0.0
         self._smooth = Helm()
         self._active = False
-        self._riding = False
-
-    @property
-    def riding(self) -> bool:
-        """Whether inputs turn the gaze of a fish while the submarine waits."""
-        return self._riding
 
     def set_riding(self, riding: bool) -> None:
         """Begin or end a ride on a fish: the submarine stops."""
-        self._riding = riding
+        self.riding = riding
         self.full_stop()
 
     @property
     def gaze_rate(self) -> tuple[float, float]:
         """Speed at which keys turn the gaze of a fish: right and up, in [-1, 1]."""
         return self._axis("right", "left"), self._axis("up", "down")
-
-    @property
-    def throttle(self) -> float:
-        """The speed set with the wheel, as a share of full thrust in [-1, 1]."""
-        return self._throttle
-
-    @property
-    def stopping(self) -> bool:
-        """Whether a full stop lasts."""
-        return self._stopping
 
     def point(self, x: float, y: float) -> None:
         """The pointer is at (x, y) in [-1, 1]² from the middle of the window."""
@@ -76,7 +61,7 @@ class Pilot:
         self.pointer = here
         if self._rested is not None and math.dist(here, self._rested) > POINTER_MOVED:
             self._rested = None
-            self._stopping = False
+            self.stopping = False
 
     def pointer_left(self) -> None:
         """The pointer has left the window."""
@@ -85,8 +70,8 @@ class Pilot:
 
     def wheel(self, notches: float) -> None:
         """The wheel turned by `notches`, forward positive: change the set speed."""
-        self._stopping = False
-        self._throttle = min(max(self._throttle + notches * WHEEL_STEP, -1.0), 1.0)
+        self.stopping = False
+        self.throttle = min(max(self.throttle + notches * WHEEL_STEP, -1.0), 1.0)
 
     def hold(self, action: Action, name: str, amount: float = 1.0) -> None:
         """The input `name` is held for an `action`, at an `amount` in [0, 1]."""
@@ -101,9 +86,9 @@ class Pilot:
             self.full_stop()
             return
         self.held[name] = action, min(amount, 1.0)
-        self._stopping = False
+        self.stopping = False
         if action in ("ahead", "astern"):
-            self._throttle = 0.0  # takes precedence over the set speed
+            self.throttle = 0.0  # takes precedence over the set speed
         if action in ("left", "right", "up", "down"):
             self._rested = self.pointer
 
@@ -117,19 +102,19 @@ class Pilot:
         self._active = True
 
     def was_active(self) -> bool:
-        """Whether there was any input since the last call."""
+        """True if there was any input since the last call."""
         active, self._active = self._active, False
         return active
 
     def reset(self) -> None:
         """Release the helm until there is input."""
         self.full_stop()
-        self._stopping, self._smooth = False, Helm()
+        self.stopping, self._smooth = False, Helm()
 
     def full_stop(self) -> None:
         """Brake, level and keep the heading until any other input."""
-        self._stopping = True
-        self._throttle = 0.0
+        self.stopping = True
+        self.throttle = 0.0
         self._rested = self.pointer
         self._grip = 0.0
         self._stopped |= {name: amount for name, (_, amount) in self.held.items()}
@@ -143,7 +128,7 @@ class Pilot:
 
     def helm(self, dt: float) -> Helm:
         """The submarine's helm for the next `dt` seconds."""
-        if self._riding:
+        if self.riding:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         return self.commanded(dt)
@@ -154,7 +139,7 @@ class Pilot:
 
     def commanded(self, dt: float) -> Helm:
         """The helm of all inputs for the next `dt` seconds, of the submarine or a fish."""
-        if self._stopping:
+        if self.stopping:
             self._smooth = Helm(full_stop=True)
             return self._smooth
         steering = self.pointer is not None and self._rested is None
@@ -171,7 +156,7 @@ class Pilot:
         nose = up if mouse.steer and not lift else 0.0
         surge = 0.0 if lift else self._axis("ahead", "astern")
         asked = Helm(
-            surge=share * _limited(self._throttle + surge),
+            surge=share * _limited(self.throttle + surge),
             yaw=share * _limited(self._axis("left", "right") - turn),
             pitch=_limited(
                 self._axis("up", "down") + MOUSE_PITCH * (-nose if mouse.invert_pitch else nose)

@@ -14,7 +14,7 @@ from subsea.render.gl.id_buffer import IdMaps
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.follow import FollowCamera, follow_fish
-from subsea.view.retina import Gaze, body_at, eyes_pose, fish_eyes, retina_rig
+from subsea.view.retina import Gaze, bodies_at, eyes_pose, fish_eyes, retina_rig
 from subsea.view.rig import (
     CameraPose,
     CameraRig,
@@ -82,7 +82,7 @@ class Ride:
         if np.linalg.norm(up) < 1e-3:  # it turned upside down
             self._axes, forward, up = axes, looking.forward, looking.up
         up = up / np.linalg.norm(up)
-        origin, _ = body_at(world, self.by.fish, alpha)
+        origin, _ = bodies_at(world, self.by.fish, alpha)
         # The head swings about the body: on its mean way it is straight ahead.
         return CameraPose(
             origin + ((looking.eye - origin) @ looking.forward) * forward, forward, up
@@ -114,7 +114,7 @@ class Ride:
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
         state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
-        doing = "in your hands" if steered else BEHAVIORS[minds.intention[fish]].name
+        doing = "steered by you" if steered else BEHAVIORS[minds.intention[fish]].name
         parts = [f"{name} {fish}: {doing}", *state]
         if self.gaze != Gaze():
             parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")

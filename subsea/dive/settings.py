@@ -11,15 +11,9 @@ from msgspec import Meta, inspect
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.core.toml_files import error_at, load_toml
-from subsea.dive.bindings import (
-    COMMANDS,
-    CONTROLS,
-    Bindings,
-    Command,
-    bindings_of,
-    input_name,
-)
+from subsea.dive.bindings import COMMANDS, CONTROLS, Bindings, Command, bindings_of, input_name
 
 # Commands of visitors; in a kiosk all others have no inputs.
 KIOSK_COMMANDS: tuple[Command, ...] = (
@@ -57,7 +51,7 @@ class GamepadSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """For those whom motion on a screen makes ill. The hull never rolls and never jerks."""
+    """Against motion sickness. The hull never rolls and never jerks."""
 
     vignette: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: how much the rim darkens in fast turns")
@@ -65,7 +59,7 @@ class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     horizon: Annotated[bool, Meta(description="a line where the horizon is, when it tilts")] = True
     acceleration: Annotated[
         float,
-        Meta(ge=0.1, le=1, description="0.1 to 1: share of the thrust and rudder that hands get"),
+        Meta(ge=0.1, le=1, description="0.1 to 1: share of full thrust and rudder"),
     ] = 1.0
 
 
@@ -76,8 +70,7 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         "mono"
     )
     quality: Annotated[
-        Literal["auto", "low", "medium", "high"],
-        Meta(description="auto, low, medium or high"),
+        Literal["auto", "low", "medium", "high"], Meta(description="auto, low, medium or high")
     ] = "auto"
     fullscreen: Annotated[bool, Meta(description="whether the dive begins on the full screen")] = (
         False
@@ -88,19 +81,18 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class AttractSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The tour that begins by itself when nobody steers."""
+    """The tour that begins when there is no input."""
 
     after_min: Annotated[
         float, Meta(ge=0, le=1440, description="minutes without any input; 0: never")
     ] = 3.0
     tour: Annotated[
-        str,
-        Meta(description="one of the scenario's, directed, or auto: where something happens"),
+        str, Meta(description="one of the scenario's, directed, or auto: where something happens")
     ] = "auto"
 
 
 class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What holds with --kiosk only."""
+    """Settings of --kiosk only."""
 
     leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
         "Ctrl+Shift+Q"
@@ -113,12 +105,15 @@ class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     folder: Annotated[
         str, Meta(description="where they go; empty: subsea in the user's pictures")
     ] = ""
+    instruments: Annotated[
+        bool, Meta(description="with instruments, panels and all text of the window")
+    ] = False
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """All settings, with their defaults."""
 
-    # Only what the file sets: see `bindings`.
+    # Only those in the file: see `bindings`.
     controls: dict[str, list[str]] = msgspec.field(default_factory=dict)
     mouse: MouseSettings = MouseSettings()
     gamepad: GamepadSettings = GamepadSettings()
@@ -165,11 +160,11 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
     """
     path = settings_path()
     try:
-        path.read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
-        return DEFAULTS
-    except OSError as fault:
-        tell(f"{path}: cannot read ({fault.strerror}); the defaults are used")
+        read_input(path)
+    except UserError as fault:
+        if isinstance(fault.__cause__, FileNotFoundError | NotADirectoryError):
+            return DEFAULTS
+        tell(f"{fault}; the defaults are used")
         return DEFAULTS
     try:
         return read_settings(path)
@@ -194,10 +189,10 @@ def kiosk_settings(settings: Settings) -> Settings:
     return msgspec.structs.replace(settings, controls=controls | {"leave": [key]})
 
 
-def write_settings(path: Path) -> None:
-    """Write a file with every setting at its default; never replaces a file."""
-    if path.exists():
-        raise UserError("is there already, and is kept; delete or rename it first", file=path)
+def write_settings(path: Path, force: bool = False) -> None:
+    """Write a file with every setting at its default; replaces a file only with `force`."""
+    if path.exists() and not force:
+        raise UserError("exists; rename it, or give --force to replace it", file=path)
     with replacing(path) as part:
         part.write_text(default_text(), encoding="utf-8")
 
@@ -213,21 +208,21 @@ def default_text() -> str:
     return "\n".join(lines) + "\n"
 
 
-def show_settings(write: bool) -> int:
+def show_settings(write: bool, force: bool = False) -> int:
     """`subsea settings`: print the path, or write the defaults there; exit code 0."""
     path = settings_path()
     if write:
-        write_settings(path)
+        write_settings(path, force)
     elif path.exists():
         read_settings(path)
-    print(path if path.exists() else f"{path} (not there; --write makes it)")
+    print(path if path.exists() else f"{path} (missing; `subsea settings --write` writes it)")
     return 0
 
 
 def _rows(table: Any) -> Iterator[str]:
     """The lines of a table: its purpose and its keys."""
     if table.encode_name == "controls":
-        yield "# What each input does. Keys are named by their place on a US keyboard, alone or as"
+        yield "# Actions of inputs. Keys are named by their place on a US keyboard, alone or as"
         yield "# Ctrl+Shift+Q; mouse left, right, middle, 4 to 8; the parts of a gamepad as below."
         for name, control in CONTROLS.items():
             key = name if name.isidentifier() else json.dumps(name)

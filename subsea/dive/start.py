@@ -12,7 +12,7 @@ from subsea.dive.warm_up import warm_up
 from subsea.frame.packet import make_scene, pack
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig
 from subsea.world.build import LIVE_REACH_CM, create_world
@@ -20,8 +20,8 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render import Renderer
     from subsea.render.output.quality import Quality
+    from subsea.render.renderer import Renderer
 
 Say = Callable[[str], None]
 
@@ -54,7 +54,7 @@ def ready_world(
     warm_up(tell)
     world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
     tell("waking the fishes")
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
     return world
 
@@ -64,7 +64,7 @@ def headless() -> Iterator[Any]:
     """An OpenGL context without a window; a UserError without OpenGL."""
     # Messages of Mesa would hide the line that says what to install.
     os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
-    from subsea.render import headless_context
+    from subsea.render.gl.context import headless_context
 
     context = headless_context()
     try:
@@ -78,13 +78,10 @@ def headless() -> Iterator[Any]:
 
 @contextmanager
 def picture_maker(
-    context: Any,
-    world: World,
-    rig: CameraRig,
-    quality: "Quality",
+    context: Any, world: World, rig: CameraRig, quality: "Quality"
 ) -> Iterator["Renderer"]:
     """A renderer for the pictures of a rig."""
-    from subsea.render import Renderer
+    from subsea.render.renderer import Renderer
 
     renderer = Renderer(context, make_scene(world), rig, quality)
     try:

@@ -9,6 +9,7 @@ import msgspec
 
 from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError, unknown
+from subsea.core.input_files import check_input
 from subsea.core.toml_files import error_at
 from subsea.dive.cluster.credentials import cluster_faults
 from subsea.view.display_rigs import display_rig
@@ -17,7 +18,7 @@ from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.channels import ProjectorChannel, usable_channels
 from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
-from subsea.view.theatre.theatre_rig import seen_channels, theatre_rig
+from subsea.view.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.view.theatre.warp import describe_warp
 
 
@@ -49,7 +50,7 @@ def set_up_theatre(
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
     theatre = shrink_theatre(theatre, shrink)
     found, faults = usable_channels(theatre, path)
-    found, unseen = seen_channels(theatre, found, display, stereo)
+    found, unseen = visible_channels(theatre, found, display, stereo)
     unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
     if not found:
         raise unseen[0]
@@ -93,9 +94,10 @@ def theatre_digest(name: str | None) -> str | None:
     whole = sha256()
     for file in (path, *(path.parent / one for one in named)):
         try:
+            check_input(file)
             with file.open("rb") as data:
                 whole.update(file_digest(data, "sha256").digest())
-        except (OSError, ValueError):  # reported where it is used
+        except (UserError, OSError):  # reported where it is used
             whole.update(b"none")
     return whole.hexdigest()
 

@@ -1,9 +1,10 @@
 """Sources of ticks: this computer, or the master of a cluster."""
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from subsea.behavior.teleop import TeleopCommand
 from subsea.core.console import say
@@ -12,7 +13,7 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.prediction import Prediction
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.rail import Rail
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
@@ -28,31 +29,18 @@ PATIENCE_S = 0.02  # a follower waits for the next picture before it handles win
 HOLD_S = 0.25  # the same while the master is silent
 
 
-class TickSource(Protocol):
+class TickSource(ABC):
     """Makes the ticks of each picture, and synchronises when it is shown."""
 
-    steered_fish: int | None  # the fish that the pilot steers; None in a cluster
+    has_pilot = True  # True on the pilot's computer
+    shared = False  # True in a cluster
+    steered_fish: int | None = None  # the fish that the pilot steers; None in a cluster
+    timeline: Timeline | None = None  # controls time; None in a cluster
+    steering: "SteeringSource | None" = None  # None: the master steers
+    waiting = ""  # the cause of a wait; empty while the dive runs
+    idle_s = 0.0  # time that the last call of `advance` spent waiting
 
-    @property
-    def has_pilot(self) -> bool:
-        """Whether the pilot sits at this computer."""
-
-    @property
-    def shared(self) -> bool:
-        """Whether other computers show the same dive."""
-
-    @property
-    def timeline(self) -> Timeline | None:
-        """Controls time; None in a cluster."""
-
-    @property
-    def waiting(self) -> str:
-        """The cause of a wait, as a text; empty while the dive runs."""
-
-    @property
-    def idle_s(self) -> float:
-        """Time that the last call of `advance` spent waiting."""
-
+    @abstractmethod
     def advance(self, elapsed_s: float) -> float | None:
         """Make the ticks that are due `elapsed_s` after the last picture.
 
@@ -60,17 +48,21 @@ class TickSource(Protocol):
         if there is nothing new to draw.
         """
 
+    @abstractmethod
     def eye(self) -> CameraPose:
         """The pose of the pilot's eye in that picture."""
 
     def set_tour(self, tour: Steer | None) -> None:
         """Let a tour steer from the next tick on, until there is input; None: the pilot steers."""
+        if self.steering:
+            self.steering.tour = tour
 
-    def swap(self, drawn: Callable[[], None]) -> None:
+    def swap(self, drawn: Callable[[], None]) -> None:  # noqa: B027 - one computer never waits
         """Wait until the picture may be shown; `drawn` waits until it is drawn."""
 
     def close(self) -> list[str]:
         """End the dive; returns lines to report."""
+        return []
 
 
 class SteeringSource:
@@ -84,19 +76,19 @@ class SteeringSource:
         """Commands for the next ticks; take each one when the tick before is made."""
         for _ in range(number):
             helm = self._pilot.helm(TICK_S)
-            if helm != HANDS_OFF:
+            if helm != NEUTRAL:
                 self.tour = None
             yield self.tour(self._world) if self.tour else helm
 
 
-class LocalTicks:
+class LocalTicks(TickSource):
     """Ticks by this computer's clock and pilot, or a tour until there is input."""
 
-    has_pilot, shared, waiting, idle_s = True, False, "", 0.0
+    timeline: Timeline
+    steering: SteeringSource
 
     def __init__(self, world: World, pilot: Pilot, tour: Steer | None = None) -> None:
         self.timeline = Timeline(world)
-        self.steered_fish: int | None = None  # the fish that the pilot steers
         self._world, self._pilot = world, pilot
         self.steering, self._prediction = SteeringSource(world, pilot, tour), Prediction()
 
@@ -120,17 +112,6 @@ class LocalTicks:
             teleop_command(self._pilot.commanded(TICK_S), self.steered_fish) for _ in range(number)
         )
 
-    def set_tour(self, tour: Steer | None) -> None:
-        """See `TickSource.set_tour`."""
-        self.steering.tour = tour
-
-    def swap(self, drawn: Callable[[], None]) -> None:
-        """Return at once."""
-
-    def close(self) -> list[str]:
-        """Report nothing."""
-        return []
-
 
 def teleop_command(helm: Helm, fish: int) -> TeleopCommand:
     """The command to a fish for a helm: it rises if the submarine would pitch up or rise."""
@@ -140,12 +121,11 @@ def teleop_command(helm: Helm, fish: int) -> TeleopCommand:
     return TeleopCommand(fish, helm.yaw, rise, helm.surge)
 
 
-class LeaderTicks:
+class LeaderTicks(TickSource):
     """Ticks as `LocalTicks`, made by all computers of a cluster together."""
 
-    has_pilot, shared, waiting, idle_s = True, True, "", 0.0
-    timeline = None
-    steered_fish: int | None = None
+    shared = True
+    steering: SteeringSource
 
     def __init__(self, master: "Master", pilot: Pilot, tour: Steer | None = None) -> None:
         self._master, self._clock = master, TickClock(TICK_S)
@@ -162,10 +142,6 @@ class LeaderTicks:
         """Interpolate as on all nodes, a tick late."""
         return cockpit(self._master.world.state.submarine, self._clock.alpha)
 
-    def set_tour(self, tour: Steer | None) -> None:
-        """See `TickSource.set_tour`."""
-        self.steering.tour = tour
-
     def swap(self, drawn: Callable[[], None]) -> None:
         """Wait until all nodes have drawn."""
         drawn()
@@ -178,26 +154,23 @@ class LeaderTicks:
         return report
 
 
-class FollowerTicks:
-    """The ticks of the master."""
+class FollowerTicks(TickSource):
+    """The ticks of the master; while it is lost the world drifts on."""
 
-    has_pilot, shared, timeline = False, True, None
-    steered_fish: int | None = None
+    has_pilot, shared = False, True
 
     def __init__(self, node: "Follower") -> None:
-        self._node = node
-        self._alpha = 1.0
-        self.idle_s = 0.0
-
-    @property
-    def waiting(self) -> str:
-        """See `TickSource.waiting`."""
-        return self._node.waiting
+        self._node, self._alpha, self.waiting = node, 1.0, node.waiting
+        self._clock = TickClock(TICK_S)  # while the master is lost
 
     def advance(self, elapsed_s: float) -> float | None:
-        """Make the master's next ticks, whatever `elapsed_s` is."""
+        """Make the master's next ticks, independent of `elapsed_s` unless it is lost."""
         start = time.perf_counter()
-        alpha = self._node.picture(HOLD_S if self._node.waiting else PATIENCE_S)
+        alpha = self._node.picture(HOLD_S if self.waiting and not self._node.lost else PATIENCE_S)
+        self.waiting = self._node.waiting
+        if alpha is None and self._node.lost:
+            self._node.drift(self._clock.advance(elapsed_s))
+            alpha = self._clock.alpha
         self.idle_s = time.perf_counter() - start
         self._alpha = self._alpha if alpha is None else alpha
         return alpha
@@ -206,13 +179,11 @@ class FollowerTicks:
         """The pose of the master's eye."""
         return cockpit(self._node.world.state.submarine, self._alpha)
 
-    def set_tour(self, tour: Steer | None) -> None:
-        """Ignored: the master decides."""
-
     def swap(self, drawn: Callable[[], None]) -> None:
         """Wait until the master and all other nodes have drawn."""
         drawn()
-        self._node.swap()
+        if not self._node.lost:
+            self._node.swap()
 
     def close(self) -> list[str]:
         """Report nothing: the master does."""
@@ -221,10 +192,7 @@ class FollowerTicks:
 
 
 def tick_source_maker(
-    theatre: Theatre,
-    path: Path,
-    node: str | None,
-    view: str = "",
+    theatre: Theatre, path: Path, node: str | None, view: str = ""
 ) -> Callable[[World, Pilot], TickSource]:
     """The maker of the tick source on the computer `node` of a theatre.
 

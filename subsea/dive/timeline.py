@@ -117,13 +117,14 @@ class Timeline:
         """Double the rate, up to four times."""
         self.run_at(min(self.rate * 2.0, RATES[-1]))
 
-    def rewind(self, seconds: float = 1.0) -> None:
+    def rewind(self, seconds: float = 1.0) -> int:
         """Go back before the next picture, at most to `earliest`; repeated calls add up.
 
-        Running time continues from there.
+        Running time continues from there. Returns the tick to go to.
         """
         tick = self.tick if self._wanted is None else self._wanted
         self._wanted = max(tick - round(seconds / TICK_S), self.earliest)
+        return self._wanted
 
     def stand_at(self, tick: int) -> None:
         """Pause at this tick from the next picture on, or at the nearest that can be restored."""

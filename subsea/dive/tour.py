@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import Vector, vector
 from subsea.state import (
@@ -25,8 +25,6 @@ from subsea.submarine.helm import Helm
 from subsea.submarine.hull import MAX_PITCH, hull_axes
 from subsea.submarine.rail import Rail, board
 from subsea.world.world import TICK_S, World
-
-Array = NDArray[np.float64]
 
 # Kinds of subjects, the most interesting first.
 HOOK, HUNT, PAIR, SHOAL = range(4)
@@ -212,7 +210,7 @@ def _aim(world: World, subject: Subject) -> Array:
 
 
 def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:
-    """Whether a pillar or rock lies between a and b, except one that contains b."""
+    """True if a pillar or rock lies between a and b, except one that contains b."""
     sea = world.state.sea
     return any(0.0 < ray_meets_pillar(row, margin, b, a) <= 1.0 for row in sea.pillars) or any(
         0.0 < ray_meets_rock(row, margin, b, a) <= 1.0 for row in sea.rocks

@@ -5,6 +5,7 @@ part of a tick runs once in its own process, in an almost empty sea. The compile
 on disk, where the dive finds them.
 """
 
+import gc
 import os
 import signal
 import subprocess
@@ -16,15 +17,17 @@ from pathlib import Path
 
 import numba
 import numpy as np
+from msgspec.structs import replace
 
 from subsea.core.disk_cache import cache_folder
+from subsea.core.own_files import make_own_folder
 from subsea.core.source_stamp import ROOT, source_stamp
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
 from subsea.world.build import create_world
@@ -32,44 +35,65 @@ from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
 MODULE = "subsea.dive.warm_up"  # run as a program by each process, with the name of a job
+SCENARIO, FISHES = "peaceful", 12  # the world of the jobs
 POLL_S = 0.1  # interval of checks for Ctrl-C and window events meanwhile
+ROCK = np.array([[0.0, 0.0, 10.0, 30.0, 20.0, 20.0, 0.0]])
 
 
-def _perception(world: World) -> None:
+def _scenery() -> None:
+    """Rocks, plants and the picture. The first half needs nothing that other jobs compile."""
+    # Not above: what compiles without drawing imports no OpenGL.
+    from subsea.render.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
+    from subsea.render.fish.soft_shadows import Sand, cast
+    from subsea.render.gl.static_batch import bounding_spheres, gather, levels_in_sight
+    from subsea.render.reef.rocks import pieces
+    from subsea.render.sea.seabed import surroundings
+
+    sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
+    spheres = bounding_spheres(pieces(*sand, pillars, ROCK))
+    surroundings(*sand, pillars, ROCK)
+    world = create_world(load_scenario(SCENARIO)[0], fish=FISHES)
+    packet = pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
+    spots = np.zeros((1, SHADOW_COLUMNS), np.float32)
+    cast(packet.instances, np.ones(len(world.species)), sand, ROCK[0, :3], ROCK[0, :3], spots)
+    before = np.zeros(len(spheres), np.int64)
+    levels_in_sight(
+        (spheres[:, :3].copy(), spheres[:, 3].copy()), packet.views, 1.0, 1.0, np.ones(2), before
+    )
+    gather(np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64))
+
+
+def _decisions() -> None:
+    world = _open_water()
+    state, everyone = world.state, np.arange(len(world.state.fishes.species))
+    step.decide(world, everyone, everyone, CLOCK)
+    focus(everyone, state.fishes, state.minds, state.sea, world.nature, CLOCK)
+
+
+def _routines() -> None:
+    step.act(_open_water(), np.zeros(0, np.int64), NEUTRAL, CLOCK)
+
+
+def _motion() -> None:
+    world = _open_water()
     step.perceive(world, CLOCK)
-
-
-def _attention(world: World) -> None:
-    state = world.state
-    focus(_everyone(world), state.fishes, state.minds, state.sea, world.nature, CLOCK)
-
-
-def _desires(world: World) -> None:
-    step.decide(world, _everyone(world), _everyone(world), CLOCK)
-
-
-def _routines(world: World) -> None:
-    step.act(world, _everyone(world)[:0], HANDS_OFF, CLOCK)
-
-
-def _motion(world: World) -> None:
     step.move_water(world, CLOCK)
     step.move_fishes(world, CLOCK)
-    pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
 
 
-def _everyone(world: World) -> np.ndarray:
-    return np.arange(len(world.state.fishes.species))
+def _open_water() -> World:
+    """A world whose creation compiles little."""
+    bare = dict.fromkeys(("rock", "outcrop", "arch", "seaweed", "vent", "reef", "tour"), ())
+    return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES)
 
 
-JOBS: dict[str, Callable[[World], None]] = {
+JOBS: dict[str, Callable[[], None]] = {
     "routines": _routines,
-    "perception": _perception,
-    "desires": _desires,
+    "scenery": _scenery,
     "motion": _motion,
-    "attention": _attention,
+    "decisions": _decisions,
 }
-"""The parts of a tick, the slowest to compile first."""
+"""The parts of a dive, in the order of their start: the slowest to compile first."""
 
 
 def warm_up(
@@ -104,7 +128,7 @@ def _marker() -> Path:
 
 
 def _can_write(place: Path) -> bool:
-    """Whether compiled code can be cached in a folder."""
+    """True if compiled code can be cached in a folder."""
     probe = place / f".probe-{os.getpid()}"
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -131,8 +155,9 @@ def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
             from fcntl import LOCK_EX, LOCK_NB, flock
 
             place = cache_folder().parent
-            place.mkdir(parents=True, exist_ok=True)
-            lock = stack.enter_context((place / "compiling").open("w"))
+            make_own_folder(place)
+            lock = os.open(place / "compiling", os.O_RDWR | os.O_CREAT | os.O_NONBLOCK)
+            stack.callback(os.close, lock)
             try:
                 flock(lock, LOCK_EX | LOCK_NB)
             except BlockingIOError:
@@ -192,4 +217,5 @@ def end_with_parent() -> None:
 
 if __name__ == "__main__":
     end_with_parent()
-    JOBS[sys.argv[1]](create_world(load_scenario("peaceful")[0], fish=12))
+    gc.set_threshold(200_000, 20, 20)  # the compiler's many objects: a sixth of its time
+    JOBS[sys.argv[1]]()

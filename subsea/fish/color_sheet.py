@@ -1,7 +1,6 @@
-"""The sheet that a species wears: painted from its colours, or a picture in a file of its own.
+"""Skin sheets (textures) of species: painted from their colours, or read from a PNG file.
 
-In the file the upper row is the first, as picture viewers have it; in arrays the bottom row is,
-as OpenGL wants it.
+A file begins with the top row, an array with the bottom row as in OpenGL.
 """
 
 import tomllib
@@ -15,6 +14,7 @@ from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import replacing
 from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
+from subsea.core.input_files import check_input
 from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
 from subsea.fish import paint, sheet_layout
@@ -22,69 +22,66 @@ from subsea.fish.species import Species
 
 
 def sheet_of(species: Species) -> Bytes:
-    """The sheet (640, 1024, 4) of one species, as `sheets` has it."""
+    """The sheet (640, 1024, 4) of one species."""
     return read(Path(species.skin.sheet)) if species.skin.sheet else paint.paint(species)
 
 
 def sheets(species: Sequence[Species]) -> list[Bytes]:
-    """Return the sheets of many species; painted ones come from the disk cache.
-
-    A missing or damaged file, or one that is not a sheet, is a UserError.
-    """
+    """The sheets of many species, painted ones from the disk cache; UserError as in `read`."""
     painted = [one for one in species if not one.skin.sheet]
     done = iter(cached(paint.paint_all, tuple(painted)) if painted else [])
     return [read(Path(one.skin.sheet)) if one.skin.sheet else next(done) for one in species]
 
 
 def read(path: Path) -> Bytes:
-    """The sheet in a PNG file; anything else is a UserError."""
+    """The sheet in a PNG file; UserError for anything else."""
     width, height = sheet_layout.SIZE
     expected = f"expected a PNG of {width}×{height} pixels with opacity (RGBA)"
     from PIL import Image  # most species are painted
 
     try:
+        check_input(path)
+    except UserError as fault:
+        raise UserError(f"{fault.message}; {expected}", file=path) from fault
+    try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about huge sizes, which are refused below
+            warnings.simplefilter("ignore")  # huge sizes are refused below
             with Image.open(path, formats=("PNG",)) as image:
                 if image.size != sheet_layout.SIZE or image.mode != "RGBA":
                     about = f"{image.width}×{image.height} pixels, {image.mode}"
                     raise UserError(f"{about}; {expected}", file=path)
                 return np.ascontiguousarray(np.asarray(image, np.uint8)[::-1])
     except OSError as fault:
-        reason = fault.strerror if fault.errno else "no picture, or damaged"
-        raise UserError(f"cannot read the sheet ({reason}); {expected}", file=path) from fault
+        reason = fault.strerror or "not a picture, or damaged"
+        raise UserError(f"{reason}; {expected}", file=path) from fault
     except (ValueError, SyntaxError, TypeError, EOFError, Image.DecompressionBombError) as fault:
         raise UserError(f"damaged ({fault}); {expected}", file=path) from fault
 
 
 def write(path: Path, sheet: Bytes) -> None:
-    """Write a sheet (640, 1024, 4), bottom row first, as a PNG file; whole or not at all."""
+    """Write a sheet (640, 1024, 4), bottom row first, as a PNG file, atomically."""
     from PIL import Image
 
     with replacing(path) as temporary:
         Image.fromarray(np.ascontiguousarray(sheet[::-1])).save(temporary, "PNG")
 
 
-def picture_of(path: Path) -> Path:
-    """Return the path of the sheet of a species file: a PNG with its name.
-
-    An existing file that is not its sheet is a UserError, as is a faulty species file.
-    """
+def own_sheet_path(path: Path) -> Path:
+    """The PNG path for the sheet of a species file; UserError if another file has that name."""
     picture = path.with_suffix(".png")
     if load_toml(path, Species).skin.sheet != picture.name and picture.exists():
         raise UserError(
-            f"is there already, and no sheet of {path.name}; move it elsewhere", file=picture
+            f"exists and is not the sheet of {path.name}; move it elsewhere", file=picture
         )
     return picture
 
 
-def wear(path: Path, sheet: Bytes) -> Path:
-    """Save a sheet as a PNG beside the species file, and set its key there.
+def assign_sheet(path: Path, sheet: Bytes) -> Path:
+    """Save a sheet as a PNG beside the species file and set its key there; return the PNG's path.
 
-    All else in the file stays, comments too. Returns the path of the PNG.
-    A UserError as in `picture_of`.
+    Comments in the file stay. UserError as in `own_sheet_path`.
     """
-    picture = picture_of(path)
+    picture = own_sheet_path(path)
     text = path.read_text(encoding="utf-8")
     old = tomllib.loads(text)["skin"].get("sheet")
     was = {} if old is None else {"sheet": old}

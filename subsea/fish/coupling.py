@@ -1,8 +1,8 @@
-"""Coupling of surface points to the 23 nodes, and their places when the nodes move.
+"""Coupling of surface points to the 23 nodes.
 
-Three ways are to choose from: cross-sections interpolated along the body (`skin.py`), the
-bilinear patches of Tu §5.4 (`patches.py`), and the tetrahedra of KS III.A (`tetrahedra.py`).
-All are a weighted sum of the nodes; Tu's adds an offset in the axes of a face of the hull.
+Methods: cross-sections interpolated along the body (`skinning.py`), the bilinear patches of Tu
+§5.4 (`patches.py`), and the tetrahedra of KS III.A (`geometry/tetrahedra.py`). All are weighted
+sums of the nodes; Tu's adds an offset in the axes of a face of the hull.
 """
 
 from typing import Literal, NamedTuple
@@ -14,7 +14,7 @@ from subsea.fish.patches import bind_to_patches, face_axes
 from subsea.fish.skinning import skin_weights
 from subsea.geometry.tetrahedra import tetrahedral_weights
 
-Way = Literal["sections", "patches", "tetrahedra"]
+CouplingMethod = Literal["sections", "patches", "tetrahedra"]
 
 
 class Coupling(NamedTuple):
@@ -22,23 +22,23 @@ class Coupling(NamedTuple):
 
     weights: Array  # (p, 23) of the nodes; rows sum to one
     face: Ints  # (p,) face of the hull whose axes the offset is in
-    offset: Array  # (p, 3) cm; zero but for patches
+    offset: Array  # (p, 3) cm; zero except for patches
 
 
-def couple(way: Way, rest_nodes: Array, rest_points: Array) -> Coupling:
-    """Hang points (p, 3) on nodes (23, 3), both at rest and in the same axes.
+def couple(method: CouplingMethod, rest_nodes: Array, rest_points: Array) -> Coupling:
+    """Couple points (p, 3) to nodes (23, 3), both at rest and in the same axes.
 
-    The rings of the nodes must be planes of constant x, as at rest they are.
+    The rings of nodes must be planes of constant x.
     """
-    if way == "patches":
+    if method == "patches":
         return Coupling(*bind_to_patches(rest_nodes, rest_points))
-    weigh = skin_weights if way == "sections" else tetrahedral_weights
+    weigh = skin_weights if method == "sections" else tetrahedral_weights
     none = np.zeros(rest_points.shape)
     return Coupling(weigh(rest_nodes, rest_points), np.zeros(len(none), np.int32), none)
 
 
 def place(coupling: Coupling, nodes: Array) -> Array:
-    """Return the points (…, p, 3) for nodes (…, 23, 3), in the axes of the nodes."""
+    """The points (…, p, 3) for nodes (…, 23, 3), in the axes of the nodes."""
     points = coupling.weights @ nodes
     if coupling.offset.any():
         axes = face_axes(nodes)[..., coupling.face, :, :]

@@ -1,4 +1,4 @@
-"""Faces of painted skins: eye, mouth, nostril, and gill cover or gill slits."""
+"""Faces of skin textures: eye, mouth, nostril, and gill cover or gill slits."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ GILLS_APART = 0.016  # body lengths
 def draw_face(
     picture: Array, surface: SurfacePlan, skin: SkinPlan, s: Array, y: Array, level: Array
 ) -> None:
-    """The gill cover or the gill slits, the mouth, a nostril and the eye."""
+    """Draw gill cover or gill slits, mouth, nostril and eye."""
     eye = surface.eye
     large = head_size(surface)
     reach = 0.2 + 0.01 * skin.gills
@@ -47,23 +47,23 @@ def draw_face(
 
 
 def _draw_gill_cover(picture: Array, at: Array, level: Array) -> None:
-    """`at` is the distance behind its edge, which stands off a little and casts a shadow."""
+    """Draw the gill cover, whose edge casts a shadow; `at` is the distance behind that edge."""
     tall = smoothstep(np.abs(level + 0.08), 0.86, 0.6)
     behind = at > 0.0
     shade = np.where(behind, 0.34 * np.exp(-at.clip(0.0) / 0.014), 0.0)
     shade += 0.42 * np.exp(-((at / 0.0036) ** 2))
     light = np.where(behind, 0.0, 0.22 * np.exp(-(((at + 0.010) / 0.007) ** 2)))
-    # The cheek's own edge in front of it, and the ridge between both.
+    # The edge of the cheek in front of it, and the ridge between both.
     cheek = at + 0.052 + 0.03 * level
     light += 0.08 * np.exp(-(((cheek - 0.006) / 0.006) ** 2))
     shade += 0.16 * np.exp(-((cheek / 0.0042) ** 2)) * smoothstep(np.abs(level + 0.25), 0.6, 0.35)
     picture[:3] *= 1.0 + single(tall * (light - shade))
-    # The flap that ends it is thin skin, a little darker.
+    # The flap at its end is thin skin, a little darker.
     picture[:3] *= 1.0 - 0.1 * single(tall * smoothstep(np.abs(at + 0.004), 0.006, 0.002))
 
 
 def _draw_mouth(picture: Array, skin: SkinPlan, s: Array, y: Array, large: float) -> None:
-    """A dark line between two lips that end in a fold at its corner."""
+    """Draw the mouth: a dark line between two lips that end in a fold."""
     (tip, height), (corner, low) = skin.mouth
     rows, columns = texels_around([(tip, height), (corner, low)], 0.02 * large + 0.006, s, y)
     picture, s, y = picture[:, rows, columns], s[columns], y[rows]
@@ -84,7 +84,7 @@ def _draw_mouth(picture: Array, skin: SkinPlan, s: Array, y: Array, large: float
 
 
 def draw_eye(picture: Array, skin: SkinPlan, ahead: Array, up: Array, radius: float) -> None:
-    """An eye about the place where `ahead` and `up` are 0: socket, iris with its fibres, pupil."""
+    """Draw an eye centred where `ahead` and `up` are 0: socket, iris with fibres, pupil."""
     rows = np.flatnonzero(np.abs(up).min(axis=1) < 1.8 * radius)
     columns = np.flatnonzero(np.abs(ahead) < 1.8 * radius)
     box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
@@ -95,12 +95,12 @@ def draw_eye(picture: Array, skin: SkinPlan, ahead: Array, up: Array, radius: fl
     blend(picture, DARK, 0.9 * smoothstep(far, 1.13, 1.02))
     fibres = 0.06 * np.sin(23.0 * angle + 2.0 * np.sin(5.0 * angle)) + 0.05 * np.sin(41.0 * angle)
     iris = np.array(skin.iris, np.float32)[:, None, None] * single(
-        # Shaded by the brow, darker outside, bright where it meets the pupil.
+        # Shaded by the brow, darker outside, bright at the pupil.
         (0.86 - 0.28 * h) * (1.0 + fibres) * (1.12 - 0.5 * smoothstep(far, 0.72, 1.0))
         + 0.5 * smoothstep(np.abs(far - skin.pupil - 0.07), 0.07, 0.0)
     )
     ring = single(smoothstep(far, 1.0, 0.9))
     picture[:3] += (iris - picture[:3]) * ring
     blend(picture, DARK, smoothstep(far, skin.pupil + 0.05, skin.pupil - 0.05))
-    # The reflection of the bright surface in the pupil.
+    # The reflection of the water surface in the pupil.
     picture[2] += 0.03 * single(smoothstep(far, 0.5, 0.3) * smoothstep(h, -0.1, 0.5))

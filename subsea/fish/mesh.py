@@ -1,8 +1,7 @@
-"""The mesh of a fish at every level of detail, the same for all species (SMC §7.2).
+"""The fish mesh at every level of detail (SMC §7.2).
 
-All species have the same control points, so they share one set of vertices: the weights are the
-same, and only the place on the skin differs (`outfit`). A fin that a species
-lacks has vertices too, which are hidden.
+All species share one set of vertices and weights; only the texture coordinates differ
+(`species_vertices`). Vertices of missing fins are hidden.
 """
 
 from functools import cache
@@ -29,8 +28,8 @@ from subsea.fish.surface import (
 from subsea.geometry.spline import DEGREE, Table, basis_table, decimated
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
-HEAD = 9  # samples of the finest table along a body that are in its head
-ABSENT = -1.0  # instead of a control point: this species has no such fin
+HEAD = 9  # samples of the finest table along the body that belong to the head
+ABSENT = -1.0  # in place of a control point: the species lacks this fin
 
 VERTEX_FORMAT = "3f4 3f4 3f4 3f4 4f4"
 VERTEX_ATTRIBUTES = ("a_u", "a_v", "a_du", "a_dv", "a_part")
@@ -38,14 +37,14 @@ VERTEX_COLUMNS = 16
 
 
 class Detail(NamedTuple):
-    """The sampling of one level."""
+    """The sampling of one level of detail."""
 
-    body: int  # number of times its samples were thinned: `kept`
+    body: int  # how often its samples were thinned: `sample_indices`
     fins: int
     paddles: tuple[int, int]  # samples along and across a paired fin
 
 
-# As `view.levels.LEVELS` has them, but specks, which are none of this surface (`fish_speck.py`).
+# Those of `view.levels.LEVELS` except specks (`fish_speck.py`).
 DETAILS = (
     Detail(0, 0, (7, 6)),
     Detail(1, 0, (7, 6)),
@@ -55,69 +54,63 @@ DETAILS = (
 
 
 class Mesh(NamedTuple):
-    """Vertices of one level, and the triangles over them."""
+    """Vertices and triangles of one level."""
 
     vertices: Array  # (n, 16) float32, columns as VERTEX_FORMAT
-    base: Ints  # (n,) the first control point that has a part
-    v: Array  # (n,) place along the patch; of a paired fin across it
-    upper: NDArray[np.bool_]  # (n,) whether it belongs to the upper side of a half of the body
-    triangles: Ints  # (m, 3) int32: of the closed body, of the fins, and of their other sides
-    body: int  # number of the first ...
-    fins: int  # ... and of the second, equal to that of the last
+    base: Ints  # (n,) index of the first control point
+    v: Array  # (n,) parameter along the patch; across a paired fin
+    upper: NDArray[np.bool_]  # (n,) on the upper side of a half of the body
+    triangles: Ints  # (m, 3) int32: closed body, fins, back sides of the fins
+    body: int  # triangles of the body
+    fins: int  # triangles of the fins, of one side
 
 
 @cache
-def finest(controls: int) -> Table:
-    """The one basis that is evaluated: at the knots and at each quarter of the way between two.
-
-    Halfway is where a control point pulls most, so that coarser levels are among these samples.
-    """
+def finest_basis(controls: int) -> Table:
+    """The basis at the knots and at each quarter between two; coarser levels are subsets."""
     degree = min(DEGREE, controls - 1)
     return basis_table(controls, controls if degree == 1 else 4 * (controls - degree) + 1, degree)
 
 
-def kept(controls: int, thinned: int) -> Ints:
-    """Return the samples of the finest table that a level uses.
+def sample_indices(controls: int, thinned: int) -> Ints:
+    """Samples of the finest table that a level uses.
 
-    Not thinned: every second, and along the body all in the head, where a mouth opens. Once: one
-    per control point, where that pulls most. Twice: every second of these.
+    0: every second, and all along the head, where the mouth opens. 1: one for each control point,
+    where its weight is greatest. 2: every second of these.
     """
-    every = np.arange(len(finest(controls).first))
+    every = np.arange(len(finest_basis(controls).first))
     if controls == 2:
         return every
     if thinned == 0:
         return every[(every % 2 == 0) | ((controls == V) & (every < HEAD))]
-    pulling = np.concatenate([every[:1], every[2::4], every[-1:]])
+    peaks = np.concatenate([every[:1], every[2::4], every[-1:]])
     if thinned == 1:
-        return pulling
-    return pulling[np.round(np.linspace(0, controls - 1, (controls + 1) // 2)).astype(int)]
+        return peaks
+    return peaks[np.round(np.linspace(0, controls - 1, (controls + 1) // 2)).astype(int)]
 
 
 def fish_mesh(detail: Detail) -> Mesh:
-    """The vertices and triangles of a level, body first, then fins, then paired fins."""
-    parts: list[tuple[Mesh, bool]] = []
-    rows, columns = kept(U, detail.body), kept(V, detail.body)
-    middle = len(finest(U).first) // 2
+    """The vertices and triangles of a level: body, fins, paired fins."""
+    parts: list[Mesh] = []
+    rows, columns = sample_indices(U, detail.body), sample_indices(V, detail.body)
+    middle = len(finest_basis(U).first) // 2
     for start, side in ((LEFT.start, -1.0), (RIGHT.start, 1.0)):
-        # Both sides have the row at the edge of a wing, where the skin is cut.
-        for above, those in ((True, rows[rows <= middle]), (False, rows[rows >= middle])):
-            patch = _patch(start, (U, V), (those, columns), BODY, side)
-            parts.append((patch._replace(upper=np.full(len(patch.v), above)), True))
-    left = len(parts[0][0].v) + len(parts[1][0].v)
-    along = kept(FIN_V, detail.fins)
+        # Both sides have the row at the edge of a wing, where the texture is cut.
+        for above, half in ((True, rows[rows <= middle]), (False, rows[rows >= middle])):
+            patch = _patch(start, (U, V), (half, columns), BODY, side)
+            parts.append(patch._replace(upper=np.full(len(patch.v), above)))
+    left = len(parts[0].v) + len(parts[1].v)
+    across, along = sample_indices(FIN_U, 0), sample_indices(FIN_V, detail.fins)
     for start, side in ((DORSAL.start, 1.0), (VENTRAL.start, -1.0)):
-        parts.append((_patch(start, (FIN_U, FIN_V), (kept(FIN_U, 0), along), FIN, side), False))
+        parts.append(_patch(start, (FIN_U, FIN_V), (across, along), FIN, side))
     for side in (-1.0, 1.0):
-        parts += [(_paddle(detail.paddles, part, side), False) for part in (PECTORAL, PELVIC)]
-    starts = np.cumsum([0] + [len(part.v) for part, _ in parts])
-    placed = [
-        (part.triangles + start, body) for (part, body), start in zip(parts, starts, strict=False)
-    ]
-    vertices, base, v, upper = (np.concatenate([part[k] for part, _ in parts]) for k in range(4))
-    snout = np.flatnonzero((vertices[:left, 12] == BODY) & (v[:left] == 0.0))
-    bodies = [_lips(snout, left), *(triangles for triangles, body in placed if body)]
-    fins = [triangles for triangles, body in placed if not body]
-    backs = [triangles[:, ::-1] for triangles in fins]
+        parts += [_paddle(detail.paddles, part, side) for part in (PECTORAL, PELVIC)]
+    starts = np.cumsum([0] + [len(part.v) for part in parts])
+    triangles = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
+    vertices, base, v, upper = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    bodies = [_snout_cap(np.flatnonzero(v[:left] == 0.0), left), *triangles[:4]]
+    fins = triangles[4:]
+    backs = [one[:, ::-1] for one in fins]
     return Mesh(
         vertices.astype("f4"),
         base,
@@ -129,11 +122,11 @@ def fish_mesh(detail: Detail) -> Mesh:
     )
 
 
-def outfit(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
-    """Return the vertex data (n, 4) that differ between species.
+def species_vertices(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
+    """Vertex data (n, 4) that differ between species.
 
-    On body and fins: the place on the skin, behind the snout and up, in body lengths. On paired
-    fins: how far along and across the fin. Then the first control point or ABSENT, and v.
+    Two coordinates in body lengths: behind the snout and up on body and fins, along and across on
+    paired fins. Then the first control point or ABSENT, and v.
     """
     rest = rest_control_points(plan, 1.0, 0.0)
     part, side = mesh.vertices[:, 12], mesh.vertices[:, 14]
@@ -145,15 +138,15 @@ def outfit(plan: SurfacePlan, mesh: Mesh, detail: Detail) -> Array:
                 edge = rest[start + FIN_V : start + 2 * FIN_V]
                 mine = (part == FIN) & (side == sign)
                 base[mine], v[mine] = (
-                    np.tile(x, FIN_U) for x in _telling_samples(edge, start, mine.sum() // FIN_U)
+                    np.tile(x, FIN_U) for x in _salient_samples(edge, start, mine.sum() // FIN_U)
                 )
     out = np.zeros((len(v), 4))
     smooth = part <= FIN
-    spots = surface_points(rest, mesh.vertices[smooth], base[smooth])
-    out[smooth, 0], out[smooth, 1] = -spots[:, 0], spots[:, 1]
+    points = surface_points(rest, mesh.vertices[smooth], base[smooth])
+    out[smooth, 0], out[smooth, 1] = -points[:, 0], points[:, 1]
     if plan.wing:
-        body = part[smooth] == BODY
-        out[part == BODY, 1] = sheet_layout.unfolded(plan, spots[body, 2], mesh.upper[part == BODY])
+        body = part == BODY
+        out[body, 1] = sheet_layout.unfold(plan, points[body[smooth], 2], mesh.upper[body])
     out[:, 2], out[:, 3] = base, v
     for fin, _, sign in fins:
         if not fin:
@@ -176,7 +169,7 @@ def surface_points(control: Array, vertices: Array, base: Ints) -> Array:
     stride = vertices[:, 15].astype(int)[:, None, None]
     points = base[:, None, None] + tap[:, None] * stride + tap
     weight = vertices[:, :3, None] * vertices[:, None, 3:6]
-    # A linear patch has a third row of weight zero, which may lie beyond the last point.
+    # The third row of a linear patch has weight zero and may lie beyond the last point.
     near = control[np.minimum(points, len(control) - 1)]
     return np.asarray(np.einsum("nab,nabx->nx", weight, near))
 
@@ -184,12 +177,12 @@ def surface_points(control: Array, vertices: Array, base: Ints) -> Array:
 def _patch(
     start: int, controls: tuple[int, int], samples: tuple[Ints, Ints], part: int, side: float
 ) -> Mesh:
-    """One patch of u×v control points that begin at `start`, at samples of the finest tables."""
-    tables = [finest(n) for n in controls]
-    u, v = (decimated(table, those) for table, those in zip(tables, samples, strict=True))
-    rows, columns = (len(those) for those in samples)
+    """A patch of u×v control points from `start` on, at samples of the finest tables."""
+    tables = [finest_basis(n) for n in controls]
+    u, v = (decimated(table, chosen) for table, chosen in zip(tables, samples, strict=True))
+    rows, columns = map(len, samples)
     k, j = (a.ravel() for a in np.meshgrid(range(rows), range(columns), indexing="ij"))
-    at = [those / (len(table.first) - 1.0) for table, those in zip(tables, samples, strict=True)]
+    at = [chosen / (len(table.first) - 1.0) for table, chosen in zip(tables, samples, strict=True)]
     out = np.zeros((len(k), VERTEX_COLUMNS))
     out[:, 0:3], out[:, 3:6] = u.weight[k], v.weight[j]
     out[:, 6:9], out[:, 9:12] = u.slope[k], v.slope[j]
@@ -197,27 +190,27 @@ def _patch(
     base = start + u.first[k] * controls[1] + v.first[j]
     triangles = _grid(rows, columns)
     # Counter-clockwise from outside.
-    return _bare(out, base, at[1][j], triangles if side < 0 else triangles[:, ::-1])
+    return _part(out, base, at[1][j], triangles if side < 0 else triangles[:, ::-1])
 
 
 def _paddle(samples: tuple[int, int], part: int, side: float) -> Mesh:
-    """A paired fin: the shader turns it about its root (Tu appendix B)."""
+    """A paired fin, which the shader turns about its root (Tu appendix B)."""
     along, across = (
         a.ravel() for a in np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in samples), indexing="ij")
     )
     out = np.zeros((len(along), VERTEX_COLUMNS))
     out[:, 12], out[:, 13], out[:, 14] = part, along, side
-    return _bare(out, np.zeros(len(out), int), across, _grid(*samples))
+    return _part(out, np.zeros(len(out), int), across, _grid(*samples))
 
 
-def _bare(vertices: Array, base: Ints, v: Array, triangles: Ints) -> Mesh:
+def _part(vertices: Array, base: Ints, v: Array, triangles: Ints) -> Mesh:
     return Mesh(vertices, base, v, np.zeros(len(v), bool), triangles, 0, 0)
 
 
 def _outline(plan: PaddlePlan, along: Array, across: Array) -> Array:
-    """Places (n, 2) along and across a paired fin, body lengths; `across` from -1 to 1."""
+    """Points (n, 2) along and across a paired fin, body lengths; `across` from -1 to 1."""
     if plan.wing:
-        # Its front edge bends back to the tip, its rear one is hollow; its root lies in the body.
+        # The front edge bends back to the tip, the rear edge is concave, the root is in the body.
         chord = (1.0 - along) ** 1.4 + 0.04
         x = plan.length * (1.15 * along - 0.15)
         y = plan.width * (0.5 - 0.2 * along**2 - chord * (0.5 - 0.5 * across))
@@ -229,51 +222,47 @@ def _outline(plan: PaddlePlan, along: Array, across: Array) -> Array:
 
 
 def _root(plan: PaddlePlan, flank: Array) -> int:
-    """The control point of a flank (189, 3) nearest to where a paired fin is to be."""
+    """The control point of a flank (189, 3) nearest to the root of a paired fin."""
     return int(np.argmin(np.hypot(flank[:, 0] + plan.at, flank[:, 1] - plan.height)))
 
 
-def _lips(left: Ints, half: int) -> Ints:
-    """Triangles between the foremost vertices of both halves; without them a snout is a pipe.
-
-    `left` are the vertices of the left half, those of the right one lie `half` behind.
-    """
+def _snout_cap(left: Ints, half: int) -> Ints:
+    """Triangles that close the snout between vertices `left` and `left` + `half`."""
     a, b = left[:-1], left[1:]
     return np.concatenate([np.stack([a, a + half, b], 1), np.stack([b, a + half, b + half], 1)])
 
 
-def _telling_samples(edge: Array, start: int, count: int) -> tuple[Ints, Array]:
-    """First control points and places of those `count` samples that show most of a fin's edge.
+def _salient_samples(edge: Array, start: int, count: int) -> tuple[Ints, Array]:
+    """First control points and parameters of `count` samples that approximate a fin's edge.
 
-    `edge` (12, 3) are its control points. A sample in the middle of a spline weighs three control
-    points like any other there, so a species may choose for itself which of them these are.
+    `edge` (12, 3) are its control points. The inner samples of a spline all weigh three control
+    points, so each species may choose its own.
     """
-    table, pulling = finest(FIN_V), kept(FIN_V, 1)
+    table, peaks = finest_basis(FIN_V), sample_indices(FIN_V, 1)
     points = np.array([w @ edge[k : k + 3] for k, w in zip(table.first, table.weight, strict=True)])
-    chosen = pulling[_telling(points[pulling], count, (2, len(pulling) - 3))]
+    chosen = peaks[_simplify(points[peaks], count, (2, len(peaks) - 3))]
     return start + table.first[chosen], chosen / (len(table.first) - 1.0)
 
 
-def _telling(line: Array, count: int, inner: tuple[int, int]) -> Ints:
-    """Indices of the `count` points (n, 3) that show most of a line: both ends, then the farthest.
+def _simplify(line: Array, count: int, inner: tuple[int, int]) -> Ints:
+    """Indices of `count` points (n, 3) by Ramer, Douglas and Peucker: both ends, then the farthest.
 
-    So a far fin keeps its tip, which every second point may miss (Ramer, Douglas and Peucker).
-    Those between the ends lie in `inner`, the first and last index.
+    Points between the ends have indices within `inner`, first to last.
     """
-    last = [0, len(line) - 1]
-    while len(last) < count:
-        share = np.interp(np.arange(len(line)), last, np.arange(len(last)))
-        cell = np.minimum(share.astype(int), len(last) - 2)
-        a, b = line[last][cell], line[last][cell + 1]
+    chosen = [0, len(line) - 1]
+    while len(chosen) < count:
+        share = np.interp(np.arange(len(line)), chosen, np.arange(len(chosen)))
+        cell = np.minimum(share.astype(int), len(chosen) - 2)
+        a, b = line[chosen][cell], line[chosen][cell + 1]
         along = ((line - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), 1e-12)
         off = np.linalg.norm(line - a - np.clip(along, 0.0, 1.0)[:, None] * (b - a), axis=1)
-        off[last], off[: inner[0]], off[inner[1] + 1 :] = -1.0, -1.0, -1.0
-        last = sorted([*last, int(off.argmax())])
-    return np.array(last)
+        off[chosen], off[: inner[0]], off[inner[1] + 1 :] = -1.0, -1.0, -1.0
+        chosen = sorted([*chosen, int(off.argmax())])
+    return np.array(chosen)
 
 
 def _grid(rows: int, columns: int) -> Ints:
-    """Two triangles per cell of a grid of vertices."""
+    """Two triangles for each cell of a grid of vertices."""
     k, j = (a.ravel() for a in np.meshgrid(range(rows - 1), range(columns - 1), indexing="ij"))
     a = k * columns + j
     b, c, d = a + 1, a + columns, a + columns + 1

@@ -1,11 +1,9 @@
-"""Skins painted once at start; SMC §4 uses photographs of real fishes instead.
+"""Paint skin sheets (textures) procedurally; SMC §4 uses photographs of real fishes instead.
 
-A skin is one sheet. Most of it is the body with its tail: the left flank seen from the side at
-rest. That of a fish with wings shows one of them from above and below, unfolded at the edge: its
-upper border is the spine, then comes the wing's upper side, in the middle all that lies beyond the
-tips, below it the wing's lower side, and its lower border is the keel. Above the body lie the
-fins, each in a frame of its own whose sides are the parameters of its surface. Colours are mixed
-in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
+Most of a sheet is the left flank with the tail, seen from the side at rest. For a fish with wings
+it is one wing unfolded at its edge: from top to bottom spine, upper side, area beyond the tip,
+lower side, keel. The fins have regions above, in the parameters of their surfaces. Colours are
+mixed in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 """
 
 from collections.abc import Sequence
@@ -23,11 +21,11 @@ from subsea.fish.raster import (
     cloud_noise,
     depth_at,
     depth_inside,
-    encoded,
     every_fourth,
     grain_noise,
     single,
     smoothstep,
+    srgb_texels,
     texels_around,
     tiled,
     upsampled,
@@ -40,8 +38,8 @@ from subsea.fish.sheet_layout import (
     SIZE,
     VENTRAL,
     borders,
-    fin_places,
-    framed,
+    crop,
+    fin_points,
     half_height,
     head_size,
 )
@@ -52,7 +50,7 @@ from subsea.fish.skin_patterns import (
     blend_rings,
     blotch,
     ray_pattern,
-    strew_spots,
+    scatter_spots,
     stripe_share,
 )
 from subsea.fish.species import FinSkin, SkinPlan, Species
@@ -73,10 +71,10 @@ def paint_all(species: Sequence[Species]) -> list[NDArray[np.uint8]]:
 
 
 def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
-    """The skin (height, width, 4), bottom row first, as OpenGL wants it."""
+    """The sheet (height, width, 4) of a species, bottom row first as in OpenGL."""
     surface, skin = species.surface, species.skin
     sheet = np.zeros((4, size[1], size[0]), np.float32)  # planes: red, green, blue, opacity
-    body = framed(sheet, BODY)
+    body = crop(sheet, BODY)
     _, height, width = body.shape
     top = half_height(surface)
     front, rear = borders(surface)
@@ -92,36 +90,31 @@ def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
         (VENTRAL, surface.ventral, skin.ventral, surface.belly),
     ):
         if fin and look:
-            _paint_fin(framed(sheet, frame), fin, look, ridge, skin, _Body(body, s, y))
+            _paint_fin(crop(sheet, frame), fin, look, ridge, skin, _Body(body, s, y))
     for frame, paddle in ((PECTORAL, surface.pectoral), (PELVIC, surface.pelvic)):
         if paddle and skin.paddles:
-            _paint_paddle(framed(sheet, frame), paddle, skin.paddles, skin, _Body(body, s, y))
-    return encoded(sheet)
+            _paint_paddle(crop(sheet, frame), paddle, skin.paddles, skin, _Body(body, s, y))
+    return srgb_texels(sheet)
 
 
 class _Body(NamedTuple):
-    """The painted body, from which fins take the colour of their roots."""
+    """The painted body, whose colours continue at the roots of fins."""
 
     picture: Array  # (4, h, w)
     s: Array  # (w,) distance from the snout of each column
     y: Array  # (h, 1) height of each row
 
     def colours(self, s: Array, y: Array) -> Array:
-        """The colours (3, ...) at places."""
+        """The colours (3, …) at points."""
         _, height, width = self.picture.shape
         column = (s - self.s[0]) * ((width - 1) / (self.s[-1] - self.s[0]))
         row = (y - self.y[0, 0]) * ((height - 1) / (self.y[-1, 0] - self.y[0, 0]))
-        return np.asarray(
-            self.picture[
-                :3,
-                row.clip(0, height - 1).astype(np.int32),
-                column.clip(0, width - 1).astype(np.int32),
-            ]
-        )
+        row = row.clip(0, height - 1).astype(np.int32)
+        return np.asarray(self.picture[:3, row, column.clip(0, width - 1).astype(np.int32)])
 
 
 def _paint_flank(picture: Array, species: Species, s: Array, y: Array) -> None:
-    """A body seen from its left: colours from back to belly, patterns, tail, then what is bone."""
+    """Paint a body seen from its left: base colours, patterns, tail, head."""
     surface, skin = species.surface, species.skin
     back, belly = single(along(surface.back, s)), single(along(surface.belly, s))
     # 1 at the dorsal ridge, 0 on the axis, -1 at the ventral ridge.
@@ -143,10 +136,8 @@ def _paint_flank(picture: Array, species: Species, s: Array, y: Array) -> None:
     for patch in skin.patches:
         if not patch.over_fins:
             blend_patch(picture, patch, s, y, uneven)
-    begin = surface.tail.begin
-    blend(
-        picture, skin.tail.colour, smoothstep(s, begin - 0.05, begin + 0.02) * np.ones_like(level)
-    )
+    tail = smoothstep(s, surface.tail.begin - 0.05, surface.tail.begin + 0.02)
+    blend(picture, skin.tail.colour, tail * np.ones_like(level))
     for patch in skin.patches:
         if patch.over_fins:
             blend_patch(picture, patch, s, y, uneven)
@@ -159,7 +150,7 @@ def _paint_flank(picture: Array, species: Species, s: Array, y: Array) -> None:
 
 
 def _paint_wings(picture: Array, species: Species, wing: WingPlan, s: Array, y: Array) -> None:
-    """A body with wings: both sides, spots, tail and face."""
+    """Paint a body with wings: both sides, spots, tail and face."""
     surface, skin, eye = species.surface, species.skin, species.surface.eye
     half = len(y) // 2
     below, above = picture[:, :half], picture[:, half:][:, ::-1]  # both from the spine outward
@@ -168,10 +159,10 @@ def _paint_wings(picture: Array, species: Species, wing: WingPlan, s: Array, y: 
     inside = depth_inside(outline, s, right)
     for side, colour in ((above, skin.back), (below, skin.belly)):
         side[:3] = np.array(colour, np.float32)[:, None, None]
-        # Toward the edge both sides take on the colour of the flank.
+        # Toward the edge both sides have the colour of the flank.
         blend(side, skin.flank, smoothstep(inside, EDGE_SHADE, 0.0))
     if skin.spots:
-        strew_spots(above, skin.spots, s, right, smoothstep(inside, 0.004, 0.008))
+        scatter_spots(above, skin.spots, s, right, smoothstep(inside, 0.004, 0.008))
     for patch in skin.patches:
         blend_patch(above, patch, s, right, 0.0)
     begin = surface.tail.begin
@@ -188,14 +179,14 @@ def _paint_wings(picture: Array, species: Species, wing: WingPlan, s: Array, y: 
     hole = np.hypot((s - eye.at - 0.02) / 0.008, (right - eye.height) / 0.006)
     blend(above, DARK, 0.85 * smoothstep(hole, 1.0, 0.6))
     blotch(picture, skin.blotches)
-    # The eyes look aside: seen from above the flank of the head is narrow.
+    # The eyes are lateral: seen from above the flank of the head is narrow.
     draw_eye(above, skin, s - eye.at, (right - eye.height) / FLANK, eye.radius)
 
 
 def _draw_tail(
     picture: Array, skin: SkinPlan, surface: SurfacePlan, s: Array, reach: Array, y: Array
 ) -> None:
-    """`reach` is how far the fin extends from the axis, up where y > 0, else down."""
+    """Draw the tail fin; `reach` is its extent from the axis, up where y > 0, else down."""
     begin, fin = surface.tail.begin, skin.tail
     rear = slice(int(np.searchsorted(s, begin)), None)
     share = y / reach[:, rear]
@@ -211,12 +202,12 @@ def _draw_tail(
 def _paint_fin(
     picture: Array, plan: FinPlan, fin: FinSkin, ridge: Curve, skin: SkinPlan, body: _Body
 ) -> None:
-    """A dorsal or ventral fin: columns along its base, rows from within the body to its edge."""
+    """Paint a dorsal or ventral fin: columns along its base, rows from the root to its edge."""
     _, height, width = picture.shape
     share = single((np.arange(width) + 0.5) / width)
     up = single((np.arange(height)[:, None] + 0.5) / height)
-    s, y = fin_places(plan, ridge, share, up)
-    # From where it leaves the body, 0, to its edge, 1.
+    s, y = fin_points(plan, ridge, share, up)
+    # 0 where it leaves the body, 1 at its edge.
     skirt = single(np.interp(s, body.s, along(ridge, body.s)))
     rise = np.abs(y) - np.abs(skirt)
     out = (rise / np.maximum(rise[-1], 0.004)).clip(0.0, 1.0)
@@ -226,7 +217,7 @@ def _paint_fin(
     if fin.striped and skin.stripes:
         stripes = stripe_share(skin.stripes, s, y, uneven)
         blend(picture, skin.stripes.colour, stripes * smoothstep(out, 0.97, 0.85))
-    coarse = fin_places(plan, ridge, every_fourth(share), every_fourth(up[:, 0])[:, None])
+    coarse = fin_points(plan, ridge, every_fourth(share), every_fourth(up[:, 0])[:, None])
     for patch in skin.patches:
         if patch.over_fins and boxes_overlap(patch.outline, *coarse):
             depth = upsampled(upsampled(depth_at(patch.outline, *coarse).T, width).T, height)
@@ -244,12 +235,12 @@ def _paint_fin(
 def _paint_paddle(
     picture: Array, plan: PaddlePlan, fin: FinSkin, skin: SkinPlan, body: _Body
 ) -> None:
-    """A paired fin: columns from its root to its end, rows across."""
+    """Paint a paired fin: columns from its root to its end, rows across."""
     _, height, width = picture.shape
     along_it = single((np.arange(width) + 0.5) / width)
     middle = single(2.0 * (np.arange(height)[:, None] + 0.5) / height - 1.0)
     out = along_it + np.zeros_like(middle)
-    # Its root is a lobe of flesh and has the colour of the flank.
+    # Its fleshy root has the colour of the flank.
     root = body.colours(np.array([[plan.at]]), np.array([[plan.height]]))
     picture[:3], picture[3] = root, 1.0
     if plan.wing:
@@ -271,7 +262,7 @@ def _paint_paddle(
 def _draw_lateral_line(
     picture: Array, surface: SurfacePlan, s: Array, y: Array, level: Array
 ) -> None:
-    """The row of pores from the gill cover to the tail, high over the pectoral fin."""
+    """Draw the row of pores from the gill cover to the tail, arched over the pectoral fin."""
     begin, end = surface.eye.at + 0.15, surface.tail.begin
     here = slice(*np.searchsorted(s, (begin, end)))
     t = (s[here] - begin) / (end - begin)

@@ -16,10 +16,9 @@ PATCHES = 4  # along and across a face
 
 
 def _faces() -> Ints:
-    """Corners (24, 4) of all faces: two ahead, two behind them in turn, round the body.
+    """Corners (24, 4) of all faces: top, right, bottom, left of the six sections from the nose on.
 
-    Nose and tail tips count double where a face is a triangle. The order is top, right, bottom,
-    left for each of the six sections from the nose on.
+    Nose and tail tips count double where a face is a triangle.
     """
     rings = [[NOSE] * 4, *([first + k for k in range(4)] for first in range(1, 21, 4))]
     rings.append([TAIL_UPPER, TAIL_UPPER, TAIL_LOWER, TAIL_LOWER])
@@ -51,10 +50,7 @@ PATCH_NODES, PATCH_FACE = _patch_nodes()
 
 
 def face_axes(nodes: Array) -> Array:
-    """Axes (…, 24, 3, 3) of all faces as columns: normal, tailward along the middle, across.
-
-    `nodes` (…, 23, 3). The normal is that of the two diagonals, which serves triangles as well.
-    """
+    """Axes (…, 24, 3, 3) of all faces as columns: normal to both diagonals, tailward, across."""
     a, b, c, d = (nodes[..., FACES[:, corner], :] for corner in range(4))
     normal = np.cross(d - b, c - a)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
@@ -65,18 +61,14 @@ def face_axes(nodes: Array) -> Array:
 
 
 def bind_to_patches(rest_nodes: Array, rest_points: Array) -> tuple[Array, Ints, Array]:
-    """Weights (p, 23), face (p,) and offset (p, 3) in its axes, of points (p, 3) at rest.
-
-    A point belongs to the section of the body that it lies in.
-    """
+    """Weights (p, 23), face (p,) and offset (p, 3) in its axes, of points (p, 3) at rest."""
     nodes, points = np.asarray(rest_nodes, np.float64), np.asarray(rest_points, np.float64)
     places = PATCH_NODES @ nodes
     stations = nodes[[NOSE, 1, 5, 9, 13, 17, TAIL_UPPER], 0]
     section = np.clip(np.searchsorted(-stations, -points[:, 0]) - 1, 0, len(stations) - 2)
     distance = np.linalg.norm(points[:, None] - places[None], axis=2)
     distance[PATCH_FACE[None] // 4 != section[:, None]] = np.inf
-    # Of equally near ones a top or bottom goes before a flank, and the point's own flank before
-    # the other, so that left and right are treated alike.
+    # Ties go to top or bottom, then to the point's own flank, for left-right symmetry.
     side = np.array([0.0, 1.0, 0.0, -1.0])[PATCH_FACE % 4]
     distance += 1e-9 * np.abs(side) * (2.0 - side * np.sign(points[:, 2:]))
     nearest = distance.argmin(axis=1)

@@ -1,4 +1,4 @@
-"""Raster helpers of painted skins: blending, distance fields, noise, and sRGB texels."""
+"""Raster helpers for skin textures: blending, distance fields, noise and sRGB."""
 
 from collections.abc import Callable
 from functools import cache
@@ -12,7 +12,7 @@ from subsea.fish.surface import Curve
 
 
 def texels_around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[slice, slice]:
-    """Rows and columns of the texels within `reach` of the box around an outline."""
+    """Rows and columns of the texels within `reach` of an outline's bounding box."""
     low, high = np.min(outline, axis=0) - reach, np.max(outline, axis=0) + reach
     rows, columns = (
         np.searchsorted(y[:, 0], (low[1], high[1])),
@@ -22,22 +22,22 @@ def texels_around(outline: Curve, reach: float, s: Array, y: Array) -> tuple[sli
 
 
 def boxes_overlap(outline: Curve, s: Array, y: Array) -> bool:
-    """Return whether the box around an outline overlaps the box around some places."""
+    """True if the bounding boxes of an outline and of some points overlap."""
     low, high = np.min(outline, axis=0) - 0.02, np.max(outline, axis=0) + 0.02
     return bool(s.max() > low[0] and s.min() < high[0] and y.max() > low[1] and y.min() < high[1])
 
 
 def depth_inside(outline: Curve, s: Array, y: Array) -> Array:
-    """Distance (h, w) from a smooth closed outline, positive inside, in body lengths.
+    """Signed distance (h, w) from a smooth outline, positive inside, body lengths.
 
-    They are measured at every fourth texel each way and interpolated.
+    Computed at every fourth texel each way and interpolated.
     """
     coarse = depth_at(outline, every_fourth(s), every_fourth(y[:, 0])[:, None])
     return upsampled(upsampled(coarse.T, len(s)).T, len(y))
 
 
 def depth_at(outline: Curve, x: Array, h: Array) -> Array:
-    """Distance from a smooth closed outline at any places, positive inside."""
+    """Signed distance of any points from a smooth closed outline, positive inside."""
     corners = _rounded(np.asarray(outline, np.float32))
     shape = np.broadcast_shapes(x.shape, h.shape)
     inside = np.zeros(shape, bool)
@@ -52,20 +52,20 @@ def depth_at(outline: Curve, x: Array, h: Array) -> Array:
 
 
 def every_fourth(x: Array) -> Array:
-    """Every fourth of evenly spaced numbers, on beyond the last."""
+    """Every fourth of evenly spaced numbers, extended beyond the last."""
     step = x[1] - x[0] if len(x) > 1 else 1.0
     return single(x[0] + 4 * step * np.arange(len(x) // 4 + 2)) if len(x) else x
 
 
 def upsampled(values: Array, count: int) -> Array:
-    """Rows (count, n) from every fourth of them, linear between."""
+    """Rows (count, n) interpolated linearly from every fourth of them."""
     cell, t = np.divmod(np.arange(count), 4)
     share = single(t / 4)[:, None]
     return np.asarray(values[cell] + share * (values[cell + 1] - values[cell]))
 
 
 def _rounded(corners: Array) -> Array:
-    """Twice Chaikin's corner cutting, which tends to the quadratic B-spline."""
+    """Two rounds of Chaikin's corner cutting, which converges to the quadratic B-spline."""
     for _ in range(2):
         following = np.roll(corners, -1, axis=0)
         pair = np.stack([0.75 * corners + 0.25 * following, 0.25 * corners + 0.75 * following], 1)
@@ -75,7 +75,7 @@ def _rounded(corners: Array) -> Array:
 
 @cache
 def cloud_noise() -> Array:
-    """Unevenness of a skin (256, 512), deviation 1, whose edges meet; the same for all species."""
+    """Tileable skin noise (256, 512) of deviation 1, the same for all species."""
     return _tile(lambda k: np.exp(-((k / 0.011) ** 2)))
 
 
@@ -94,13 +94,13 @@ def _tile(share: Callable[[Array], Array]) -> Array:
 
 
 def tiled(tile: Array, shape: tuple[int, ...]) -> Array:
-    """A tile repeated over (h, w)."""
+    """Repeat a tile over (h, w)."""
     times = -(-shape[0] // tile.shape[0]), -(-shape[1] // tile.shape[1])
     return np.tile(tile, times)[: shape[0], : shape[1]]
 
 
 def smoothstep(x: Array, low: float | Array, high: float | Array) -> Array:
-    """0 at `low`, 1 at `high`, smooth between; `high` may be the smaller one."""
+    """0 at `low`, 1 at `high`, smooth between; `high` may be less than `low`."""
     return smooth_unit((x - low) / (high - low))
 
 
@@ -114,7 +114,7 @@ def smooth_unit(t: Array) -> Array:
 
 
 def blend(picture: Array, colour: Colour, share: Array) -> None:
-    """Mix a colour into the planes by `share` (h, w), 0 to 1, where it is not zero."""
+    """Mix a colour into the planes by `share` (h, w), 0 to 1."""
     rows, columns = (np.flatnonzero(share.any(axis=axis)) for axis in (1, 0))
     if len(rows) == 0:
         return
@@ -126,18 +126,26 @@ def blend(picture: Array, colour: Colour, share: Array) -> None:
 
 
 def single(values: Array) -> Array:
-    """Convert to single precision: ample for eight bits, and twice as fast."""
+    """Convert to single precision, which is ample for eight bits and twice as fast."""
     return np.asarray(values, np.float32)
 
 
-def encoded(picture: Array) -> NDArray[np.uint8]:
-    """Planes (4, h, w) to texels (h, w, 4).
+def to_srgb(linear: Array) -> Array:
+    """Linear light, 0 to 1, to sRGB."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
-    Colours become sRGB by a table of 4,096 steps, which eight bits do not show.
+
+def from_srgb(value: Array) -> Array:
+    """An sRGB colour, 0 to 1, to linear light."""
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_texels(picture: Array) -> NDArray[np.uint8]:
+    """Planes (4, h, w) of linear light and opacity to sRGB texels (h, w, 4).
+
+    A table of 4,096 steps suffices for eight bits.
     """
-    linear = np.linspace(0.0, 1.0, 4097)
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    table = np.round(255.0 * encoded).astype(np.uint8)
+    table = np.round(255.0 * to_srgb(np.linspace(0.0, 1.0, 4097))).astype(np.uint8)
     texels = np.empty((*picture.shape[1:], 4), np.uint8)
     for k in range(3):
         steps = (np.float32(4096.0) * picture[k] + np.float32(0.5)).astype(np.int16)

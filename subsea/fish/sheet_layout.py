@@ -1,4 +1,4 @@
-"""The skin sheet: its regions, the extent of the body on it, and the places of fins."""
+"""The layout of a skin sheet (texture): its regions, and body and fins in them."""
 
 from typing import NamedTuple, TypeVar
 
@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.fish.raster import single
-from subsea.fish.surface import SUNK, Curve, FinPlan, SurfacePlan, along, travelled
+from subsea.fish.surface import SUNK, Curve, FinPlan, SurfacePlan, along, points_along
 
 Sheet = TypeVar("Sheet", Array, NDArray[np.uint8])
 
 
 class SheetRegion(NamedTuple):
-    """A rectangle of the sheet, in shares of its width and height from the lower left corner."""
+    """A rectangle in fractions of the sheet's width and height, from the lower left corner."""
 
     left: float
     bottom: float
@@ -23,17 +23,17 @@ class SheetRegion(NamedTuple):
 
 SIZE = (1024, 640)  # texels
 BODY = SheetRegion(0.0, 0.0, 1.0, 0.8)
-DORSAL = SheetRegion(0.0, 0.8, 1.0, 0.9)  # to the right the base, upwards from the root to the edge
+DORSAL = SheetRegion(0.0, 0.8, 1.0, 0.9)  # right: along the base; up: from root to edge
 VENTRAL = SheetRegion(0.0, 0.9, 0.5, 1.0)
-PECTORAL = SheetRegion(0.5, 0.9, 0.75, 1.0)  # to the right from the root to the end, upwards across
+PECTORAL = SheetRegion(0.5, 0.9, 0.75, 1.0)  # right: from root to end; up: across
 PELVIC = SheetRegion(0.75, 0.9, 1.0, 1.0)
-SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, but of wings
+SNOUT, EDGE = -0.03, 1.05  # distances from the snout at the left and right border, without wings
 MARGIN = 0.02  # above and below the body, body lengths
-SLENDER = 0.1  # depth in body lengths below which the head is short too
+SLENDER = 0.1  # depth in body lengths below which the head is also shorter
 
 
 def half_height(surface: SurfacePlan) -> float:
-    """Height of the body's upper border above the axis; the lower one lies as far below."""
+    """Height of the upper border of the body region above the axis; the lower is opposite."""
     wide = surface.wing.span if surface.wing else 0.0
     return MARGIN + max(
         wide, *(abs(y) for curve in (surface.back, surface.belly) for _, y in curve)
@@ -41,37 +41,37 @@ def half_height(surface: SurfacePlan) -> float:
 
 
 def borders(surface: SurfacePlan) -> tuple[float, float]:
-    """Distances from the snout at the left and right border; a whip of a tail has one colour."""
+    """Distances from the snout at the left and right border; a ray's tail is cut off."""
     return SNOUT, surface.tail.begin + 0.05 if surface.wing else EDGE
 
 
-def unfolded(surface: SurfacePlan, right: Array, upper: Array) -> Array:
-    """Height on the skin of points at `right` of the spine of a fish with wings, either side up."""
+def unfold(surface: SurfacePlan, right: Array, upper: Array) -> Array:
+    """Height on the sheet of points at `right` of the spine of a fish with wings."""
     return np.asarray(np.where(upper, 1.0, -1.0) * (half_height(surface) - np.abs(right)))
 
 
 def head_size(surface: SurfacePlan) -> float:
-    """The size of gill cover and jaws: 1 for most fishes, less for a body like a rope."""
+    """Scale of gill cover and jaws: 1 for most fishes, less for eels."""
     return min(1.0, surface.depth / SLENDER)
 
 
 def eye_height(surface: SurfacePlan) -> float:
-    """Height of the eye on the skin."""
+    """Height of the eye on the sheet."""
     eye = surface.eye
     return half_height(surface) - eye.height if surface.wing else eye.height
 
 
-def framed(sheet: Sheet, frame: SheetRegion) -> Sheet:
-    """The part of the sheet (4, h, w) within a frame."""
+def crop(sheet: Sheet, region: SheetRegion) -> Sheet:
+    """A view of the sheet (4, h, w) within a region."""
     _, height, width = sheet.shape
-    rows = slice(round(frame.bottom * height), round(frame.top * height))
-    return sheet[:, rows, round(frame.left * width) : round(frame.right * width)]
+    rows = slice(round(region.bottom * height), round(region.top * height))
+    return sheet[:, rows, round(region.left * width) : round(region.right * width)]
 
 
-def fin_places(plan: FinPlan, ridge: Curve, share: Array, up: Array) -> tuple[Array, Array]:
-    """Distances from the snout and heights, from the row in the body to the edge."""
+def fin_points(plan: FinPlan, ridge: Curve, share: Array, up: Array) -> tuple[Array, Array]:
+    """Distances from the snout and heights, from the root in the body to the edge."""
     share = share.clip(0.0, 1.0)
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
-    edge = travelled(plan.edge, share)
+    edge = points_along(plan.edge, share)
     root = SUNK * along(ridge, base)
     return single(base + up * (edge[:, 0] - base)), single(root + up * (edge[:, 1] - root))

@@ -1,4 +1,4 @@
-"""Patterns of painted skins: stripes, spots, patches, fin rays and blotches."""
+"""Patterns of skin textures: stripes, spots, patches, fin rays and blotches."""
 
 import numpy as np
 
@@ -15,12 +15,12 @@ from subsea.fish.raster import (
 from subsea.fish.species import FinSkin, SkinPatch, SkinSpots, Stripes
 
 SOFT = 0.003  # width of the borders between colours, body lengths
-UNEVEN = 0.0016  # by how much these borders waver, body lengths
+UNEVEN = 0.0016  # amplitude of the borders' waviness, body lengths
 SPOT_SOFT = 0.0013  # half the width of a spot's border, body lengths
 
 
 def blotch(picture: Array, amount: float) -> None:
-    """Vary colours by noise: warmer in some places, cooler in others."""
+    """Vary colours between warmer and cooler by noise."""
     shape = picture.shape[1:]
     cloud, other = tiled(grain_noise()[::-1], shape), tiled(grain_noise()[:, ::-1], shape)
     for plane, warmth, light in zip(
@@ -29,8 +29,8 @@ def blotch(picture: Array, amount: float) -> None:
         plane *= 1.0 + amount * (np.float32(warmth) * cloud + np.float32(light) * other)
 
 
-def strew_spots(picture: Array, plan: SkinSpots, s: Array, right: Array, where: Array) -> None:
-    """Lay round spots on a wavering grid, each of its own size; some of them are rings."""
+def scatter_spots(picture: Array, plan: SkinSpots, s: Array, right: Array, where: Array) -> None:
+    """Paint round spots and rings of random size on a jittered grid."""
     rng = np.random.default_rng(0x5B07)
     rows = np.arange(-0.5 * plan.spacing, right.max(), plan.spacing * np.sqrt(0.75))
     share = np.zeros_like(where)
@@ -43,14 +43,14 @@ def strew_spots(picture: Array, plan: SkinSpots, s: Array, right: Array, where: 
             near = np.flatnonzero(np.abs(right[:, 0] - place[1]) < 1.5 * radius)
             far = np.hypot(s[columns] - place[0], right[near] - place[1]) - radius
             spot = smoothstep(far, SPOT_SOFT, -SPOT_SOFT)
-            if kind < plan.rings and size > 0.35:  # a small one would close
+            if kind < plan.rings and size > 0.35:  # a smaller ring would close
                 spot *= smoothstep(far + 0.5 * radius, -SPOT_SOFT, SPOT_SOFT)
             share[near, columns] = np.maximum(share[near, columns], spot)
     blend(picture, plan.colour, share * where)
 
 
 def stripe_share(plan: Stripes, s: Array, y: Array, uneven: Array) -> Array:
-    """Return the coverage of stripes, 0 to 1; they waver a little and taper at both ends."""
+    """Coverage of slightly wavy stripes, 0 to 1, that taper at both ends."""
     waver = 0.09 * _sine(19.0 * s, 23.0 * y) + 0.05 * _sine(43.0 * s, -31.0 * y)
     if plan.upright:
         phase = (s - plan.rise * y + uneven) / plan.spacing + waver
@@ -65,12 +65,12 @@ def stripe_share(plan: Stripes, s: Array, y: Array, uneven: Array) -> Array:
 
 
 def _sine(a: Array, b: Array) -> Array:
-    """Sine of a + b, quickly where one runs along the columns and one along the rows."""
+    """Sine of a + b, fast where one varies by column and the other by row."""
     return np.asarray(np.sin(a) * np.cos(b) + np.cos(a) * np.sin(b))
 
 
 def blend_patch(picture: Array, plan: SkinPatch, s: Array, y: Array, uneven: Array | float) -> None:
-    """Blend a patch into the body; `uneven` (h, w) shifts its outline, in body lengths."""
+    """Blend a patch into the body; `uneven` (h, w) shifts its outline, body lengths."""
     half = plan.soft / 2
     rows, columns = texels_around(plan.outline, plan.rim_width + half + 3 * UNEVEN, s, y)
     picture = picture[:, rows, columns]
@@ -81,7 +81,7 @@ def blend_patch(picture: Array, plan: SkinPatch, s: Array, y: Array, uneven: Arr
 
 
 def blend_rings(picture: Array, plan: SkinPatch, depth: Array) -> None:
-    """The colours of a patch, where its outline is `depth` away."""
+    """Blend a patch and its rim, given the distance `depth` inside its outline."""
     half = plan.soft / 2
     if plan.rim:
         blend(picture, plan.rim, smoothstep(depth, -plan.rim_width - half, -plan.rim_width + half))
@@ -89,10 +89,10 @@ def blend_rings(picture: Array, plan: SkinPatch, depth: Array) -> None:
 
 
 def ray_pattern(share: Array, out: Array, spines: int, rays: int) -> tuple[Array, Array]:
-    """Return the strength of rays, and the place between two (0 on a ray, 1 midway).
+    """Return the strength of fin rays, and the position between two (0 on a ray, 1 midway).
 
-    At `share` (0 to 1) of the way along a fin's base, of which spines take the front, and `out`
-    (0 to 1) of the way to its edge. Rays part in two on their way.
+    `share` (0 to 1) runs along the base, with spines in front, and `out` (0 to 1) to the edge.
+    Soft rays fork outward.
     """
     count = spines + rays
     if not count:
@@ -108,9 +108,9 @@ def blend_membrane(
     picture: Array, fin: FinSkin, plain: float, out: Array, rays: Array, to_edge: Array,
     to_rim: Array | None = None,
 ) -> None:  # fmt: skip
-    """Rays, the rim along the edge, and how much light the membrane between the rays lets by.
+    """Blend rays, rim and the transparency of the membrane between the rays.
 
-    `to_edge` is how far the edge is, in body lengths, `to_rim` the same in widths of the rim.
+    `to_edge` is the distance to the edge in body lengths, `to_rim` in widths of the rim.
     """
     root = smoothstep(out, 0.02, 0.25)
     picture[:3] *= 1.0 - 0.3 * plain * rays * root

@@ -1,10 +1,8 @@
-"""The coupling of the drawn surface to the nodes: one constant matrix per species.
+"""Coupling of the drawn surface to the nodes by one constant matrix per species.
 
-Tu §5.4 binds each control point to a bilinear patch of a hull face with an offset in that
-face's own axes. The axes jump from face to face, so the surface creases where the body bends.
-Here the cross-sections themselves are interpolated along the body with a C1 cubic. Both the
-centre line and the cross-sections' axes are linear in the nodes, hence so is every control
-point: recorded, replayed and live fishes are skinned by the same product.
+The axes of Tu's patches (§5.4) jump from face to face, so a bent surface creases. Here
+cross-sections are interpolated along the body by a C1 cubic. Centre line and axes are linear in the
+nodes, hence so are all control points.
 """
 
 import numpy as np
@@ -18,9 +16,8 @@ TAIL_UPPER, TAIL_LOWER = 21, 22
 def skin_weights(rest_nodes: Array, rest_points: Array) -> Array:
     """The matrix W (p, 23) with ``points = W @ nodes`` in any frame, exact at rest.
 
-    `rest_nodes` (23, 3) and `rest_points` (p, 3) are in the same body axes: x anterior,
-    y dorsal, z right. The rings must be planes of constant x at rest. Rows of W sum to one,
-    so the skin follows every rigid motion.
+    `rest_nodes` (23, 3), with rings in planes of constant x, and `rest_points` (p, 3) are in the
+    same body axes. Rows of W sum to one.
     """
     nodes = np.asarray(rest_nodes, dtype=np.float64)
     points = np.asarray(rest_points, dtype=np.float64)
@@ -35,7 +32,7 @@ def skin_weights(rest_nodes: Array, rest_points: Array) -> Array:
 
 
 def _sections(nodes: Array) -> tuple[Array, Array, Array]:
-    """Rows over the 23 nodes that give centre, dorsal and right axis of the seven stations."""
+    """Weights (7, 23) of the nodes for centre, dorsal and right axis of the seven stations."""
     centre, up, right = (np.zeros((7, 23)) for _ in range(3))
     for station, first in enumerate(RINGS, start=1):
         upper_left, upper_right, lower_right, lower_left = range(first, first + 4)
@@ -59,8 +56,7 @@ def _sections(nodes: Array) -> tuple[Array, Array, Array]:
 def _hermite(stations: Array, x: Array) -> Array:
     """Weights (p, 7) of a C1 cubic through values at decreasing `stations`; linear outside.
 
-    Tangents are those of the parabola through three stations, so linear functions, and x
-    itself, are reproduced exactly.
+    Tangents of parabolas through three stations reproduce linear functions exactly.
     """
     s = -stations
     u = -x

@@ -1,4 +1,4 @@
-"""Constants of a species, from `assets/species/NAME.toml` or a user's file."""
+"""Species files: `assets/species/NAME.toml`, or a user's own."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,7 @@ from subsea.core.toml_files import load_toml
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import Curve, Extent, Share, SurfacePlan
 
-SHIPPED = "assets/species"  # the folder of those that come with the program
+SHIPPED = "assets/species"  # folder of shipped species
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
@@ -27,27 +27,26 @@ Place = tuple[Share, Extent]  # (distance from the snout, height above the axis)
 
 
 class Cape(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A colour over all that lies above a line along the body."""
+    """A colour on the body above a line along it."""
 
     colour: Colour
     line: Curve  # (distance from the snout, height; 1 is the dorsal ridge, -1 the ventral)
-    soft: Width = 0.12  # half the width of its border, of the height
+    soft: Width = 0.12  # half the width of its border, as a fraction of the height
 
 
 class Stripes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Lines along the body, or with `upright` from back to belly, in body lengths."""
+    """Stripes along the body, or with `upright` from back to belly, in body lengths."""
 
     colour: Colour
     spacing: Positive
-    share: Share  # of the spacing that the colour takes
-    rise: Extent = 0.0  # for each body length tailward a line lies so much higher; if upright,
-    # for each body length of height it lies so much further tailward
-    begin: Share  # distance from the snout at which they begin
-    end: Share = 1.0  # and end
+    share: Share  # coloured fraction of the spacing
+    rise: Extent = 0.0  # slope: rise per length tailward; if upright, tailward per length of height
+    begin: Share  # distance from the snout
+    end: Share = 1.0
     upright: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse lines that end before they begin."""
+        """Refuse stripes that end before they begin."""
         if self.begin >= self.end:
             raise ValueError("stripes must end behind where they begin")
 
@@ -60,16 +59,16 @@ class SkinPatch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     rim: Colour | None = None
     rim_width: Width = 0.008
     soft: Width = 0.004  # width of the border
-    over_fins: bool = False  # it goes on over the fins, under their rays
+    over_fins: bool = False  # it continues on the fins, under their rays
 
 
 class SkinSpots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Round spots strewn over the upper side of a body with wings, in body lengths."""
+    """Round spots scattered on the upper side of a body with wings, in body lengths."""
 
     colour: Colour
-    radius: tuple[Positive, Positive]  # of the smallest and the largest
+    radius: tuple[Positive, Positive]  # smallest and largest
     spacing: Annotated[float, msgspec.Meta(ge=0.005, le=1)]
-    rings: Share = 0.0  # share of the larger ones that are rings
+    rings: Share = 0.0  # fraction of the larger ones that are rings
 
     def __post_init__(self) -> None:
         """Refuse spots that run into one another."""
@@ -78,15 +77,15 @@ class SkinSpots(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A fin: at its root it has the body's colour."""
+    """The colours of a fin; its root has the body's colour."""
 
     colour: Colour
     opacity: Share = 0.8  # at the edge
     rim: Colour | None = None
-    rim_width: Width = 0.012  # body lengths; of paired fins the share of their length
-    striped: bool = False  # the body's stripes go on over it
-    spines: Count = 0  # stiff rays in front, between which the membrane is cut in ...
-    soft_rays: Count = 16  # ... and soft ones behind them, which part in two
+    rim_width: Width = 0.012  # body lengths; of paired fins a fraction of their length
+    striped: bool = False  # the body's stripes continue on it
+    spines: Count = 0  # stiff rays in front, with notches in the membrane between them
+    soft_rays: Count = 16  # forked rays behind them
 
 
 class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -95,9 +94,8 @@ class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     hue: Share = 0.05  # relative change of a primary colour
     saturation: Share = 0.10
     brightness: Share = 0.08
-    pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # how far it is displaced,
-    # body lengths
-    torn: Share = 0.12  # share with a nick in the dorsal fin
+    pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # displacement, body lengths
+    torn: Share = 0.12  # fraction with a nick in the dorsal fin
 
 
 class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -105,18 +103,16 @@ class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
     of: Colour
     to: Colour
-    reach: Annotated[float, msgspec.Meta(gt=0, le=2)] = (
-        0.35  # greatest distance of a colour from `of`, linear RGB
-    )
-    saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # of all colours, times as much
+    reach: Annotated[float, msgspec.Meta(gt=0, le=2)] = 0.35  # distance from `of`, linear RGB
+    saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # factor for all colours
     brightness: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
 
 
 class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The colours of a species, painted in the order of the fields."""
 
-    sheet: Annotated[str, msgspec.Meta(pattern=r"^[^/\\]+\.png$")] | None = None  # a picture to
-    # wear instead of what is painted, beside the file; once it is loaded, its whole path
+    # A picture beside the file in place of a painted sheet; `load_species` makes the path absolute.
+    sheet: Annotated[str, msgspec.Meta(pattern=r"^[^/\\]+\.png$")] | None = None
     back: Colour
     flank: Colour
     belly: Colour
@@ -134,24 +130,21 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     scales: Share = 1.0  # contrast of the scales
     rays: Share = 1.0  # contrast of the fin rays
     gills: Annotated[int, msgspec.Meta(ge=0, le=7)] = 1  # 0 a pore, 1 a gill cover, else slits
-    pupil: Share = 0.55  # its size, share of the eye
+    pupil: Share = 0.55  # fraction of the eye's radius
     mouth: tuple[Place, Place] = ((0.0, -0.01), (0.03, -0.0184))  # its tip and its corner
     clear_back: Share = 0.0  # transparency of the back
-    blotches: Share = 0.5  # strength of the uneven colour
+    blotches: Share = 0.5  # strength of the colour noise
     variation: Variation = Variation()
     display: CourtshipColours | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a mouth that does not open forwards."""
+        """Refuse a mouth that does not open forward."""
         if self.mouth[0][0] >= self.mouth[1][0]:
             raise ValueError("the corner of the mouth must lie behind its tip")
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One species: its names, build, motion and looks.
-
-    It moves either by muscles (three tables) or by its spine (one table).
-    """
+    """One species, driven by muscles (tables body, swim and turn) or by its spine."""
 
     name: str
     scientific_name: str
@@ -166,7 +159,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     skin: SkinPlan
 
     def __post_init__(self) -> None:
-        """Refuse two movers, or none, sizes out of order, and a body that no step can carry."""
+        """Refuse tables that contradict each other, and a body that is unstable."""
         if not self.name:
             raise ValueError("`name` is empty, expected the common name")
         given = sum(table is not None for table in (self.body, self.swim, self.turn))
@@ -178,13 +171,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             raise ValueError("[skin.spots] are for bodies with [surface.wing]")
         if self.size_cm[0] > self.size_cm[1]:
             raise ValueError("size_cm must name the smallest length first")
-        fins = {
-            "dorsal": "dorsal",
-            "ventral": "ventral",
-            "pectoral": "paddles",
-            "pelvic": "paddles",
-        }
-        for fin, colours in fins.items():
+        for fin in ("dorsal", "ventral", "pectoral", "pelvic"):
+            colours = fin if fin in ("dorsal", "ventral") else "paddles"
             if getattr(self.surface, fin) and not getattr(self.skin, colours):
                 raise ValueError(f"the {fin} fin has no colours: [skin.{colours}] is missing")
         if self.body:
@@ -192,53 +180,47 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     @property
     def muscles(self) -> Muscles | None:
-        """Body, swim and turn of a species that muscles move; None of one that its spine moves."""
+        """Body, swim and turn of a muscle-driven species; None for a spine-driven one."""
         if self.body and self.swim and self.turn:
             return Muscles(self.body, self.swim, self.turn)
         return None
 
     @property
     def length_cm(self) -> float:
-        """Body length of the fish that is recorded."""
-        mover = self.body or self.spine
-        assert mover  # one of the two is there
-        return mover.length
+        """Body length of the recorded fish."""
+        plan = self.body or self.spine
+        assert plan
+        return plan.length
 
 
 def shipped_species() -> list[str]:
-    """The species that come with the program, sorted."""
+    """The names of shipped species, sorted."""
     return resource_names(SHIPPED, ".toml")
 
 
 def own_species() -> Path:
-    """The folder of the visitor's own species, which need not be there yet."""
+    """The folder of the user's own species, which may not exist."""
     return own_path("species")
 
 
 def species_names() -> list[str]:
-    """Names that `load_species` knows: those that are shipped, then the visitor's own, sorted.
-
-    Files are not read: one that is damaged has its name here.
-    """
+    """Names that `load_species` knows: shipped ones, then the user's; files may be damaged."""
     shipped = shipped_species()
     return shipped + [name for name in stems(own_species(), ".toml") if name not in shipped]
 
 
 def hidden_names() -> list[str]:
-    """Return names of own files that are hidden by shipped species of the same name."""
+    """Names of own files that shipped species of the same name hide."""
     return sorted(set(stems(own_species(), ".toml")).intersection(shipped_species()))
 
 
 def is_shipped(name: str) -> bool:
-    """Whether the species called `name` comes with the program."""
+    """True if the species `name` is shipped."""
     return name in shipped_species()
 
 
 def species_file(name: str) -> Path:
-    """The file of the species called `name`, or the file `name`; an unknown name is a UserError.
-
-    A word without a slash or the ending ``.toml`` is a name.
-    """
+    """The file of the species `name`, or the path `name`; UserError for an unknown name."""
     if is_path(name, ".toml"):
         return Path(name)
     _check_known(name)
@@ -246,27 +228,24 @@ def species_file(name: str) -> Path:
 
 
 def own_species_file(name: str) -> Path:
-    """Return the path of the user's species `name`, which need not exist.
+    """The path of the user's species `name`, which may not exist.
 
-    A name that a shipped species has, or that no file can have, is a UserError.
+    UserError for the name of a shipped species or one that is not a word.
     """
     if is_shipped(name):
         raise UserError(f"the name {name!r} is that of a shipped species, expected another")
     if not re.fullmatch(r"\w[\w-]*", name):
-        raise UserError(f"the name {name!r}: expected letters, digits, _ and - alone")
+        raise UserError(f"the name {name!r}: expected only letters, digits, _ and -")
     return own_species() / f"{name}.toml"
 
 
 def repertoire_folder(name: str) -> Path:
-    """Return the repertoire folder of the species `name`, which need not exist."""
+    """The repertoire folder of the species `name`, which may not exist."""
     return resource_path("repertoires") if is_shipped(name) else own_path("repertoires")
 
 
 def repertoire_file(name: str) -> Path:
-    """The repertoire of the species called `name`, or the file `name`; there or not.
-
-    A word without a slash or the ending ``.h5`` is a name; an unknown one is a UserError.
-    """
+    """The repertoire of the species `name`, or the path `name`; UserError for an unknown name."""
     if is_path(name, ".h5"):
         return Path(name)
     _check_known(name)
@@ -274,22 +253,18 @@ def repertoire_file(name: str) -> Path:
 
 
 def muscular_names() -> list[str]:
-    """Those of the shipped species that muscles move: they alone can be simulated."""
+    """The shipped species with muscles, which can be simulated."""
     return [name for name in shipped_species() if load_species(name).muscles]
 
 
 def load_species(name: str) -> Species:
-    """The species `name`; an unknown name or a faulty file is a UserError in one line."""
+    """The species `name`; UserError for an unknown name or a faulty file."""
     path = species_file(name)
-    return beside(path, load_toml(path, Species))
-
-
-def beside(path: Path, species: Species) -> Species:
-    """A species as the file `path` says it, with the whole path of its sheet."""
-    if not (name := species.skin.sheet):
+    species = load_toml(path, Species)
+    if not (sheet := species.skin.sheet):
         return species
-    sheet = str(path.absolute().with_name(name))
-    return structs.replace(species, skin=structs.replace(species.skin, sheet=sheet))
+    skin = structs.replace(species.skin, sheet=str(path.absolute().with_name(sheet)))
+    return structs.replace(species, skin=skin)
 
 
 def _check_known(name: str) -> None:

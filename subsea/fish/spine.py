@@ -1,11 +1,10 @@
-"""The spine-driven swimmer: motion from rules instead of from muscles and water (KS part II).
+"""The kinematic model of spine-driven fishes (KS part II).
 
-Four factors decide how a spine moves: the function by which it swings, the places of its
-inflection points, the rule by which the swing propagates from the central inflection point to
-both ends, and how far each part of the spine gives way (KS's stiffness factors). Together they
-give the direction of every unit of the spine; the places follow by laying the units end to end,
-so that the spine never changes its length. The same rules move a wing, whose units run from the
-spine to its tip and swing up and down. The surface keeps its distance to the units (KS III.B).
+Four factors determine the direction of each unit of a spine: the swing function, the inflection
+points, the rule by which the swing propagates from the central one, and the flexibility of each
+part (KS's stiffness factors). Units are joined end to end, so the spine keeps its length. Wings,
+chains of units from the spine to the tip, follow the same rules. The surface keeps its distance to
+the units (KS III.B).
 
 Lengths are in body lengths and time in beats; plans are in degrees, all other angles in radians.
 Bodies at rest have the axes (distance behind the snout, up, right).
@@ -20,34 +19,33 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.fish.surface import along
 
-UNITS = 240  # of a spine: too fine to be seen
+UNITS = 240  # of a spine
 WING_UNITS = 32  # from the spine to any point of a wing
-MODEL_LENGTHS = (10.0, 300.0)  # cm, of the fish that is recorded
-RUN_IN = 0.4  # body lengths that a sharp turn takes at least, besides the fish's own length
+MODEL_LENGTHS = (10.0, 300.0)  # cm, of the recorded fish
+RUN_IN = 0.4  # least path length of a sharp turn less the fish's own length, body lengths
 
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Angle = Annotated[float, msgspec.Meta(ge=0, le=90)]
 Place = Annotated[float, msgspec.Meta(ge=-5, le=5)]
-Give = Annotated[float, msgspec.Meta(ge=0, le=3)]
+Flexibility = Annotated[float, msgspec.Meta(ge=0, le=3)]
 Beat = Annotated[int, msgspec.Meta(ge=8, le=200)]
 
 
 class Swing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The swing of a chain of units; places are shares of its length.
+    """The swing of a chain of units; positions are fractions of its length.
 
-    ``inflections`` are where the bend changes sides while the central one swings its farthest:
-    half a wave lies between two of them, and they may lie beyond the ends. ``flexibility``
-    (place, share) is how much of the swing each part takes: 0 is rigid, above 1 amplifies.
+    ``inflections`` are half a wave apart and may lie beyond the ends. ``flexibility`` are
+    (position, factor) of the swing: 0 is rigid, above 1 amplifies.
     """
 
-    angle: Angle  # degrees, the farthest that a part of flexibility 1 swings at amplitude 1
+    angle: Angle  # degrees, of a part of flexibility 1 at amplitude 1
     function: Literal["sinusoidal", "linear"] = "sinusoidal"
     inflections: tuple[Place, Place, Place]
     propagation: Literal["tailward", "outward", "at once"] = "tailward"
-    flexibility: Annotated[tuple[tuple[Share, Give], ...], msgspec.Meta(min_length=2)]
+    flexibility: Annotated[tuple[tuple[Share, Flexibility], ...], msgspec.Meta(min_length=2)]
 
     def __post_init__(self) -> None:
-        """Refuse places that run forwards, and a wave that would."""
+        """Refuse positions out of order, and a wave that turns back."""
         if any(b - a < 0.05 for a, b in pairwise(self.inflections)):
             raise ValueError("inflections must follow one another by 0.05 or more")
         if any(b <= a for (a, _), (b, _) in pairwise(self.flexibility)):
@@ -57,20 +55,17 @@ class Swing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @property
     def wavelength(self) -> float:
-        """Length of the wave: from the first inflection point to the last."""
+        """From the first inflection point to the last."""
         return self.inflections[2] - self.inflections[0]
 
 
 class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A pair of wings, each a chain of units from the spine to the tip that swings up and down.
-
-    ``swing`` counts its places in half spans: 0 on the spine, 1 at the tip.
-    """
+    """A pair of wings, each a chain of units from the spine (0) to the tip (1)."""
 
     swing: Swing
-    chord: tuple[Share, Share]  # from where to where they stand on the body
+    chord: tuple[Share, Share]  # front and rear of their roots on the body
     chord_lag: Annotated[float, msgspec.Meta(ge=0.05, le=1)]  # beats, of their rear edge
-    raised: Annotated[float, msgspec.Meta(ge=-30, le=30)] = 0.0  # degrees about which they beat
+    raised: Annotated[float, msgspec.Meta(ge=-30, le=30)] = 0.0  # degrees, mean of the beat
 
     def __post_init__(self) -> None:
         """Refuse wings without chord."""
@@ -79,10 +74,7 @@ class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
 
 class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One grade of swimming. These numbers alone decide how fast the fish is.
-
-    ``slip`` is the speed of the fish over that of the wave that drives it.
-    """
+    """One grade of swimming; ``slip`` is the speed of the fish over that of its wave."""
 
     ticks_per_beat: Beat  # of 0.033 s
     amplitude: Share  # of the swing
@@ -90,19 +82,19 @@ class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class Turn(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A turn at the gait of grade medium: the body follows a path that bends."""
+    """A turn at grade medium along a curved path."""
 
-    gradual: Annotated[float, msgspec.Meta(gt=0, le=60)]  # degrees each beat
-    sharp: Annotated[float, msgspec.Meta(gt=0, le=120)]  # degrees in all
+    gradual: Annotated[float, msgspec.Meta(gt=0, le=60)]  # degrees per beat
+    sharp: Annotated[float, msgspec.Meta(gt=0, le=120)]  # degrees in total
     sharp_beats: Annotated[int, msgspec.Meta(ge=1, le=20)]
-    bank: Annotated[float, msgspec.Meta(ge=0, le=60)] = 0.0  # degrees, where the path bends most
+    bank: Annotated[float, msgspec.Meta(ge=0, le=60)] = 0.0  # degrees, at the greatest curvature
 
 
 class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The motion of a species with a spine but no muscles: the [spine] table of its file."""
+    """The motion of a spine-driven species: the [spine] table of its file."""
 
     length: Annotated[float, msgspec.Meta(ge=MODEL_LENGTHS[0], le=MODEL_LENGTHS[1])]  # cm
-    centre: Annotated[float, msgspec.Meta(ge=0.1, le=0.7)]  # behind the snout; keeps to the path
+    centre: Annotated[float, msgspec.Meta(ge=0.1, le=0.7)]  # behind the snout; follows the path
     swing: Swing
     wings: Wings | None = None
     slow: SpineGait
@@ -111,7 +103,7 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     turn: Turn
 
     def __post_init__(self) -> None:
-        """Refuse grades out of order, and a sharp turn that ends before the tail is round."""
+        """Refuse grades out of order, and a sharp turn that ends before the tail follows."""
         speeds = [self.stride(g) / g.ticks_per_beat for g in (self.slow, self.medium, self.fast)]
         if not speeds[0] < speeds[1] < speeds[2]:
             raise ValueError("slow, medium and fast must each be faster than the one before")
@@ -123,11 +115,7 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
             )
 
     def stride(self, gait: SpineGait) -> float:
-        """Body lengths that a beat takes the fish forward: its slip times a wavelength.
-
-        The wave that drives a fish with wings runs along their chord, that of any other along
-        its spine.
-        """
+        """Body lengths in a beat: the slip times the wavelength along wing chord or spine."""
         if self.wings:
             front, rear = self.wings.chord
             return gait.slip * (rear - front) / self.wings.chord_lag
@@ -135,10 +123,7 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 def phase(swing: Swing, at: Array) -> Array:
-    """Phase of the swing at the places `at`: 0 at the central inflection point, π at the next.
-
-    It is the parabola through the three points.
-    """
+    """Phase of the swing at positions `at`: a parabola through -π, 0, π at the inflections."""
     front, middle, rear = swing.inflections
     a, b = front - middle, rear - middle
     bend = np.pi * (a + b) / (a * b * (b - a))
@@ -153,12 +138,8 @@ def oscillation(swing: Swing, angle: Array) -> Array:
     return np.asarray(2.0 * np.abs((angle / np.pi) % 2.0 - 1.0) - 1.0)
 
 
-def swung(swing: Swing, at: Array, beat: Array, amplitude: float) -> Array:
-    """Directions, rad, of the units at `at` at the times `beat`; both broadcast together.
-
-    Where the bend is 0 the direction is farthest aside: with the linear function each unit
-    between two inflection points differs by an equal angle from the one before (KS part II).
-    """
+def swing_angles(swing: Swing, at: Array, beat: Array, amplitude: float) -> Array:
+    """Directions, rad, of the units at `at` at times `beat`; both are broadcast (KS part II)."""
     now, there = 2.0 * np.pi * np.asarray(beat), phase(swing, at)
     if swing.propagation == "tailward":
         share = oscillation(swing, now - there)
@@ -170,10 +151,10 @@ def swung(swing: Swing, at: Array, beat: Array, amplitude: float) -> Array:
     return np.asarray(np.radians(swing.angle) * amplitude * give * share)
 
 
-def laid(direction: Array, length: Array | float = 1.0) -> Array:
-    """Places (…, n + 1, 2) of the ends of n units laid end to end in `direction` (…, n), rad.
+def chain_points(direction: Array, length: Array | float = 1.0) -> Array:
+    """Ends (…, n + 1, 2) of n units in `direction` (…, n), rad, joined from the origin on.
 
-    The first lies at the origin; together they are `length` (…) long.
+    Their total is `length` (…).
     """
     step = np.asarray(length)[..., None] / direction.shape[-1]
     steps = np.stack([step * np.cos(direction), step * np.sin(direction)], axis=-1)
@@ -181,30 +162,29 @@ def laid(direction: Array, length: Array | float = 1.0) -> Array:
 
 
 class Spines(NamedTuple):
-    """A spine at T times, in the axes (ahead, left) of its path at the fish's centre."""
+    """A spine at T times, in axes (ahead, left) of the path at the fish's centre."""
 
-    place: Array  # (T, n + 1, 2) of the ends of its units, from the snout on
-    direction: Array  # (T, n) of the units, rad to the left
+    place: Array  # (T, n + 1, 2) ends of the units, from the snout on
+    direction: Array  # (T, n) rad to the left
 
 
 JOINTS = np.linspace(0.0, 1.0, UNITS + 1)
 MIDDLES = 0.5 * (JOINTS[1:] + JOINTS[:-1])
 
 
-def spines(plan: SpinePlan, beat: Array, amplitude: float, path: Array, mass: Array) -> Spines:
-    """The spine at the times `beat` (T,), on a path that has the directions `path` (T, n).
+def pose_spine(plan: SpinePlan, beat: Array, amplitude: float, path: Array, mass: Array) -> Spines:
+    """The spine at times `beat` (T,), on a path with directions `path` (T, n) at its units.
 
-    `path` is the direction where each unit lies, against that at the centre. As far as it gives
-    way, the body follows its path as a train does; about that it swings. How the whole of it
-    lies is left open by that; the water would let it neither sway nor yaw, so of all rigid
-    motions the one is taken that brings the units, of `mass` (n,), nearest to the path.
+    `path` is relative to the direction at the centre. Flexible parts follow the path and swing
+    about it. As water prevents sway and yaw, the whole is then fitted to the path by the rigid
+    motion of least squares, with `mass` (n,) of the units as weights.
     """
     give = np.minimum(along(np.asarray(plan.swing.flexibility), JOINTS[1:-1]), 1.0)
     bent = np.zeros_like(path)
     bent[:, 1:] = np.cumsum(give * np.diff(path, axis=1), axis=1)
     bent -= _at(bent, MIDDLES, plan.centre)[:, None]
-    direction = bent + swung(plan.swing, MIDDLES, np.asarray(beat)[:, None], amplitude)
-    place, goal = -laid(direction), -laid(path)
+    direction = bent + swing_angles(plan.swing, MIDDLES, np.asarray(beat)[:, None], amplitude)
+    place, goal = -chain_points(direction), -chain_points(path)
     goal -= _at(goal, JOINTS, plan.centre)[:, None]
     share = mass / mass.sum()
     (a, a_mean), (b, b_mean) = (_centred(ends, share) for ends in (place, goal))
@@ -216,7 +196,7 @@ def spines(plan: SpinePlan, beat: Array, amplitude: float, path: Array, mass: Ar
 
 
 def _centred(ends: Array, share: Array) -> tuple[Array, Array]:
-    """Middles of the units (T, n, 2) about their centre of mass, and that centre (T, 1, 2)."""
+    """Middles of the units (T, n, 2) relative to their centre of mass, and that (T, 1, 2)."""
     middles = 0.5 * (ends[:, 1:] + ends[:, :-1])
     mean = np.einsum("n,tnk->tk", share, middles)[:, None]
     return middles - mean, mean
@@ -229,11 +209,11 @@ def _at(values: Array, places: Array, at: float) -> Array:
     return np.asarray((1.0 - share) * values[:, k] + share * values[:, k + 1])
 
 
-def carried(spine: Spines, points: Array) -> Array:
-    """Points (T, p, 3) in path axes (ahead, up, right) that are at `points` on the fish at rest.
+def bend_points(spine: Spines, points: Array) -> Array:
+    """Points (T, p, 3) of the bent body in path axes (ahead, up, right).
 
-    `points` are (p, 3), or (T, p, 3) where they move on the body. Each lies on the normal of its
-    place on the spine, as far from it as at rest (KS III.B).
+    `points` at rest are (p, 3), or (T, p, 3) if they move on the body. Each keeps its distance
+    along the normal of the spine (KS III.B).
     """
     at = np.broadcast_to(points[..., 0], (len(spine.place), points.shape[-2]))
     right = np.broadcast_to(points[..., 2], at.shape)
@@ -248,11 +228,10 @@ def carried(spine: Spines, points: Array) -> Array:
     return out
 
 
-def flapped(wings: Wings, points: Array, span: float, beat: Array, amplitude: float) -> Array:
-    """The points (p, 3) of a body at rest with its wings at the times `beat`: (T, p, 3).
+def flap_wings(wings: Wings, points: Array, span: float, beat: Array, amplitude: float) -> Array:
+    """Points (T, p, 3) of a body with beating wings at times `beat`, from (p, 3) at rest.
 
-    `span` is that of one wing. What weighs on the wings moves the body the other way: the mean
-    of all points neither rises nor sinks.
+    `span` is that of one wing. The mean height of all points is constant.
     """
     x, up, right = points.T
     reach = np.abs(right)
@@ -261,7 +240,7 @@ def flapped(wings: Wings, points: Array, span: float, beat: Array, amplitude: fl
         (x - front) / (rear - front), 0.0, 1.0
     )
     out_to = (reach / span)[:, None] * (np.arange(WING_UNITS) + 0.5) / WING_UNITS  # (p, n)
-    chain = laid(_lifted(wings, out_to, late[..., None], amplitude), reach)[..., -1, :]
+    chain = chain_points(_lifted(wings, out_to, late[..., None], amplitude), reach)[..., -1, :]
     tilt = _lifted(wings, reach / span, late, amplitude)
     out = np.empty((len(late), *points.shape))
     out[..., 0] = x
@@ -275,5 +254,6 @@ def _lifted(wings: Wings, at: Array, beat: Array, amplitude: float) -> Array:
     """Directions, rad upward, of the units of a wing."""
     give = along(np.asarray(wings.swing.flexibility), at)
     return np.asarray(
-        swung(wings.swing, at, beat, amplitude) + np.radians(wings.raised) * np.minimum(give, 1.0)
+        swing_angles(wings.swing, at, beat, amplitude)
+        + np.radians(wings.raised) * np.minimum(give, 1.0)
     )

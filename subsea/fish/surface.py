@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.fish.coupling import Way
+from subsea.fish.coupling import CouplingMethod
 from subsea.geometry.spline import greville, through
 
 U, V = 9, 21
@@ -30,8 +30,8 @@ WING_ROWS = np.array([0.0, 0.16, 0.42, 0.72])  # of the span, on either side
 CROWDING = 0.6  # columns crowd toward snout and tail, where the outline bends most
 SUNK = 0.82  # the fins' lower rows lie at this share of the ridge's height
 
-# The polygon around a half-circle that a quadratic spline touches at the middle of each edge.
-# Its first edge is level, so the two halves meet without a crease.
+# A quadratic spline touches this polygon around a half-circle at the middle of each edge. Its
+# first edge is level, so the two halves meet without a crease.
 _ANGLES = np.pi * (np.arange(U - 2) + 0.5) / (U - 2)
 _REACH = 1.0 / np.cos(0.5 * np.pi / (U - 2))
 SECTION_HEIGHT = np.concatenate([[1.0], _REACH * np.cos(_ANGLES), [-1.0]])
@@ -47,10 +47,7 @@ class TailPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     begin: Share  # distance of its root from the snout, in body lengths
     edge: Annotated[list[tuple[Extent, Share]], msgspec.Meta(min_length=2)]
-    """The trailing edge: (share of the half-height, distance from the snout).
-
-    Shares run from 0, the middle, to 1 for both lobes alike, or from -1, the lower tip, to 1.
-    """
+    """(fraction of the half-height, distance from the snout) from 0 or -1, the lower tip, to 1."""
 
     def __post_init__(self) -> None:
         """Refuse a fin that does not lie behind its root, or lacks a part."""
@@ -61,14 +58,14 @@ class TailPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
             raise ValueError("the edge of the tail must run from 0 or -1 to 1")
 
     def edge_at(self, share: Array) -> Array:
-        """The trailing edge's distance from the snout at shares of the half-height, -1 to 1."""
+        """Distance of the trailing edge from the snout at fractions of the half-height, -1 to 1."""
         return along(self.edge, share if self.edge[0][0] < 0 else np.abs(share))
 
 
 class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A dorsal or ventral fin, in body lengths."""
 
-    base: tuple[Share, Share]  # where it begins and ends, distance from the snout
+    base: tuple[Share, Share]  # begin and end, distance from the snout
     edge: Curve  # the free edge from front to rear: (distance from the snout, height)
 
     def __post_init__(self) -> None:
@@ -80,34 +77,33 @@ class FinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A pair of fins that stand on the flanks, in body lengths."""
+    """A pair of fins on the flanks, in body lengths."""
 
     at: Share  # distance of the root from the snout
     height: Extent  # of the root above the axis
     length: Share
     width: Share  # of the free end
     droop: Annotated[float, msgspec.Meta(ge=-90, le=90)]  # degrees below tailward
-    wing: bool = False  # pointed, and held out stiffly from a level base, as sharks do
+    wing: bool = False  # pointed and stiff with a level base, as in sharks
 
 
 class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The eyes, in body lengths."""
 
     at: Share  # distance from the snout
-    height: Extent  # above the axis; of a body with wings, aside from the spine on the upper side
+    height: Extent  # above the axis; of a body with wings, distance from the spine on top
     radius: Share
 
 
 class WingPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A body that is flat and spreads to both sides, as a ray's, in body lengths."""
+    """A flat body with wings, such as a ray's, in body lengths."""
 
     outline: Annotated[list[tuple[Share, Share]], msgspec.Meta(min_length=5)]
-    """Its edge from the snout over the tip to the root of the tail: (behind the snout, right)."""
-    thickness: Curve
-    """(distance from the spine over the half span, share of the body's height)."""
+    """(behind the snout, right) from the snout over the tip to the root of the tail."""
+    thickness: Curve  # (distance from the spine over the half span, fraction of the height)
 
     def __post_init__(self) -> None:
-        """Refuse an outline that has no tip or steps in place."""
+        """Refuse an outline without a tip or with a point twice."""
         if not 1 < self.tip < len(self.outline) - 2:
             raise ValueError("the outline must have its tip inside, two points or more from an end")
         if any(a == b for a, b in pairwise(self.outline)):
@@ -126,12 +122,9 @@ class WingPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
 
 class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The shape of a species in body lengths; curves are (distance from the snout, value).
+    """The shape of a species in body lengths; curves are (distance from the snout, value)."""
 
-    ``coupling`` is how the surface hangs on the nodes of the simulated body (`coupling.py`).
-    """
-
-    coupling: Way = "sections"
+    coupling: CouplingMethod = "sections"
     back: Curve  # height of the dorsal ridge above the axis, on to the tail's upper tip
     belly: Curve  # height of the ventral ridge, negative
     width: Curve  # half-width, of a body with wings that of its trunk
@@ -169,15 +162,15 @@ def rest_control_points(plan: SurfacePlan, body_length_cm: float, snout_x_cm: fl
 
     `snout_x_cm` is the x of the foremost point, that of node 0 at rest.
     """
-    points = fitted(rest_surface(plan)) * body_length_cm
+    points = fit_control_points(rest_surface(plan)) * body_length_cm
     points[:, 0] = snout_x_cm - points[:, 0]
     return points
 
 
 def rest_surface(plan: SurfacePlan) -> Array:
-    """Points (426, 3) that the surface meets at rest, one for each control point, body lengths.
+    """Points (426, 3) of the surface at rest, where each control point weighs most, body lengths.
 
-    They are (distance from the snout, height, right), and lie where a control point pulls most.
+    They are (distance from the snout, height, right).
     """
     points = np.empty((CONTROL_POINTS, 3))
     half = _right_half(plan)
@@ -188,10 +181,10 @@ def rest_surface(plan: SurfacePlan) -> Array:
     return points
 
 
-def fitted(points: Array) -> Array:
-    """Control points (…, 426, 3) of the surfaces that meet the points (…, 426, 3) lengthwise.
+def fit_control_points(points: Array) -> Array:
+    """Control points (…, 426, 3) of surfaces through the points (…, 426, 3), along the rows.
 
-    Across the body the rows stay as they are: they are control points already.
+    Across the body they are control points already.
     """
     out = np.empty(points.shape)
     for part, columns in ((LEFT, V), (RIGHT, V), (DORSAL, FIN_V), (VENTRAL, FIN_V)):
@@ -202,11 +195,7 @@ def fitted(points: Array) -> Array:
 
 
 def along(curve: Curve | Array, at: Array) -> Array:
-    """Values of a curve at `at`: a C1 cubic through its points that never overshoots.
-
-    The tangents are Fritsch and Butland's: weighted harmonic means of the neighbouring slopes,
-    zero at an extremum.
-    """
+    """Values of a curve at `at`: the monotone C1 cubic of Fritsch and Butland."""
     x, y = np.asarray(curve, np.float64).T
     gap = np.diff(x)
     slope = np.diff(y) / gap
@@ -253,15 +242,14 @@ def _right_half(plan: SurfacePlan) -> Array:
 def _wing(plan: WingPlan, ridge: Array, top: Array, bottom: Array) -> Array:
     """(9, 15, 3): rows from the spine over the wing's edge to the keel, columns along the chord.
 
-    Each column runs straight from its place on the ridge to one on the outline, the one in the
-    middle to the tip.
+    Each column is straight from the ridge to the outline; column TIP_COLUMN ends at the tip.
     """
     front, rear = plan.outline[: plan.tip + 1], plan.outline[plan.tip :]
     columns = np.arange(len(ridge))
     before = (columns[: TIP_COLUMN + 1] / TIP_COLUMN) ** 1.25  # more of them at the head
     behind = (columns[TIP_COLUMN:] - TIP_COLUMN) / (columns[-1] - TIP_COLUMN)
-    edge = np.concatenate([travelled(front, before)[:-1], travelled(rear, behind)])
-    # The spline passes inside the edge's control points: they lie farther out.
+    edge = np.concatenate([points_along(front, before)[:-1], points_along(rear, behind)])
+    # The spline passes inside the edge's control points, which lie farther out.
     out = (1.0 - 0.25 * WING_ROWS[-1]) / 0.75
     reach = np.concatenate([WING_ROWS, [out], WING_ROWS[::-1]])[:, None]
     half = np.empty((U, len(ridge), 3))
@@ -274,8 +262,8 @@ def _wing(plan: WingPlan, ridge: Array, top: Array, bottom: Array) -> Array:
     return half
 
 
-def travelled(points: Sequence[tuple[float, float]], share: Array) -> Array:
-    """Places (n, 2) on a smooth curve through `points`, at shares of its length."""
+def points_along(points: Sequence[tuple[float, float]], share: Array) -> Array:
+    """Points (n, 2) of a smooth curve through `points`, at fractions of its length."""
     corner = np.asarray(points)
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corner, axis=0).T))])
     way /= way[-1]
@@ -283,12 +271,12 @@ def travelled(points: Sequence[tuple[float, float]], share: Array) -> Array:
 
 
 def _fin(plan: FinPlan | None, ridge: Curve) -> Array:
-    """(24, 3): the row sunk in the body, then the free edge; without a fin all in one place."""
+    """(24, 3): the row sunk in the body, then the free edge; one point without a fin."""
     share = greville(FIN_V)
     if plan is None:
         return np.tile((0.5, 0.0, 0.0), (FIN_U * FIN_V, 1))
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
     rows = np.zeros((FIN_U, FIN_V, 3))
     rows[0, :, 0], rows[0, :, 1] = base, SUNK * along(ridge, base)
-    rows[1, :, :2] = travelled(plan.edge, share)
+    rows[1, :, :2] = points_along(plan.edge, share)
     return rows.reshape(-1, 3)

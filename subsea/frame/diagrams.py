@@ -36,7 +36,14 @@ from subsea.state import NOBODY
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, coverage
 from subsea.view.display_rigs import cockpit, views_for
-from subsea.view.retina import FishEyes, control_points_at, fish_eyes, retina_rig, retinal_views
+from subsea.view.retina import (
+    FishEyes,
+    bodies_at,
+    control_points_at,
+    fish_eyes,
+    retina_rig,
+    retinal_views,
+)
 from subsea.world.world import World
 
 Colour = tuple[float, float, float]  # sRGB as on the screen, 0 to 1
@@ -103,7 +110,6 @@ class DiagramBuilder:
     """Builds the diagrams of a world; remembers past positions for paths."""
 
     def __init__(self, world: World) -> None:
-        """Measure the recorded lengths of the springs."""
         self.world = world
         self._trail: deque[tuple[int, Array]] = deque(maxlen=KEPT)
         self._riders: dict[int, FishEyes] = {}
@@ -126,11 +132,7 @@ class DiagramBuilder:
             self._trail.append((tick, np.concatenate(places).astype(np.float32)))
 
     def draw(
-        self,
-        shown: Collection[str],
-        views: Sequence[View],
-        alpha: float,
-        chosen: int | None = None,
+        self, shown: Collection[str], views: Sequence[View], alpha: float, chosen: int | None = None
     ) -> Diagram:
         """Build the diagrams named in `shown`, `alpha` of the way from the last tick to this one.
 
@@ -197,14 +199,8 @@ class DiagramBuilder:
 
     def _frames(self, who: Ints, alpha: float) -> tuple[Array, Array]:
         """Origins (n, 3), cm, and axes (n, 3, 3), columns, of bodies, interpolated."""
-        fishes = self.world.state.fishes
-        before = fishes.previous_orientation[who].astype(np.float64)
-        after = fishes.orientation[who].astype(np.float64)
-        before *= np.where((before * after).sum(axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-        turn = (1.0 - alpha) * before + alpha * after
-        turn /= np.linalg.norm(turn, axis=1, keepdims=True)
-        place = fishes.previous_position[who].astype(np.float64)
-        return place + alpha * (fishes.position[who] - place), matrix(turn)
+        place, turn = bodies_at(self.world, who, alpha)
+        return place, matrix(turn)
 
     def _within(self, who: Ints, each: int) -> Array:
         """The lift of `each` lines within each of the bodies `who`."""
@@ -238,10 +234,7 @@ class DiagramBuilder:
             yield make_lines(ends, colours, self._within(who[k : k + 1], len(ends)))
 
     def _sensitivity(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """The box that `perception.collision` sweeps, for an infinitely thin obstacle.
-
-        It and the ray ahead are red while something is in them; a line leads to the threat.
-        """
+        """The box and ray of `perception.collision`, red while they are not free; the threat."""
         minds, fishes = self.world.state.minds, self.world.state.fishes
         place, axes = self._frames(who, alpha)
         for k, i in enumerate(who):

@@ -29,10 +29,7 @@ class PlacedLabel(NamedTuple):
 def place_labels(
     rig: CameraRig, views: Sequence[View], labels: Sequence[Label]
 ) -> list[PlacedLabel]:
-    """Place labels in the pictures of a rig that draws these `views`, the farthest first.
-
-    Only on flat patches; where two eyes share pixels, as the left eye sees them.
-    """
+    """Place labels on the flat patches of a rig that draws these `views`, the farthest first."""
     found = []
     for patch in rig.patches:
         view = next((one for one in views if one.viewport == patch.left), None)
@@ -47,10 +44,7 @@ def place_labels(
 
 
 def projected(view: View, labels: Sequence[Label]) -> list[tuple[float, float, float, str]]:
-    """Distance in cm, x and y, and text of the labels in view.
-
-    x and y are shares of the viewport, from its lower left corner.
-    """
+    """Distance in cm, x and y in shares of the viewport from its lower left, and text of labels."""
     if not labels:
         return []
     places = np.array([label.place for label in labels])

@@ -7,9 +7,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
@@ -128,7 +127,7 @@ class Packet:
     # that each view sees, None: all.
     leaves: Array = field(default_factory=lambda: np.zeros((0, LEAF_TEXELS, 4), np.float32))
     fine_leaves: int = 0
-    leaves_seen: NDArray[np.bool_] | None = None
+    leaves_seen: Bools | None = None
     # Indices of the plankton that each view sees; None: all.
     plankton_seen: tuple[Ints, ...] | None = None
     lines: Lines = NO_LINES  # of diagrams
@@ -282,7 +281,7 @@ def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[
 
 def _leaves_in_sight(
     world: World, views: Sequence[View], options: PackOptions
-) -> tuple[Ints, int, NDArray[np.bool_]]:
+) -> tuple[Ints, int, Bools]:
     """Leaves (k,) of clusters in sight, fine ones first; the number of fine ones.
 
     The last result says which of the leaves (v, k) each view sees.
@@ -343,13 +342,14 @@ def _skin_live(world: World, order: Ints) -> Array:
 def _write_instances(
     fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
 ) -> None:
-    # Element by element, because results of whole rows would be allocated.
+    # Element by element: results of whole rows would be allocated, and take seconds to compile.
     for k in range(len(order)):
         i, row = order[k], out[k]
-        row[POSITION] = centres[i]
         row[SCALE] = fishes.scale[i]
         before, after = fishes.previous_orientation[i], fishes.orientation[i]
-        turn, fins = row[ORIENTATION], row[FINS]
+        place, turn, fins = row[POSITION], row[ORIENTATION], row[FINS]
+        for axis in range(3):
+            place[axis] = centres[i, axis]
         dot, size = 0.0, 0.0
         for axis in range(4):
             dot += before[axis] * after[axis]

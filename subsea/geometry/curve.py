@@ -21,10 +21,7 @@ class Curve(NamedTuple):
 
 
 def curve_through(times: Array, places: Array, loop: bool = False) -> Curve:
-    """The spline through `places` (n, 3) at `times` (n,), at rest at both ends.
-
-    With `loop`, where the last place must be the first, it is smooth there too.
-    """
+    """The spline through `places` (n, 3) at `times` (n,), at rest at its ends or a `loop`."""
     n, h = len(times), np.diff(times)
     rise = np.diff(places, axis=0) / h[:, None]
     # Equal accelerations on both sides of each place give n linear equations for the velocities.

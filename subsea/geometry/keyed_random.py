@@ -8,7 +8,10 @@ from subsea.core.kernels import kernel
 
 @kernel
 def uniform(seed: int, fish: int, tick: int, purpose: int) -> float:
-    """A number in [0, 1) that depends only on the four keys (SplitMix64 finaliser)."""
+    """A number in [0, 1) that depends only on the four keys (SplitMix64 finaliser).
+
+    A constant `purpose` is an np.int64; numba would compile this again for each plain one.
+    """
     z = uint64(seed) * uint64(0x9E3779B97F4A7C15)
     for key in (fish, tick, purpose):
         z = (z ^ uint64(key)) + uint64(0x9E3779B97F4A7C15)

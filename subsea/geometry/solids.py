@@ -72,7 +72,7 @@ def far_from_rock(rock: Array, p: Vector, gap: float) -> bool:
     """
     x, y, z = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
     wide = max(rock[3], rock[4])
-    # With s the size of p in half axes, of which m is the shortest, the gap is ≥ m (s - 1).
+    # With s the size of p in half axes and m the shortest of these, the gap is ≥ m (s - 1).
     size = 1.0 + gap / min(rock[3], rock[4], rock[5])
     tall = rock[5] * rock[5]
     wide *= wide

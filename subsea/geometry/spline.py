@@ -25,18 +25,12 @@ class Table(NamedTuple):
 
 
 def basis_table(controls: int, samples: int, degree: int = DEGREE) -> Table:
-    """The basis of `controls` points at `samples` even parameters in [0, 1].
-
-    Coarser levels are subsets: see `decimated`.
-    """
+    """The basis of `controls` points at `samples` even parameters in [0, 1]."""
     return basis_at(controls, np.linspace(0.0, 1.0, samples), degree)
 
 
 def basis_at(controls: int, t: Array, degree: int = DEGREE) -> Table:
-    """The basis of `controls` points at parameters `t` (k,) in [0, 1], by Cox and de Boor.
-
-    Degree 2, or 1 with a third weight of zero.
-    """
+    """The basis of `controls` points at `t` (k,) in [0, 1]; in degree 1 a weight is 0."""
     if degree not in (1, 2) or controls < degree + 1:
         raise ValueError(f"no basis of degree {degree} on {controls} points")
     t = np.asarray(t, np.float64)
@@ -73,17 +67,18 @@ def greville(controls: int, degree: int = DEGREE) -> Array:
     return np.stack([knot[1 + k : 1 + k + controls] for k in range(degree)]).mean(axis=0)
 
 
-def through(points: Array, degree: int = DEGREE) -> Array:
+def through(points: Array) -> Array:
     """The control points (n, …) of the spline through `points` (n, …) at `greville`."""
     points = np.asarray(points, np.float64)
-    matrix = _at_greville(len(points), degree)
-    return np.linalg.solve(matrix, points.reshape(len(points), -1)).reshape(points.shape)
+    return np.linalg.solve(_at_greville(len(points)), points.reshape(len(points), -1)).reshape(
+        points.shape
+    )
 
 
 @cache
-def _at_greville(controls: int, degree: int) -> Array:
+def _at_greville(controls: int) -> Array:
     """The points at `greville` as a matrix (controls, controls) over the control points."""
-    return dense(basis_at(controls, greville(controls, degree), degree), controls)
+    return dense(basis_at(controls, greville(controls)), controls)
 
 
 def _knots(controls: int, degree: int) -> Array:

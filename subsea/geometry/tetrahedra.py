@@ -33,11 +33,7 @@ def _tetrahedra() -> Ints:
             (g[2], g[1], g[3], f[2]),
         ]
     a, b, c, d = rings[-1]
-    tetrahedra += [
-        (a, b, c, TAIL_UPPER),
-        (a, c, d, TAIL_UPPER),
-        (c, d, TAIL_UPPER, TAIL_LOWER),
-    ]
+    tetrahedra += [(a, b, c, TAIL_UPPER), (a, c, d, TAIL_UPPER), (c, d, TAIL_UPPER, TAIL_LOWER)]
     return np.array(tetrahedra)
 
 

@@ -21,6 +21,16 @@ def vector(row: Array) -> Vector:
 
 
 @kernel
+def store(row: Array, values: tuple[float, ...]) -> None:
+    """Write a vector or quaternion into a row.
+
+    `row[:] = values` would do, but takes numba three seconds to compile, and a copy at each call.
+    """
+    for k in range(len(values)):
+        row[k] = values[k]
+
+
+@kernel
 def plus(a: Vector, b: Vector) -> Vector:
     """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
@@ -47,11 +57,7 @@ def dot(a: Vector, b: Vector) -> float:
 @kernel
 def cross(a: Vector, b: Vector) -> Vector:
     """The vector product a × b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, Fishes, Sea
 
 BEAM_BL = 0.25  # share of a fish's length added to the hull's radius, so that they do not touch
@@ -34,7 +34,7 @@ def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
     """
     distance = norm(place)
     if distance > SPAN * radius or distance < 1e-6:
-        return (0.0, 0.0, 0.0)
+        return ZERO
     outward = unit(place)
     share = 0.5 * min(radius / distance, 1.0) ** 3
     along = times(3.0 * dot(velocity, outward), outward)

@@ -5,7 +5,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
-from subsea.geometry.vector import Vector, plus, times, vector
+from subsea.geometry.vector import ZERO, Vector, plus, store, times, vector
 from subsea.state import Fishes, Sea
 
 PERIOD_S = 14.0
@@ -32,7 +32,7 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
     if strength == 0.0:
         return flow
     reach = SPAN * SOURCE_CM
-    sent, total = (0.0, 0.0, 0.0), 0.0
+    sent, total = ZERO, 0.0
     for k in range(len(pillars)):
         x, y, radius, top = pillars[k]
         far = radius + reach
@@ -64,6 +64,5 @@ def set_drift(fishes: Fishes, sea: Sea, flow: Array) -> None:
     """Set `fishes.drift` to the velocity of the water at each fish."""
     uniform = vector(flow)
     for i in range(len(fishes.drift)):
-        here = flow_near(sea.pillars, sea.rocks, uniform, vector(fishes.position[i]))
-        for axis in range(3):
-            fishes.drift[i, axis] = here[axis]
+        here = vector(fishes.position[i])
+        store(fishes.drift[i], flow_near(sea.pillars, sea.rocks, uniform, here))

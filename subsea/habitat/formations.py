@@ -16,7 +16,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal, noise
 from subsea.geometry.solids import from_ellipsoid
-from subsea.geometry.vector import Vector, vector
+from subsea.geometry.vector import Vector, store, vector
 
 SHELL_CM, SHELL = 9.0, 0.13  # most room for growth, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise
@@ -35,11 +35,8 @@ def blocks_of(pillars: Array, rocks: Array) -> Array:
     rest[:, :6] = rocks[:, :6]
     rest[:, 6], rest[:, 7] = np.cos(rocks[:, 6]), np.sin(rocks[:, 6])
     least = out[:, 3:6].min(axis=1)
-    out[:, 8], out[:, 9] = (
-        np.minimum(SHELL * least, SHELL_CM),
-        np.minimum(RELIEF * least, RELIEF_CM),
-    )
-    out[:, 10] = BLEND * least
+    out[:, 8] = np.minimum(SHELL * least, SHELL_CM)
+    out[:, 9], out[:, 10] = np.minimum(RELIEF * least, RELIEF_CM), BLEND * least
     return out
 
 
@@ -76,7 +73,7 @@ def on_the_surface(blocks: Array, places: Array, steps: int) -> tuple[Array, Arr
             for axis in range(3):
                 place[i, axis] -= 0.9 * step * way[axis]
         p = vector(place[i])
-        normal[i, 0], normal[i, 1], normal[i, 2] = outward(few, p)[0]
+        store(normal[i], outward(few, p)[0])
         error[i] = abs(drawn_distance(few, p))
     return place, normal, error
 

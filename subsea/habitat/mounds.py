@@ -13,12 +13,12 @@ ROUGH = 0.22  # relief, low enough that no knob is above the summit
 LOBES = 0.12
 
 _WAVES, _SHIFTS, _BENDS = [], [], []
-for _dice in (np.random.default_rng([variant, 0x30D]) for variant in range(VARIANTS)):
-    _turn = _dice.uniform(0.0, 2 * np.pi, 10)
+for _rng in (np.random.default_rng([variant, 0x30D]) for variant in range(VARIANTS)):
+    _turn = _rng.uniform(0.0, 2 * np.pi, 10)
     _number = 2 * np.pi / np.repeat([0.9, 0.6], 5)
     _WAVES.append(_number * np.stack([np.cos(_turn), np.sin(_turn)]))
-    _SHIFTS.append(_dice.uniform(0.0, 2 * np.pi, 10))
-    _BENDS.append(_dice.uniform(0.0, 2 * np.pi, 2))
+    _SHIFTS.append(_rng.uniform(0.0, 2 * np.pi, 10))
+    _BENDS.append(_rng.uniform(0.0, 2 * np.pi, 2))
 _STRENGTH = np.repeat([1.0, 0.5], 5) / 3.2
 
 

@@ -6,7 +6,7 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
-from subsea.geometry.vector import Vector, plus, times, vector
+from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.habitat.clearance import is_free
 from subsea.habitat.current import flow_near
 from subsea.state import Clock, Sea
@@ -15,7 +15,10 @@ WANDER_CM_S = 4.0  # size of a speck's own random motion
 HOLD_TICKS = 45  # how long a speck keeps its random direction
 CLEARANCE_CM = 12.0  # from the seabed and from the surface
 RETURN_CM, RETURN_HEIGHT_CM = 200.0, 100.0  # range around its end in which a speck returns
-RETURN_PURPOSE = 110  # key of the random numbers
+# Keys of the random numbers.
+WANDER_X, WANDER_Y, WANDER_Z, RETURN_ANGLE, RETURN_SHARE, RETURN_DISTANCE = (
+    np.int64(key) for key in (100, 101, 102, 110, 111, 112)
+)
 TRIES = 100  # attempts before a speck is left in a solid
 NOTHING = np.zeros((0, 7))
 
@@ -59,26 +62,23 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
     """
     uniform_flow = vector(flow)
     for k in range(len(sea.plankton)):
-        speck = sea.plankton[k]
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
             if sea.absent[k] == 0.0:
                 entry = _return(sea, k, clock)
-                if (
-                    is_free(sea.pillars, sea.rocks, entry)
-                    and np.hypot(entry[0], entry[1]) < sea.radius
-                ):
-                    _put(speck, entry)
+                inside = np.hypot(entry[0], entry[1]) < sea.radius
+                if inside and is_free(sea.pillars, sea.rocks, entry):
+                    store(sea.plankton[k], entry)
                 else:
                     sea.absent[k] = clock.dt  # try again in the next tick
             continue
         epoch = (clock.tick + k) // HOLD_TICKS
         own = (
-            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 100) - 1.0),
-            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 101) - 1.0),
-            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, 102) - 1.0),
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_X) - 1.0),
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Y) - 1.0),
+            WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Z) - 1.0),
         )
-        here = vector(speck)
+        here = vector(sea.plankton[k])
         velocity = plus(flow_near(sea.pillars, sea.rocks, uniform_flow, here), own)
         x, y, z = plus(here, times(clock.dt, velocity))
         if x * x + y * y > sea.radius * sea.radius:
@@ -87,24 +87,18 @@ def drift(sea: Sea, flow: Array, clock: Clock) -> None:
         there = (x, y, min(max(z, floor), -CLEARANCE_CM))
         # A speck drawn into a solid by a mouth may leave it.
         if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):
-            _put(speck, there)
+            store(sea.plankton[k], there)
 
 
 @kernel
 def _return(sea: Sea, k: int, clock: Clock) -> Vector:
     """A place in the water near where speck k was eaten."""
-    angle = 2.0 * np.pi * uniform(clock.seed, k, clock.tick, RETURN_PURPOSE)
-    share = uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 1)
-    distance = RETURN_CM * np.sqrt(uniform(clock.seed, k, clock.tick, RETURN_PURPOSE + 2))
+    angle = 2.0 * np.pi * uniform(clock.seed, k, clock.tick, RETURN_ANGLE)
+    share = uniform(clock.seed, k, clock.tick, RETURN_SHARE)
+    distance = RETURN_CM * np.sqrt(uniform(clock.seed, k, clock.tick, RETURN_DISTANCE))
     x = sea.plankton[k, 0] + distance * np.cos(angle)
     y = sea.plankton[k, 1] + distance * np.sin(angle)
     floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
     low = max(sea.plankton[k, 2] - RETURN_HEIGHT_CM, floor)
     high = max(min(sea.plankton[k, 2] + RETURN_HEIGHT_CM, -CLEARANCE_CM), low)
     return x, y, min(low + share * (high - low), -CLEARANCE_CM)
-
-
-@kernel
-def _put(speck: Array, place: Vector) -> None:
-    for axis in range(3):
-        speck[axis] = place[axis]

@@ -7,6 +7,7 @@ import numpy as np
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.disk_cache import cached
 from subsea.core.kernels import kernel
+from subsea.geometry.vector import dot, minus, store, vector
 from subsea.habitat.clearance import clearances
 from subsea.habitat.mounds import HEIGHT, dome, variant_of
 from subsea.habitat.stone_samples import samples
@@ -80,19 +81,19 @@ def grow_reefs(scenario: Scenario, sea: Sea) -> tuple[Sea, Reef]:
     """All reefs of a scenario, and the sea whose floor lies over them."""
     # Without plankton, which differs with every seed and does not affect reefs.
     still = sea._replace(plankton=sea.plankton[:0], absent=sea.absent[:0])
-    floor, reef = cached(_grown, scenario.reef, scenario.water.current_cm_s, still)
+    floor, reef = cached(_grow, scenario.reef, scenario.water.current_cm_s, still)
     return sea._replace(floor=floor), reef
 
 
-def _grown(
+def _grow(
     tables: list[ReefTable], current_cm_s: tuple[float, float], sea: Sea
 ) -> tuple[Array, Reef]:
     """The reefs of these tables in a sea, and the floor over them."""
     rows: list[Array] = [np.zeros((0, COLUMNS))]
     spots = rock_spots(sea, np.random.default_rng(0x5707)) if tables else None
     for number, table in enumerate(tables):
-        dice = np.random.default_rng([table.seed, number, 0x4EEF])
-        rows.append(_settle(table, sea, spots, np.concatenate(rows), dice, current_cm_s))
+        rng = np.random.default_rng([table.seed, number, 0x4EEF])
+        rows.append(_lay_out(table, sea, spots, np.concatenate(rows), rng, current_cm_s))
     reef = _reef(np.concatenate(rows))
     return floor_over(sea, reef), reef
 
@@ -103,12 +104,12 @@ PLACE, NORMAL, AXIS, ON_ROCK, HUE, LIGHT = slice(4, 7), slice(7, 10), slice(10, 
 COLUMNS = 16
 
 
-def _settle(
+def _lay_out(
     table: ReefTable,
     sea: Sea,
     spots: GrowthSites | None,
     before: Array,
-    dice: np.random.Generator,
+    rng: np.random.Generator,
     current_cm_s: tuple[float, float],
 ) -> Array:
     """Growths (k, COLUMNS) of one table, largest first, that keep clear of those `before`."""
@@ -119,69 +120,69 @@ def _settle(
     weights = weights or dict.fromkeys(names, 1.0)
     share = np.array([weights.get(name, 0.0) for name in names])
     number = table.number * TRIES
-    mounds = _mounds(table, sea, spots, dice)
-    place, normal, limit, light, on_rock = _offered(table, sea, spots, mounds, number, dice)
+    mounds = _mounds(table, sea, spots, rng)
+    place, normal, limit, light, on_rock = _candidates(table, sea, spots, mounds, number, rng)
     stony = np.isfinite(limit)
     # Suitability of each place for each kind, patch by patch.
     suits = np.exp(-(((normal[:, 2:] - slope) / picky) ** 2)) * np.where(stony[:, None], rock, sand)
-    suits = suits * share * np.exp(2.0 * _patches(place, len(names), dice)) + 1e-12 * share
+    suits = suits * share * np.exp(2.0 * _patches(place, len(names), rng)) + 1e-12 * share
     cut = np.cumsum(suits, axis=1)
-    kind = (dice.uniform(0, 1, (number, 1)) * cut[:, -1:] > cut).sum(axis=1)
+    kind = (rng.uniform(0, 1, (number, 1)) * cut[:, -1:] > cut).sum(axis=1)
     kind = np.minimum(kind, len(names) - 1)
     # One vigour for all candidates of a growth: the largest choose first.
-    vigour = np.repeat(np.sort(dice.uniform(0, 1, table.number))[::-1] ** 2.4, TRIES)
+    vigour = np.repeat(np.sort(rng.uniform(0, 1, table.number))[::-1] ** 2.4, TRIES)
     radius = table.size * (least[kind] + vigour * (most - least)[kind])
     tall = height[kind]
     radius = np.minimum(radius, np.maximum(limit, 0.8 * least[kind]))
     radius = np.minimum(radius, (-ROOM_CM - place[:, 2]) / tall)
     tilt = lean[kind, None]
     axis = tilt * normal + (1.0 - tilt) * np.array([0.0, 0.0, 1.0])
-    axis += dice.normal(0.0, 0.07, axis.shape)
+    axis += rng.normal(0.0, 0.07, axis.shape)
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
     reach = foot[kind] * radius
-    sunk = np.minimum(_hollow(sea, mounds, place, axis, reach), DEEPEST * tall * radius)
+    sunk = np.minimum(_foot_gap(sea, mounds, place, axis, reach), DEEPEST * tall * radius)
     place[:, 2] -= np.where(on_rock, 0.0, sunk)
-    turn = dice.uniform(0, 2 * np.pi, number)
-    across = np.arctan2(*current_cm_s[::-1]) + np.pi / 2 + dice.normal(0, 0.5, number)
+    turn = rng.uniform(0, 2 * np.pi, number)
+    across = np.arctan2(*current_cm_s[::-1]) + np.pi / 2 + rng.normal(0, 0.5, number)
     turn = np.where(kind == names.index("fan"), across, turn)
-    hue = 0.9 * _patches(place, len(names), dice)[np.arange(number), kind]
-    hue = (hue + dice.normal(0.0, 0.06, number)) % 1.0
+    hue = 0.9 * _patches(place, len(names), rng)[np.arange(number), kind]
+    hue = (hue + rng.normal(0.0, 0.06, number)) % 1.0
     rows = np.column_stack(
-        [kind, radius, turn, dice.uniform(0, 1, number), place, normal, axis, on_rock, hue, light]
+        [kind, radius, turn, rng.uniform(0, 1, number), place, normal, axis, on_rock, hue, light]
     )
     fits = (radius > 0.6 * least[kind] * min(table.size, 1.0)) & np.isfinite(place).all(axis=1)
     before = before[before[:, KIND] != MOUND]
-    grown = _apart(rows.reshape(table.number, TRIES, COLUMNS), fits.reshape(-1, TRIES), before)
+    grown = _spaced(rows.reshape(table.number, TRIES, COLUMNS), fits.reshape(-1, TRIES), before)
     return np.concatenate([mounds, grown])
 
 
 def _mounds(
-    table: ReefTable, sea: Sea, spots: GrowthSites | None, dice: np.random.Generator
+    table: ReefTable, sea: Sea, spots: GrowthSites | None, rng: np.random.Generator
 ) -> Array:
     """Rows (m, COLUMNS) of the mounds on the sand around which a table's growths stand."""
     bare = 1.0 if spots is None or not len(spots.place) else 1.0 - table.rock
     m = int(np.ceil(bare * table.number / HEAP))
     if table.position_cm is None:
-        turn, out = dice.uniform(0, 2 * np.pi, m), np.sqrt(dice.uniform(0, 1, m))
+        turn, out = rng.uniform(0, 2 * np.pi, m), np.sqrt(rng.uniform(0, 1, m))
         flat = 0.92 * sea.radius * out[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     else:
-        flat = np.array(table.position_cm) + 0.45 * table.spread_cm * dice.normal(size=(m, 2))
+        flat = np.array(table.position_cm) + 0.45 * table.spread_cm * rng.normal(size=(m, 2))
     rows = np.zeros((m, COLUMNS))
     least, most = KINDS["mound"].radius_cm
-    rows[:, KIND], rows[:, HUE] = MOUND, dice.uniform(0, 1, m)
-    rows[:, RADIUS] = table.size * (least + (most - least) * dice.uniform(0, 1, m) ** 1.5)
-    rows[:, TURN], rows[:, OWN] = dice.uniform(0, 2 * np.pi, m), dice.uniform(0, 1, m)
+    rows[:, KIND], rows[:, HUE] = MOUND, rng.uniform(0, 1, m)
+    rows[:, RADIUS] = table.size * (least + (most - least) * rng.uniform(0, 1, m) ** 1.5)
+    rows[:, TURN], rows[:, OWN] = rng.uniform(0, 2 * np.pi, m), rng.uniform(0, 1, m)
     rows[:, PLACE] = np.column_stack([flat, heights_at(sea.heights, sea.half_width, flat)])
     rows[:, NORMAL] = rows[:, AXIS] = 0.0, 0.0, 1.0
     wide = rows[:, RADIUS]
-    hollow = _hollow(sea, rows[:0], rows[:, PLACE], rows[:, AXIS], KINDS["mound"].foot * wide)
+    hollow = _foot_gap(sea, rows[:0], rows[:, PLACE], rows[:, AXIS], KINDS["mound"].foot * wide)
     rows[:, PLACE.start + 2] -= np.maximum(hollow - SKIRT * wide, 0.0)
     rows[:, LIGHT] = 1.0
     free = clearances(sea.pillars, sea.rocks, rows[:, PLACE]) > 0.0
     return rows[free & (np.hypot(*flat.T) < 0.9 * sea.radius)]
 
 
-def _apart(offers: Array, fits: Bools, before: Array) -> Array:
+def _spaced(offers: Array, fits: Bools, before: Array) -> Array:
     """The first free one of the candidates (k, tries, COLUMNS) of each growth."""
     room = np.column_stack([before[:, PLACE], before[:, RADIUS]])
     taken = np.concatenate([room, np.zeros((len(fits), 4))])
@@ -203,40 +204,36 @@ def _first_free(place: Array, radius: Array, fits: Bools, taken: Array, count: i
             for j in range(count):
                 if not free:
                     break
-                x, y, z = (
-                    place[k, i, 0] - taken[j, 0], place[k, i, 1] - taken[j, 1],
-                    place[k, i, 2] - taken[j, 2],
-                )  # fmt: skip
+                away = minus(vector(place[k, i]), vector(taken[j]))
                 room = PACKED * (radius[k, i] + taken[j, 3])
-                free = x * x + y * y + z * z >= room * room
+                free = dot(away, away) >= room * room
             if free:
                 choice[k] = i
-                for axis in range(3):
-                    taken[count, axis] = place[k, i, axis]
+                store(taken[count], vector(place[k, i]))
                 taken[count, 3] = radius[k, i]
                 count += 1
                 break
     return choice
 
 
-def _offered(
+def _candidates(
     table: ReefTable,
     sea: Sea,
     spots: GrowthSites | None,
     mounds: Array,
     number: int,
-    dice: np.random.Generator,
+    rng: np.random.Generator,
 ) -> GrowthSites:
     """Candidate places for a table's growths: around its mounds, and on rocks nearby."""
-    sand = _about(table, sea, mounds, number, dice)
+    sand = _sand_sites(table, sea, mounds, number, rng)
     if spots is not None and len(spots.place):
         near = np.ones(len(spots.place))
         if table.position_cm is not None:
             away = ((spots.place[:, :2] - table.position_cm) ** 2).sum(axis=1)
             near = np.exp(-2.0 * away / table.spread_cm**2)
         if near.sum() > 1e-3:
-            pick = dice.choice(len(near), number, p=near / near.sum())
-            rock = dice.uniform(0, 1, number) < table.rock
+            pick = rng.choice(len(near), number, p=near / near.sum())
+            rock = rng.uniform(0, 1, number) < table.rock
             for mine, theirs in zip(sand, spots, strict=True):
                 mine[rock] = theirs[pick[rock]]
     inside = np.hypot(sand.place[:, 0], sand.place[:, 1]) < 0.95 * sea.radius
@@ -245,17 +242,17 @@ def _offered(
     return sand
 
 
-def _about(
-    table: ReefTable, sea: Sea, mounds: Array, number: int, dice: np.random.Generator
+def _sand_sites(
+    table: ReefTable, sea: Sea, mounds: Array, number: int, rng: np.random.Generator
 ) -> GrowthSites:
     """Places on and around mounds, or on the sand without mounds."""
     here, spread = np.array(table.position_cm or (0.0, 0.0)), table.spread_cm
-    flat = here + 0.5 * spread * dice.normal(size=(number, 2))
+    flat = here + 0.5 * spread * rng.normal(size=(number, 2))
     if len(mounds):
-        heap = mounds[dice.integers(0, len(mounds), number)]
-        on, away = dice.uniform(0, 1, number) < ON_MOUND, np.abs(dice.normal(size=number))
-        out = np.where(on, STEEP * np.sqrt(dice.uniform(0, 1, number)), 1.05 + 0.6 * away)
-        turn = dice.uniform(0, 2 * np.pi, number)
+        heap = mounds[rng.integers(0, len(mounds), number)]
+        on, away = rng.uniform(0, 1, number) < ON_MOUND, np.abs(rng.normal(size=number))
+        out = np.where(on, STEEP * np.sqrt(rng.uniform(0, 1, number)), 1.05 + 0.6 * away)
+        turn = rng.uniform(0, 2 * np.pi, number)
         off = (heap[:, RADIUS] * out)[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         flat = heap[:, PLACE][:, :2] + off
     height, under = _ground(sea, mounds, flat)
@@ -286,7 +283,7 @@ def _ground(sea: Sea, mounds: Array, flat: Array) -> tuple[Array, Ints]:
     return height, under
 
 
-def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) -> Array:
+def _foot_gap(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) -> Array:
     """Greatest depth (n,) of the ground below the rims of feet of radius `reach`, cm."""
     east = np.cross([0.0, 1.0, 0.0], axis)
     east /= np.linalg.norm(east, axis=1, keepdims=True)
@@ -299,9 +296,9 @@ def _hollow(sea: Sea, mounds: Array, place: Array, axis: Array, reach: Array) ->
     return deepest
 
 
-def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
+def rock_spots(sea: Sea, rng: np.random.Generator) -> GrowthSites:
     """Places all over rocks and pillars."""
-    found = samples(sea.pillars, sea.rocks, SPOTS_M2, dice)
+    found = samples(sea.pillars, sea.rocks, SPOTS_M2, rng)
     place, normal = found.place, found.normal
     fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
     fit &= place[:, 2] > heights_at(sea.heights, sea.half_width, place[:, :2]) + FOOT_CM
@@ -311,21 +308,20 @@ def rock_spots(sea: Sea, dice: np.random.Generator) -> GrowthSites:
     nearest, limit = np.full(len(place), np.inf), np.zeros(len(place))
     for k, size in enumerate(sizes):
         p = len(sea.pillars)
-        gap = clearances(
-            sea.pillars[k : k + 1], sea.rocks[max(k - p, 0) : max(k - p + 1, 0)], place
-        )
+        rock = sea.rocks[max(k - p, 0) : max(k - p + 1, 0)]
+        gap = clearances(sea.pillars[k : k + 1], rock, place)
         limit = np.where(gap < nearest, 0.5 * size + 5.0, limit)
         nearest = np.minimum(nearest, gap)
     return GrowthSites(place, normal, limit, light, np.ones(len(place), np.bool_))
 
 
-def _patches(place: Array, kinds: int, dice: np.random.Generator) -> Array:
+def _patches(place: Array, kinds: int, rng: np.random.Generator) -> Array:
     """Smooth noise (n, kinds) around 0 that says where each kind thrives."""
     at = np.nan_to_num(place)
     out = np.zeros((len(place), kinds))
     for _ in range(4):
-        wave = dice.normal(0.0, 2 * np.pi / PATCH_CM / 1.7, (3, kinds))
-        out += 0.5 * np.sin(at @ wave + dice.uniform(0, 2 * np.pi, kinds))
+        wave = rng.normal(0.0, 2 * np.pi / PATCH_CM / 1.7, (3, kinds))
+        out += 0.5 * np.sin(at @ wave + rng.uniform(0, 2 * np.pi, kinds))
     return out
 
 

@@ -24,7 +24,7 @@ def pillar_rows(scenario: Scenario, floor: Floor) -> NDArray[np.float64]:
 def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     """All that surrounds the fishes at tick 0; pillars and rocks stand on the seabed."""
     heights, width = make_terrain(scenario), half_width(scenario)
-    radius, water = scenario.bounds.radius_cm, scenario.water
+    bounds, water = scenario.bounds, scenario.water
 
     def floor(x: float, y: float) -> float:
         return float(height_at(heights, width, x, y))
@@ -33,23 +33,20 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
     rocks, _ = rock_rows(scenario, floor)
     heights = cached(drifted, heights, width, pillars, rocks, water.current_cm_s)
     lowered = any(one.hook == "down" for one in scenario.direction)
+    specks = plankton.scatter(rng, water.plankton, bounds.radius_cm, heights, width, pillars, rocks)
     return empty(
         Sea,
         given={
             "heights": heights,
             "floor": heights,
             "half_width": width,
-            "radius": radius,
+            "radius": bounds.radius_cm,
             "pillars": pillars,
             "rocks": rocks,
-            "climate": np.array(
-                [*water.temperature_c, scenario.bounds.depth_cm, water.light_depth_cm]
-            ),
-            "plankton": plankton.scatter(
-                rng, water.plankton, radius, heights, width, pillars, rocks
-            ),
+            "climate": np.array([*water.temperature_c, bounds.depth_cm, water.light_depth_cm]),
+            "plankton": specks,
             "tackle": hook.hook_constants(scenario.hook, lowered),
-            "crest": crest(heights, width, radius),
+            "crest": crest(heights, width, bounds.radius_cm),
         },
         p=water.plankton,
         c=0,

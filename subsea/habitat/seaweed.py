@@ -112,7 +112,8 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
     _settle(seaweed, sea)
-    seaweed.previous[:] = seaweed.node
+    for at in np.ndindex(seaweed.node.shape):  # a copy of arrays would take seconds to compile
+        seaweed.previous[at] = seaweed.node[at]
     return sea.seaweed, seaweed
 
 
@@ -179,21 +180,19 @@ def step_seaweed(
     clusters = len(seaweed.first) - 1
     if clusters == 0:
         return
-    seaweed.previous[:] = seaweed.node
+    for at in np.ndindex(seaweed.node.shape):  # a copy of arrays would take seconds to compile
+        seaweed.previous[at] = seaweed.node[at]
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
     water = np.empty((NODES, 3))
     for k in range(clusters):
         box = sea.seaweed[k]
-        middle = (
-            0.5 * float(box[0] + box[3]), 0.5 * float(box[1] + box[4]),
-            0.5 * float(box[2] + box[5]),
-        )  # fmt: skip
+        middle = times(0.5, plus(vector(box[:3]), vector(box[3:])))
         away = norm(minus(middle, hull))
         if away > visibility:
             continue
-        size = 0.5 * norm((float(box[3] - box[0]), float(box[4] - box[1]), float(box[5] - box[2])))
+        size = 0.5 * norm(minus(vector(box[3:]), vector(box[:3])))
         by_hull = away < size + 4.0 * HULL_CM
         here = flow_near(sea.pillars, sea.rocks, uniform, middle)
         for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
@@ -217,7 +216,7 @@ def step_seaweed(
                 if speed > TORRENT_CM_S:
                     v = times(TORRENT_CM_S / speed, v)
                 water[i, 0], water[i, 1], water[i, 2] = v
-            _swing_leaf(seaweed, leaf, water, clock.dt)
+            _swing_leaf(seaweed, np.int64(leaf), water, clock.dt)
         _enclose(seaweed, sea, k)
 
 

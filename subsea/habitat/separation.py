@@ -57,31 +57,37 @@ def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
         away = max(math.sqrt(middle[0] * middle[0] + middle[1] * middle[1]), 1e-6)
         if away > sea.radius - RIM_CM:
             inward = (-middle[0] / away, -middle[1] / away, 0.0)
-            _give_way(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
-        ahead = x_axis(fishes.orientation[i])
-        snout = float(fishes.snout[i])
+            _push(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
         for k in range(len(sea.pillars)):
-            way, gap = from_pillar(sea.pillars[k], middle)
-            if gap < STONE_CM + length:
-                for half in range(3):  # snout, middle and tail
-                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
-                    other, near = from_pillar(sea.pillars[k], place)
-                    if near < gap:
-                        way, gap = other, near
-                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
+            if from_pillar(sea.pillars[k], middle)[1] < STONE_CM + length:
+                _keep_off(fishes, i, sea.pillars[k])
         for k in range(len(sea.rocks)):
             if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
-                way, gap = from_rock(sea.rocks[k], middle)
-                for half in range(3):  # snout, middle and tail
-                    place = plus(middle, times(snout - 0.5 * half * length, ahead))
-                    other, near = from_rock(sea.rocks[k], place)
-                    if near < gap:
-                        way, gap = other, near
-                _give_way(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
+                _keep_off(fishes, i, sea.rocks[k])
 
 
 @kernel
-def _give_way(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
+def _keep_off(fishes: Fishes, i: int, solid: Array) -> None:
+    """Push fish i, by its nearest part, away from a pillar (4,) or a rock (7,)."""
+    middle, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
+    snout, length = float(fishes.snout[i]), float(fishes.length[i])
+    way, gap = _from_solid(solid, middle)
+    for half in range(3):
+        place = plus(middle, times(snout - 0.5 * half * length, ahead))
+        other, near = _from_solid(solid, place)
+        if near < gap:
+            way, gap = other, near
+    _push(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
+
+
+@kernel
+def _from_solid(solid: Array, p: Vector) -> tuple[Vector, float]:
+    """Outward direction at p and distance from a pillar (4,) or a rock (7,)."""
+    return from_pillar(solid, p) if len(solid) == 4 else from_rock(solid, p)
+
+
+@kernel
+def _push(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
     """Add a drift along `way`, `gap` cm from a solid: `rate` cm/s per cm within `reach`."""
     if gap < reach:
         speed = rate * (reach - gap)
@@ -94,8 +100,7 @@ def _between(
     position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
 ) -> Vector:
     """From the nearest point of the straight centre line of j to that of i, cm."""
-    a = x_axis(orientation[i])
-    b = x_axis(orientation[j])
+    a, b = x_axis(orientation[i]), x_axis(orientation[j])
     half_a, half_b = 0.5 * float(length[i]), 0.5 * float(length[j])
     middle_a = plus(vector(position[i]), times(float(snout[i]) - half_a, a))
     middle_b = plus(vector(position[j]), times(float(snout[j]) - half_b, b))

@@ -1,4 +1,4 @@
-"""Places on the drawn stone, even over its surface: where corals settle."""
+"""Sites for corals, distributed evenly over the drawn stone."""
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
@@ -31,28 +31,24 @@ def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generato
     found = formations(pillars, rocks)
     if not found:
         return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    strewn = [_strewn(blocks, per_m2, rng) for blocks in found]
+    strewn = [_scattered(blocks, per_m2, rng) for blocks in found]
     with ThreadPoolExecutor() as pool:  # kernels release the GIL
         given = ([part.tobytes() for part in parts] for parts in (found, strewn))
-        all_of = list(pool.map(_settled, *given))
+        all_of = list(pool.map(_on_stone, *given))
     which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
     joined = [*(np.concatenate(part) for part in zip(*all_of, strict=True)), which]
     order = rng.permutation(len(joined[0]))
     return Samples(*(part[order] for part in joined))
 
 
-def _strewn(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
+def _scattered(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
     """Places (n, 3) near the surface of a formation."""
-    return np.concatenate(
-        [
-            _on_pillar(block, per_m2, rng) if np.isinf(block[5]) else _on_rock(block, per_m2, rng)
-            for block in blocks
-        ]
-    )
+    each = ((_on_pillar if np.isinf(block[5]) else _on_rock, block) for block in blocks)
+    return np.concatenate([on_block(block, per_m2, rng) for on_block, block in each])
 
 
 @lru_cache(maxsize=32)
-def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
+def _on_stone(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
     """Place, normal and openness of places (n, 3) moved onto a formation of blocks (k, 11).
 
     Cached, as moving one formation leaves the others as they are.
@@ -60,8 +56,7 @@ def _settled(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
     stone = np.frombuffer(blocks).reshape(-1, 11).copy()
     strewn = np.frombuffer(places).reshape(-1, 3).copy()
     place, normal, error = on_the_surface(stone, strewn, 4)
-    kept = error < 2.0
-    place, normal = place[kept], normal[kept]
+    place, normal = place[error < 2.0], normal[error < 2.0]
     return place, normal, openness(shade_of(stone), place, normal)
 
 
@@ -70,9 +65,10 @@ def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
     half = block[3:6] - block[8] - 0.4 * block[9]
     # Points of a stretched sphere crowd where it is stretched least.
     number = per_m2 / 1e4 * 4 * np.pi * half.prod() / half.min()
-    unit = _unit(rng.normal(size=(int(np.ceil(number)), 3)))
-    kept = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
-    x, y, z = (unit[kept] * half).T
+    unit = rng.normal(size=(int(np.ceil(number)), 3))
+    unit /= np.maximum(np.linalg.norm(unit, axis=1, keepdims=True), 1e-12)
+    chosen = rng.uniform(size=len(unit)) < np.linalg.norm(unit / half, axis=1) * half.min()
+    x, y, z = (unit[chosen] * half).T
     c, s = block[6:8]
     return np.asarray(block[:3] + np.stack([c * x - s * y, s * x + c * y, z], axis=1))
 
@@ -84,11 +80,5 @@ def _on_pillar(block: Array, per_m2: float, rng: np.random.Generator) -> Array:
     turn, low = rng.uniform((0.0, -0.5 * radius), (2 * np.pi, STEM_CM), (int(number) + 1, 2)).T
     # Points above the top are put on it.
     away = np.where(low < 0.0, radius * np.sqrt(np.maximum(-2.0 * low / radius, 0.0)), radius)
-    return np.asarray(
-        block[:3]
-        + np.stack([away * np.cos(turn), away * np.sin(turn), -np.maximum(low, 0.0)], axis=1)
-    )
-
-
-def _unit(rows: Array) -> Array:
-    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
+    x, y, z = away * np.cos(turn), away * np.sin(turn), -np.maximum(low, 0.0)
+    return np.asarray(block[:3] + np.stack([x, y, z], axis=1))

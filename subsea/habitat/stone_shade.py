@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import Vector, vector
+from subsea.geometry.vector import Vector, dot, plus, times, vector
 from subsea.habitat.formations import rough_distance
 
 SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
@@ -65,11 +65,8 @@ def shade_distance(shade: Shade, p: Vector) -> float:
     x = (p[0] - shade.corner[0]) / shade.cell
     y = (p[1] - shade.corner[1]) / shade.cell
     z = (p[2] - shade.corner[2]) / shade.cell
-    u, v, w = (
-        min(max(x, 0.0), nx - 1.001),
-        min(max(y, 0.0), ny - 1.001),
-        min(max(z, 0.0), nz - 1.001),
-    )
+    u, v = min(max(x, 0.0), nx - 1.001), min(max(y, 0.0), ny - 1.001)
+    w = min(max(z, 0.0), nz - 1.001)
     i, j, k = int(u), int(v), int(w)
     outside = math.sqrt((x - u) ** 2 + (y - v) ** 2 + (z - w) ** 2) * shade.cell
     u, v, w = u - i, v - j, w - k
@@ -89,14 +86,14 @@ def openness(shade: Shade, places: Array, normals: Array) -> Array:
     out = np.empty(len(places))
     for i in range(len(places)):
         n = vector(normals[i])
-        p = (places[i, 0] + 2.0 * n[0], places[i, 1] + 2.0 * n[1], places[i, 2] + 2.0 * n[2])
+        p = plus(vector(places[i]), times(2.0, n))
         if shade_distance(shade, p) > shade.reach:
             out[i] = 1.0
             continue
         light = 0.0
         for k in range(len(SKY)):
-            facing = 0.5 + 0.5 * (n[0] * SKY[k, 0] + n[1] * SKY[k, 1] + n[2] * SKY[k, 2])
-            light += min(2.0 * facing, 1.0) * passes(shade, p, vector(SKY[k]), 0.5)
+            sky = vector(SKY[k])
+            light += min(2.0 * (0.5 + 0.5 * dot(n, sky)), 1.0) * passes(shade, p, sky, 0.5)
         out[i] = light / len(SKY)
     return out
 
@@ -106,8 +103,7 @@ def passes(shade: Shade, p: Vector, way: Vector, wide: float) -> float:
     """Share of a cone of light, `wide` times as wide as long, that reaches p."""
     left, along = 1.0, 7.0
     for _ in range(7):
-        at = (p[0] + along * way[0], p[1] + along * way[1], p[2] + along * way[2])
-        gap = shade_distance(shade, at) + 6.0
+        gap = shade_distance(shade, plus(p, times(along, way))) + 6.0
         left = min(left, 0.2 + gap / (wide * along + 3.0))
         if left <= 0.0:
             return 0.0

@@ -1,7 +1,7 @@
 """`subsea film --eyes`: labelled frames of a fish's view, for vision research (Tu §6.7).
 
 For each frame and each eye a folder gets the picture, an identity map, the same in colours, and a
-depth map; `camera.json` describes the camera. docs/fish-view.md explains all of them.
+depth map; `camera.json` describes the camera. docs/how-to/fish-frames.md explains all of them.
 """
 
 import json
@@ -21,6 +21,7 @@ from subsea.core.atomic_io import replacing
 from subsea.core.console import count_noun, say
 from subsea.core.durations import describe_durations
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.core.progress import progress
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.retina_images import (
@@ -46,8 +47,9 @@ from subsea.scenario.load import load_scenario
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.levels import empty_lod_state
-from subsea.view.retina import FishEyes, Gaze, body_at, fish_eyes, retina_rig, retinal_views
+from subsea.view.retina import FishEyes, Gaze, bodies_at, fish_eyes, retina_rig, retinal_views
 from subsea.view.rig import CameraRig
+from subsea.world.populate import with_total
 from subsea.world.world import World
 
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
@@ -71,6 +73,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     if kind_of(out) != "folder":
         raise UserError("labelled frames need the name of a folder", file=out)
     scenario, source = load_scenario(options.scenario, options.changes)
+    scenario = with_total(scenario, options.fish)
     fish = find_fish(options.eyes, scenario)
     check_tour(scenario, options.tour)
     seconds = film_length_s(scenario, source, options)
@@ -86,7 +89,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     frames: list[dict[str, Any]] = []
     with ExitStack() as stack:
         context = stack.enter_context(headless())
-        world = start_world(options.scenario, options.seed, changes=options.changes)
+        world = start_world(options.scenario, options.seed, options.fish, changes=options.changes)
         steer = tour_steering(world, options.tour)
         by = fish_eyes(world, fish)
         rig = retina_rig(options.size, by.half_cm, gaze, field_deg)
@@ -201,7 +204,7 @@ def describe_frame(
 ) -> dict[str, Any]:
     """The camera file's entry of a frame; mental states are those of the current tick."""
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish
-    place, turn = body_at(world, i, alpha)
+    place, turn = bodies_at(world, i, alpha)
     return {
         "frame": frame,
         "time_s": instant,
@@ -251,9 +254,9 @@ def _write_camera(path: Path, about: dict[str, Any]) -> None:
 def _frames_in(path: Path, manifest: dict[str, Any]) -> int:
     """Number of frames of a film in a camera file; 0 without one."""
     try:
-        about = json.loads(path.read_text(encoding="utf-8"))
+        about = json.loads(read_input(path))
         return len(about["frames"]) if about["film"] == manifest else 0
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (UserError, ValueError, KeyError, TypeError, RecursionError):
         return 0
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.core import interrupts
+from subsea.core.arrays import Bytes
 from subsea.core.console import count_noun, say
 from subsea.core.durations import describe_durations
 from subsea.core.progress import progress
@@ -24,6 +24,7 @@ from subsea.media.frame_writers import (
     check_output,
     fitted_size,
     frame_rate,
+    kind_of,
     open_writers,
     output_names,
 )
@@ -36,6 +37,7 @@ from subsea.view.display_rigs import cockpit
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import CameraPose, views
+from subsea.world.populate import with_total
 
 LABEL_HEIGHT, MIN_LABEL_PX = 0.022, 9.0  # height of labels: share of the picture's, and at least
 
@@ -52,14 +54,16 @@ def film(options: TourFilmOptions) -> int:
     """
     out, show = options.out, options.show
     scenario, source = load_scenario(options.scenario, options.changes)
+    scenario = with_total(scenario, options.fish)
     check_tour(scenario, options.tour)
     fish = None if options.follow is None else find_fish(options.follow, scenario)
     seconds = film_length_s(scenario, source, options)
-    kind = check_output(out)
+    kind = kind_of(out)
     size = fitted_size(kind, options.size)
     rig, windows = chosen_rig(
         options.display, size, options.stereo, options.surround, options.theatre, options.shrink
     )
+    check_output(out, windows, options.force)
     sizes = {n: fitted_size(kind, shown) for n, shown in zip(windows, rig.outputs, strict=True)}
     names = output_names(out, windows)
     rate = frame_rate(options.fps)
@@ -81,7 +85,9 @@ def film(options: TourFilmOptions) -> int:
     try:
         with ExitStack() as stack:
             context = stack.enter_context(headless())
-            world = start_world(options.scenario, options.seed, changes=options.changes)
+            world = start_world(
+                options.scenario, options.seed, options.fish, changes=options.changes
+            )
             steer = tour_steering(world, options.tour)
             check = stack.enter_context(interrupts.deferred_interrupts())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))
@@ -136,9 +142,7 @@ def film(options: TourFilmOptions) -> int:
     return 0
 
 
-def lettered(
-    picture: NDArray[np.uint8], labels: Sequence[PlacedLabel], output: int
-) -> NDArray[np.uint8]:
+def lettered(picture: Bytes, labels: Sequence[PlacedLabel], output: int) -> Bytes:
     """Draw the labels of an `output` on its picture (h, w, 3)."""
     if not any(label.output == output for label in labels):
         return picture

@@ -18,12 +18,14 @@ class FilmOptions:
     scenario: str = "peaceful"
     changes: Sequence[str] = ()  # to the scenario, as in --set
     seed: int | None = None  # None: the scenario's
+    fish: int | None = None  # total number; None: the scenario's
     tour: str = AUTOPILOT  # one of the scenario's, "auto" or "directed"
     start: float = 0.0  # s of the dive before the first frame
     seconds: float | None = None  # None: to the end of the tour
     fps: float = 30.0
     size: tuple[int, int] = (1280, 720)  # of one picture, pixels
     quality: str = "high"  # the name of a preset
+    force: bool = False  # replace a file of another kind
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.atomic_io import check_file, check_folder, is_folder, replacing
+from subsea.core.atomic_io import check_folder, is_folder, replacing
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import FILM, PICTURE, check_results
 from subsea.media.video_metadata import NO_METADATA, VideoMetadata, insert_boxes
 
 # (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits.
@@ -35,11 +36,17 @@ def kind_of(out: Path) -> str:
     return kind
 
 
-def check_output(out: Path) -> str:
-    """Return the kind of `out`; a UserError if it cannot be written."""
+def check_output(out: Path, windows: Iterable[str] = ("",), force: bool = False) -> None:
+    """Raise a UserError if the output of a window cannot be written or would replace another kind.
+
+    With `force` a file of any kind may be replaced.
+    """
     kind = kind_of(out)
-    (check_folder if kind == "folder" else check_file)(out)
-    return kind
+    if kind == "folder":
+        check_folder(out)
+    else:
+        files = [window_path(out, window) for window in windows]
+        check_results(files, FILM if kind == "film" else PICTURE, force)
 
 
 def frame_rate(fps: float) -> Fraction:
@@ -99,7 +106,7 @@ def open_writers(
 def _open_writer(
     out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata
 ) -> AbstractContextManager[Write]:
-    kind = check_output(out)
+    kind = kind_of(out)
     if kind == "film":
         return film_writer(out, size, rate, metadata)
     if kind == "picture":

@@ -8,12 +8,13 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from subsea import __version__
 from subsea.core.atomic_io import check_folder, replacing
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.media.film_options import FilmOptions
 from subsea.media.frame_writers import frame_file, window_path
 
@@ -22,16 +23,13 @@ PICTURES = "frame_*.png"
 
 
 # Options that are not compared as such: sources, and groups whose fields are given one by one.
-NOT_COMPARED = ("out", "scenario", "changes", "stereo", "surround")
+NOT_COMPARED = ("out", "force", "scenario", "changes", "stereo", "surround")
 
 
 def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:
-    """All data that determine a film's pictures, as JSON: options, scenario and version.
-
-    `scenario` is its file; `resolved` values replace options and add to them.
-    """
+    """A film's options, scenario file and version as JSON; `resolved` values replace and add."""
     found: dict[str, Any] = {
-        "version": version("subsea"),
+        "version": __version__,
         "scenario": scenario.name,
         "sha256": sha256(scenario.read_bytes()).hexdigest(),
     }
@@ -74,8 +72,8 @@ def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
         raise UserError("holds numbered pictures of unknown origin, name another folder", file=out)
     elsewhere = f"name another folder, or remove {out}"
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as fault:
+        found = json.loads(read_input(path))
+    except (UserError, ValueError, RecursionError) as fault:
         raise UserError(
             f"damaged, cannot tell which film the pictures belong to; {elsewhere}", file=path
         ) from fault

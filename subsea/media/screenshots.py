@@ -6,15 +6,14 @@ from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
 
-import numpy as np
 import platformdirs
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Bytes
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
 from subsea.media.frame_writers import Write, film_writer, fitted_size, write_png
 
-Pixels = NDArray[np.uint8]  # (height, width, 3), top row first
+Pixels = Bytes  # (height, width, 3), top row first
 
 FPS = 30
 MAX_GAP_S = 3.0  # a longer gap between two pictures is cut
@@ -29,10 +28,7 @@ class ScreenCapture:
     """Writes pictures and films, and reports their names. A failing disk never ends the dive."""
 
     def __init__(
-        self,
-        folder: Path,
-        tell: Callable[[str], None],
-        now: Callable[[], datetime] = datetime.now,
+        self, folder: Path, tell: Callable[[str], None], now: Callable[[], datetime] = datetime.now
     ) -> None:
         """Write into `folder`, created when first needed; `tell` shows a line."""
         self._folder, self._tell, self._now = folder, tell, now
@@ -45,8 +41,13 @@ class ScreenCapture:
 
     @property
     def filming(self) -> bool:
-        """Whether a film is recorded: then `frame` needs every picture."""
+        """True while a film is recorded: then `frame` needs every picture."""
         return self._film is not None
+
+    @property
+    def seconds(self) -> float:
+        """Length of the film so far."""
+        return self._seconds
 
     def picture(self, pixels: Pixels) -> None:
         """Write a picture of the current screen."""
@@ -79,10 +80,7 @@ class ScreenCapture:
         self._tell(f"filming: {self._path}")
 
     def frame(self, pixels: Pixels, elapsed_s: float) -> None:
-        """Add the pixels on the screen, shown `elapsed_s` after the last ones.
-
-        Films have FPS frames a second, at any frame rate of the dive.
-        """
+        """Add pixels shown `elapsed_s` after the last ones; a film has FPS frames a second."""
         if self._film is None:
             return
         width, height = self._size
@@ -120,8 +118,8 @@ class ScreenCapture:
         try:
             if film is not None:
                 film.__exit__(type(fault), fault, fault.__traceback__)
-        except (UserError, OSError) as told:
-            self._tell(str(told))
+        except (UserError, OSError) as other:
+            self._tell(str(other))
         else:
             self._tell(str(fault))
 

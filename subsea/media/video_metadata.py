@@ -8,11 +8,12 @@ writes these boxes only for input from a demuxer, so they are inserted into the 
 import shutil
 import struct
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import IO, NamedTuple
 
 import numpy as np
+
+from subsea import __version__
 
 
 class VideoMetadata(NamedTuple):
@@ -32,7 +33,7 @@ def _st3d(mode: int) -> bytes:
 
 
 def _sv3d() -> bytes:
-    header = box(b"svhd", bytes(4) + f"subsea {version('subsea')}".encode() + b"\0")
+    header = box(b"svhd", bytes(4) + f"subsea {__version__}".encode() + b"\0")
     pose = box(b"prhd", bytes(4) + struct.pack(">3i", 0, 0, 0))  # front in the middle, level
     whole = box(b"equi", bytes(4) + struct.pack(">4I", 0, 0, 0, 0))  # uncropped
     return box(b"sv3d", header + box(b"proj", pose + whole))
@@ -58,10 +59,7 @@ CHILDREN_AT = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"sts
 
 
 def insert_boxes(path: Path, boxes: bytes) -> None:
-    """Append boxes to the sample description of an MP4 file whose index is first.
-
-    The file has one track of H.264. It is replaced atomically.
-    """
+    """Append boxes to the sample description of a one-track MP4 file, index first."""
     new = path.with_name(f"{path.name}.tagged")
     try:
         with path.open("rb") as source, new.open("wb") as target:
@@ -80,10 +78,7 @@ def _read(source: IO[bytes]) -> bytes:
 
 
 def _grown(whole: bytes, boxes: bytes, shift: int) -> bytes:
-    """A copy of a box with `boxes` at the end of its H.264 sample description.
-
-    All file offsets in it move by `shift` bytes.
-    """
+    """A copy of a box with `boxes` in its sample description and file offsets moved by `shift`."""
     kind = whole[4:8]
     if kind == b"avc1":
         return box(kind, whole[8:] + boxes)

@@ -26,7 +26,7 @@ TEMPO_EASE = 0.8  # 1/s: how fast the rate may change
 THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
 RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
 MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
-MONOTONY_PURPOSE = 50  # key of the random numbers
+MONOTONY_PURPOSE = np.int64(50)  # key of the random numbers
 GRADE_MARGIN = 1.12  # factor by which another grade must fit better
 
 

@@ -36,7 +36,7 @@ from subsea.geometry.rotation import (
     rotate,
     x_axis,
 )
-from subsea.geometry.vector import Vector, cross, dot, unit
+from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
 from subsea.motor.controller import STEER_GAIN
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -94,7 +94,7 @@ def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
 
 _ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
-"""A row of `Bodies` without content."""
+"""A row of `BodyTables` without content."""
 
 
 def under(bodies: BodyTables, physics: Physics) -> BodyTables:
@@ -277,7 +277,7 @@ def fin_force(
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
     ahead = dot(u, x)
     row = max(SCULL_SPEED - ahead, 0.0)
-    w = (u[0] + row * x[0], u[1] + row * x[1], u[2] + row * x[2])
+    w = plus(u, times(row, x))
     speed = math.sqrt(dot(w, w))
     # Faster water needs less tilt; the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
@@ -289,8 +289,7 @@ def fin_force(
         tilt = lift + MUSCLE_LEFT[node - 1] * roll
         tilt = min(max(tilt, -STEEPEST), STEEPEST)
         c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
-        normal = (c * x[0] + s * y[0], c * x[1] + s * y[1], c * x[2] + s * y[2])
-        push = -area / 6.0 * speed * dot(w, normal)
+        push = -area / 6.0 * speed * dot(w, plus(times(c, x), times(s, y)))
         # The forward stroke of rowing costs what the backward stroke gains.
         along = push * c * min(max(ahead / SCULL_SPEED, 0.0), 1.0)
         along -= area / 6.0 * brake * max(ahead, 0.0) ** 2
@@ -307,15 +306,13 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
     every beat; the momentum of the body does not.
     """
     momentum, inertia, total = 0.0, 0.0, 0.0
-    middle, drift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    middle, drift = ZERO, ZERO
     for node in range(NODES):
-        m, r = mass[node], (at[node, 0], at[node, 1], at[node, 2])
-        w = (v[node, 0], v[node, 1], v[node, 2])
+        m, r, w = mass[node], vector(at[node]), vector(v[node])
         arm = cross(axis, r)
         momentum += m * dot(arm, w)
         inertia += m * dot(arm, arm)
-        middle = (middle[0] + m * r[0], middle[1] + m * r[1], middle[2] + m * r[2])
-        drift = (drift[0] + m * w[0], drift[1] + m * w[1], drift[2] + m * w[2])
+        middle, drift = plus(middle, times(m, r)), plus(drift, times(m, w))
         total += m
     arm = cross(axis, middle)
     return (momentum - dot(arm, drift) / total) / (inertia - dot(arm, arm) / total)
@@ -348,17 +345,14 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
     fishes.row_a[i], fishes.row_b[i] = fishes.row_b[i], fishes.row_a[i]
     fishes.segment[i] = fishes.wanted_segment[i]
     row = fishes.row_a[i] - rows
-    for part in range(4):
-        fishes.previous_orientation[i, part] = before[part]
-        fishes.orientation[i, part] = q[part]
-        live.rotation[row, part] = turned[part]
+    store(fishes.previous_orientation[i], before)
+    store(fishes.orientation[i], q)
+    store(live.rotation[row], turned)
     for axis in range(3):
         live.translation[row, axis] = shift[axis] / frames
     inverse = conjugate(q)
     for node in range(NODES):
-        place_body = rotate(inverse, (x[node, 0], x[node, 1], x[node, 2]))
-        for axis in range(3):
-            live.nodes[row, node, axis] = place_body[axis]
+        store(live.nodes[row, node], rotate(inverse, vector(x[node])))
     ahead = shift[0] / (frames * TICK_S)
     live.speed[slot] += (ahead - live.speed[slot]) / SPEED_TIME
 
@@ -366,8 +360,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
 @kernel
 def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     """Orientation and origin of B for nodes (23, 3): `biomechanics.body_frame`, compiled."""
-    o = (0.5 * (x[5, 0] + x[7, 0]), 0.5 * (x[5, 1] + x[7, 1]), 0.5 * (x[5, 2] + x[7, 2]))
-    ahead = unit((x[0, 0] - o[0], x[0, 1] - o[1], x[0, 2] - o[2]))
-    across = (x[5, 0] - x[6, 0], x[5, 1] - x[6, 1], x[5, 2] - x[6, 2])
-    up = unit(cross(ahead, across))
+    o = times(0.5, plus(vector(x[5]), vector(x[7])))
+    ahead = unit(minus(vector(x[0]), o))
+    up = unit(cross(ahead, minus(vector(x[5]), vector(x[6]))))
     return of_axes(ahead, up, cross(ahead, up)), o

@@ -11,7 +11,7 @@ from subsea.geometry.rotation import (
     quaternion,
     rotate,
 )
-from subsea.geometry.vector import Vector, vector
+from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.motor.balance import balanced
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
@@ -29,10 +29,8 @@ def play(fishes: Fishes, library: Library, dt: float) -> None:
     for i in range(len(fishes.species)):
         if fishes.live[i] or not fishes.alive[i]:
             continue
-        for axis in range(3):
-            fishes.previous_position[i, axis] = fishes.position[i, axis]
-        for part in range(4):
-            fishes.previous_orientation[i, part] = fishes.orientation[i, part]
+        store(fishes.previous_position[i], vector(fishes.position[i]))
+        store(fishes.previous_orientation[i], quaternion(fishes.orientation[i]))
         fishes.previous_row_a[i] = fishes.row_a[i]
         fishes.previous_row_b[i] = fishes.row_b[i]
         fishes.previous_weight[i] = fishes.weight[i]
@@ -45,8 +43,7 @@ def play(fishes: Fishes, library: Library, dt: float) -> None:
             place = o[axis] + fishes.drift[i, axis] * dt
             fishes.velocity[i, axis] = (place - fishes.position[i, axis]) * per_second
             fishes.position[i, axis] = place
-        for part in range(4):
-            fishes.orientation[i, part] = q[part]
+        store(fishes.orientation[i], q)
 
 
 @kernel
@@ -78,17 +75,12 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             middle = weight + 0.5 * frames / span
             rotation = mixed(quaternion(library.rotation[a]), rotation, middle)
             before = vector(library.translation[a])
-            shift = (
-                (1.0 - middle) * before[0] + middle * shift[0],
-                (1.0 - middle) * before[1] + middle * shift[1],
-                (1.0 - middle) * before[2] + middle * shift[2],
-            )
+            shift = plus(times(1.0 - middle, before), times(middle, shift))
         elif weight > 0.0:
             # Translations are recorded in the axes that the row began with.
             shift = rotate(fraction(rotation, -weight), shift)
         step = rotate(q, shift)
-        way = frames * fishes.scale[i] * thrust
-        o = (o[0] + way * step[0], o[1] + way * step[1], o[2] + way * step[2])
+        o = plus(o, times(frames * fishes.scale[i] * thrust, step))
         q = multiply(q, rotation if frames == 1.0 else fraction(rotation, frames))
         left -= frames / rate
         weight += frames / span

@@ -5,7 +5,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix, rotate
-from subsea.geometry.vector import plus, times, vector
+from subsea.geometry.vector import plus, store, times, vector
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
@@ -59,9 +59,7 @@ def ends_world(fishes: Fishes, nodes: Array, snout: Array, tail: Array) -> None:
         nose = vector(body[0])
         edge = times(0.5, plus(vector(body[upper]), vector(body[lower])))
         for out, point in ((snout, nose), (tail, edge)):
-            moved = plus(vector(fishes.position[i]), rotate(fishes.orientation[i], point))
-            for axis in range(3):
-                out[i, axis] = moved[axis]
+            store(out[i], plus(vector(fishes.position[i]), rotate(fishes.orientation[i], point)))
 
 
 def _points_world(fishes: Fishes, table: Array, i: int) -> Array:

@@ -232,15 +232,8 @@ def way_back(
     spin = rotation_vectors(live.rotation[[here]].astype(np.float64))
     own = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
     arriving = node_velocity(own, shift, spin, nodes)
-    goals = np.concatenate(
-        [
-            first + np.arange(length)
-            for first, length, cyclic in zip(
-                library.first[kind], library.length[kind], library.cyclic[kind], strict=True
-            )
-            if cyclic
-        ]
-    )
+    segments = zip(library.first[kind], library.length[kind], library.cyclic[kind], strict=True)
+    goals = np.concatenate([first + np.arange(n) for first, n, cyclic in segments if cyclic])
     present = Kinematics(nodes, shift, spin, arriving, arriving)
     row, frames, change = gentlest(present, 0, dynamics.motion, goals)
     segment = int(np.flatnonzero(library.first[kind] <= row).max())

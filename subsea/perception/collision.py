@@ -16,7 +16,7 @@ from subsea.geometry.solids import (
     ray_meets_rock,
     ray_meets_seabed,
 )
-from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.perception.grid import Grid, near_slots
 from subsea.perception.vision import FIELD_COS, Bodies, Surroundings, ahead_of, along_body, eye_of
 from subsea.state import (
@@ -57,20 +57,20 @@ def find_threats(
 
     `grids` hold the middles of all fishes, small and large ones apart. The threat is the fish with
     the largest share of its centre line in the sensitivity region; of equal ones the nearest.
-    Hunted prey and the partner in courtship are no threats.
+    Hunted prey and the partner in courtship are not threats.
     """
     small, large = _crowd(bodies, grids[0]), _crowd(bodies, grids[1])
     slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
     for i in who:
         region = sensitivity(minds, i, nature)
         worst = (np.int64(NOBODY), 0.0, np.inf)
-        before = minds.threat[i]
+        before = np.int64(minds.threat[i])
         avoids = minds.intention[i] == AVOID and before != NOBODY and before != region.welcome
         if avoids and bodies.alive[before]:
             share = share_inside(bodies, i, before, HELD * region.margin, HELD * region.foresight)
             gap = minus(along_body(bodies, before, 0.5), along_body(bodies, i, 0.5))
             if share > 0.0:
-                worst = (np.int64(before), share, dot(gap, gap))
+                worst = (before, share, dot(gap, gap))
         worst = worst_threat(bodies, i, region, small, slots, worst)
         worst = worst_threat(bodies, i, region, large, slots, worst)
         minds.threat[i] = worst[0]
@@ -102,7 +102,7 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
 
 
 class Crowd(NamedTuple):
-    """The fishes of a grid that may be run into."""
+    """The fishes of a grid, with which others may collide."""
 
     grid: Grid  # of the middles of their bodies
     motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
@@ -112,25 +112,14 @@ class Crowd(NamedTuple):
 
 @kernel
 def _crowd(bodies: Bodies, grid: Grid) -> Crowd:
-    moving = motion(bodies, grid)
+    motion = np.empty((len(grid.member), 5))
     radius, speed = 0.0, 0.0
-    for slot in range(len(moving)):
-        radius = max(radius, moving[slot, 3])
-        speed = max(speed, moving[slot, 4])
-    return Crowd(grid, moving, radius, speed)
-
-
-@kernel
-def motion(bodies: Bodies, grid: Grid) -> Array:
-    """Velocity, cm/s, radius about the middle, cm, and speed of the fish in each slot (m, 5)."""
-    out = np.empty((len(grid.member), 5))
-    for slot in range(len(out)):
-        j = grid.member[slot]
-        for axis in range(3):
-            out[slot, axis] = bodies.velocity[j, axis]
-        out[slot, 3] = _radius(bodies, j)
-        out[slot, 4] = norm(vector(bodies.velocity[j]))
-    return out
+    for slot, j in enumerate(grid.member):
+        velocity = vector(bodies.velocity[j])
+        store(motion[slot], velocity)
+        motion[slot, 3], motion[slot, 4] = _radius(bodies, j), norm(velocity)
+        radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
+    return Crowd(grid, motion, radius, speed)
 
 
 @kernel
@@ -185,7 +174,7 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
 
     A point is inside if it would enter the box around i, enlarged by half the girths of j and by
     `margin` body lengths, within `foresight` seconds at the velocity of j relative to i. So a fish
-    alongside is no threat, however near, and one met head-on is one from afar. Points in the
+    alongside is not a threat, however near, and one met head-on is one from afar. Points in the
     blind angle behind i do not count.
     """
     back = conjugate(bodies.orientation[i])

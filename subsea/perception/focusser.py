@@ -59,7 +59,7 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
 
     The target is the worst threat for avoiding, the most fearful predator for escaping, a speck
     or prey for eating, and a fish to court for mating, until the courtship goes on. Other
-    intentions have no target. What is gone or no longer perceived is dropped.
+    intentions have no target. Objects that are gone or no longer perceived are dropped.
     """
     bodies, scene = bodies_of(fishes), surroundings_of(sea)
     set_preferences(who, bodies, minds, scene, nature)
@@ -79,7 +79,7 @@ def set_targets(
     """
     desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
     for i in who:
-        intention, now = minds.intention[i], minds.target[i]
+        intention, now = minds.intention[i], np.int64(minds.target[i])
         eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
         if intention == AVOID:
             minds.target[i] = minds.threat[i]
@@ -125,12 +125,8 @@ def set_targets(
                 bodies, i, minds.mates[i], desire, bodies.position, minds.preference[i]
             )
             best = minds.mates[i, k] if k >= 0 else NOBODY
-            if (
-                now >= 0
-                and best >= 0
-                and bodies.alive[now]
-                and sees_fish(bodies, i, now, scene, nature)
-            ):
+            still = now >= 0 and best >= 0 and bodies.alive[now]
+            if still and sees_fish(bodies, i, now, scene, nature):
                 gap = norm(minus(vector(bodies.position[now]), eye))
                 if gap - gaps[k] <= nature.devotion_cm:
                     best = now
@@ -206,7 +202,7 @@ def set_preferences(
             strength = minds.mental[i, HUNGER]
         elif minds.intention[i] == MATE:
             strength = minds.mental[i, LIBIDO]
-        warn_of_fishes(bodies, i, minds.threat[i], minds.neighbour[i], sums, counts)
+        warn_of_fishes(bodies, i, np.int64(minds.threat[i]), minds.neighbour[i], sums, counts)
         warn_of_solids(bodies, i, scene, nature, sums, counts)
         fear = against(minds.mental[i, FEAR], strength)
         for j in minds.predators[i]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import Vector, dot, minus, vector
+from subsea.geometry.vector import Vector, dot, minus, store, vector
 
 CELLS_EACH, CELLS_MORE = 64, 4096  # most cells: per point, and in addition
 
@@ -61,8 +61,7 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
         slot = filled[home[k]]
         filled[home[k]] += 1
         member[slot] = chosen[k]
-        for axis in range(3):
-            place[slot, axis] = points[chosen[k], axis]
+        store(place[slot], vector(points[chosen[k]]))
     return Grid(corner, cell, cells, start, member, place)
 
 
@@ -73,9 +72,10 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
     They include all points within `reach` cm and some farther ones; `slots` must have room for all
     m. (Numba cannot cache generators.)
     """
-    first_a, last_a = _range(grid, p, reach, 0)
-    first_b, last_b = _range(grid, p, reach, 1)
-    first_c, last_c = _range(grid, p, reach, 2)
+    low, size = grid.low, grid.size
+    first_a, last_a = _range(p[0] - low[0], reach, grid.cell, size[0])
+    first_b, last_b = _range(p[1] - low[1], reach, grid.cell, size[1])
+    first_c, last_c = _range(p[2] - low[2], reach, grid.cell, size[2])
     count = 0
     if first_c > last_c:
         return 0
@@ -89,12 +89,10 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
 
 
 @kernel
-def _range(grid: Grid, p: Vector, reach: float, axis: int) -> tuple[int, int]:
-    """The first and the last cell along an axis within `reach` of p; none if last < first."""
-    middle = p[axis] - grid.low[axis]
-    first = np.floor((middle - reach) / grid.cell)
-    last = np.floor((middle + reach) / grid.cell)
-    return int(max(first, 0.0)), int(min(last, grid.size[axis] - 1.0))
+def _range(middle: float, reach: float, cell: float, size: int) -> tuple[int, int]:
+    """First and last of `size` cells along an axis within `reach`, cm; none if last < first."""
+    first, last = np.floor((middle - reach) / cell), np.floor((middle + reach) / cell)
+    return int(max(first, 0.0)), int(min(last, size - 1.0))
 
 
 @kernel
@@ -111,9 +109,8 @@ def nearest(
     gaps[:] = np.inf
     inner, outer = -1.0, min(0.5 * grid.cell, reach)
     while True:
-        bound = min(outer, gaps[-1]) * (
-            1.0 + 1e-12
-        )  # tolerance, so that rounding does not separate equals
+        # The tolerance keeps rounding from separating equals.
+        bound = min(outer, gaps[-1]) * (1.0 + 1e-12)
         for k in range(near_slots(grid, p, outer, slots)):
             slot = slots[k]
             away = minus(vector(grid.place[slot]), p)
@@ -138,8 +135,7 @@ def insert(found: Ints, cost: Array, member: int, price: float) -> bool:
     while slot > 0 and (
         price < cost[slot - 1] or (price == cost[slot - 1] and member < found[slot - 1])
     ):
-        cost[slot] = cost[slot - 1]
-        found[slot] = found[slot - 1]
+        cost[slot], found[slot] = cost[slot - 1], found[slot - 1]
         slot -= 1
     cost[slot], found[slot] = price, member
     return True

@@ -1,7 +1,10 @@
 """Track the leader's place, by a fish's own eyes or from its companions."""
 
+import numpy as np
+
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
+from subsea.geometry.vector import store, vector
 from subsea.perception.vision import Bodies, Surroundings, sees_fish
 from subsea.state import Clock, Minds, Nature
 
@@ -17,18 +20,16 @@ def watch_leader(
     """
     now = clock.tick * clock.dt
     for i in who:
-        leader = minds.leader[i]
+        leader = np.int64(minds.leader[i])
         if leader < 0 or not minds.schools[i] or not bodies.alive[leader]:
             continue
         if sees_fish(bodies, i, leader, scene, nature):
             minds.leader_seen[i] = now
-            for axis in range(3):
-                minds.leader_place[i, axis] = bodies.position[leader, axis]
+            store(minds.leader_place[i], vector(bodies.position[leader]))
             continue
         for j in minds.neighbour[i]:
             if j < 0:
                 break
             if minds.leader[j] == leader and minds.leader_seen[j] > minds.leader_seen[i]:
                 minds.leader_seen[i] = minds.leader_seen[j]
-                for axis in range(3):
-                    minds.leader_place[i, axis] = minds.leader_place[j, axis]
+                store(minds.leader_place[i], vector(minds.leader_place[j]))

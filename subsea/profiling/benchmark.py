@@ -1,18 +1,21 @@
-"""`subsea benchmark`: time of every stage of a frame; formulas are in docs/diving.md."""
+"""`subsea benchmark`: time of every stage of a frame.
+
+Formulas are in docs/developers/benchmarks.md.
+"""
 
 import time
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from tqdm import tqdm
 
-from subsea.core.atomic_io import check_file
+from subsea import __version__
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import PICTURE, check_result
 from subsea.dive import adaptive_quality
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
@@ -21,6 +24,8 @@ from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
 from subsea.profiling.comparison import compare, read_reports
 from subsea.profiling.frame_statistics import (
+    REPORT,
+    TIMES,
     Frames,
     print_ladder,
     print_report,
@@ -39,7 +44,7 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render import Renderer
+    from subsea.render.renderer import Renderer
 
 WARM_UP_FRAMES = 30
 LIVE_WARM_UP_TICKS = 900  # limit of the wait until all fishes to be simulated have finished turning
@@ -67,16 +72,15 @@ class BenchmarkOptions:
     compare: Path | None = None  # an older report
     csv: Path | None = None  # the times of every frame
     plot: Path | None = None  # the same as a picture; needs matplotlib
+    force: bool = False  # replace files of another kind
 
 
 def benchmark(options: BenchmarkOptions) -> int:
     """Measure, print the report as a table and write the results; returns the exit code.
 
-    Raises:
-        UserError: before anything is measured, if something cannot be shown, read or written.
-
+    Raises a UserError before anything is measured if something cannot be shown, read or written.
     """
-    _check_files([path for path in (options.json, options.csv, options.plot) if path is not None])
+    _check_results(options)
     if options.plot is not None:
         from subsea.study.plots import check_plots
 
@@ -105,12 +109,17 @@ def benchmark(options: BenchmarkOptions) -> int:
     return 0
 
 
-def _check_files(files: Sequence[Path]) -> None:
+def _check_results(options: BenchmarkOptions) -> None:
     """Raise a UserError unless each file can be written and is named once."""
-    for k, path in enumerate(files):
-        check_file(path)
-        if path.resolve() in [other.resolve() for other in files[:k]]:
+    files = ((options.json, REPORT), (options.csv, TIMES), (options.plot, PICTURE))
+    taken: set[Path] = set()
+    for path, kind in files:
+        if path is None:
+            continue
+        check_result(path, kind, options.force)
+        if path.resolve() in taken:
             raise UserError("two results cannot go into one file", file=path)
+        taken.add(path.resolve())
 
 
 def _run(
@@ -147,7 +156,7 @@ def _run(
         "tour": options.tour,
         "fish": len(world.state.fishes.species),
         "seed": world.state.seed,
-        "version": version("subsea"),
+        "version": __version__,
         "without": sorted(options.without),
         "motor": options.motor,
         "machine": machine,

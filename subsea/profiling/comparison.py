@@ -1,13 +1,15 @@
 """Compare a benchmark with an older one: speedup, and whether it is significant."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
 
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
+from subsea.core.validation import plain_words
 
 SETTINGS = (
     "renderer", "size", "theatre", "display", "quality", "scenario", "set", "tour", "seed",
@@ -15,7 +17,9 @@ SETTINGS = (
 )  # fmt: skip
 MACHINE = "cpu", "cores", "driver"
 SIGNIFICANT = 1.05  # runs of the same code differ by less, apart from the machine's own speed
-MAX_BYTES = 100_000_000  # bytes of a report
+MAX_BYTES = 100 << 20  # of a report
+
+T = TypeVar("T")
 
 
 class OlderReport(msgspec.Struct, frozen=True):
@@ -43,26 +47,29 @@ class OlderReport(msgspec.Struct, frozen=True):
     machine: dict[str, Any] = {}
 
 
+def read_json(path: Path, command: str, decode: Callable[[bytes], T]) -> T:
+    """Read the report that a command wrote as JSON; a UserError names the fault."""
+    content = read_input(path, MAX_BYTES)
+    try:
+        return decode(content)
+    except (ValueError, RecursionError) as fault:
+        message, at, place = str(fault).partition(" - at ")
+        reason = f"{plain_words(message)}{at}{place}"
+        raise UserError(f"expected a report of `{command}` ({reason})", file=path) from fault
+
+
 def read_reports(path: Path) -> list[OlderReport]:
     """The reports in a file of `subsea benchmark --json`; a UserError names the fault."""
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as fault:
-        raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
-    try:
-        if len(content) > MAX_BYTES:
-            raise ValueError("too large")
-        found = msgspec.json.decode(content)
-        if isinstance(found, dict):
-            found = found.get("ladder", [found])
-        reports = msgspec.convert(found, list[OlderReport])
-        if not reports or any("p50" not in report.frame_ms for report in reports):
-            raise ValueError("missing `frame_ms.p50`")
-    except (ValueError, RecursionError) as fault:
-        raise UserError(
-            f"expected what `subsea benchmark --json` writes ({fault})", file=path
-        ) from fault
+    return read_json(path, "subsea benchmark", _decoded)
+
+
+def _decoded(content: bytes) -> list[OlderReport]:
+    found = msgspec.json.decode(content)
+    if isinstance(found, dict):
+        found = found.get("ladder", [found])
+    reports = msgspec.convert(found, list[OlderReport])
+    if not reports or any("p50" not in report.frame_ms for report in reports):
+        raise ValueError("missing `frame_ms.p50`")
     return reports
 
 
@@ -99,22 +106,14 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[OlderReport], pat
 
 def _rows(report: dict[str, Any], old: OlderReport) -> Iterator[tuple[str, float, float]]:
     """Names, and medians then and now, of all common figures."""
-    then = {
-        "frame": old.frame_ms["p50"],
-        "cpu": old.cpu_ms.get("all"),
-        **old.stages_ms,
-        "yardstick": old.yardstick_ms,
-    }
-    now = {
-        "frame": report["frame_ms"]["p50"],
-        "cpu": report["cpu_ms"]["all"],
-        **report["stages_ms"],
-        "yardstick": report["yardstick_ms"],
-    }
-    for name, mine in now.items():
-        before = then.get(name)
-        if before is not None:
-            yield name, before, mine
+    yield "frame", old.frame_ms["p50"], report["frame_ms"]["p50"]
+    if "all" in old.cpu_ms:
+        yield "cpu", old.cpu_ms["all"], report["cpu_ms"]["all"]
+    for name, now in report["stages_ms"].items():
+        if name in old.stages_ms:
+            yield name, old.stages_ms[name], now
+    if old.yardstick_ms is not None:
+        yield "yardstick", old.yardstick_ms, report["yardstick_ms"]
 
 
 def spread(then: Sequence[float], now: Sequence[float]) -> tuple[float, float] | None:

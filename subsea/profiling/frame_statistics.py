@@ -1,4 +1,4 @@
-"""Statistics of the frames of a benchmark; formulas are in docs/diving.md."""
+"""Statistics of the frames of a benchmark; formulas are in docs/developers/benchmarks.md."""
 
 import csv
 import json
@@ -11,21 +11,14 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.durations import summarize_ms
+from subsea.core.file_kinds import csv_file, json_file
 from subsea.profiling.machine import machine_line
 from subsea.view.levels import LEVELS
 
-STAGES = (
-    "perception",
-    "behavior",
-    "motor",
-    "habitat",
-    "pose",
-    "cull",
-    "upload",
-    "draw",
-    "present",
-)
+STAGES = ("perception", "behavior", "motor", "habitat", "pose", "cull", "upload", "draw", "present")
 PARTS = 10  # of a run; their medians show its evenness
+REPORT = json_file("a report of `subsea benchmark`", "frame_ms", "ladder")
+TIMES = csv_file("a table of `subsea benchmark`", "fish", "frame")
 SHOWN = ("visible", "simulated", "triangles", "draw_calls")
 
 

@@ -4,11 +4,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from subsea import __version__
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import swim_contraction
 from subsea.biomechanics.simulation import at_rest, simulate
@@ -23,7 +23,7 @@ from subsea.geometry.rotation import rotate
 from subsea.profiling.machine import describe_machine, machine_line
 from subsea.render.output.quality import PRESETS
 from subsea.state import Fishes
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.camera import View
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.rig import pose_from_angles
@@ -31,7 +31,7 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render import Renderer
+    from subsea.render.renderer import Renderer
 
 DYNAMICS_1999_MS, PLAYBACK_1999_MS = 40.0, 0.01
 FULL_1999_MS, REDUCED_1999_MS = 2340.0, 85.0
@@ -71,11 +71,7 @@ def paper_tables() -> int:
     _table(
         "Table 4. Time to draw a scene with about 40 fishes in sight (ms)",
         ("1999", *(scene.title for scene in drawn)),
-        (
-            "Without culling and levels of detail",
-            FULL_1999_MS,
-            *(scene.full_ms for scene in drawn),
-        ),
+        ("Without culling and levels of detail", FULL_1999_MS, *(scene.full_ms for scene in drawn)),
         ("With both", REDUCED_1999_MS, *(scene.reduced_ms for scene in drawn)),
     )
     _table(
@@ -87,7 +83,7 @@ def paper_tables() -> int:
     for scene in drawn:
         print(f"{scene.title}: {scene.in_sight} of {scene.fishes} fishes in sight.")
     print("1999: one 194 MHz R10000 with InfiniteReality.")
-    print(f"Here: subsea {version('subsea')}, {scenes[0][1]}, {SIZE[0]}x{SIZE[1]}, quality low;")
+    print(f"Here: subsea {__version__}, {scenes[0][1]}, {SIZE[0]}x{SIZE[1]}, quality low;")
     print(f"{machine_line(machine)}.")
     return 0
 
@@ -119,7 +115,7 @@ def playback_ms(world: World) -> tuple[float, float]:
     place_nodes(fishes, library.nodes, nodes)  # compiles
     motor, full = [], []
     for _ in range(PLAYED_TICKS):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         placing = _seconds(lambda: place_nodes(fishes, library.nodes, nodes))
         motor.append(world.stages_s["motor"])
         full.append(world.stages_s["motor"] + placing)
@@ -163,7 +159,7 @@ def rendering_ms(scenario: str) -> tuple[RenderingTimes, str]:
     with headless() as context:
         world = start_world(scenario)
         for _ in range(AWAKE_TICKS):
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
         views = view_of(world, IN_SIGHT_1999)
         quality = PRESETS["low"]
         with picture_maker(context, world, display_rig("mono", SIZE), quality) as renderer:

@@ -6,7 +6,6 @@ import json
 import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, suppress
-from importlib.metadata import version
 from itertools import count
 from pathlib import Path
 from statistics import median
@@ -15,19 +14,22 @@ from typing import Any, NamedTuple
 import msgspec
 import numpy as np
 
+from subsea import __version__
 from subsea.behavior.teleop import TeleopCommand
 from subsea.core import interrupts
 from subsea.core.atomic_io import check_file, replacing
 from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import json_file
 from subsea.core.progress import clock, progress
 from subsea.core.resources import resource_names
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import chosen_rig
 from subsea.frame.packet import pack
+from subsea.profiling.comparison import read_json
 from subsea.profiling.invariants import faults_in, starving, stuck, visited_now, widen
 from subsea.render.output.quality import PRESETS
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import CameraRig, views
 from subsea.view.stereo import PAGED
@@ -55,7 +57,7 @@ WARM_UP_MIN = 24
 QUARTER = 0.25  # the last quarter is compared with the second
 MAX_GROWTH = 0.02
 MAX_FAULTS = 10  # then the dive ends
-MAX_BYTES = 100_000_000  # of a report
+REPORT = json_file("a report of `subsea soak`", "checksums")
 
 
 class RandomInput(NamedTuple):
@@ -114,7 +116,10 @@ def soak(
     """
     if out is not None:
         check_file(out)
-    older = None if against is None else _report(against)
+    older = None
+    if against is not None:
+        decoder = msgspec.json.Decoder(_Report)
+        older = read_json(against, "subsea soak", decoder.decode)
     world = start_world(scenario, seed, fish, changes=changes)
     watch, ticks = (
         Observations(*([] for _ in Observations._fields)),
@@ -125,7 +130,7 @@ def soak(
         "set": [*changes],
         "seed": world.state.seed,
         "fish": len(world.state.fishes.species),
-        "version": version("subsea"),
+        "version": __version__,
     }
     if older is not None:
         for name, value in about.items():
@@ -147,10 +152,7 @@ def soak(
 
     try:
         if draw:
-            with (
-                headless() as context,
-                closing(_draw_all(world, context, watch, ticks)) as drawing,
-            ):
+            with headless() as context, closing(_draw_all(world, context, watch, ticks)) as drawing:
                 _dive(world, ticks, watch, drawing)
         else:
             _dive(world, ticks, watch)
@@ -218,7 +220,7 @@ def random_input(world: World, rng: np.random.Generator) -> Iterator[RandomInput
     """Yield random input for each tick: steering, letting go, riding a fish, changes."""
     current, timidity, lights = world.current_cm_s, world.nature.timidity, False
     while True:
-        order: Order = HANDS_OFF
+        order: Order = NEUTRAL
         what = rng.choice(list(SHARES), p=list(SHARES.values()))
         ask = rng.uniform(-1.0, 1.0, 4)
         ticks = round(rng.uniform(*SPELL_S) / TICK_S)
@@ -255,7 +257,7 @@ def _draw_all(
     world: World, context: Any, watch: Observations, ticks: int
 ) -> Generator[None, None, None]:
     """Draw a picture at every `next`, cycling through rigs and qualities."""
-    from subsea.render import count_objects
+    from subsea.render.gl.context import count_objects
 
     shown = rigs()
     pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))
@@ -328,19 +330,6 @@ def resident_mb() -> list[float]:
         return []
     line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
     return [int(line.split()[1]) / 1024]
-
-
-def _report(path: Path) -> _Report:
-    """Read an older report."""
-    try:
-        with path.open("rb") as file:
-            return msgspec.json.decode(file.read(MAX_BYTES), type=_Report)
-    except OSError as fault:
-        raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
-    except (ValueError, RecursionError) as fault:
-        raise UserError(
-            f"expected what `subsea soak --json` writes ({fault})", file=path
-        ) from fault
 
 
 def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> None:

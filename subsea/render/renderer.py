@@ -10,8 +10,8 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Bytes
 from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
@@ -48,11 +48,11 @@ class Renderer(GpuOwner):
         rig: CameraRig,
         quality: Quality = PRESETS["medium"],
         page: Callable[[int], object] = lambda number: None,
-        heed: Callable[[], object] = lambda: None,
+        check: Callable[[], object] = lambda: None,
     ) -> None:
         """Upload a scene for packets whose views are those of `rig`.
 
-        `page(0)` and `page(1)` select the left and right buffer of a window that has two. `heed`
+        `page(0)` and `page(1)` select the left and right buffer of a window that has two. `check`
         is called between steps, and may raise to stop.
         """
         super().__init__()
@@ -73,34 +73,30 @@ class Renderer(GpuOwner):
             growths = pool.submit(bake, scene.reef)
             self._caustics = self.own(repeating(context, near_and_far, 1))
             self._noise = self.own(repeating(context, noise, 2))
-            self._shafts: LightShaftRenderer = self.own(LightShaftRenderer(context, quality))
-            heed()
-            self._water: WaterRenderer = self.own(WaterRenderer(context, scene))
-            heed()
-            self._seabed: SeabedRenderer = self.own(SeabedRenderer(context, scene, ground.result()))
-            heed()
-            self._rocks: RockRenderer = self.own(RockRenderer(context, scene, stone.result()))
-            self._shadows: SoftShadowRenderer = self.own(SoftShadowRenderer(context, scene))
-            heed()
-            self._coral: CoralRenderer = self.own(
-                CoralRenderer(
-                    context,
-                    scene.reef,
-                    growths.result(),
-                    IN_SIGHT * scene.water.visibility_cm,
-                    partial(drawn_height, scene.terrain, scene.terrain_half_width_cm),
-                )
+            self._shafts = self.own(LightShaftRenderer(context, quality))
+            check()
+            self._water = self.own(WaterRenderer(context, scene))
+            check()
+            self._seabed = self.own(SeabedRenderer(context, scene, ground.result()))
+            check()
+            self._rocks = self.own(RockRenderer(context, scene, stone.result()))
+            self._shadows = self.own(SoftShadowRenderer(context, scene))
+            check()
+            reach_cm = IN_SIGHT * scene.water.visibility_cm
+            sand = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
+            self._coral = self.own(
+                CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand)
             )
-            self._seaweed: SeaweedRenderer = self.own(SeaweedRenderer(context))
-            heed()
-            self._fishes: FishRenderer = self.own(FishRenderer(context, scene))
-        self._hook: HookRenderer = self.own(HookRenderer(context))
-        heed()
-        self._bubbles: BubbleRenderer = self.own(BubbleRenderer(context, scene))
-        self._particles: ParticleRenderer = self.own(ParticleRenderer(context, scene))
-        self._lines: LineRenderer = self.own(LineRenderer(context))
-        self._resolve: ResolvePass = self.own(ResolvePass(context, rig.patches, quality.smooth))
-        self._sized: list[Any] = []  # released when the size changes
+            self._seaweed = self.own(SeaweedRenderer(context))
+            check()
+            self._fishes = self.own(FishRenderer(context, scene))
+        self._hook = self.own(HookRenderer(context))
+        check()
+        self._bubbles = self.own(BubbleRenderer(context, scene))
+        self._particles = self.own(ParticleRenderer(context, scene))
+        self._lines = self.own(LineRenderer(context))
+        self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth))
+        self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
         self._overlay: ResolvePass | None = None
@@ -113,22 +109,19 @@ class Renderer(GpuOwner):
         """Width and height of the first picture in pixels."""
         return self.rig.outputs[0]
 
-    def arrange(self, rig: CameraRig) -> None:
-        """Draw for another rig from the next packet on.
+    @property
+    def pictures(self) -> dict[tuple[int, int], Any]:
+        """The renderer's own pictures: textures by output and page."""
+        return self._target.pictures
 
-        Raises:
-            UserError: The GPU cannot hold it; nothing changes.
-        """
+    def arrange(self, rig: CameraRig) -> None:
+        """Draw for another rig from now on; a UserError if the GPU cannot, without effect."""
         if rig is not self.rig:
             self._make_target(rig, self.quality)
             self._resolve.arrange(rig.patches)
 
     def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from the next picture on.
-
-        Raises:
-            UserError: The GPU cannot hold it; nothing changes.
-        """
+        """Draw in this quality from now on; a UserError if the GPU cannot, without effect."""
         before = self.quality
         if (before.scale, before.samples) != (quality.scale, quality.samples):
             self._make_target(self.rig, quality)
@@ -151,10 +144,7 @@ class Renderer(GpuOwner):
 
     @contextmanager
     def apart(self, rig: CameraRig) -> Iterator[None]:
-        """Draw for another rig within the context, independent of pictures before and after.
-
-        `pictures` are other ones within, at first empty.
-        """
+        """Draw for another rig, with other `pictures`, independent of those before and after."""
         before, second = self.rig, self._second
         batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
         self._make_target(rig, self.quality)
@@ -233,15 +223,12 @@ class Renderer(GpuOwner):
             self.triangles += self._lines.draw(packet, number, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
-        self._show(self._target.picture(), into, self._scale(self.rig, self.quality), True)
+        self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
         self.draw_calls = context.extra.calls - calls
         self.draw_s = context.extra.seconds - seconds
 
-    def show(self, canvas: NDArray[np.uint8], into: Any = None) -> None:
-        """Show a test pattern (h, w, 3), top row first, in place of the canvas.
-
-        It has the size of the rig's canvas, and is warped and blended but not tone mapped.
-        """
+    def show(self, canvas: Bytes, into: Any = None) -> None:
+        """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
         texture = self._upload(canvas)
         try:
             self._show(texture, into, 1.0, False)
@@ -284,9 +271,7 @@ class Renderer(GpuOwner):
         scale = self._scale(self.rig, self.quality)
         return self._ids.read(None if part is None else scaled(part, scale))
 
-    def paste(
-        self, picture: NDArray[np.uint8], patches: Sequence[DisplayPatch], into: Any = None
-    ) -> None:
+    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Any = None) -> None:
         """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
 
         The sources of `patches` are parts of the picture; `into` is as for `draw`.
@@ -298,16 +283,13 @@ class Renderer(GpuOwner):
         texture = self._upload(picture)
         try:
             for number, patch in enumerate(patches):
-                target = self._own[patch.output, patch.page] if into is None else into
-                target.use()
-                if into is not None:
-                    self._page(patch.page)
+                target = self._use(patch, into)
                 size = self.rig.outputs[patch.output]
                 self._overlay.draw(texture, target, size, number, 1.0, False)
         finally:
             texture.release()
 
-    def _upload(self, picture: NDArray[np.uint8]) -> Any:
+    def _upload(self, picture: Bytes) -> Any:
         """Upload a picture (h, w, 3), top row first; the caller releases the texture."""
         height, width = picture.shape[:2]
         data = np.ascontiguousarray(picture[::-1]).tobytes()
@@ -315,16 +297,11 @@ class Renderer(GpuOwner):
         texture.repeat_x = texture.repeat_y = False
         return texture
 
-    def read_pixels(self, output: int = 0, page: int = 0) -> NDArray[np.uint8]:
+    def read_pixels(self, output: int = 0, page: int = 0) -> Bytes:
         """The last of the renderer's own `pictures`: (h, w, 3), top row first."""
         width, height = self.rig.outputs[output]
-        data = self._own[output, page].read(components=3, alignment=1)
+        data = self._target.framebuffers[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        self._release_target()
-        super().release()
 
     def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
         """Draw every patch of the rig from the canvas to its output."""
@@ -332,15 +309,21 @@ class Renderer(GpuOwner):
         for number, patch in enumerate(self.rig.patches):
             output = patch.output, patch.page
             size = self.rig.outputs[patch.output]
-            target = self._own[output] if into is None else into
-            target.use()
-            if into is not None:
-                self._page(patch.page)  # applies to the framebuffer in use
+            target = self._use(patch, into)
             if output not in begun and (patch.place[2:] != size or patch.warp is not None):
                 self._context.viewport = (0, 0, *size)
                 target.clear()  # dark outside the patches
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, linear)
+
+    def _use(self, patch: DisplayPatch, into: Any) -> Any:
+        """The framebuffer for a patch, now in use: `into`, or the renderer's own."""
+        output = patch.output, patch.page
+        target = self._target.framebuffers[output] if into is None else into
+        target.use()
+        if into is not None:
+            self._page(patch.page)  # applies to the framebuffer in use
+        return target
 
     def _make_target(self, rig: CameraRig, quality: Quality) -> None:
         """Replace the canvas and the pictures for another rig or quality."""
@@ -354,21 +337,13 @@ class Renderer(GpuOwner):
             )
         try:
             samples = min(quality.samples, self._context.max_samples)
-            target = RenderTarget(self._context, canvas, samples)
+            target = RenderTarget(self._context, canvas, samples, rig.outputs, rig.pages)
         except moderngl.Error as fault:
             raise UserError(
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"
             ) from fault
-        own, held = {}, [target]
-        self.pictures: dict[tuple[int, int], Any] = {}  # textures by output and page
-        for output, size in enumerate(rig.outputs):
-            for page in range(rig.pages):
-                picture = self._context.texture(size, 4)
-                own[output, page] = self._context.framebuffer([picture])
-                self.pictures[output, page] = picture
-                held += [own[output, page], picture]
-        self._release_target()
-        self.rig, self._target, self._own, self._sized = rig, target, own, held
+        self._sized.release()
+        self.rig, self._target = rig, self._sized.own(target)
 
     def _scale(self, rig: CameraRig, quality: Quality) -> float:
         """The size of the canvas over that of the rig's."""
@@ -379,9 +354,3 @@ class Renderer(GpuOwner):
         scale = self._scale(self.rig, self.quality)
         # An unchanged view keeps its cached planes.
         return view if scale == 1.0 else replace(view, viewport=scaled(view.viewport, scale))
-
-    def _release_target(self) -> None:
-        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
-        self._context.detect_framebuffer(0).use()
-        for held in self._sized:
-            held.release()

@@ -30,7 +30,7 @@ MAX_EXTENT_BL = 3.0  # limit for distances of nodes and control points from the 
 
 
 def read_repertoire(path: Path) -> Repertoire:
-    """Read a repertoire and check all of it; a fault is a UserError that names file and key."""
+    """Read and check a repertoire; UserError with file and key for a fault."""
     where = str(path)
     with hdf5.reading(path) as file:
         if "format" not in file.attrs:
@@ -71,7 +71,7 @@ def read_repertoire(path: Path) -> Repertoire:
 
 
 def write_repertoire(path: Path, repertoire: Repertoire) -> None:
-    """Write a repertoire: the whole file or none, the same bytes for the same contents."""
+    """Write a repertoire atomically, with the same bytes for the same contents."""
     with hdf5.writing(path) as file:
         file.attrs["format"] = hdf5.text(FORMAT)
         file.attrs["version"] = VERSION

@@ -40,8 +40,7 @@ def pack(
 ) -> Library:
     """Pack repertoires into flat arrays, with rows for `live` simulated fishes.
 
-    Control points that a file lacks are computed from the nodes by the species' coupling. A
-    repertoire without one of the seven segments is a UserError.
+    Missing control points are computed from the nodes; a missing segment is a UserError.
     """
     rotation, translation, nodes, points = [], [], [], []
     plans: list[Transitions] = []

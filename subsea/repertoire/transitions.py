@@ -1,8 +1,7 @@
 """Plan transitions between segments: the row of entry and the length of the glide.
 
-SMC appendix A glides to the first frame of the next segment, for a time set by the way of the tail.
-Here row and length together minimise the largest change of any node's velocity at both ends of the
-glide, relative to the changes inside the two segments.
+SMC appendix A glides to the first frame, for a time set by the distance of the tail. Here row and
+length minimise the largest change of any node's velocity at both ends of the glide.
 """
 
 from typing import NamedTuple
@@ -13,11 +12,8 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
 
-# Share of the rows of a cyclic segment that may be left, those with the gentlest glides: a fish
-# waits a few frames until its beat fits the turn.
-LEAVING_SHARE = 0.3
-# Largest change of a node's velocity over the usual one at such rows, unless all are worse.
-ROUGH = 1.5
+LEAVING_SHARE = 0.3  # of the rows of a cyclic segment: those with the gentlest glides
+ROUGH = 1.5  # largest change of velocity at such rows over the usual one, unless all are worse
 NEARLY = 1.15  # factor within which a change counts as the gentlest
 
 
@@ -96,8 +92,8 @@ def gentlest(here: Kinematics, row: int, there: Kinematics, goals: Ints) -> tupl
             for node in range(here.nodes.shape[1] - 1, -1, -1):  # the tail first: it moves most
                 a, b = here.nodes[row, node], there.nodes[goal, node]
                 own = (b - a) / length
-                leaving = own + _carried(here, row, there, goal, early, a)
-                arriving = own + _carried(here, row, there, goal, late, b)
+                leaving = own + _frame_velocity(here, row, there, goal, early, a)
+                arriving = own + _frame_velocity(here, row, there, goal, late, b)
                 first = leaving - here.arriving[row, node]
                 last = there.leaving[goal, node] - arriving
                 largest = max(largest, (first * first).sum(), (last * last).sum())
@@ -109,7 +105,7 @@ def gentlest(here: Kinematics, row: int, there: Kinematics, goals: Ints) -> tupl
 
 
 @kernel
-def _carried(
+def _frame_velocity(
     here: Kinematics, row: int, there: Kinematics, goal: int, share: float, node: Array
 ) -> Array:
     """Velocity of a node carried by the gliding frame, with blended increments."""

@@ -161,8 +161,7 @@ def check_directions(
             if (before := names[after]) in chain:
                 expected = "expected a direction that can begin before it"
                 _refuse(
-                    f"direction[{k}].after",
-                    f"it waits for itself, by way of {after!r}, {expected}",
+                    f"direction[{k}].after", f"it waits for itself, by way of {after!r}, {expected}"
                 )
             chain.append(before)
 
@@ -219,7 +218,7 @@ def _faults(
     if one.place_cm is not None and one.pair is None:
         faults.append(("place_cm", "expected a `pair`"))
     if one.pair is not None and one.path_cm is not None:
-        faults.append(("pair", "who courts goes no path, expected `place_cm`"))
+        faults.append(("pair", "a pair that courts follows no path, expected `place_cm`"))
     if one.hunts is not None and one.rests:
         faults.append(("rests", "who `hunts` does not rest, expected one of them"))
     if one.hook is not None and not hook:

@@ -18,7 +18,7 @@ from subsea.core.errors import UserError
 from subsea.core.toml_edit import edit_toml, toml_value
 from subsea.core.toml_files import load_toml, locate_errors
 from subsea.core.toml_positions import Place
-from subsea.core.validation import convert
+from subsea.core.validation import MISSING, convert
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 
@@ -26,7 +26,6 @@ Content = dict[str, Any]  # of a table: values that differ from the defaults
 
 KEYS = [field.encode_name for field in msgspec.structs.fields(Scenario)]
 _HEADER = re.compile(r"\s*(\[\[?)\s*([A-Za-z0-9_-]+)(\s*\.[^\]]*)?\]\]?\s*(#.*)?")
-_MISSING = object()
 
 
 def save_scenario(scenario: Scenario, path: Path, like: Path | None = None) -> None:
@@ -115,7 +114,7 @@ class _Piece(NamedTuple):
     """Lines of a file: a header, its keys, and the comments just above."""
 
     key: str  # of the scenario, "" before the first header
-    begins: bool  # whether its header starts a table of the scenario rather than a nested one
+    begins: bool  # True if its header starts a table of the scenario, not a nested one
     text: str
 
 
@@ -125,15 +124,15 @@ def _edited(text: str, old: Content, new: Content) -> str:
     head, pieces = _taken_apart(text.replace(ends, "\n"))
     in_head = tomllib.loads(head)
     for key in KEYS:
-        was, now = old.get(key, _MISSING), new.get(key, _MISSING)
+        was, now = old.get(key, MISSING), new.get(key, MISSING)
         if was == now:
             continue
-        present = was if now is _MISSING else now
+        present = was if now is MISSING else now
         if key in in_head or not _is_table(present):
-            before, after = ({} if one is _MISSING else {key: one} for one in (was, now))
+            before, after = ({} if one is MISSING else {key: one} for one in (was, now))
             head = edit_toml(head, before, after)
         else:
-            tables = [[] if one is _MISSING else _tables(one) for one in (was, now)]
+            tables = [[] if one is MISSING else _tables(one) for one in (was, now)]
             _exchange(pieces, key, tables[0], tables[1], isinstance(present, list))
     return (head + "".join(piece.text for piece in pieces)).replace("\n", ends)
 

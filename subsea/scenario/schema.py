@@ -43,7 +43,7 @@ class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the water looks and moves."""
+    """Appearance and motion of the water."""
 
     fog: Colour  # linear RGB of the far water, seen level
     visibility_cm: Annotated[
@@ -206,7 +206,7 @@ class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     @property
     def looks(self) -> bool:
-        """Whether it has a target."""
+        """True if it has a target."""
         return self.ahead or self.look_at_cm is not None or self.follow is not None
 
 
@@ -278,6 +278,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     """The initial state of a dive."""
 
     title: str
+    description: Annotated[str, msgspec.Meta(max_length=200)] = ""  # a sentence, for the menu
     seed: Seed
     bounds: Bounds
     water: Water

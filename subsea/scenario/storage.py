@@ -4,6 +4,7 @@ from pathlib import Path
 
 from subsea.core.atomic_io import check_file
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.core.resources import resource_names, resource_path
 from subsea.scenario.load import SHIPPED, load_scenario, own_scenarios, scenario_names
 from subsea.scenario.save import save_scenario
@@ -11,7 +12,7 @@ from subsea.scenario.schema import Scenario
 
 
 def is_shipped(path: Path) -> bool:
-    """Whether a file comes with the program."""
+    """True if a file comes with the program."""
     return path.resolve().parent == resource_path(SHIPPED).resolve()
 
 
@@ -41,15 +42,15 @@ def place_named(name: str) -> Path:
     if path.stem in resource_names(SHIPPED, ".toml") and path.parent == own_scenarios():
         raise UserError(f"the name {path.stem!r} is that of a shipped scenario, expected another")
     if _is_there(path):
-        raise UserError("is there already, expected another name", file=path)
+        raise UserError("exists; choose another name", file=path)
     return path
 
 
 def held(path: Path) -> bytes:
     """The content of a file; empty if it cannot be read."""
     try:
-        return path.read_bytes()
-    except OSError:
+        return read_input(path)
+    except UserError:
         return b""
 
 
@@ -83,7 +84,7 @@ def _path(text: str) -> Path:
 
 
 def _is_there(path: Path) -> bool:
-    """Whether a path exists; a UserError for an impossible name."""
+    """True if a path exists; a UserError for an impossible name."""
     try:
         return path.exists()
     except OSError as fault:

@@ -22,7 +22,7 @@ MENTAL_STATES = ("hunger", "libido", "fear")
 HUNGER, LIBIDO, FEAR = range(3)
 # Columns of `Minds.preference`: motor preferences (Tu §6.5.2).
 LEFT, RIGHT, FORWARD, BACKWARD, ASCEND, DESCEND = range(6)
-# Barriers that are not solids; pillars count from 0, rocks follow the pillars, -1 is none.
+# Barriers that are not solids; pillars count from 0, rocks follow the pillars, -1 means none.
 SEABED, SURFACE, WALL = -2, -3, -4
 # States of a courtship (Tu §7.9.3).
 COURTSHIP = ("none", "approaching", "looping", "circling", "ascending", "nuzzling")

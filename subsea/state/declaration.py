@@ -1,7 +1,8 @@
 """Declare an array of the state once: dtype, shape, unit, writer, start value and range.
 
 A group is a class whose annotations read `Annotated[F32, motor("n", 3, unit="cm"), "text"]`.
-Empty arrays, snapshots, checksums and `docs/state.md` are derived from these.
+Integers of a common meaning have a type with their start value and range, such as `FISH`. Empty
+arrays, snapshots, checksums and `docs/developers/state.md` are derived from the annotations.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,6 +12,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar, get_type_hints
 import numpy as np
 
 from subsea.core.arrays import Array, Bools, Ints
+from subsea.state.codes import COURTSHIP, NOBODY, SUBMARINE
 
 G = TypeVar("G")
 
@@ -23,6 +25,12 @@ I64 = Annotated[Ints, np.dtype(np.int64)]
 U8 = Annotated[Ints, np.dtype(np.uint8)]
 U16 = Annotated[Ints, np.dtype(np.uint16)]
 BOOL = Annotated[Bools, np.dtype(np.bool_)]
+FISH = Annotated[I32, {"start": NOBODY, "within": (NOBODY, "n")}]
+FISH_OR_HULL = Annotated[I32, {"start": NOBODY, "within": (SUBMARINE, "n")}]
+FOOD = Annotated[I32, {"start": -1, "within": (-1, "food")}]  # a speck; of a predator: a fish
+ROW = Annotated[I32, {"within": (0, "rows")}]  # of the motion library
+SEGMENT = Annotated[U8, {"within": (0, "segments")}]
+COURTSHIP_STATE = Annotated[U8, {"within": (0, len(COURTSHIP))}]
 
 CREATION, PANELS = "creation", "panels"  # writers of arrays that no tick changes
 
@@ -31,10 +39,10 @@ class Spec(NamedTuple):
     """Declaration of an array, or of a number if it has no dimension."""
 
     shape: tuple[int | str, ...]  # a word is a size of the group
-    unit: str
-    start: Any  # broadcast to the shape
-    within: tuple[int, int | str] | None  # of integers: lowest, and the limit that all are below
     writer: str
+    unit: str = ""
+    start: Any = 0  # broadcast to the shape
+    within: tuple[int, int | str] | None = None  # of integers: lowest, and an upper bound
     dtype: np.dtype[Any] = np.dtype(np.float64)  # this and ...
     about: str = ""  # ... this come from the annotation
 
@@ -59,20 +67,11 @@ class Spec(NamedTuple):
 
 
 def written_by(writer: str) -> Callable[..., Spec]:
-    """A function that declares arrays of one writer: dimensions, then the fields of `Spec`.
+    """A function that declares arrays of one writer: dimensions, then other fields of `Spec`.
 
-    Integers that a tick writes must say what they are `within`.
+    Integers that a tick writes need a range `within`.
     """
-
-    def array(
-        *shape: int | str,
-        unit: str = "",
-        start: Any = 0,
-        within: tuple[int, int | str] | None = None,
-    ) -> Spec:
-        return Spec(shape, unit, start, within, writer)
-
-    return array
+    return lambda *shape, **rest: Spec(shape, writer, **rest)
 
 
 creation, panels = written_by(CREATION), written_by(PANELS)
@@ -83,20 +82,17 @@ habitat, submarine, directing = map(written_by, ("habitat", "submarine", "direct
 @cache
 def declared(group: type) -> dict[str, Spec]:
     """Declaration of each member of a group, in order."""
-    hints = get_type_hints(group, include_extras=True)
-    parts = {name: hint.__metadata__ for name, hint in hints.items()}
-    return {
-        name: spec._replace(dtype=dtype, about=about)
-        for name, (dtype, spec, about) in parts.items()
-    }
+    specs = {}
+    for name, hint in get_type_hints(group, include_extras=True).items():
+        dtype, *common, spec, about = hint.__metadata__
+        specs[name] = spec._replace(dtype=dtype, about=about, **dict(*common))
+    return specs
 
 
 def starts(group: type, given: Mapping[str, Any], sizes: Mapping[str, int]) -> dict[str, Any]:
     """All members of a group by name: those `given`, and start values for the others."""
-    others = {
-        name: spec.empty(sizes) for name, spec in declared(group).items() if name not in given
-    }
-    return others | dict(given)
+    specs = declared(group).items()
+    return {name: spec.empty(sizes) for name, spec in specs if name not in given} | dict(given)
 
 
 def empty(group: type[G], *, given: Mapping[str, Any] | None = None, **sizes: int) -> G:

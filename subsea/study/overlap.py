@@ -97,7 +97,7 @@ def _overlap(bodies: BeadBodies, alive: Bools, partner: Ints, kind: Ints, found:
 
 @kernel
 def _touch(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_size: Array) -> bool:
-    """Whether a bead of one body meets the line through the beads of the other."""
+    """True if a bead of one body meets the line through the beads of the other."""
     return _meets(a, a_turn, a_size, b, b_turn, b_size) or _meets(
         b, b_turn, b_size, a, a_turn, a_size
     )

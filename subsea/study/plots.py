@@ -9,7 +9,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.study.clearance import BARRIERS, clearances
 from subsea.study.minds import meals, time_budget
 from subsea.study.record import Record
@@ -48,10 +48,7 @@ SMOOTH_S = 2.0  # over which the lines of schools are smoothed
 
 def check_plots() -> None:
     """Raise a UserError unless matplotlib is installed."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as fault:
-        raise UserError("plots need matplotlib: install subsea[plot]") from fault
+    require("plot", "plots")
 
 
 def plots_in(folder: Path) -> list[Path]:

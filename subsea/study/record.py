@@ -1,4 +1,4 @@
-"""The record of a simulation: its datasets, and reading one (docs/records.md)."""
+"""The record of a simulation: its datasets, and reading one (docs/reference/records.md)."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from subsea.core import hdf5
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import hdf5_file
 from subsea.fish.surface import SurfacePlan, along
 
 FORMAT, VERSION = "subsea-record", 2
+RECORD = hdf5_file("a record", FORMAT)
 STATIONS = 13  # points of a body's outline, from the snout to the tail's edge
 MAX_FISH_TICKS = 20_000_000  # a study holds them in memory: about 2 GB
 
@@ -20,90 +22,85 @@ class DatasetSpec(NamedTuple):
     """Type, shape, unit and meaning of one dataset."""
 
     type: type
-    shape: tuple[str | int, ...]  # lengths; docs/records.md explains the letters
+    shape: tuple[str | int, ...]  # lengths; docs/reference/records.md explains the letters
     unit: str  # "1" if dimensionless
     meaning: str
 
 
 _BY_TICK, _BY_FISH, _BY_EVENT = ("T",), ("n",), ("e",)
-_CODES = "position in the file's attribute "
 FIELDS = {
     "time": DatasetSpec(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
     "fish/position": DatasetSpec(np.float32, ("T", "n", 3), "cm", "origin of the body frame"),
     "fish/orientation": DatasetSpec(
         np.float32, ("T", "n", 4), "1",
-        "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to the"
-        " world's",
+        "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to"
+        " world axes",
     ),
-    "fish/velocity": DatasetSpec(np.float32, ("T", "n", 3), "cm/s", "of that origin"),
-    "fish/snout": DatasetSpec(
-        np.float32, ("T", "n", 3), "cm", "tip of the snout, as the body is bent"
-    ),
+    "fish/velocity": DatasetSpec(np.float32, ("T", "n", 3), "cm/s", "velocity of the origin"),
+    "fish/snout": DatasetSpec(np.float32, ("T", "n", 3), "cm", "tip of the snout of the bent body"),
     "fish/tail": DatasetSpec(np.float32, ("T", "n", 3), "cm", "middle of the tail's edge"),
-    "fish/intention": DatasetSpec(np.uint8, ("T", "n"), "1", _CODES + "intention_names"),
+    "fish/intention": DatasetSpec(np.uint8, ("T", "n"), "1", "index into intention_names"),
     "fish/segment": DatasetSpec(
-        np.uint8, ("T", "n"), "1", "recorded motion it plays: " + _CODES + "segment_names"
+        np.uint8, ("T", "n"), "1", "recorded motion that it plays: index into segment_names"
     ),
     "fish/mental_state": DatasetSpec(
-        np.float32, ("T", "n", 3), "1", "hunger, libido and fear, 0 to 1: mental_state_names"
+        np.float32, ("T", "n", 3), "1", "hunger, libido and fear, 0 to 1"
     ),
-    "fish/alive": DatasetSpec(np.bool_, ("T", "n"), "1", "false from when it was eaten or landed"),
+    "fish/alive": DatasetSpec(np.bool_, ("T", "n"), "1", "false once it is eaten or landed"),
     "fish/leader": DatasetSpec(
-        np.int32, ("T", "n"), "1", "fish that it follows in a school, -1 for leaders and loners"
+        np.int32, ("T", "n"), "1", "fish that it follows in a school, -1 for none"
     ),
     "fish/target": DatasetSpec(
         np.int32, ("T", "n"), "1",
-        "what its intention is about: a fish, or of what eats plankton a speck: target_names;"
+        "target of the intention: a fish, or a speck of plankton (target_names);"
         " -1 nothing, -2 the submarine, -3 a bait",
     ),
-    "fish/partner": DatasetSpec(
-        np.int32, ("T", "n"), "1", "fish with which it courts, -1 for none"
-    ),
-    "fish/courtship": DatasetSpec(np.uint8, ("T", "n"), "1", _CODES + "courtship_names"),
+    "fish/partner": DatasetSpec(np.int32, ("T", "n"), "1", "fish that it courts, -1 for none"),
+    "fish/courtship": DatasetSpec(np.uint8, ("T", "n"), "1", "index into courtship_names"),
     "fish/last_meal": DatasetSpec(
-        np.float32, ("T", "n"), "s", "time of its latest meal, 0 before the first"
+        np.float32, ("T", "n"), "s", "time of the latest meal, 0 before the first"
     ),
     "fish/species": DatasetSpec(
-        np.uint8, _BY_FISH, "1", _CODES + "species_names (for people), species_keys (files)"
+        np.uint8, _BY_FISH, "1", "index into species_names (common names) and species_keys (files)"
     ),
-    "fish/kind": DatasetSpec(np.uint8, _BY_FISH, "1", _CODES + "kind_names"),
-    "fish/male": DatasetSpec(np.bool_, _BY_FISH, "1", "its sex"),
-    "fish/schools": DatasetSpec(np.bool_, _BY_FISH, "1", "whether it likes schooling"),
+    "fish/kind": DatasetSpec(np.uint8, _BY_FISH, "1", "index into kind_names"),
+    "fish/male": DatasetSpec(np.bool_, _BY_FISH, "1", "true for males"),
+    "fish/schools": DatasetSpec(np.bool_, _BY_FISH, "1", "true if it likes schooling"),
     "fish/length": DatasetSpec(np.float32, _BY_FISH, "cm", "from the snout to the tail's edge"),
     "fish/snout_reach": DatasetSpec(
         np.float32, _BY_FISH, "cm", "from the tip of the snout to the origin of the body frame"
     ),
     "species/half_width": DatasetSpec(
         np.float32, ("s", STATIONS), "body lengths",
-        "of the body without fins, at even distances from the snout to the tail's edge",
+        "half-width of the body without fins, evenly from the snout to the tail's edge",
     ),
     "species/half_height": DatasetSpec(
-        np.float32, ("s", STATIONS), "body lengths", "there too, with the tail fin"
+        np.float32, ("s", STATIONS), "body lengths", "half-height there, with the tail fin"
     ),
     "sea/heights": DatasetSpec(
         np.float32, ("m", "m"), "cm",
-        "of the seabed (z, the surface is 0): row i along y, column j along x, even over the"
-        " square from -sea_half_width_cm to sea_half_width_cm",
+        "z of the seabed: row i along y, column j along x, evenly over the square from"
+        " -sea_half_width_cm to sea_half_width_cm",
     ),
     "sea/pillars": DatasetSpec(
-        np.float64, ("p", 4), "cm", "x, y, radius and height of the top (z) of each pillar"
+        np.float64, ("p", 4), "cm", "x, y, radius and z of the top of each pillar"
     ),
     "sea/rocks": DatasetSpec(
         np.float64, ("r", 7), "cm",
-        "centre x, y, z and half axes of each ellipsoid; then, in rad, its turn to the left",
+        "centre x, y, z and half axes of each ellipsoid, and its rotation to the left in rad",
     ),
-    "plankton/count": DatasetSpec(np.int32, _BY_TICK, "1", "specks that are there"),
-    "submarine/position": DatasetSpec(np.float64, ("T", 3), "cm", "of the vessel"),
+    "plankton/count": DatasetSpec(np.int32, _BY_TICK, "1", "specks of plankton"),
+    "submarine/position": DatasetSpec(np.float64, ("T", 3), "cm", "position of the submarine"),
     "direction/time": DatasetSpec(
-        np.float64, _BY_EVENT, "s", "end of the tick in which a direction began, as in time"
+        np.float64, _BY_EVENT, "s", "end of the tick in which a direction began"
     ),
     "direction/number": DatasetSpec(
-        np.uint8, _BY_EVENT, "1", "which: among those of the scenario and in direction_names"
+        np.uint8, _BY_EVENT, "1", "index of the direction in the scenario and in direction_names"
     ),
     "direction/cast": DatasetSpec(
         np.int32, ("e", 2), "1",
-        "whom it is about: fishes, -1 nobody, -2 the submarine; of a pair he and she, of a hunt"
-        " the hunter and its prey, of who was eaten it and by whom, of who flees it and from whom",
+        "fishes of the event: male and female, hunter and prey, eaten and eater, or fleeing fish"
+        " and predator; -1 none, -2 the submarine",
     ),
 }  # fmt: skip
 
@@ -191,18 +188,15 @@ def read_record(path: Path) -> Record:
         lengths: dict[str, int] = {}
         first = ("time", "fish/species", *_READ.values())
         read = {dataset: _dataset(file, dataset, lengths, where) for dataset in first}
+        fields: dict[str, Any] = {name: read[dataset] for name, dataset in _READ.items()}
+        names = [name for name in Record._fields if name.endswith("_names")]
         record = Record(
-            **{name: read[dataset] for name, dataset in _READ.items()},
+            **fields | {name: hdf5.texts(file, name, where) for name in names},
             tick_s=hdf5.attribute(file, "tick_s", float, where),
             seed=hdf5.attribute(file, "seed", int, where),
             radius_cm=hdf5.attribute(file, "radius_cm", float, where),
             half_width_cm=hdf5.attribute(file, "sea_half_width_cm", float, where),
             alarmed=hdf5.attribute(file, "nature_alarmed", float, where),
-            species_names=hdf5.texts(file, "species_names", where),
-            intention_names=hdf5.texts(file, "intention_names", where),
-            mental_state_names=hdf5.texts(file, "mental_state_names", where),
-            courtship_names=hdf5.texts(file, "courtship_names", where),
-            kind_names=hdf5.texts(file, "kind_names", where),
         )
     _check(record, where)
     return record

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core import interrupts
-from subsea.core.atomic_io import check_file, check_folder, replacing
+from subsea.core.atomic_io import check_folder, replacing
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import PICTURE, check_result, check_results, json_file
 from subsea.study.captures import captures
 from subsea.study.clearance import BARRIERS, clearances
 from subsea.study.courtships import courtships
@@ -21,24 +22,25 @@ from subsea.study.overlap import overlaps
 from subsea.study.plots import check_plots, plot, plots_in
 from subsea.study.record import Record, read_record
 from subsea.study.schools import School, schools, splits
-from subsea.study.table import table
+from subsea.study.table import Measured, table
 
-Measured = dict[str, Any]
+MEASURES = json_file("a report of `subsea study`", "minds")
 
 
-def study(record: Path, out: Path | None, json_file: Path | None) -> int:
+def study(record: Path, out: Path | None, report: Path | None, force: bool = False) -> int:
     """Measure the record in a file and print a table; returns the exit code.
 
-    `out` is a folder for plots, `json_file` gets the measures. Raises a UserError before any work
-    if something cannot be read, written or plotted, or would replace the record. Ctrl-C leaves no
-    result.
+    `out` is a folder for plots, `report` gets the measures as JSON. Raises a UserError before any
+    work if something cannot be read, written or plotted, or would replace the record or, without
+    `force`, a file of another kind. Ctrl-C leaves no result.
     """
-    results = [*([json_file] if json_file else []), *(plots_in(out) if out else [])]
-    _refuse_clashes(record, results)
-    if json_file:
-        check_file(json_file)
+    plots = plots_in(out) if out else []
+    _refuse_clashes(record, [*([report] if report else []), *plots])
+    if report:
+        check_result(report, MEASURES, force)
     if out:
         check_folder(out)
+        check_results(plots, PICTURE, force)
         check_plots()
     # In compiled code Ctrl-C would surface as another error.
     with interrupts.deferred_interrupts() as check:
@@ -46,8 +48,8 @@ def study(record: Path, out: Path | None, json_file: Path | None) -> int:
         found = measure(read, check)
         print("\n".join(table(found)))
         with ExitStack() as whole:
-            if json_file:
-                temporary = whole.enter_context(replacing(json_file))
+            if report:
+                temporary = whole.enter_context(replacing(report))
                 temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
             drawn = plot(read, out, check) if out else []
     for path in drawn:
@@ -66,7 +68,7 @@ def _refuse_clashes(record: Path, results: list[Path]) -> None:
 
 
 def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
-    """All measures of docs/records.md for JSON; None if there is nothing to measure.
+    """All measures of docs/reference/records.md for JSON; None if there is nothing to measure.
 
     `check`, which may raise, is called between two of them.
     """

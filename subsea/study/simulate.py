@@ -1,7 +1,6 @@
 """`subsea simulate`: record every fish, for studies. No OpenGL."""
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -9,19 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from subsea import __version__
 from subsea.behavior.table import INTENTIONS
 from subsea.core import hdf5, interrupts
-from subsea.core.atomic_io import check_file
 from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError
+from subsea.core.file_kinds import check_result
 from subsea.dive.start import start_world
 from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import scenario_text
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
-from subsea.study.record import FIELDS, FORMAT, VERSION, outline
-from subsea.submarine.helm import HANDS_OFF
+from subsea.study.record import FIELDS, FORMAT, RECORD, VERSION, outline
+from subsea.submarine.helm import NEUTRAL
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
@@ -47,16 +47,17 @@ _NOTES = {
 
 def simulate(
     ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None,
-    changes: Sequence[str] = (),
+    changes: Sequence[str] = (), force: bool = False,
 ) -> int:  # fmt: skip
     """Record `ticks` ticks of a world into `out`; returns the exit code.
 
     `changes` are made to the scenario before its text is stored. Nobody steers the submarine.
-    Ctrl-C leaves a valid file with the ticks so far.
+    Ctrl-C leaves a valid file with the ticks so far. With `force` a file that is not a record is
+    replaced, too.
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
-    check_file(out)
+    check_result(out, RECORD, force)
     chosen, source = load_scenario(scenario, changes)
     if not any(shoal.number for shoal in chosen.fish):
         raise UserError("has no fishes, nothing to record", file=source)
@@ -74,7 +75,7 @@ def simulate(
             for k in tqdm(range(ticks), unit="tick", disable=None):
                 check()
                 if k:  # the world is at its first tick when it has started
-                    step(world, HANDS_OFF)
+                    step(world, NEUTRAL)
                 _note(world, block, held)
                 happened += _begun(world)
                 held += 1
@@ -175,7 +176,7 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
     return {
         "format": hdf5.text(FORMAT),
         "version": VERSION,
-        "program": hdf5.text(f"subsea {version('subsea')}"),
+        "program": hdf5.text(f"subsea {__version__}"),
         "tick_s": TICK_S,
         "seed": world.state.seed,
         "fish": len(world.state.fishes.species),

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError, unknown
 from subsea.geometry.curve import Curve, curve_at, curve_through
@@ -62,13 +62,14 @@ def rail_at(course: Course, state: State, t: float) -> Rail:
     return Rail(place, velocity, (heading, pitch))
 
 
-def check_tours(scenario: Scenario, sea: Sea, rocks: list[str]) -> None:
+def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], stored: bool = True) -> None:
     """Raise a UserError for a tour that leaves the sea, is too near solids, or too fast.
 
-    `rocks` are the names of the rocks of the sea.
+    `rocks` are the names of the rocks of the sea. `stored`: use the disk cache.
     """
     curves = [_course(tour, scenario).curve for tour in scenario.tour]
-    fault = cached(_first_fault, curves, sea, scenario.bounds, rocks)
+    given = curves, sea, scenario.bounds, rocks
+    fault = cached(_first_fault, *given) if stored else _first_fault(*given)
     if fault is not None:
         k, t, what = fault
         leg = int(np.searchsorted(curves[k].times, t, side="right")) - 1
@@ -84,10 +85,24 @@ def _first_fault(
 ) -> tuple[int, float, str] | None:
     """The first fault of any course: its index, the time in seconds, and a message."""
     for k, curve in enumerate(curves):
-        for t in np.arange(0.0, curve.times[-1], PROBE_S).tolist():
-            if fault := _fault(*curve_at(curve, t), sea, bounds, rocks):
+        times = np.arange(0.0, curve.times[-1], PROBE_S).tolist()
+        path = [curve_at(curve, t) for t in times]
+        near = _near_rocks(np.array([place for place, _ in path]), sea)
+        beside = sea._replace(rocks=sea.rocks[near])
+        names = [rocks[number] for number in near.tolist()]
+        for t, (place, velocity) in zip(times, path, strict=True):
+            if fault := _fault(place, velocity, beside, bounds, names):
                 return k, t, fault
     return None
+
+
+def _near_rocks(places: Array, sea: Sea) -> Ints:
+    """Indices of the rocks that may lie within `HULL_CM` of a place (n, 3), by `from_rock`."""
+    half = sea.rocks[:, 3:6]
+    # Farther away the distance is larger, also where it is only approximate: see `far_from_rock`.
+    reach = half.max(axis=1) * (1.0 + HULL_CM / half.min(axis=1))
+    away = np.linalg.norm(places[:, None] - sea.rocks[:, :3], axis=2).min(axis=0)
+    return np.flatnonzero(away <= reach + 1.0)
 
 
 def _course(tour: TourTable, scenario: Scenario) -> Course:
@@ -168,4 +183,5 @@ def _fault(place: Array, velocity: Array, sea: Sea, bounds: Bounds, rocks: list[
     nearest = min(gaps, key=lambda name: gaps[name])
     if gaps[nearest] >= HULL_CM:
         return None
-    return f"is {gaps[nearest]:.1f} cm from {nearest}, expected at least {HULL_CM:g}"
+    gap = math.floor(10.0 * gaps[nearest]) / 10.0  # rounded down: it is less than expected
+    return f"is {gap:.1f} cm from {nearest}, expected at least {HULL_CM:g}"

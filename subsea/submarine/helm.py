@@ -25,5 +25,5 @@ class Helm(NamedTuple):
     full_stop: bool = False
 
 
-HANDS_OFF = Helm()
+NEUTRAL = Helm()
 STATION = Helm(full_stop=True)

@@ -112,14 +112,10 @@ def _push(submarine: Submarine, helm: Helm, dt: float) -> None:
     surge = helm.surge * _thrust(full_surge, LINEAR_ALONG, QUADRATIC_ALONG)
     heave = helm.heave * _thrust(HEAVE_CM_S, LINEAR_ACROSS, QUADRATIC_ACROSS)
     along, across = LINEAR_ALONG + brake, LINEAR_ACROSS + brake
-    change = np.array(
-        [
-            _driven(ahead, surge, along, QUADRATIC_ALONG, dt),
-            _driven(left, 0.0, across, QUADRATIC_ACROSS, dt),
-            _driven(up, heave, across, QUADRATIC_ACROSS, dt),
-        ]
-    )
-    change -= ahead, left, up
+    x = _driven(ahead, surge, along, QUADRATIC_ALONG, dt)
+    y = _driven(left, 0.0, across, QUADRATIC_ACROSS, dt)
+    z = _driven(up, heave, across, QUADRATIC_ACROSS, dt)
+    change = np.array([x - ahead, y - left, z - up])
     change *= min(1.0, dt * ACCELERATION_CM_S2 / max(float(np.linalg.norm(change)), 1e-9))
     submarine.velocity += change @ axes
 

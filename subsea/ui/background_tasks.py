@@ -20,7 +20,6 @@ class BackgroundTasks:
     """At most two tasks at a time; `wake` is called, in another thread, when one has ended."""
 
     def __init__(self, wake: Callable[[], object]) -> None:
-        """Start no thread before there is a task."""
         self._pool, self._wake = ThreadPoolExecutor(THREADS, "background"), wake
         self._tasks: list[Task] = []
 
@@ -50,12 +49,12 @@ class BackgroundTasks:
 
     @property
     def busy(self) -> bool:
-        """Whether a task has not been finished."""
+        """True if a task has not been finished."""
         return bool(self._tasks)
 
     @property
     def label(self) -> str:
-        """What the first task with a label does."""
+        """State of the first task with a label."""
         return next((task.label for task in self._tasks if task.label), "")
 
     def close(self) -> None:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from imgui_bundle import imgui
 
+from subsea.core.arrays import Array
 from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
@@ -19,13 +20,16 @@ FEW, SEGMENTS = 0.35, 48  # share of the fastest turn without darkening; rim seg
 DARK = (0.0, 0.03, 0.05)
 
 
-def draw_horizon(front_view: FrontView) -> None:
-    """Draw the water's horizon on the screen ahead, if it is not straight ahead."""
-    eye, way = front_view.ray(0.5, 0.5)
-    pitch = math.asin(float(np.clip(way[2], -1.0, 1.0)))
+def draw_horizon(front_view: FrontView, forward: Array) -> None:
+    """Draw the water's horizon on the screen ahead, if the observer is pitched.
+
+    `forward` (3,) is the observer's unit direction: the middle of the screen may be above or below.
+    """
+    pitch = math.asin(float(np.clip(forward[2], -1.0, 1.0)))
     share = (abs(pitch) - TILTED) / (STEEP - TILTED)
     if share <= 0.0:
         return
+    eye, way = front_view.ray(0.5, 0.5)
     heading = math.atan2(way[1], way[0])
     turns = heading + np.array([ASIDE, -ASIDE])
     level = np.stack([np.cos(turns), np.sin(turns), np.zeros(2)], axis=1)

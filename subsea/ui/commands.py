@@ -11,6 +11,7 @@ from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
 from subsea.view.retina import Gaze
 from subsea.view.unproject import front_view
+from subsea.world.world import TICK_S
 
 SHARED_TIME = "several computers show this dive: its time goes on"
 WITH_MENU: tuple[Command, ...] = ("fullscreen", "leave", "picture", "film")  # work while it is open
@@ -33,16 +34,16 @@ class Commands:
             "slower": lambda: self._change_time(Timeline.slower),
             "faster": lambda: self._change_time(Timeline.faster),
             "tick": lambda: self._change_time(Timeline.single),
-            "rewind": lambda: self._change_time(Timeline.rewind),
+            "rewind": lambda: self._change_time(self._rewind),
             "pattern": self._toggle_pattern,
             "quality": self._next_quality,
             "lights": self._toggle_lights,
             "picture": dive.take_picture,
-            "film": dive.toggle_film,
-            "instruments": lambda: dive.overlay.note(f"instruments: {dive.overlay.hud.turn()}"),
-            "fullscreen": dive.fill_screen,
+            "film": lambda: dive.shots.film(dive.window.size),
+            "instruments": lambda: dive.overlay.note(f"instruments: {dive.overlay.hud.cycle()}"),
+            "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,
-            "leave": dive.leave,
+            "leave": dive.window.ask_to_close,
         }
 
     def run(self, command: Command) -> None:
@@ -112,6 +113,13 @@ class Commands:
         else:
             act(self._dive.timeline)
 
+    def _rewind(self, time: Timeline) -> None:
+        """Go a second back; say to when, unless the state of paused time does."""
+        tick = time.rewind()
+        if not time.paused:
+            end = ", the earliest" if tick == time.earliest else ""
+            self._dive.overlay.note(f"back to second {tick * TICK_S:.0f} of the dive{end}")
+
     def _ride_nearest(self, follow_hint: str = "from behind") -> None:
         """Ride the chosen fish, or the one nearest to the middle of the view."""
         dive, picture = self._dive, self._dive.picture
@@ -137,7 +145,6 @@ class Commands:
             picture.jump()
 
     def _toggle_teleop(self) -> None:
-        """Start or stop steering the ridden fish."""
         picture, ticks = self._dive.picture, self._dive.tick_source
         if picture.ride is None:
             self._ride_nearest()

@@ -8,6 +8,7 @@ from subsea.dive.bindings import Command
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
+from subsea.media.screenshots import ScreenCapture
 from subsea.scenario.schema import Scenario
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
@@ -28,6 +29,8 @@ class DiveContext(Protocol):
     gui: Gui
     overlay: Overlay
     picture: ScenePicture
+    shots: ScreenCapture
+    window: GlWindow  # the pilot's
     pilot: Pilot
     tick_source: TickSource
     see_brightness: bool  # a ridden fish reacts to the light in its eyes
@@ -37,28 +40,16 @@ class DiveContext(Protocol):
         """The state that panels share."""
 
     @property
-    def window(self) -> GlWindow:
-        """The pilot's window."""
-
-    @property
     def timeline(self) -> Timeline | None:
         """The time of the world; None if another computer controls it."""
 
     @property
     def shared(self) -> bool:
-        """Whether other computers show the same dive, so that nothing here may change it."""
+        """True if other computers show the same dive, so that nothing here may change it."""
 
     @property
     def steers_fish(self) -> bool:
-        """Whether the pilot steers the ridden fish."""
-
-    @property
-    def filming(self) -> bool:
-        """Whether a film is being recorded."""
-
-    @property
-    def can_fill(self) -> bool:
-        """Whether a window may fill the screen."""
+        """True if the pilot steers the ridden fish."""
 
     def ride_fish(self, fish: int | None, behind: bool | None = None) -> None:
         """Ride a fish from now on; None: return to the submarine."""
@@ -80,15 +71,6 @@ class DiveContext(Protocol):
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
 
-    def toggle_film(self) -> None:
-        """Start or end recording a film."""
-
-    def fill_screen(self) -> None:
-        """Toggle full screen for the pilot's window."""
-
-    def leave(self) -> None:
-        """End the dive."""
-
 
 class PanelContext:
     """The interface of a panel to the world, used within a frame of the gui.
@@ -97,7 +79,6 @@ class PanelContext:
     """
 
     def __init__(self, dive: DiveContext) -> None:
-        """No fish is chosen."""
         self.dive = dive
         self.chosen: int | None = None  # the fish that panels are about
         self.dragging = False  # the pointer drags something other than a fish
@@ -116,13 +97,3 @@ class PanelContext:
     def later(self, act: Callable[[], object]) -> None:
         """Call it after the current frame."""
         self._after_frame.append(act)
-
-    def take_changes(self) -> bool:
-        """Whether `changed` was called since the last call."""
-        changed, self._changed = self._changed, False
-        return changed
-
-    def take_waiting(self) -> list[Callable[[], object]]:
-        """The calls deferred by `later` since the last call."""
-        waiting, self._after_frame = self._after_frame, []
-        return waiting

@@ -11,6 +11,7 @@ from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
 from subsea.dive.bindings import Command
+from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
@@ -25,7 +26,7 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.ui.commands import Commands
-from subsea.ui.help_overlay import help_content
+from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
@@ -35,9 +36,10 @@ from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
-from subsea.ui.window import GlWindow
+from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
+from subsea.world.populate import with_total
 from subsea.world.world import World
 
 TickSourceMaker = Callable[[World, Pilot], TickSource]
@@ -58,7 +60,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     fish = None
     if fish_name is not None or options.tour is not None or kiosk:
         # Report an unknown name before a window opens.
-        scenario = load_scenario(options.scenario, options.changes)[0]
+        scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
         fish = None if fish_name is None else find_fish(fish_name, scenario)
         if options.tour is not None or kiosk:
             check_tour(scenario, options.tour or options.settings.attract.tour)
@@ -87,6 +89,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 now = time.perf_counter()
                 running.frame(now - last)
                 last = now
+            running.show_message("closing")  # it may take seconds, and a film is completed
     return 0
 
 
@@ -128,15 +131,17 @@ class Dive:
         """
         display, settings = options.display, options.settings
         # Report an unknown name before a window opens.
-        self.scenario, self.source = load_scenario(options.scenario, options.changes)
+        scenario, self.source = load_scenario(options.scenario, options.changes)
+        self.scenario = with_total(scenario, options.fish)
         self.known = held(self.source)
         if options.kiosk:
             settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
-        self._shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
+        self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self._picture_wanted = False
+        self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading = True
         self._seen_tick = 0  # when the ridden fish last saw the light
         tour = options.tour or settings.attract.tour
@@ -144,6 +149,7 @@ class Dive:
             display.mode, display.size, display.fullscreen, settings, installation
         )
         self.window_set, self.gui, self.pilot = opening.window_set, opening.gui, opening.pilot
+        self.window = self.window_set.front
         with ExitStack() as undo:
             undo.callback(opening.close)
             self.picture = ScenePicture(self.window_set, opening.rig, display)
@@ -162,20 +168,16 @@ class Dive:
             self._wait(None)
             if self.shared:
                 self.overlay.help = help_content(
-                    settings.bindings, settings.mouse.steer, ("ride", "desk")
+                    settings.bindings, settings.mouse.steer, NOT_SHARED
                 )
             idle_s = 60.0 * settings.attract.after_min
             self.tours = IdleTours(self, tour, idle_s, start, self._kiosk)
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading = False
-            undo.callback(self._shots.end)
+            undo.callback(self.shots.end)
+            undo.callback(self.inspector.close)
             self._undo = undo.pop_all()
-
-    @property
-    def window(self) -> GlWindow:
-        """The pilot's window."""
-        return self.window_set.front
 
     @property
     def timeline(self) -> Timeline | None:
@@ -184,31 +186,13 @@ class Dive:
 
     @property
     def shared(self) -> bool:
-        """Whether other computers show the same dive, so that nothing here may change it."""
+        """True if other computers show the same dive, so that nothing here may change it."""
         return self.tick_source.shared
 
     @property
     def steers_fish(self) -> bool:
-        """Whether the pilot steers the ridden fish."""
+        """True if the pilot steers the ridden fish."""
         return self.tick_source.steered_fish is not None
-
-    @property
-    def filming(self) -> bool:
-        """Whether a film is being recorded."""
-        return self._shots.filming
-
-    @property
-    def can_fill(self) -> bool:
-        """Whether a window may fill the screen."""
-        return any(not window.fixed for window in self.window_set.windows)
-
-    def fill_screen(self) -> None:
-        """Toggle full screen for the pilot's window."""
-        self.window.toggle_fullscreen()
-
-    def leave(self) -> None:
-        """End the dive."""
-        self.window.ask_to_close()
 
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
@@ -222,10 +206,6 @@ class Dive:
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
         self._picture_wanted = True
-
-    def toggle_film(self) -> None:
-        """Start or end recording a film."""
-        self._shots.film(self.window.size)
 
     def open_world(
         self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
@@ -277,6 +257,8 @@ class Dive:
         start = time.perf_counter()
         for command in self.window_set.poll():
             self.run_command(command)
+        if not self.window_set.open:
+            return
         for line in (*self.window_set.notes(), *self.world.notices):
             self.note(line)
         self.world.notices.clear()
@@ -302,13 +284,21 @@ class Dive:
             if not self.world.state.fishes.alive[ride.by.fish]:
                 self.ride_fish(None)
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
+        if not self.records_text:
+            self._record(elapsed_s, caption_of(self.world, picture.alpha))
         self.text.draw(elapsed_s, self.tours)
-        self._record(elapsed_s)
+        if self.records_text:
+            self._record(elapsed_s)
         picture.adapt_quality(lambda: time.perf_counter() - start)
         if alpha is not None:
             self.tick_source.swap(picture.finish)
         self.window_set.present()
         self.inspector.end_frame()
+
+    def show_message(self, text: str) -> None:
+        """Fill the pilot's window with one line of text."""
+        self.text.message(text)
+        self.window_set.present()
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""
@@ -316,7 +306,7 @@ class Dive:
 
     def _create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
         """The world of a scenario after its first tick; events are handled meanwhile."""
-        return run_in_background(lambda tell: ready_world(scenario, source, seed, tell), self._wait)
+        return run_in_background(lambda log: ready_world(scenario, source, seed, log), self._wait)
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
@@ -350,27 +340,29 @@ class Dive:
         self._seen_tick = tick
         self.world.seen_light[ride.by.fish] = self.picture.brightness(ride)
 
-    def _record(self, elapsed_s: float) -> None:
-        """Save the picture that is about to be shown, if a picture or film was asked for."""
-        if not (self._picture_wanted or self._shots.filming):
+    def _record(self, elapsed_s: float, caption: Caption | None = None) -> None:
+        """Save what is drawn so far, with a caption, if a picture or film was asked for."""
+        if not (self._picture_wanted or self.shots.filming):
             return
         pixels = self.window_set.picture()
-        self._shots.frame(pixels, elapsed_s)
+        if caption is not None and not self.picture.pattern:
+            rig = self.picture.rig
+            pixels = draw_caption(pixels, rig, front(rig).output, caption)
+        self.shots.frame(pixels, elapsed_s)
         if self._picture_wanted:
             self._picture_wanted = False
-            self._shots.picture(pixels)
+            self.shots.picture(pixels)
 
     def _wait(self, message: str | None) -> None:
         """Handle events while loading and show a message; raise if the visitor leaves."""
         self._check()
         commands = self.window_set.poll()
         if "leave" in commands:
-            self.leave()
+            self.window.ask_to_close()
         if not self.window_set.open or (
             "menu" in commands and self._loading and self._kiosk is None
         ):
             raise CancelledByUserError
         if message is not None:
             say(message)
-            self.text.message(message)
-            self.window_set.present()
+            self.show_message(message)

@@ -12,11 +12,13 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
+from subsea.core.errors import UserError
+from subsea.core.input_files import read_text
 from subsea.core.resources import resource_path
 from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Command, is_action, is_command
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, settings_path
-from subsea.ui.window import Listener
+from subsea.ui.gui import Gui
 
 MAPPINGS = "gamecontrollerdb.txt"  # the usual name of such files
 IN_ENVIRONMENT = "SDL_GAMECONTROLLERCONFIG"  # more mappings, as in games
@@ -42,20 +44,20 @@ class Gamepads:
     def __init__(self, pilot: Pilot, commands: list[Command], read: Read | None = None) -> None:
         """Actions go to the `pilot`, others are added to the `commands`."""
         self._pilot, self._commands = pilot, commands
-        self.read = _there if read is None else read
+        self.read = _connected if read is None else read
         self._amounts: dict[str, float] = {}  # by name of the input
         self._down: set[str] = set()  # inputs beyond PRESSED
         self._names: dict[int, str | None] = {}
 
-    def poll(self, listener: Listener | None = None) -> list[str]:
+    def poll(self, listener: Gui | None = None) -> list[str]:
         """Process changes since the last call; the `listener` may consume them.
 
         Returns lines on gamepads that were connected or disconnected.
         """
-        there = self.read()
-        lines = self._told({number: state and state.name for number, state in there.items()})
+        states = self.read()
+        lines = self._changes({number: state and state.name for number, state in states.items()})
         now: dict[str, float] = {}
-        for state in there.values():
+        for state in states.values():
             if state is not None:
                 for name, amount in amounts(state, self._pilot.settings.gamepad).items():
                     now[name] = max(amount, now.get(name, 0.0))
@@ -63,7 +65,7 @@ class Gamepads:
             self._move(name, now.get(name, 0.0), listener)
         return lines
 
-    def _told(self, names: dict[int, str | None]) -> list[str]:
+    def _changes(self, names: dict[int, str | None]) -> list[str]:
         before, self._names = self._names, names
         lines = [
             f"the gamepad {name!r} is gone"
@@ -82,7 +84,7 @@ class Gamepads:
                 lines.append(f"unknown gamepad {model!r}: add a mapping for the ID {guid} to {own}")
         return lines
 
-    def _move(self, name: str, amount: float, listener: Listener | None) -> None:
+    def _move(self, name: str, amount: float, listener: Gui | None) -> None:
         """The input `name` is at `amount` in [0, 1]."""
         before = self._amounts.get(name, 0.0)
         if abs(amount - before) < STEP and (amount > 0.0) == (before > 0.0):
@@ -97,11 +99,11 @@ class Gamepads:
         elif amount < RELEASED:
             self._down.discard(name)
         pilot = self._pilot
-        heard = listener is not None and listener.moved(name, amount)
+        consumed = listener is not None and listener.moved(name, amount)
         control = pilot.bindings.control(name, pilot.riding)
         if pilot.settings.gamepad.invert_pitch and "stick" in name and control in ("up", "down"):
             control = "down" if control == "up" else "up"
-        if heard or control is None or amount <= 0.0:
+        if consumed or control is None or amount <= 0.0:
             pilot.release(name)
         elif is_action(control):
             if control != "full stop" or crossed:
@@ -128,21 +130,21 @@ def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
     return found
 
 
-def add_mappings(tell: Callable[[str], None]) -> None:
+def add_mappings(report: Callable[[str], None]) -> None:
     """Add all mappings to the window library, which must be running; later ones win."""
     texts = [resource_path(f"assets/{MAPPINGS}").read_text(encoding="utf-8")]
     own = settings_path().parent / MAPPINGS
     if own.exists():
-        texts.append(_text_of(own, tell))
+        texts.append(_text_of(own, report))
     texts.append(os.environ.get(IN_ENVIRONMENT, ""))
     for text in texts:
         # Line by line, so that one faulty line does not affect the others.
         for line in text.splitlines():
             if line and not line.startswith("#") and not _add(line):
-                tell(f"not a gamepad mapping: {line[:60]}")
+                report(f"not a gamepad mapping: {line[:60]}")
 
 
-def _there() -> dict[int, GamepadState | None]:
+def _connected() -> dict[int, GamepadState | None]:
     """All connected gamepads."""
     found: dict[int, GamepadState | None] = {}
     for number in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
@@ -166,11 +168,11 @@ def _beyond(offset: float, settings: GamepadSettings) -> float:
     return min(max(offset - zone, 0.0) / (1.0 - zone) * settings.sensitivity, 1.0)
 
 
-def _text_of(path: Path, tell: Callable[[str], None]) -> str:
+def _text_of(path: Path, report: Callable[[str], None]) -> str:
     try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as fault:
-        tell(f"{path}: cannot read ({getattr(fault, 'strerror', None) or 'not UTF-8 text'})")
+        return read_text(path)
+    except UserError as fault:
+        report(str(fault))
         return ""
 
 

@@ -10,7 +10,10 @@ import glfw
 import imgui_bundle
 from imgui_bundle import imgui
 
+from subsea.ui.key_queue import MODIFIERS, KeyQueue
 from subsea.view.text_viewports import WHOLE, TextViewport
+
+Rgb = tuple[float, float, float]
 
 TEXT_PT = 18.0
 ROOM = 34.0, 20.0  # smallest screen for the help, in heights of its letters
@@ -22,43 +25,26 @@ GLASS = (0.01, 0.06, 0.10)  # background of panels
 LIT = (0.16, 0.52, 0.66)
 MARK = (0.55, 0.90, 1.0)  # the chosen item, and curves
 SHADE = (0.0, 0.05, 0.08)  # behind text over the sea
+BACKING = 0.6  # opacity of a dark ground under text
+CLAMP = imgui.SliderFlags_.always_clamp.value  # also what is typed
 
 KEYS = {
-    glfw.KEY_TAB: imgui.Key.tab,
     glfw.KEY_LEFT: imgui.Key.left_arrow,
     glfw.KEY_RIGHT: imgui.Key.right_arrow,
     glfw.KEY_UP: imgui.Key.up_arrow,
     glfw.KEY_DOWN: imgui.Key.down_arrow,
-    glfw.KEY_PAGE_UP: imgui.Key.page_up,
-    glfw.KEY_PAGE_DOWN: imgui.Key.page_down,
-    glfw.KEY_HOME: imgui.Key.home,
-    glfw.KEY_END: imgui.Key.end,
-    glfw.KEY_INSERT: imgui.Key.insert,
-    glfw.KEY_DELETE: imgui.Key.delete,
-    glfw.KEY_BACKSPACE: imgui.Key.backspace,
-    glfw.KEY_SPACE: imgui.Key.space,
-    glfw.KEY_ENTER: imgui.Key.enter,
     glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
-    glfw.KEY_ESCAPE: imgui.Key.escape,
-    # With Ctrl: all, copy, paste, cut, redo, undo, save.
-    glfw.KEY_A: imgui.Key.a,
-    glfw.KEY_C: imgui.Key.c,
-    glfw.KEY_V: imgui.Key.v,
-    glfw.KEY_X: imgui.Key.x,
-    glfw.KEY_Y: imgui.Key.y,
-    glfw.KEY_Z: imgui.Key.z,
-    glfw.KEY_S: imgui.Key.s,
-}
+} | {
+    getattr(glfw, f"KEY_{name.upper()}"): imgui.Key[name]
+    for name in (
+        "tab", "page_up", "page_down", "home", "end", "insert", "delete", "backspace", "space",
+        "enter", "escape", *"acvxyzs",  # with Ctrl: all, copy, paste, cut, redo, undo, save
+    )
+}  # fmt: skip
 PRESSED = {
     imgui.Key.mod_ctrl: (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL),
     imgui.Key.mod_shift: (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT),
 }
-MODIFIERS = (
-    (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
-    (glfw.MOD_SHIFT, imgui.Key.mod_shift),
-    (glfw.MOD_ALT, imgui.Key.mod_alt),
-    (glfw.MOD_SUPER, imgui.Key.mod_super),
-)
 # Parts of a gamepad that navigate: to the next entry, choose, back.
 PADS = {
     "pad A": imgui.Key.gamepad_face_down,
@@ -92,6 +78,7 @@ class Gui:
         self._unsure = 0  # frames until it is known whether the last click was on a text field
         self._context = imgui.create_context()
         self._io = imgui.get_io()
+        self._keys = KeyQueue()
         self._io.set_ini_filename(None)
         self._io.config_error_recovery_enable_debug_log = False  # see `recovering_errors`
         self._io.config_error_recovery_enable_tooltip = False
@@ -104,7 +91,7 @@ class Gui:
         self._window = 1.0, 1.0
         self._viewports: Sequence[TextViewport] = (WHOLE,)
         self._last = time.perf_counter()
-        _dress(imgui.get_style())
+        _set_style(imgui.get_style())
 
     def begin(
         self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
@@ -126,6 +113,8 @@ class Gui:
         self._io.display_framebuffer_scale = imgui.ImVec2(
             pixels[0] / points[0], pixels[1] / points[1]
         )
+        self._draw_pointer(self.open and len(viewports) > 1)
+        self._keys.feed()
         imgui.new_frame()
         self._unsure = max(self._unsure - 1, 0)
         tall = min(
@@ -155,17 +144,25 @@ class Gui:
             data.framebuffer_scale = imgui.ImVec2(across / wider, down / higher)
             imgui.backends.opengl3_render_draw_data(data)
 
+    def _draw_pointer(self, on: bool) -> None:
+        """Draw the pointer for each eye, or have the desktop show it once."""
+        if on != self._io.mouse_draw_cursor:
+            self._io.mouse_draw_cursor = on
+            mode = glfw.CURSOR_HIDDEN if on else glfw.CURSOR_NORMAL
+            glfw.set_input_mode(glfw.get_current_context(), glfw.CURSOR, mode)
+
     def navigate(self, on: bool) -> None:
-        """Set whether arrows, Enter and a gamepad navigate."""
+        """Set whether arrows, Enter and a gamepad navigate. The focused entry is outlined."""
         flags = imgui.ConfigFlags_
         keys = flags.nav_enable_keyboard.value | flags.nav_enable_gamepad.value
         self._io.config_flags = self._io.config_flags & ~keys | (keys if on else 0)
+        self._io.config_nav_cursor_visible_always = on  # else Enter is ignored until an arrow
         self._navigated = on
         self._io.backend_flags |= imgui.BackendFlags_.has_gamepad.value
 
     @property
     def on_panel(self) -> bool:
-        """Whether the pointer is on a panel, or in a drag that began on one."""
+        """True if the pointer is on a panel, or in a drag that began on one."""
         return bool(self._io.want_capture_mouse)
 
     @property
@@ -212,13 +209,13 @@ class Gui:
         self.heard += 1
         if self.open or not down:
             for bit, name in MODIFIERS:
-                self._io.add_key_event(name, bool(modifiers & bit))
+                self._keys.press(name, bool(modifiers & bit))
             # ImGui expects the modifiers of an event before it.
             for name, keys in PRESSED.items():
                 if key in keys:
-                    self._io.add_key_event(name, down)
+                    self._keys.press(name, down)
             if key in KEYS:
-                self._io.add_key_event(KEYS[key], down)
+                self._keys.press(KEYS[key], down)
         return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
 
     def moved(self, name: str, amount: float) -> bool:
@@ -232,7 +229,7 @@ class Gui:
         """A character was typed."""
         self.heard += 1
         if self.open:
-            self._io.add_input_character(character)
+            self._keys.type(character)
 
     def release_all(self) -> None:
         """Release all inputs: the window lost the keyboard, or panels were closed."""
@@ -240,7 +237,7 @@ class Gui:
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
         for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
-            self._io.add_key_event(name, False)
+            self._keys.press(name, False)
 
     def close(self) -> None:
         """Release resources; the window's context must still be current."""
@@ -262,6 +259,21 @@ def recovering_errors() -> Iterator[None]:
         raise
 
 
+def button(label: str, enabled: bool) -> bool:
+    """Draw a button that may be disabled; returns True if it was pressed."""
+    imgui.begin_disabled(not enabled)
+    pressed = bool(imgui.button(label))
+    imgui.end_disabled()
+    return pressed and enabled
+
+
+def wrapped_text(text: str, rgb: Rgb = QUIET, wide: float = 0.0) -> None:
+    """Text that wraps at `wide` heights of letters; 0: at the edge of the panel."""
+    imgui.push_text_wrap_pos(wide * imgui.get_font_size())
+    imgui.text_colored((*rgb, 1.0), text)
+    imgui.pop_text_wrap_pos()
+
+
 def fill_with_text(text: str) -> None:
     """Fill the window with one line of text, in the current frame."""
     size = imgui.get_io().display_size
@@ -271,14 +283,27 @@ def fill_with_text(text: str) -> None:
     canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), colour(INK), text)
 
 
-def colour(rgb: tuple[float, float, float], alpha: float = 1.0) -> int:
+def colour(rgb: Rgb, alpha: float = 1.0) -> int:
     """A colour packed for draw lists."""
     packed: int = imgui.get_color_u32((*rgb, alpha))
     return packed
 
 
+def draw_backing(
+    low: tuple[float, float], high: tuple[float, float], line: float, opacity: float = 1.0
+) -> None:
+    """Draw a dark ground for letters `line` high, from an upper left to a lower right corner."""
+    (left, top), (right, foot), room = low, high, 0.45 * line
+    imgui.get_background_draw_list().add_rect_filled(
+        (left - room, top - 0.5 * room),
+        (right + room, foot + 0.5 * room),
+        colour(SHADE, BACKING * opacity),
+        0.35 * line,
+    )
+
+
 def draw_shadowed_text(
-    place: tuple[float, float], text: str, size: float, rgb: tuple[float, float, float],
+    place: tuple[float, float], text: str, size: float, rgb: Rgb,
     alpha: float = 1.0, share: float = 0.0,
 ) -> None:  # fmt: skip
     """Draw text with a shadow over the sea; `share` of its width lies left of the place."""
@@ -300,7 +325,7 @@ def _within(viewport: TextViewport, x: float, y: float) -> bool:
     )
 
 
-def _dress(style: Any) -> None:
+def _set_style(style: Any) -> None:
     """Style panels: dark glass over the sea, one light colour for the chosen item."""
     style.window_rounding, style.frame_rounding, style.grab_rounding = 8.0, 4.0, 4.0
     style.popup_rounding, style.scrollbar_rounding, style.tab_rounding = 6.0, 6.0, 4.0
@@ -311,12 +336,12 @@ def _dress(style: Any) -> None:
     for name, rgb, alpha in (
         (names.text, INK, 1.0),
         (names.text_disabled, QUIET, 0.8),
-        (names.window_bg, GLASS, 0.86),
-        (names.popup_bg, GLASS, 0.94),
+        (names.window_bg, GLASS, 0.97),
+        (names.popup_bg, GLASS, 0.98),
         (names.menu_bar_bg, GLASS, 0.78),
-        (names.title_bg, GLASS, 0.9),
-        (names.title_bg_active, (0.04, 0.17, 0.24), 0.95),
-        (names.title_bg_collapsed, GLASS, 0.6),
+        (names.title_bg, (0.02, 0.10, 0.15), 1.0),
+        (names.title_bg_active, (0.04, 0.17, 0.24), 1.0),
+        (names.title_bg_collapsed, GLASS, 0.9),
         (names.frame_bg, (0.13, 0.27, 0.34), 0.55),
         (names.frame_bg_hovered, (0.18, 0.38, 0.47), 0.7),
         (names.frame_bg_active, (0.18, 0.42, 0.52), 0.85),

@@ -1,4 +1,7 @@
-"""The help: a mouse with the functions of its parts, and the most important keys, as bound."""
+"""The help: a mouse with the functions of its parts, and the most important keys, as bound.
+
+A new visitor sees three lines of it in the upper left corner, which leave the sea free.
+"""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -6,12 +9,13 @@ from typing import Any, NamedTuple
 from imgui_bundle import imgui
 
 from subsea.dive.bindings import Bindings, ControlName
-from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_shadowed_text
+from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
 
-WIDE, HIGH = 32.0, 15.6  # of the help, in heights of letters
+WIDE, HIGH = 32.0, 17.4  # of the help, in heights of letters
 ROW = 1.38
 KEYS_X, WORDS_X = 17.0, 21.8  # left edges of the columns of keys and texts
 CAP = 1.15  # height of a key
+BRIEF_ROW, BRIEF_GAP = 1.5, 1.2  # of the three lines: height, and space between two parts
 ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
 
 # Labels beside the mouse.
@@ -20,17 +24,25 @@ BESIDE_MOUSE: dict[ControlName, str] = {
     "up": "nose up", "down": "nose down", "rise": "rise", "dive": "dive",
 }  # fmt: skip
 PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
-    (("ahead", "astern"), "ahead and back"),
-    (("left", "right"), "turn"),
-    (("up", "down"), "nose up and down"),
-    (("rise", "dive"), "rise and dive"),
+    (("ahead", "astern"), "hold: ahead, back"),
+    (("left", "right"), "hold: turn"),
+    (("up", "down"), "hold: nose up, down"),
+    (("rise", "dive"), "hold: rise, dive"),
     (("full stop",), "stop"),
     (("ride",), "ride a fish"),
+    (("follow",), "follow a fish"),
+    (("reins",), "steer the fish"),
     (("lights",), "lights"),
     (("desk",), "panels"),
     (("menu",), "menu"),
     (("help",), "this help"),
 )
+GREETING: tuple[tuple[tuple[tuple[ControlName, ...], str], ...], ...] = (
+    ((("follow",), "follow a fish"), (("reins",), "steer it")),
+    ((("help",), "all keys"), (("menu",), "menu")),
+)
+NOT_SHARED: tuple[ControlName, ...] = ("follow", "ride", "reins", "desk")
+"""Controls without a function where several computers show the dive."""
 
 
 class Row(NamedTuple):
@@ -49,6 +61,7 @@ class HelpContent(NamedTuple):
     moving: str
     both: str
     rows: tuple[Row, ...]
+    brief: tuple[tuple[Row, ...], ...]  # lines for a new visitor
 
 
 def help_content(
@@ -59,20 +72,58 @@ def help_content(
         BESIDE_MOUSE.get(control, "") if (control := bindings.control(f"mouse {name}")) else ""
         for name in ("left", "right", "middle")
     )
-    rows = []
-    for controls, what in PAIRS:
-        keys = tuple(key for one in controls if (key := _key(bindings, one)))
-        if keys and not set(controls) & set(without):
-            rows.append(Row(keys, what))
     lifts = {left, right} == {"ahead", "back"} and steers
+    if left == "ahead" and steers:
+        first = [Row((), "point where to look, hold the left button to go there")]
+    else:
+        first = _rows(bindings, (PAIRS[0], PAIRS[1]), without)
+    greeting = (first, *(_rows(bindings, line, without) for line in GREETING))
     return HelpContent(
         left,
         right,
         f"wheel: speed, press: {middle}" if middle else "wheel: speed",
         "move: look and turn" if steers else "",
-        "both buttons and move: rise, dive" if lifts else "",
-        tuple(rows),
+        "hold both and move: rise, dive" if lifts else "",
+        tuple(_rows(bindings, PAIRS, without)),
+        tuple(tuple(line) for line in greeting if line),
     )
+
+
+def _rows(
+    bindings: Bindings,
+    pairs: Sequence[tuple[tuple[ControlName, ...], str]],
+    without: Sequence[ControlName],
+) -> list[Row]:
+    """The rows of controls that have keys, and are available."""
+    rows = []
+    for controls, what in pairs:
+        keys = tuple(key for one in controls if (key := _key(bindings, one)))
+        if keys and not set(controls) & set(without):
+            rows.append(Row(keys, what))
+    return rows
+
+
+def draw_brief(content: HelpContent, opacity: float) -> None:
+    """Draw the lines for a new visitor at the upper left of the current frame."""
+    line = imgui.get_font_size()
+    canvas, left, top = imgui.get_background_draw_list(), 1.6 * line, 1.2 * line
+    wide = max((sum(_part_width(row, line) for row in rows) for rows in content.brief), default=0.0)
+    foot = top + BRIEF_ROW * len(content.brief) * line
+    draw_backing((left, top), (left + wide - BRIEF_GAP * line, foot), line, opacity)
+    for number, rows in enumerate(content.brief):
+        x, y = left, top + (BRIEF_ROW * number + (BRIEF_ROW - CAP) / 2) * line
+        for row in rows:
+            after = x + _part_width(row, line)
+            for key in row.keys:
+                x += _cap(canvas, key, x, y, line, opacity) + 0.3 * line
+            draw_shadowed_text((x, y + (CAP - 1.0) / 2 * line), row.what, line, INK, opacity)
+            x = after
+
+
+def _part_width(row: Row, line: float) -> float:
+    """Width of keys, their function and the gap after it."""
+    keys = sum(_cap_width(key, line) + 0.3 * line for key in row.keys)
+    return keys + float(imgui.calc_text_size(row.what).x) + BRIEF_GAP * line
 
 
 def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
@@ -120,9 +171,14 @@ def _mouse(
     canvas.add_rect_filled(
         (x - 0.38 * line, top + 0.7 * line), (x + 0.38 * line, top + 2.2 * line), ink, 0.38 * line
     )
-    beside, gap = top + 0.9 * line, 0.7 * line
-    draw_shadowed_text((left - gap, beside), content.left, 1.1 * line, INK, opacity, 1.0)
-    draw_shadowed_text((right + gap, beside), content.right, 1.1 * line, INK, opacity)
+    beside, gap = top + 1.3 * line, 0.7 * line
+    for place, text, share in (
+        (left - gap, content.left, 1.0),
+        (right + gap, content.right, 0.0),
+    ):
+        if text not in ("", BESIDE_MOUSE["full stop"]):
+            draw_shadowed_text((place, beside - line), "hold:", 0.85 * line, QUIET, opacity, share)
+        draw_shadowed_text((place, beside), text, 1.1 * line, INK, opacity, share)
     draw_shadowed_text((x, y + 1.5 * line), content.wheel, line, INK, opacity, 0.5)
     if content.moving:
         middle = cut + 0.5 * (foot - cut)
@@ -134,10 +190,7 @@ def _mouse(
 
 def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float) -> float:
     """Draw a key with its name; returns its width."""
-    imgui.push_font(None, 0.8 * line)
-    text = imgui.calc_text_size(key)
-    imgui.pop_font()
-    wide = CAP * line if key in ARROWS else max(CAP * line, text.x + 0.7 * line)
+    wide = _cap_width(key, line)
     corners = (x, y), (x + wide, y + CAP * line)
     canvas.add_rect_filled(*corners, colour(INK, 0.14 * opacity), 0.25 * line)
     canvas.add_rect(*corners, colour(INK, 0.5 * opacity), 0.25 * line)
@@ -147,6 +200,13 @@ def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float)
     else:
         draw_shadowed_text((middle[0], middle[1] - 0.4 * line), key, 0.8 * line, INK, opacity, 0.5)
     return wide
+
+
+def _cap_width(key: str, line: float) -> float:
+    imgui.push_font(None, 0.8 * line)
+    text = float(imgui.calc_text_size(key).x)
+    imgui.pop_font()
+    return CAP * line if key in ARROWS else max(CAP * line, text + 0.7 * line)
 
 
 def _arrow(

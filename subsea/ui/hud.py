@@ -32,7 +32,7 @@ class Reading(NamedTuple):
     stopping: bool
 
     def differs(self, other: "Reading") -> bool:
-        """Whether the difference is visible."""
+        """True if the difference is visible."""
         turned = abs(math.remainder(self.heading_deg - other.heading_deg, 360.0))
         return (
             abs(self.depth_m - other.depth_m) > 0.15
@@ -54,19 +54,18 @@ class Hud:
     """Draws the instruments, and fades them in and out."""
 
     def __init__(self) -> None:
-        """Visible at first, then as needed."""
         self.mode: Mode = "as needed"
         self.opacity = 1.0
         self._noted: Reading | None = None
         self._still_s = 0.0
 
-    def turn(self) -> Mode:
+    def cycle(self) -> Mode:
         """Set the next of `MODES`, cyclically."""
         self.mode = MODES[(MODES.index(self.mode) + 1) % len(MODES)]
         self._still_s = 0.0
         return self.mode
 
-    def look(self, now: Reading, dt: float, wanted: bool = True) -> None:
+    def update(self, now: Reading, dt: float, wanted: bool = True) -> None:
         """Fade in or out, `dt` seconds after the last call; hide unless `wanted`."""
         self._still_s += dt
         if self._noted is None or now.differs(self._noted):

@@ -53,7 +53,7 @@ class IdleTours:
             self._kiosk.update(active, elapsed_s)
         # A visitor who works with panels, paused time or films is not interrupted.
         busy = dive.inspector.open and not dive.menu.open
-        busy |= dive.picture.pattern or dive.filming or not ticks.has_pilot
+        busy |= dive.picture.pattern or dive.shots.filming or not ticks.has_pilot
         busy |= dive.timeline is not None and dive.timeline.paused
         what = self.timer.update(active, elapsed_s, not busy)
         if what == "end":
@@ -87,7 +87,7 @@ class IdleTours:
 
     @property
     def _directions_over(self) -> bool:
-        """Whether an idle kiosk has shown all of its directions."""
+        """True if an idle kiosk has shown all of its directions."""
         dive = self._dive
         shows = self.timer.touring and self._kiosk is not None and not dive.shared
         directed = self.name == DIRECTED and is_directed(dive.world.scenario)

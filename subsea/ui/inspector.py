@@ -4,7 +4,6 @@ While it is open the pointer does not steer: it uses panels, and picks and drags
 Keys still steer.
 """
 
-import itertools
 import traceback
 import warnings
 from collections.abc import Iterator
@@ -18,31 +17,41 @@ from subsea.core.errors import UserError
 from subsea.dive.intention_text import name_of
 from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
+from subsea.ui.panel_layout import (
+    OTHER_SIZE,
+    SIZES,
+    Area,
+    best_place,
+    covers,
+    eye_areas,
+    read_places,
+    write_places,
+)
 from subsea.ui.panels import PANELS
 
 RING = 0.62  # radius of the ring around the chosen fish, in its lengths
 LEAST_RING = 0.6  # least radius, in heights of letters
 MARGIN, BAR = 0.7, 1.9  # around panels, and height of the bar, in heights of letters
-LIKELY = 26.0, 20.0  # expected size of a panel before it is drawn, in the same
+ABREAST = 84.0  # width of three panels, in heights of their letters
+LEAST_LETTERS = 0.82  # share of the usual height of letters
 BACK = "To the helm"  # the bar's last entry
 LEAST_SHARE = 0.1  # smallest factor on the bar's letters, in a narrow window
 LEAST_GAP = 2.0  # between the bar's entries, in pointer units
 PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizontal_scrollbar.value
-STEP = 1.6  # offset of further panels when there is no free room
 
 
 class Inspector(PanelContext):
     """The bar and the windows of the panels."""
 
     def __init__(self, dive: DiveContext) -> None:
-        """Closed, in this dive."""
         super().__init__(dive)
         self.shown: set[str] = set()  # names of open panels
-        self.areas: dict[str, tuple[float, float, float, float]] = {}  # x, y, width, height
+        self.areas: dict[str, Area] = {}  # of drawn panels
+        self.places = read_places()  # of panels that were dragged
 
     @property
     def open(self) -> bool:
-        """Whether the pointer uses panels rather than steers."""
+        """True if the pointer uses panels rather than steers."""
         return self.dive.gui.open
 
     def toggle(self) -> None:
@@ -53,11 +62,16 @@ class Inspector(PanelContext):
             self.dive.overlay.hide_help()  # it explains steering with the pointer
         else:
             gui.release_all()
+            write_places(self.places)
+
+    def close(self) -> None:
+        """Save where the panels are."""
+        write_places(self.places)
 
     def reset(self) -> None:
         """Clear the choice, after the world was replaced."""
         self.chosen = None
-        self.take_changes()
+        self._changed = False
 
     def draw(self) -> None:
         """Draw the bar and the open panels in the current frame."""
@@ -66,26 +80,26 @@ class Inspector(PanelContext):
             return
         self._mark_chosen()
         self._bar()
-        for name, panel in PANELS.items():
-            if name not in self.shown:
-                self.areas.pop(name, None)
-                continue
-            if name not in self.areas:
-                imgui.set_next_window_pos(self._room(), imgui.Cond_.first_use_ever.value)
+        imgui.push_font(None, _letters())
+        self.areas = {name: area for name, area in self.areas.items() if name in self.shown}
+        for name in [name for name in PANELS if name in self.shown]:
             _keep_inside(name)
+            if name not in self.areas:
+                imgui.set_next_window_pos(self._opening_place(name))
+                imgui.set_next_window_focus()
             drawn, stays = imgui.begin(name, True, PANEL)
             if drawn:
                 with self._contained(name), recovering_errors():
-                    panel(self)
-            (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
-            self.areas[name] = x, y, width, height
+                    PANELS[name](self)
+            self._note_area(name)
             imgui.end()
             if not stays:
                 self.shown.discard(name)
+        imgui.pop_font()
         if imgui.is_mouse_released(0) and not self.dive.gui.on_panel:
             dragged = imgui.get_mouse_drag_delta(0)
             if not (dragged.x or dragged.y or self.dragging):
-                self._choose_at(*self.dive.gui.pointer)
+                self.chosen = self.dive.picture.fish_at(*self.dive.gui.pointer)
         self.dragging &= imgui.is_mouse_down(0)
 
     def _bar(self) -> None:
@@ -101,7 +115,7 @@ class Inspector(PanelContext):
         if imgui.begin_main_menu_bar():
             for name in PANELS:
                 if imgui.menu_item(name, "", name in self.shown)[0]:
-                    self.shown ^= {name}
+                    self._open_or_close(name)
             imgui.separator()
             if imgui.menu_item(BACK, "", False)[0]:
                 self.toggle()
@@ -124,35 +138,54 @@ class Inspector(PanelContext):
             self.shown.discard(what)
             warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
 
-    def _room(self) -> tuple[float, float]:
-        """A place for another panel that hides none of the open ones, if possible."""
-        line, size = imgui.get_font_size(), imgui.get_io().display_size
-        margin, taken = MARGIN * line, self.areas.values()
-        columns = sorted([margin, *(x + width + margin for x, _, width, _ in taken)])
-        rows = sorted([BAR * line, *(y + height + margin for _, y, _, height in taken)])
-        for share in (1.0, 0.5, 0.25):
-            wide, high = (share * length * line for length in LIKELY)
-            for x, y in itertools.product(columns, rows):
-                fits = x + wide <= size.x and y + high <= size.y
-                if fits and not any(
-                    x < left + width and left < x + wide and y < top + height and top < y + high
-                    for left, top, width, height in taken
-                ):
-                    return x, y
-        step = STEP * line * len(self.areas)
-        return margin + step, BAR * line + step
+    def _open_or_close(self, name: str) -> None:
+        """Raise a panel that others cover; else open or close it."""
+        if name in self.areas and covers(
+            (self.areas[one] for one in self._above(name)), self.areas[name]
+        ):
+            imgui.set_window_focus(name)
+        else:
+            self.shown ^= {name}
+
+    def _above(self, name: str) -> list[str]:
+        """The panels drawn after this one, last frame."""
+        depth = {
+            one: imgui.internal.find_window_display_index(window)
+            for one in self.areas
+            if (window := imgui.internal.find_window_by_name(one))
+        }
+        return [one for one in depth if depth[one] > depth[name]]
+
+    def _note_area(self, name: str) -> None:
+        """Note where the current window is; also for other dives if it is being dragged."""
+        (x, y), (width, height) = imgui.get_window_pos(), imgui.get_window_size()
+        before, screen = self.areas.get(name), imgui.get_io().display_size
+        if before and before[:2] != (x, y) and imgui.is_mouse_dragging(0):
+            self.places[name] = _share(x / screen.x), _share(y / screen.y)
+        self.areas[name] = x, y, width, height
+
+    def _opening_place(self, name: str) -> tuple[float, float]:
+        """The place a panel was dragged to, else the one that covers least of the open panels."""
+        line, screen = imgui.get_font_size(), imgui.get_io().display_size
+        if name in self.places:
+            x, y = self.places[name]
+            return x * screen.x, y * screen.y
+        margin, bar = MARGIN * line, BAR * line
+        room = margin, bar, screen.x - 2.0 * margin, screen.y - bar - margin
+        wide, high = SIZES.get(name, OTHER_SIZE)
+        taken = list(self.areas.values())
+        if name == "Fish view" or self.dive.picture.insets:
+            taken += eye_areas(screen.x, screen.y)
+        return best_place((wide * line, high * line), room, taken, line)[:2]
 
     def end_frame(self) -> None:
         """Run the calls that panels deferred to the end of the frame."""
-        if self.take_changes() and self.dive.timeline:
+        if self._changed and self.dive.timeline:
             self.dive.timeline.touch()
-        for act in self.take_waiting():
+        waiting, self._changed, self._after_frame = self._after_frame, False, []
+        for act in waiting:
             with self._contained("That"):
                 act()
-
-    def _choose_at(self, x: float, y: float) -> None:
-        """Choose the fish at a place on the screen; None if there is none."""
-        self.chosen = self.dive.picture.fish_at(x, y)
 
     def _drop_dead(self) -> None:
         world = self.dive.world
@@ -180,6 +213,16 @@ class Inspector(PanelContext):
         canvas = imgui.get_background_draw_list()
         for wide, ink in ((0.16, colour(GLASS, 0.5)), (0.07, colour(MARK, 0.95))):
             canvas.add_circle(middle, radius, ink, 0, max(wide * line, 1.0))
+
+
+def _letters() -> float:
+    """The height of letters on panels: less on a narrow screen, so that three stand abreast."""
+    usual = imgui.get_font_size()
+    return min(max(imgui.get_io().display_size.x / ABREAST, LEAST_LETTERS * usual), usual)
+
+
+def _share(value: float) -> float:
+    return min(max(value, 0.0), 1.0)
 
 
 def _keep_inside(name: str) -> None:

@@ -1,7 +1,6 @@
 """Kiosk mode for exhibitions: only a key of the operator ends the dive."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
@@ -16,7 +15,6 @@ class Kiosk:
     """Keeps windows open and in front, and hides a resting pointer."""
 
     def __init__(self, windows: Sequence[GlWindow]) -> None:
-        """Begin now."""
         self._windows = windows
         self._rested_s = self._away_s = 0.0
         self._hidden = False
@@ -38,11 +36,7 @@ class Kiosk:
             self._away_s = 0.0
         elif self._away_s > AGAIN_S:
             self._away_s = 0.0
-            self._take_back(self._windows[0].handle)
-
-    @staticmethod
-    def _take_back(handle: Any) -> None:
-        """Restore the window and take the keyboard."""
-        if glfw.get_window_attrib(handle, glfw.ICONIFIED):
-            glfw.restore_window(handle)
-        glfw.focus_window(handle)
+            handle = self._windows[0].handle
+            if glfw.get_window_attrib(handle, glfw.ICONIFIED):
+                glfw.restore_window(handle)
+            glfw.focus_window(handle)

@@ -5,6 +5,7 @@ The sea goes on behind it, dimmed, while the submarine holds station.
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,9 +24,12 @@ from subsea.ui.panels.fields import typed_whole
 APPEAR_S = 0.25
 DIM = 0.5  # opacity of the shade over the sea
 LARGE = 2.0  # size of its letters over that of other text, if there is room
-LEAST = 0.8  # least size; then pages scroll
+LEAST = 0.74  # least size; then pages scroll
 ROW = 1.75  # height of an entry, in heights of letters
+PADDING = 0.25  # above and below its text
+ABOUT, ABOUT_SIZE = 0.65, 0.7  # height of the line below an entry, and of its letters
 WIDE = 17.0  # width of an entry, in the same
+SEED = "The same seed, the same dive; another one, another dive."
 
 DISPLAYS = {
     "mono": "One picture",
@@ -50,6 +54,12 @@ class Entry(NamedTuple):
     act: Callable[[], object]
     aside: str = ""  # text at its right end
     chosen: bool = False
+    about: str = ""  # a line below it
+
+    @property
+    def high(self) -> float:
+        """Its height, in heights of letters."""
+        return ROW + ABOUT if self.about else ROW
 
 
 class Menu:
@@ -63,7 +73,7 @@ class Menu:
         self.page = ""
         self._opacity = 0.0
         self._gui_was_open = False
-        self._titles: dict[Path, str] = {}
+        self._files: dict[Path, ScenarioSummary] = {}
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
             "Display": self._displays,
@@ -75,7 +85,7 @@ class Menu:
         """Open it; it takes the pointer, arrows and Enter."""
         self.open, self.page, self._opacity = True, "", 0.0
         self.seed = self.dive.world.state.seed
-        self._titles = scenario_titles()
+        self._files = scenario_summaries()
         self._gui_was_open = self.dive.gui.open
         self.dive.gui.open = True
         self.dive.gui.navigate(True)
@@ -90,7 +100,7 @@ class Menu:
     def back(self) -> None:
         """Return to the first page, or close it."""
         if self.page:
-            self._turn("")
+            self._open_page("")
         else:
             self.hide()
 
@@ -102,13 +112,12 @@ class Menu:
         """Draw it in the current frame, `dt` seconds after the last."""
         self._opacity = min(self._opacity + dt / APPEAR_S, 1.0)
         size = imgui.get_io().display_size
-        shade = colour(DEEP, DIM * self._opacity)
-        imgui.get_background_draw_list().add_rect_filled((0.0, 0.0), size, shade)
+        self.dive.picture.darken(DEEP, DIM * self._opacity)
         entries = self.entries()
         seeded = self.page == "Scenario" and not self.kiosk
-        rows = len(entries) + 2.5 + seeded
+        rows = sum(entry.high for entry in entries) + ROW * (2.5 + seeded)
         letters = imgui.get_font_size()
-        high, least = size.y / (ROW * rows + 1.0), LEAST * letters
+        high, least = size.y / (rows + 1.0), LEAST * letters
         line = min(LARGE * letters, max(high, least), size.x / (WIDE + 4.0))
         imgui.push_font(None, line)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
@@ -116,8 +125,7 @@ class Menu:
         imgui.push_style_var(imgui.StyleVar_.window_padding.value, (0.9 * line, 0.8 * line))
         imgui.push_style_var(imgui.StyleVar_.frame_rounding.value, 0.3 * line)
         imgui.push_style_var(imgui.StyleVar_.item_spacing.value, (0.4 * line, 0.12 * line))
-        imgui.push_style_var(imgui.StyleVar_.button_text_align.value, (0.0, 0.5))
-        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.7 * line, 0.25 * line))
+        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (0.7 * line, PADDING * line))
         imgui.set_next_window_pos((size.x / 2, size.y / 2), 0, (0.5, 0.5))
         imgui.set_next_window_size_constraints((0.0, 0.0), (size.x, size.y))
         flags = imgui.WindowFlags_
@@ -143,21 +151,34 @@ class Menu:
         imgui.end()
         if imgui.is_key_pressed(imgui.Key.gamepad_face_right):
             self.dive.inspector.later(self.back)
-        imgui.pop_style_var(7)
+        imgui.pop_style_var(6)
         imgui.pop_font()
 
     def draw_entry(self, entry: Entry, line: float) -> None:
         """Draw one line of the menu, its letters `line` high."""
         clear = (0.0, 0.0, 0.0, 0.0)
         imgui.push_style_color(imgui.Col_.button.value, (*LIT, 0.35) if entry.chosen else clear)
-        pressed = imgui.button(f"{entry.text}##{entry.aside}", (WIDE * line, (ROW - 0.12) * line))
+        room = ROW - 1.12 - 2.0 * PADDING  # for the text in the upper ROW of it
+        align = 0.0, 0.5 * room / (room + entry.high - ROW)
+        imgui.push_style_var(imgui.StyleVar_.button_text_align.value, align)
+        size = WIDE * line, (entry.high - 0.12) * line
+        pressed = imgui.button(f"{entry.text}##{entry.aside}", size)
+        imgui.pop_style_var()
         imgui.pop_style_color()
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        canvas, ground = imgui.get_window_draw_list(), low.y + (ROW - 0.12) * line
         if entry.aside:
             imgui.push_font(None, 0.7 * line)
             box = imgui.calc_text_size(entry.aside)
-            place = high.x - box.x - 0.7 * line, (low.y + high.y - box.y) / 2
-            imgui.get_window_draw_list().add_text(place, colour(QUIET), entry.aside)
+            place = high.x - box.x - 0.7 * line, (low.y + ground - box.y) / 2
+            canvas.add_text(place, colour(QUIET), entry.aside)
+            imgui.pop_font()
+        if entry.about:
+            imgui.push_font(None, ABOUT_SIZE * line)
+            canvas.push_clip_rect(low, high, True)  # it may be long
+            place = low.x + 0.7 * line, ground - 0.22 * line
+            canvas.add_text(place, colour(QUIET), entry.about)
+            canvas.pop_clip_rect()
             imgui.pop_font()
         if pressed:
             self.dive.inspector.later(entry.act)
@@ -174,55 +195,50 @@ class Menu:
         dive = self.dive
         yield Entry("Continue", self.hide)
         if not self.kiosk and dive.picture.displays:
-            yield Entry("Display", lambda: self._turn("Display"), DISPLAYS[dive.picture.display])
+            yield Entry(
+                "Display", lambda: self._open_page("Display"), DISPLAYS[dive.picture.display]
+            )
         if not self.kiosk:
             now = QUALITIES[dive.picture.quality]
-            yield Entry("Quality", lambda: self._turn("Quality"), now)
+            yield Entry("Quality", partial(self._open_page, "Quality"), now)
         if not dive.shared:
-            yield Entry("Scenario", lambda: self._turn("Scenario"), dive.scenario.title)
-        if not self.kiosk and dive.can_fill:
-            yield Entry("Full screen", dive.fill_screen)
+            yield Entry("Scenario", partial(self._open_page, "Scenario"), dive.scenario.title)
+        if not self.kiosk and not dive.window.fixed:
+            yield Entry("Full screen", dive.window.toggle_fullscreen)
         yield Entry("Help", self._help)
         if not self.kiosk:
-            yield Entry("Leave", dive.leave)
+            yield Entry("Leave", dive.window.ask_to_close)
 
     def _displays(self) -> Iterator[Entry]:
-        for name in self.dive.picture.displays:
-
-            def show(name: str = name) -> None:
-                self.dive.picture.show_as(name)
-
-            yield Entry(DISPLAYS[name], show, chosen=name == self.dive.picture.display)
+        picture = self.dive.picture
+        for name in picture.displays:
+            show = partial(picture.show_as, name)
+            yield Entry(DISPLAYS[name], show, chosen=name == picture.display)
         yield self._back()
 
     def _qualities(self) -> Iterator[Entry]:
+        picture = self.dive.picture
         for name in CHOICES:
-
-            def choose(name: str = name) -> None:
-                self.dive.picture.choose(name)
-
-            yield Entry(QUALITIES[name], choose, chosen=name == self.dive.picture.quality)
+            choose = partial(picture.choose, name)
+            yield Entry(QUALITIES[name], choose, chosen=name == picture.quality)
         yield self._back()
 
     def _scenarios(self) -> Iterator[Entry]:
         dive = self.dive
-        if dive.source.resolve() not in self._titles:
-            yield Entry(dive.scenario.title, self._anew, dive.source.name, chosen=True)
-        for path, title in self._titles.items():
-
-            def start(path: Path = path) -> None:
-                self._enter(path)
-
+        if dive.source.resolve() not in self._files:
+            now = dive.scenario
+            yield Entry(now.title, self._restart, dive.source.name, True, now.description)
+        for path, (title, description) in self._files.items():
             here = path == dive.source.resolve()
-            yield Entry(title, start, path.stem, chosen=here)
+            yield Entry(title, partial(self._enter, path), path.stem, here, description)
         if not self.kiosk:
-            yield Entry("Start anew", self._anew, f"with seed {self.seed}")
+            yield Entry("Restart", self._restart, f"with seed {self.seed}", about=SEED)
         yield self._back()
 
     def _back(self) -> Entry:
-        return Entry("Back", lambda: self._turn(""))
+        return Entry("Back", partial(self._open_page, ""))
 
-    def _turn(self, page: str) -> None:
+    def _open_page(self, page: str) -> None:
         self.page = page
 
     def _help(self) -> None:
@@ -238,24 +254,33 @@ class Menu:
         else:
             self.dive.open_world(scenario, source)
 
-    def _anew(self) -> None:
+    def _restart(self) -> None:
         self.hide()
         self.dive.open_world(self.dive.scenario, self.dive.source, self.seed)
 
 
-class _Titled(msgspec.Struct, frozen=True):
+class ScenarioSummary(NamedTuple):
+    """The title and the description of a scenario file."""
+
+    title: str
+    description: str
+
+
+class _Head(msgspec.Struct, frozen=True):
     title: str = ""
+    description: str = ""
 
 
-def scenario_titles() -> dict[Path, str]:
-    """Files of all named scenarios, with their titles.
+def scenario_summaries() -> dict[Path, ScenarioSummary]:
+    """Files of all named scenarios, with their titles and descriptions.
 
     An unreadable file is listed by its name; choosing it reports the error.
     """
-    return {(path := scenario_file(name).resolve()): _title(path) for name in scenario_names()}
+    return {(path := scenario_file(name).resolve()): _summary(path) for name in scenario_names()}
 
 
-def _title(path: Path) -> str:
+def _summary(path: Path) -> ScenarioSummary:
     with suppress(UserError):
-        return load_toml(path, _Titled).title or path.stem
-    return path.stem
+        head = load_toml(path, _Head)
+        return ScenarioSummary(head.title or path.stem, head.description)
+    return ScenarioSummary(path.stem, "")

@@ -29,7 +29,7 @@ class Screen(NamedTuple):
 
     @property
     def fixed(self) -> bool:
-        """Whether its place is given: then it has no border, and stays there."""
+        """True if its place is given: then it has no border, and stays there."""
         return self.position is not None or self.monitor is not None
 
 
@@ -103,9 +103,9 @@ def monitor_name(handle: Any) -> str:
 
 def placed(
     screens: Sequence[Screen],
-    there: Sequence[Monitor],
+    connected: Sequence[Monitor],
     source: str = "",
-    tell: Callable[[str], None] = lambda message: None,
+    warn: Callable[[str], None] = lambda message: None,
 ) -> list[tuple[int, Monitor | None]]:
     """Indices of the screens that can be shown, with the monitors that they ask for.
 
@@ -119,7 +119,7 @@ def placed(
         if screen.monitor is None:
             found.append((number, None))
             continue
-        fits = [m for m in there if screen.monitor in (m.number, m.name)]
+        fits = [m for m in connected if screen.monitor in (m.number, m.name)]
         window = f"{source}: window '{screen.name}'" if source else f"window '{screen.name}'"
         if len(fits) == 1 and fits[0].number in taken:
             faults.append(f"{window}: monitor {fits[0]} has window '{taken[fits[0].number]}'")
@@ -128,16 +128,16 @@ def placed(
             found.append((number, fits[0]))
             if fits[0].size != tuple(screen.size):
                 width, height = screen.size
-                tell(f"{window}: its {width}x{height} pixels are stretched over monitor {fits[0]}")
+                warn(f"{window}: its {width}x{height} pixels are stretched over monitor {fits[0]}")
         elif fits:
             number_one = f"{len(fits)} monitors are called {screen.monitor!r}, take a number"
-            faults.append(f"{window}: {number_one}; there are: {_list(there)}")
+            faults.append(f"{window}: {number_one}; there are: {_list(connected)}")
         else:
-            faults.append(f"{window}: no monitor {screen.monitor!r}; there are: {_list(there)}")
+            faults.append(f"{window}: no monitor {screen.monitor!r}; there are: {_list(connected)}")
     if not found:
         raise UserError(faults[0])
     for fault in faults:
-        tell(f"{fault}; this window is left out")
+        warn(f"{fault}; this window is left out")
     return found
 
 
@@ -148,5 +148,5 @@ def reason(fault: Exception) -> str:
     return words.removeprefix("b").strip("'\"").rstrip(".")
 
 
-def _list(there: Sequence[Monitor]) -> str:
-    return ", ".join(map(str, there)) or "none"
+def _list(connected: Sequence[Monitor]) -> str:
+    return ", ".join(map(str, connected)) or "none"

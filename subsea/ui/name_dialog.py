@@ -5,7 +5,8 @@ import re
 from imgui_bundle import imgui
 
 from subsea.fish.species import species_names
-from subsea.ui.question import modal
+from subsea.ui.gui import button
+from subsea.ui.question import cancelled, modal
 
 NOT_IN_KEY = re.compile(r"[^a-z0-9]+")
 LONGEST = 40  # characters
@@ -51,12 +52,11 @@ class NameDialog:
                 if changed:
                     self.key, self._key_typed = key[:LONGEST], bool(key)
                 imgui.dummy((0.0, 0.2 * line))
-                imgui.begin_disabled(not self.key or not self.name.strip())
-                if imgui.button("Make it" if self.copies else "Save it"):
+                named = bool(self.key and self.name.strip())
+                if button("Make it" if self.copies else "Save it", named):
                     answer = True
-                imgui.end_disabled()
                 imgui.same_line()
-                if imgui.button("Cancel") or imgui.is_key_pressed(imgui.Key.escape):
+                if imgui.button("Cancel") or cancelled():
                     answer = False
                 if answer is not None:
                     imgui.close_current_popup()

@@ -6,8 +6,8 @@ from typing import Any
 
 from imgui_bundle import imgui
 
-from subsea.ui.gui import INK, SHADE, colour, fill_with_text
-from subsea.ui.help_overlay import HelpContent, draw_help
+from subsea.ui.gui import INK, SHADE, colour, draw_backing
+from subsea.ui.help_overlay import HelpContent, draw_brief, draw_help
 from subsea.ui.hud import HIGH, Hud, Reading
 
 FADE_S = 1.5
@@ -18,14 +18,13 @@ MOVED_CM = 60.0  # distance after which the help fades
 class Overlay:
     """Text over the picture, drawn in a frame of the gui.
 
-    The help shows at the start, and fades when the submarine gets under way.
+    Three lines of the help show at the start, and fade when the submarine gets under way.
     """
 
     def __init__(self, help: HelpContent) -> None:
-        """Show this help."""
         self.help, self.hud = help, Hud()
         self.help_opacity = 1.0
-        self._pinned = False
+        self._full = False  # the whole help, until it is hidden
         self._shown = True
         self._gone_cm = 0.0
         self.note_text = ""
@@ -37,31 +36,32 @@ class Overlay:
 
     def show_help(self) -> None:
         """Show the help until it is hidden."""
-        self._shown = self._pinned = True
-        self._gone_cm = math.inf
+        self._shown = self._full = True
 
     def greet(self) -> None:
-        """Show the help to a new visitor, until the submarine is under way."""
-        self._shown, self._pinned, self._gone_cm = True, False, 0.0
+        """Show a new visitor three lines of the help, until the submarine is under way."""
+        self._shown, self._full, self._gone_cm = True, False, 0.0
 
     def hide_help(self) -> None:
         """Fade out the help."""
-        self._shown = self._pinned = False
+        self._shown = False
 
     def toggle_help(self) -> None:
-        """Show the help until it is hidden, or hide it."""
-        self._shown = not self._shown
-        self._pinned = self._shown
-        self._gone_cm = math.inf
+        """Show the whole help until it is hidden, or hide it."""
+        if self._shown and self._full:
+            self.hide_help()
+        else:
+            self.show_help()
 
     @property
     def help_hidden(self) -> bool:
-        """Whether no help covers the corners of the picture."""
+        """True if no help covers the corners of the picture."""
         return self.help_opacity == 0.0
 
-    def message(self, text: str) -> None:
-        """Fill the window with one line of text."""
-        fill_with_text(text)
+    @property
+    def covered(self) -> float:
+        """Opacity of the whole help, which covers the middle of the picture."""
+        return self.help_opacity if self._full else 0.0
 
     def draw(self, now: Reading, dt: float, circumstances: str = "", away: bool = False) -> None:
         """Draw help, notes and instruments, `dt` seconds after the last frame.
@@ -70,7 +70,7 @@ class Overlay:
         """
         self._note_s -= dt
         self._fade(abs(now.ahead_m_s) * 100.0 * dt, dt, away)
-        self.hud.look(now, dt, wanted=not away)
+        self.hud.update(now, dt, wanted=not away)
         self.hud.draw(now)
         size, line = imgui.get_io().display_size, imgui.get_font_size()
         # Text stays above the instruments even while they are hidden, so that it does not jump.
@@ -79,18 +79,14 @@ class Overlay:
         words = "   ".join(filter(None, (circumstances, note)))
         if words:
             foot = self._line(unbroken(words), size, foot)
-        if self.help_opacity > 0.0:
+        if self.help_opacity > 0.0 and self._full:
             draw_help(self.help, self.help_opacity, foot)
-
-    def caption(self, text: str) -> None:
-        """Draw one line at the foot of the picture."""
-        if text:
-            size = imgui.get_io().display_size
-            self._line(text, size, size.y - 1.2 * imgui.get_font_size())
+        elif self.help_opacity > 0.0:
+            draw_brief(self.help, self.help_opacity)
 
     def _fade(self, gone_cm: float, dt: float, away: bool) -> None:
         self._gone_cm += math.inf if away else gone_cm  # on a ride or tour counts as under way
-        if self._gone_cm > MOVED_CM and not self._pinned:
+        if self._gone_cm > MOVED_CM and not self._full:
             self._shown = False
         step = dt / FADE_S if self._shown else -dt / FADE_S
         self.help_opacity = min(max(self.help_opacity + step, 0.0), 1.0)
@@ -99,9 +95,11 @@ class Overlay:
         """Draw wrapped text that ends at `foot`; returns its upper edge less a gap."""
         line, font = imgui.get_font_size(), imgui.get_font()
         room = size.x - 2.4 * line
-        x, y = 1.2 * line, foot - imgui.calc_text_size(text, wrap_width=room).y
+        box = imgui.calc_text_size(text, wrap_width=room)
+        x, y = 1.2 * line, foot - box.y
+        draw_backing((x, y), (x + box.x, foot), line)
         canvas = imgui.get_background_draw_list()
-        for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK, 0.85))):
+        for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK))):
             canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
         return y - 0.6 * line
 

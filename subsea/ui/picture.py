@@ -15,7 +15,6 @@ from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
 from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import Label
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH
 from subsea.render.output.quality import (
     AUTO,
@@ -26,6 +25,7 @@ from subsea.render.output.quality import (
     first_rung,
     name_of,
 )
+from subsea.render.renderer import Renderer
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, display_rig
@@ -44,25 +44,27 @@ class ScenePicture:
     pictures, or a test pattern instead.
     """
 
-    def __init__(self, wall: WindowSet, fixed: CameraRig | None, display: DisplayOptions) -> None:
+    def __init__(
+        self, window_set: WindowSet, fixed: CameraRig | None, display: DisplayOptions
+    ) -> None:
         """Start without a world. The rig is the `fixed` one, else that of the display mode."""
         self.display = display.mode
         self.quality = display.quality
         self.alpha = 1.0  # the shown point between the last two ticks
         self.eye: CameraPose
         self.ride: Ride | None = None
-        self.pattern = False  # whether the test pattern is shown
+        self.pattern = False  # True if the test pattern is shown
         self.colours: RetinaColours = "colours"  # of retina pictures
-        self.eyes_shown = True  # whether retina pictures are shown
+        self.eyes_shown = True  # True if retina pictures are shown
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
         self.wireframe = display.wireframe  # draw edges of triangles
         self.labels: Sequence[Label] = ()  # of diagrams
         self.viewports: tuple[TextViewport, ...]  # for text
-        self._window_set, self._fixed, self._options = wall, fixed, display
+        self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # views of the current picture
-        self._context = wall.context
+        self._context = window_set.context
         renderer = self._context.info["GL_RENDERER"]
         self.target_ms = display.target_ms or adaptive_quality.target_for(renderer)
         self._take_rig()
@@ -114,6 +116,10 @@ class ScenePicture:
             self._draw(chosen)
         if self.pattern or not self._direct:
             self._window_set.show(self.renderer.pictures)
+
+    def darken(self, rgb: tuple[float, float, float], opacity: float) -> None:
+        """Blend a colour over the whole picture, in all windows and for all eyes."""
+        self._window_set.darken((*rgb, opacity))
 
     def arrange(self, clear: bool = True) -> None:
         """Set up the renderer for the rig, with retina pictures or a test pattern."""
@@ -215,14 +221,13 @@ class ScenePicture:
 
     @property
     def _direct(self) -> bool:
-        """Whether the picture is drawn straight into the only window."""
+        """True if the picture is drawn straight into the only window."""
         return self.rig.outputs == (self._window_set.front.size,)
 
     def _with_insets(self, clear: bool) -> bool:
         return self.ride is not None and self.eyes_shown and clear and not self.pattern
 
     def _draw(self, chosen: int | None) -> None:
-        """Draw the sea into the window or the renderer's pictures."""
         quality, ride = self.renderer.quality, self.ride
         self._seen = seen = self.views()
         own = len(seen) - len(self.insets)  # retina pictures have no diagrams

@@ -27,11 +27,11 @@ class PreviewPanel:
     def reshape(self, species: Species) -> None:
         """Change the shape, and keep swimming."""
         self.swimmer.reshape(species)
-        self._fish.dress(species)
+        self._fish.update(species)
 
     def set_sheet(self, species: Species, sheet: NDArray[np.uint8]) -> None:
         """Show another sheet."""
-        self._fish.dress(species, sheet)
+        self._fish.update(species, sheet)
 
     def draw(self, size: tuple[float, float], scale: float, elapsed_s: float) -> None:
         """Draw it, `size` in pointer units of `scale` pixels.

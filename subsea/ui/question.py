@@ -29,12 +29,24 @@ class Question:
                         imgui.same_line()
                     if imgui.button(f"{label}##answer"):
                         answer = label
-                if imgui.is_key_pressed(imgui.Key.escape):
+                if cancelled():
                     answer = list(self.answers)[-1]
                 if answer is not None:
                     imgui.close_current_popup()
         self._shown = True
         return answer
+
+
+def cancelled() -> bool:
+    """Return True if Esc was pressed in the present dialog; it closes an open list of it first."""
+    if not imgui.is_key_pressed(imgui.Key.escape):
+        return False
+    context = imgui.get_current_context()
+    level = context.begin_popup_stack.size()
+    if context.open_popup_stack.size() == level:
+        return True
+    imgui.internal.close_popup_to_level(level, True)
+    return False
 
 
 @contextmanager

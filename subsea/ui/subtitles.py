@@ -15,7 +15,7 @@ from subsea.dive.captions import (
     lines_of,
     room_of,
 )
-from subsea.ui.gui import colour
+from subsea.ui.gui import colour, draw_backing
 from subsea.view.rig import CameraRig
 
 CLEAR = 7.4  # distance of captions from the lower edge, in heights of letters: above notes
@@ -39,6 +39,9 @@ def draw(caption: Caption, rig: CameraRig) -> None:
     imgui.push_font(None, tall)
     lines = lines_of(caption.words, ROOM * width, lambda line: imgui.calc_text_size(line).x)
     box = imgui.calc_text_size("x").y
+    wide = max((imgui.calc_text_size(line).x for line in lines), default=0.0)
+    begin, top = left + (width - wide) / 2, foot - (len(lines) - 1) * LEADING * tall - box
+    draw_backing((begin, top), (begin + wide, foot), tall, caption.opacity)
     for k, line in enumerate(reversed(lines)):
         x = left + (width - imgui.calc_text_size(line).x) / 2
         y = foot - k * LEADING * tall - box

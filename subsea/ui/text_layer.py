@@ -1,15 +1,26 @@
 """Draw text, instruments, panels and menu over the pilot's picture."""
 
+from collections.abc import Sequence
+
+import numpy as np
+from imgui_bundle import imgui
+
 from subsea.dive.captions import caption_of
 from subsea.dive.settings import Settings
+from subsea.frame.labels import Label
 from subsea.ui import subtitles
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.context import DiveContext
+from subsea.ui.gui import BACKING, INK, SHADE, colour, fill_with_text
 from subsea.ui.hud import instrument_reading
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
-from subsea.ui.labels import draw_labels
 from subsea.ui.menu import Menu
+from subsea.ui.sea_edge import draw_sea_edge, edge_reading
+from subsea.view.unproject import FrontView
+
+LABEL_SIZE = 0.8  # factor on the size of letters
+RED = (0.95, 0.15, 0.12)  # while a film is recorded
 
 
 class TextLayer:
@@ -31,33 +42,38 @@ class TextLayer:
         if picture.pattern:
             return
         self._begin()
-        draw_labels(picture.labels, picture.front_view)
+        _draw_labels(picture.labels, picture.front_view)
         if not self._menu.open:  # nor draw a caption behind the help
             caption = caption_of(dive.world, picture.alpha)
-            opacity = caption.opacity * (1.0 - overlay.help_opacity)
+            opacity = caption.opacity * (1.0 - overlay.covered)
             subtitles.draw(caption._replace(opacity=opacity), picture.rig)
         if dive.tick_source.has_pilot:
             submarine = dive.world.state.submarine
             at_helm = picture.ride is None and not tours.timer.touring
-            if at_helm and self.horizon and picture.front_view:
-                draw_horizon(picture.front_view)
+            tilts = at_helm and not picture.rig.level
+            if tilts and self.horizon and picture.front_view:
+                draw_horizon(picture.front_view, picture.eye.forward)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
             self.vignette.draw()
             if not self._menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)
+                if at_helm:
+                    edge = edge_reading(submarine, dive.world.scenario.bounds)
+                    opacity = edge.opacity * (1.0 - overlay.covered)
+                    draw_sea_edge(edge._replace(opacity=opacity))
                 self._inspector.draw()
             tours.draw()
-        else:
-            overlay.caption(dive.tick_source.waiting)
         if self._menu.open:
             self._menu.draw(elapsed_s)
+        if dive.shots.filming:
+            _draw_film_mark(dive.shots.seconds)
         dive.gui.end()
 
     def message(self, text: str) -> None:
         """Fill the window with one line of text."""
         self._begin()
-        self._dive.overlay.message(text)
+        fill_with_text(text)
         self._dive.gui.end()
 
     @property
@@ -72,8 +88,39 @@ class TextLayer:
         return "   ".join(parts)
 
     def _begin(self) -> None:
-        """Begin a frame of the gui on the pilot's window."""
         window = self._dive.window
         self._dive.gui.begin(
             window.points, window.size, window.text_scale, self._dive.picture.viewports
         )
+
+
+def _draw_film_mark(seconds: float) -> None:
+    """Draw a red dot and the length of the film in the upper right corner, over panels too."""
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    canvas, text = imgui.get_foreground_draw_list(), f"{seconds // 60:.0f}:{int(seconds) % 60:02d}"
+    wide = imgui.calc_text_size(text).x
+    left, top = size.x - wide - 2.4 * line, 0.8 * line
+    low, high = (left - 0.5 * line, top - 0.2 * line), (size.x - 0.7 * line, top + 1.2 * line)
+    canvas.add_rect_filled(low, high, colour(SHADE, BACKING), 0.35 * line)
+    canvas.add_circle_filled((left + 0.4 * line, top + 0.5 * line), 0.4 * line, colour(RED))
+    canvas.add_text((left + 1.2 * line, top), colour(INK), text)
+
+
+def _draw_labels(labels: Sequence[Label], front_view: FrontView | None) -> None:
+    """Draw labels at their places on the screen ahead; none if that is not a flat picture.
+
+    For two eyes: where the left one sees them.
+    """
+    if front_view is None or not labels:
+        return
+    size, font = imgui.get_io().display_size, imgui.get_font()
+    tall = LABEL_SIZE * imgui.get_font_size()
+    canvas = imgui.get_background_draw_list()
+    places = front_view.places(np.array([label.place for label in labels]))
+    for (x, y), label in zip(places.tolist(), labels, strict=True):
+        if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):  # NaN behind the viewer
+            continue
+        wide = LABEL_SIZE * imgui.calc_text_size(label.text).x
+        left, top = x * size.x - wide / 2, y * size.y - tall
+        for off, ink in ((1.0, colour(SHADE, 0.8)), (0.0, colour(INK, 0.95))):
+            canvas.add_text(font, tall, (left + off, top + off), ink, label.text)

@@ -5,21 +5,8 @@ the window and its OpenGL context, a menu bar with Save, Undo and Redo (Ctrl+S, 
 status line, questions, work in the background, and one question about unsaved work when the window
 is closed or Ctrl-C is pressed in the terminal.
 
-    def build(name):                        # what the command line calls
-        return run_tool("build", lambda window: Builder(window, name), without="...")
-
-    class Builder:                          # a Tool
-        def __init__(self, window, name):
-            self.window, self.history = window, History(load(name))         # core/undo.py
-            self.side = Viewport2D((-1.0, -5.0, 21.0, 5.0), up=True)        # ui/viewport2d.py
-        def draw(self, elapsed_s):
-            left, top, width, height = self.window.area
-            with self.window.panel("Side view", (left, top, 0.7 * width, height)):
-                with self.side.drawn("side", imgui.get_content_region_avail()): ...
-            return math.inf                 # nothing moves by itself; 0.0: next frame at once
-
 A frame is drawn on input, when the tool said that something moves, or after `wake`: an idle tool
-takes no processor time. `render.gl.image_texture.ImageTexture` shows pictures in the `context`.
+takes no processor time.
 """
 
 import math
@@ -28,7 +15,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import glfw
 from imgui_bundle import imgui
@@ -36,11 +23,11 @@ from imgui_bundle import imgui
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
+from subsea.core.undo import History
 from subsea.ui.background_tasks import BackgroundTasks
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, recovering_errors
 from subsea.ui.open_windows import open_windows
 from subsea.ui.question import Answers, Question
-from subsea.ui.tool import Tool
 from subsea.ui.window import GlWindow
 
 T = TypeVar("T")
@@ -66,6 +53,35 @@ BACKGROUND = 0.012, 0.040, 0.058
 PANEL, TITLE = (0.030, 0.095, 0.130), (0.045, 0.150, 0.200)
 ERROR = (1.0, 0.55, 0.42)
 DISCARD = "Throw it away"
+
+
+class Tool(Protocol):
+    """The interface of a tool to its window."""
+
+    @property
+    def history(self) -> History[Any]:
+        """Undo history, which knows what is saved."""
+
+    def draw(self, elapsed_s: float) -> float:
+        """Draw everything, `elapsed_s` after the last frame.
+
+        Return the seconds until it changes by itself: 0 while it moves, inf if never.
+        """
+
+    def draw_menu(self) -> None:
+        """Add entries to the menu bar by ``imgui.menu_item``."""
+
+    def save(self) -> bool:
+        """Save; return whether that succeeded. The window shows a UserError."""
+
+    def undo(self) -> None:
+        """Go back by one edit."""
+
+    def redo(self) -> None:
+        """Go forward by one edit."""
+
+    def close(self) -> None:
+        """Release all resources; the OpenGL context is still current."""
 
 
 class ToolWindow:
@@ -122,12 +138,12 @@ class ToolWindow:
 
     @property
     def busy(self) -> bool:
-        """Whether there is work in the background."""
+        """True if there is work in the background."""
         return self._tasks.busy
 
     @property
     def asking(self) -> bool:
-        """Whether a question is open."""
+        """True if a question is open."""
         return self._question is not None
 
     @property
@@ -188,7 +204,7 @@ class ToolWindow:
 
     def request_close(self) -> None:
         """Close the window, after a question if there is unsaved work."""
-        if self.tool.unsaved:
+        if self.tool.history.unsaved:
             self.ask(
                 "There is unsaved work.",
                 {"Save": self._save_and_close, DISCARD: self._close, "Go on": None},
@@ -199,7 +215,7 @@ class ToolWindow:
     def interrupted(self) -> bool:
         """Handle Ctrl-C; return True if it ends the program: at once, or the second time."""
         asked = self._question is not None and DISCARD in self._question.answers
-        if asked or not self.tool.unsaved:
+        if asked or not self.tool.history.unsaved:
             return True
         self.request_close()
         self.show_message("there is unsaved work: Ctrl-C once more throws it away", error=True)
@@ -262,10 +278,6 @@ class ToolWindow:
                 act()
         self._due_s = 0.0 if acts else self._due_s
 
-    def picture(self) -> Any:
-        """Return what the window shows: (h, w, 3) uint8, top row first."""
-        return self.window_set.picture()
-
     def close(self) -> None:
         """Close everything in reverse order."""
         self._undo.close()
@@ -286,7 +298,6 @@ class ToolWindow:
         return min(usual, max(room, LEAST_TEXT * usual))
 
     def _draw_menu_bar(self) -> None:
-        """Draw Save, Undo, Redo, the tool's own entries, and the title."""
         tool, keys = self.tool, not imgui.get_io().want_text_input and self._question is None
         ctrl, shift = imgui.Key.mod_ctrl.value, imgui.Key.mod_shift.value
         top = 0.0
@@ -294,10 +305,10 @@ class ToolWindow:
             top = imgui.get_window_size().y
             for label, letter, chords, enabled, act in (
                 ("Save", "S", (ctrl | imgui.Key.s.value,), True, self.save),
-                ("Undo", "Z", (ctrl | imgui.Key.z.value,), tool.may_undo, tool.undo),
+                ("Undo", "Z", (ctrl | imgui.Key.z.value,), tool.history.may_undo, tool.undo),
                 (
                     "Redo", "Y", (ctrl | imgui.Key.y.value, ctrl | shift | imgui.Key.z.value),
-                    tool.may_redo, tool.redo,
+                    tool.history.may_redo, tool.redo,
                 ),
             ):  # fmt: skip
                 clicked = imgui.menu_item(label, "", False, enabled)[0]
@@ -307,13 +318,13 @@ class ToolWindow:
             imgui.separator()
             with self._errors_shown(), recovering_errors():
                 tool.draw_menu()
-            title = f"{self.title} ·  not saved" if tool.unsaved else self.title
+            title = f"{self.title} ·  not saved" if tool.history.unsaved else self.title
             room = imgui.get_content_region_avail().x - imgui.calc_text_size(title).x
             if (gap := room - self.text_height) > 0.0:
                 imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + gap)
                 imgui.text_colored((*QUIET, 1.0), title)
             imgui.end_main_menu_bar()
-        title = f"* {self.title}" if tool.unsaved else self.title
+        title = f"* {self.title}" if tool.history.unsaved else self.title
         if title != self._shown_title:
             self._shown_title = title
             glfw.set_window_title(self.window.handle, title)
@@ -355,14 +366,15 @@ class ToolWindow:
             self.show_message(text, error=True)
 
 
-def run_tool(
-    title: str, make: Callable[[ToolWindow], Tool], without: str, size: tuple[int, int] = SIZE
-) -> int:
+def run_tool(title: str, make: Callable[[ToolWindow], Tool], without: str) -> int:
     """Open a window with a tool and run it until it is closed; exit code 0.
 
     Ctrl-C waits until the tool is made: half of one would outlive its OpenGL context.
     """
-    with deferred_interrupts() as check, closing(ToolWindow(title, make, size, without)) as window:
+    with (
+        deferred_interrupts() as check,
+        closing(ToolWindow(title, make, without=without)) as window,
+    ):
         check()
         window.run()
     return 0

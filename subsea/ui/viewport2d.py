@@ -10,9 +10,8 @@ from imgui_bundle import imgui
 from numpy.typing import ArrayLike
 
 from subsea.core.arrays import Array
-from subsea.ui.gui import GLASS, INK, QUIET, colour
+from subsea.ui.gui import GLASS, INK, QUIET, Rgb, colour
 
-Ink = tuple[float, float, float]
 Box = tuple[float, float, float, float]  # left, low, right, high in the coordinates of the view
 
 ZOOM = 1.15  # per step of the wheel
@@ -23,7 +22,7 @@ NOWHERE = (math.nan, math.nan)
 
 
 class PointDrag(NamedTuple):
-    """What the pointer does to points in this frame."""
+    """Actions of the pointer on points in this frame."""
 
     hovered: int | None = None  # the point under the pointer, or dragged
     dragged: int | None = None  # still set in the frame in which the drag ends
@@ -36,20 +35,11 @@ class Viewport2D:
     """A view with its own coordinates: y down as in pictures, or up.
 
     The wheel zooms about the pointer. The right or middle button pans, and so does the left one
-    where no point is dragged. A double click beside points fits the view again.
-
-    In a panel, once a frame::
-
-        with view.drawn("side", (width, height)):       # pointer units
-            view.picture(shown.glo, (0, 0, 800, 600))
-            view.line(points, MARK)                     # (n, 2) in coordinates of the view
-            drag = view.drag_points("border", points)
-            if drag.dragged is not None:
-                points[drag.dragged] = drag.to
+    where no point is dragged. A double click beside points fits the view again. Draw within
+    `with view.drawn(...)`, once a frame.
     """
 
     def __init__(self, box: Box, up: bool = False) -> None:
-        """Fit a box."""
         self.box, self.up = box, up
         self.scale = 1.0  # pointer units per unit of the view
         self.place: tuple[float, float] = 0.0, 0.0  # upper left corner on the screen
@@ -152,7 +142,7 @@ class Viewport2D:
         )  # fmt: skip
 
     def line(
-        self, points: ArrayLike, ink: Ink, wide: float = 1.5, alpha: float = 1.0,
+        self, points: ArrayLike, ink: Rgb, wide: float = 1.5, alpha: float = 1.0,
         closed: bool = False,
     ) -> None:  # fmt: skip
         """Draw a line through points (n, 2), `wide` pointer units."""
@@ -161,13 +151,13 @@ class Viewport2D:
             places += places[:1]
         imgui.get_window_draw_list().add_polyline(places, colour(ink, alpha), wide, 0)
 
-    def polygon(self, points: ArrayLike, ink: Ink, alpha: float = 1.0) -> None:
+    def polygon(self, points: ArrayLike, ink: Rgb, alpha: float = 1.0) -> None:
         """Fill an outline (n, 2), concave or not, that does not cross itself."""
         places: list[Any] = [imgui.ImVec2(x, y) for x, y in self.on_screen(points).tolist()]
         imgui.get_window_draw_list().add_concave_poly_filled(places, colour(ink, alpha))
 
     def dots(
-        self, points: ArrayLike, ink: Ink, radius: float = 3.0, alpha: float = 1.0,
+        self, points: ArrayLike, ink: Rgb, radius: float = 3.0, alpha: float = 1.0,
         ring: bool = False,
     ) -> None:  # fmt: skip
         """Draw points (n, 2) as discs or rings, `radius` in pointer units."""
@@ -179,7 +169,7 @@ class Viewport2D:
                 canvas.add_circle_filled(place, radius, tint)
 
     def text(
-        self, place: ArrayLike, text: str, ink: Ink = QUIET, share: tuple[float, float] = (0, 0)
+        self, place: ArrayLike, text: str, ink: Rgb = QUIET, share: tuple[float, float] = (0, 0)
     ) -> None:
         """Draw text; `share` of its width and height lies left of and above the place."""
         (x, y), box = self.on_screen(place).tolist(), imgui.calc_text_size(text)
@@ -188,12 +178,12 @@ class Viewport2D:
         canvas.add_text((at[0] + 1.0, at[1] + 1.0), colour(GLASS, 0.9), text)
         canvas.add_text(at, colour(ink), text)
 
-    def caption(self, text: str, ink: Ink = INK) -> None:
+    def caption(self, text: str, ink: Rgb = INK) -> None:
         """Draw text in the upper left corner."""
         gap = 0.4 * imgui.get_font_size()
         self.text(self.from_screen(self.place[0] + gap, self.place[1] + gap), text, ink)
 
-    def grid(self, ink: Ink = QUIET, alpha: float = 0.14) -> None:
+    def grid(self, ink: Rgb = QUIET, alpha: float = 0.14) -> None:
         """Draw lines at round coordinates, about five text heights apart."""
         step = 5.0 * imgui.get_font_size() / self.scale
         step = next(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
@@ -19,39 +19,14 @@ from subsea.dive.bindings import (
     is_command,
 )
 from subsea.dive.pilot import Pilot
+from subsea.render.gl.context import opengl_remedy
+from subsea.render.gl.shader_cache import avoid_full_disk
+from subsea.ui.gui import Gui
 from subsea.ui.monitors import Monitor, Screen, monitors, reason
 from subsea.ui.system_packages import INSTALL
 from subsea.view.stereo import OTHER_STEREO
 
 NUDGE = 3.0  # pointer units: smaller movements are noise
-
-
-class Listener(Protocol):
-    """Receives all input of a window before the pilot.
-
-    If a method returns True, the listener consumes the input and the pilot does not get it.
-    """
-
-    def pointed(self, x: float, y: float) -> bool:
-        """The pointer moved, in its units from the upper left corner."""
-
-    def pressed(self, button: int, down: bool) -> bool:
-        """A mouse button went down or up."""
-
-    def scrolled(self, dx: float, dy: float) -> bool:
-        """The wheel turned."""
-
-    def keyed(self, key: int, down: bool, modifiers: int) -> bool:
-        """A key went down or up."""
-
-    def moved(self, name: str, amount: float) -> bool:
-        """A part of a gamepad, by its name in bindings, is at an `amount` in [0, 1]."""
-
-    def typed(self, character: int) -> None:
-        """A character was typed."""
-
-    def release_all(self) -> None:
-        """The window lost the keyboard."""
 
 
 class PointerRange(NamedTuple):
@@ -138,12 +113,12 @@ class GlWindow:
                     f"(quad-buffered stereo: {reason(fault)}); try --display {OTHER_STEREO}"
                 ) from fault
             raise UserError(
-                f"no window with OpenGL 3.3 ({reason(fault)}); try: {INSTALL}"
+                f"no window with OpenGL 3.3 ({reason(fault)}); {opengl_remedy(INSTALL)}"
             ) from fault
         self.pilot = pilot
-        self.inside = False  # whether the pointer is in it
+        self.inside = False  # True if the pointer is in it
         self.focused = bool(glfw.get_window_attrib(self.handle, glfw.FOCUSED))
-        self.listener: Listener | None = None
+        self.listener: Gui | None = None
         self.pointer_range: PointerRange | None = None  # if larger than the window
         self._commands = commands
         # The last noted place of the pointer; None: it has just entered.
@@ -188,7 +163,7 @@ class GlWindow:
 
     @property
     def open(self) -> bool:
-        """Whether nobody has asked it to close."""
+        """True if it was not asked to close."""
         return not glfw.window_should_close(self.handle)
 
     @property
@@ -283,21 +258,21 @@ class GlWindow:
     def _on_key(self, handle: object, key: int, scancode: int, action: int, mods: int) -> None:
         if action != glfw.REPEAT:  # a repeated key may be blocked
             self.pilot.note_activity()
-        heard = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
+        used = self.listener is not None and self.listener.keyed(key, action != glfw.RELEASE, mods)
         name = KEYS.get(key, "")
         if action == glfw.RELEASE:
-            self.pilot.release(name)  # even if the listener consumed it: it may have been held
-        elif not heard:
+            self.pilot.release(name)  # even if the listener used it: it may have been held
+        elif not used:
             control = self.pilot.bindings.key(key, mods, self.pilot.riding)
             self._ask(control, name, action == glfw.REPEAT)
 
     def _on_button(self, handle: object, button: int, action: int, mods: int) -> None:
         self.pilot.note_activity()
-        heard = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
+        used = self.listener is not None and self.listener.pressed(button, action == glfw.PRESS)
         name = f"mouse {BUTTONS[button]}"
         if action == glfw.RELEASE:
             self.pilot.release(name)
-        elif not heard:
+        elif not used:
             self._ask(self.pilot.bindings.control(name, self.pilot.riding), name)
 
     def _ask(self, control: ControlName | None, name: str, again: bool = False) -> None:
@@ -352,6 +327,7 @@ class GlWindow:
 
 
 def _context_hints() -> None:
+    avoid_full_disk()
     glfw.default_window_hints()
     for hint, value in (
         (glfw.CONTEXT_VERSION_MAJOR, 3),

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from subsea.dive.bindings import Command
 from subsea.dive.pilot import Pilot
-from subsea.render import Presenter, page_switch, window_context
+from subsea.render.gl.context import page_switch, window_context
+from subsea.render.output.presenter import Presenter
 from subsea.ui.gamepad import Gamepads, add_mappings
 from subsea.ui.monitors import Monitor, Screen, monitor_name, monitors
 from subsea.ui.window import GlWindow, PointerRange
@@ -54,8 +55,9 @@ class WindowSet:
                 window = GlWindow(screen, pilot, self._commands, monitor, paged, share)
                 undo.callback(window.close)
                 context = window_context(window.get_proc_address)
+                undo.callback(context.release)
                 self.page = page_switch(window.get_proc_address) if paged else one_page
-                shown[number] = _Shown(window, context, Presenter(context, self.page))
+                shown[number] = _Shown(window, context, Presenter(context, self.page, 1 + paged))
                 # Release while the window exists and is current: later it would crash.
                 undo.callback(shown[number].presenter.release)
                 undo.callback(window.make_current)
@@ -66,8 +68,8 @@ class WindowSet:
                 window.present()
             self._monitors_changed = False
             glfw.set_monitor_callback(self.on_monitor)
-            nobody: Any = None
-            undo.callback(glfw.set_monitor_callback, nobody)
+            no_callback: Any = None
+            undo.callback(glfw.set_monitor_callback, no_callback)
             self._undo = undo.pop_all()
         # From here on errors of the desktop must not end the dive.
         glfw.ERROR_REPORTING = "ignore"
@@ -84,7 +86,7 @@ class WindowSet:
 
     @property
     def open(self) -> bool:
-        """Whether nobody has asked a window to close."""
+        """True if no window was asked to close."""
         return all(window.open for window in self.windows)
 
     def poll(self, wait_s: float = 0.0) -> list[Command]:
@@ -129,6 +131,12 @@ class WindowSet:
             if shown is not self._front:
                 shown.context.finish()
 
+    def darken(self, shade: tuple[float, float, float, float]) -> None:
+        """Blend a colour with opacity over all windows. The front one is current afterwards."""
+        for _, shown in [*self._others, (self._number, self._front)]:
+            shown.window.make_current()
+            shown.presenter.darken(shade, shown.window.size)
+
     def present(self) -> None:
         """Show all windows, at about the same time."""
         self.front.present()
@@ -156,14 +164,13 @@ class WindowSet:
         self._monitors_changed = True
 
     def _settle(self) -> None:
-        """Place all windows on the current monitors."""
         self._monitors_changed = False
         for window in self.windows:
             filled = [other.filled for other in self.windows]
             window.settle([one for one in monitors() if one.position not in filled])
 
     def _pointer_and_focus(self) -> tuple[bool, bool]:
-        """Whether any window has the pointer, and any the keyboard."""
+        """True if any window has the pointer, and any the keyboard."""
         return (
             any(window.inside for window in self.windows),
             any(window.focused for window in self.windows),

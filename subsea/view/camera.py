@@ -49,10 +49,7 @@ def look(eye: Array, forward: Array, up: Array) -> Array:
 
 
 def axes_of(heading: float, pitch: float, roll: float = 0.0) -> Array:
-    """Rows right, up, ahead (3, 3) of turned axes, in the axes they were turned from.
-
-    Turned by angles in radians: to the right, then up, then clockwise.
-    """
+    """Rows right, up, ahead (3, 3) after turns in radians to the right, then up, then clockwise."""
     ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
     level, above = np.array([ch, 0.0, -sh]), np.array([-sh * sp, cp, -ch * sp])
     cr, sr = np.cos(roll), np.sin(roll)
@@ -61,12 +58,7 @@ def axes_of(heading: float, pitch: float, roll: float = 0.0) -> Array:
 
 
 def off_axis(
-    left: float,
-    right: float,
-    bottom: float,
-    top: float,
-    near: float = NEAR_CM,
-    far: float = FAR_CM,
+    left: float, right: float, bottom: float, top: float, near: float = NEAR_CM, far: float = FAR_CM
 ) -> Array:
     """A projection (4, 4) through a window with these edges on the near plane, cm."""
     matrix = pyrr.matrix44.create_perspective_projection_from_bounds(

@@ -67,25 +67,15 @@ def cockpit(submarine: "Submarine", alpha: float) -> CameraPose:
 
 
 def display_rig(
-    display: str,
-    size: tuple[int, int],
-    stereo: Stereo = EYES,
-    surround: Surround = ALL_ROUND,
+    display: str, size: tuple[int, int], stereo: Stereo = EYES, surround: Surround = ALL_ROUND
 ) -> CameraRig:
-    """The rig of a display mode for one picture of `size` pixels (width, height).
-
-    The left eye comes first.
-    """
+    """The rig of a display for a picture of `size` (width, height) pixels, the left eye first."""
     place: Rect = (0, 0, *size)
     if display in SURROUNDS:
         face = face_size(display, size, surround)
         canvas = COLUMNS * face, ROWS * face
         patch = DisplayPatch(
-            place,
-            (0, 0, *canvas),
-            (0, 0, *canvas),
-            shape=SURROUNDS[display],
-            wide=surround.wide,
+            place, (0, 0, *canvas), (0, 0, *canvas), shape=SURROUNDS[display], wide=surround.wide
         )
         eyes = cube((0, 0), face, visible_parts(display, size, surround))
         return CameraRig(canvas, (size,), eyes, (patch,), level=display in LEVEL)
@@ -109,23 +99,16 @@ def display_rig(
 
 
 def views_for(
-    display: str,
-    size: tuple[int, int],
-    observer: CameraPose,
-    stereo: Stereo = EYES,
-    surround: Surround = ALL_ROUND,
+    display: str, size: tuple[int, int], observer: CameraPose, stereo: Stereo = EYES
 ) -> tuple[View, ...]:
     """The views of the `display_rig` of an observer."""
-    return views(display_rig(display, size, stereo, surround), observer)
+    return views(display_rig(display, size, stereo), observer)
 
 
 def cube(
     corner: tuple[int, int], face: int, shown: list[Array | None], offset: Array | None = None
 ) -> tuple[Eye, ...]:
-    """Eyes through the faces of a cube of `face` pixels, with `corner` on the canvas.
-
-    Each draws only the part of its face that is `shown` (`surround.visible_parts`), and a margin.
-    """
+    """Eyes through the `shown` parts (and a margin) of the faces of a cube on the canvas."""
     eyes, half = [], half_tangent(face)
     for number, (part, (forward, up)) in enumerate(zip(shown, FACES.values(), strict=True)):
         if part is None:

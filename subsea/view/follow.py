@@ -11,7 +11,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, minus, plus, times, vector
 from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.state import Sea
-from subsea.view.retina import body_at
+from subsea.view.retina import bodies_at
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
@@ -43,7 +43,7 @@ def follow_fish(
     the last picture; None, or a jump in time, puts the camera at its place at once.
     """
     now = (world.state.tick - 1 + alpha) * TICK_S
-    aim, turn = body_at(world, fish, alpha)
+    aim, turn = bodies_at(world, fish, alpha)
     way = np.array(x_axis(turn))
     share = 1.0
     if before is not None and 0.0 <= now - before.at_s < 1.0:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
 from subsea.geometry.rotation import matrix
@@ -55,7 +55,7 @@ def fish_eyes(world: World, fish: int) -> FishEyes:
 
 def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:
     """The pose midway between the eyes, `alpha` of the way from the last tick to this one."""
-    origin, turn = body_at(world, by.fish, alpha)
+    origin, turn = bodies_at(world, by.fish, alpha)
     axes = matrix(turn)
     control = control_points_at(world, by.fish, alpha)
     scale = float(world.state.fishes.scale[by.fish])
@@ -63,15 +63,16 @@ def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:
     return CameraPose(origin + axes @ middle, axes[:, 0], axes[:, 1])
 
 
-def body_at(world: World, fish: int, alpha: float) -> tuple[Array, Array]:
-    """Origin (3,), cm, and orientation (4,) of a fish's body frame, interpolated."""
+def bodies_at(world: World, who: int | Ints, alpha: float) -> tuple[Array, Array]:
+    """Origins (…, 3), cm, and orientations (…, 4) of the bodies of fishes, interpolated."""
     fishes = world.state.fishes
-    before = fishes.previous_orientation[fish].astype(np.float64)
-    after = fishes.orientation[fish].astype(np.float64)
-    before = -before if before @ after < 0.0 else before
+    before = fishes.previous_orientation[who].astype(np.float64)
+    after = fishes.orientation[who].astype(np.float64)
+    before *= np.where((before * after).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     turn = (1.0 - alpha) * before + alpha * after
-    place = fishes.previous_position[fish].astype(np.float64)
-    return place + alpha * (fishes.position[fish] - place), turn / np.linalg.norm(turn)
+    place = fishes.previous_position[who].astype(np.float64)
+    place += alpha * (fishes.position[who] - place)
+    return place, turn / np.linalg.norm(turn, axis=-1, keepdims=True)
 
 
 def eye_weights(plan: SurfacePlan) -> Array:
@@ -90,10 +91,7 @@ def eye_weights(plan: SurfacePlan) -> Array:
 def retina_rig(
     size: tuple[int, int], half_cm: float, gaze: Gaze = AHEAD, field_deg: float = FIELD_DEG
 ) -> CameraRig:
-    """A rig with one picture of `size` (width, height) for each eye, left first.
-
-    The eyes are `half_cm` left and right of the observer, with a field of view of `field_deg`.
-    """
+    """A rig with a picture of `size` for each eye, `half_cm` left and right of the observer."""
     width, height = size
     edge = NEAR_CM * np.tan(np.radians(field_deg) / 2)
     top = edge * height / width

@@ -137,7 +137,7 @@ def seen_part(patch: DisplayPatch) -> Rect:
 def seen_by(rig: CameraRig, patch: DisplayPatch) -> list[Eye]:
     """The eyes that a patch shows, left ones first."""
     return [
-        eye for part in (patch.left, patch.right) for eye in rig.eyes if _meet(eye.viewport, part)
+        eye for part in (patch.left, patch.right) for eye in rig.eyes if overlap(eye.viewport, part)
     ]
 
 
@@ -179,16 +179,11 @@ def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
     )
 
 
-def levelled(observer: CameraPose) -> CameraPose:
-    """The observer without pitch and roll."""
-    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
-    return pose_from_angles(observer.eye, heading, 0.0)
-
-
 def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     """The views of a rig's eyes for an observer."""
-    if rig.level:
-        observer = levelled(observer)
+    if rig.level:  # without pitch and roll
+        heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
+        observer = pose_from_angles(observer.eye, heading, 0.0)
     axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
     found = []
     for eye in rig.eyes:
@@ -199,10 +194,7 @@ def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
 
 
 def _unblended(patch: DisplayPatch, mask: Array) -> Rect:
-    """The part of a patch without blending or masking.
-
-    The whole patch if that is less than a third of a side.
-    """
+    """The part of a patch without blending, or all if that is less than a third of a side."""
     x, y, width, height = patch.place
     factor = mask[..., :3].min(axis=2)
     factor = factor[:: max(factor.shape[0] // FINE, 1), :: max(factor.shape[1] // FINE, 1)]
@@ -227,9 +219,6 @@ def _ahead(eye: Eye) -> float:
     return float(middle[2] / np.linalg.norm(middle))
 
 
-def _meet(a: Rect, b: Rect) -> bool:
-    """True if two rectangles overlap."""
-    return all(
-        low < other + long and other < low + size
-        for low, size, other, long in zip(a[:2], a[2:], b[:2], b[2:], strict=True)
-    )
+def overlap(a: Rect, b: Rect) -> bool:
+    """True if two rectangles share a pixel."""
+    return all(a[k] < b[k] + b[k + 2] and b[k] < a[k] + a[k + 2] for k in (0, 1))

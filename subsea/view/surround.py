@@ -8,10 +8,10 @@ have neighbours to interpolate with.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.view.camera import axes_of
+from subsea.view.rig import Rect
 
 # Direction and up vector of each face, in canvas order: the lower row from the left, then the upper
 # row. `shaders/resolve.frag` has the same order.
@@ -56,7 +56,7 @@ def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
     return int(np.clip(np.ceil(2 * per_radian), 16, LARGEST_FACE)) + 2 * MARGIN_PX
 
 
-def on_faces(d: Array) -> tuple[NDArray[np.int_], Array]:
+def on_faces(d: Array) -> tuple[Ints, Array]:
     """Face index (n,) of directions (n, 3), and position (n, 2) on it in [-1, 1]."""
     axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES.values()])
     number = np.argmax(axes[:, 2] @ d.T, axis=0)
@@ -87,16 +87,19 @@ def visible_parts(
     return found
 
 
+def inner(rect: Rect) -> Rect:
+    """A picture on the canvas without its margin."""
+    x, y, width, height = rect
+    return x + MARGIN_PX, y + MARGIN_PX, width - 2 * MARGIN_PX, height - 2 * MARGIN_PX
+
+
 def half_tangent(face: int) -> float:
     """Tangent of half the field of view of a face with its margin."""
     return face / (face - 2 * MARGIN_PX)
 
 
 def directions(display: str, size: tuple[int, int], surround: Surround, pixels: Array) -> Array:
-    """Directions (n, 3) of pixels (n, 2), NaN outside a dome; as in the shader.
-
-    Pixels count from the lower left corner; their centres are at .5.
-    """
+    """Directions (n, 3) of pixels (n, 2) from the lower left, as the shader; NaN outside a dome."""
     width, height = size
     x, y = np.asarray(pixels, np.float64).T / [[width], [height]]
     if display == "equirectangular":

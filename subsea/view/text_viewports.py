@@ -3,7 +3,11 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from subsea.view.rig import CameraRig, front, seen_part
+from subsea.view.rig import CameraRig, DisplayPatch, Projection, Rect, front, seen_part
+
+# Text on a dome, in radii: half its width, its height, and how far its foot is below the middle.
+# Its lower corners lie on the rim, in front of the audience.
+DOME_HALF, DOME_HIGH, DOME_FOOT = 0.64, 0.96, 0.768
 
 
 def one_page(number: int) -> None:
@@ -50,16 +54,27 @@ def text_viewports(
         for choose, far in ((min, 0), (max, 1))
     )
     # Limited to the visible share of each part.
-    seen, place = seen_part(ahead), ahead.place
+    seen, place = text_part(ahead), ahead.place
     screen = (
         (high[0] - low[0]) / width * seen[2] / place[2],
         (high[1] - low[1]) / height * seen[3] / place[3],
     )
     found = []
     for patch in parts:
-        x, y, across, up = seen_part(patch)
+        x, y, across, up = text_part(patch)
         top = height - y - up
         share = x / width, top / height, across / width, up / height
         if min(*share[2:], *screen) > 0.0:  # an eye may have no part of one pixel
             found.append(TextViewport(*share, screen, patch.page, page))
     return tuple(found) or (WHOLE,)
+
+
+def text_part(patch: DisplayPatch) -> Rect:
+    """The rectangle for text in a patch, in pixels of the output; on a dome it lies in front."""
+    if patch.shape != Projection.DOME or patch.warp is not None:
+        return seen_part(patch)
+    x, y, width, height = patch.place
+    radius = 0.5 * min(width * patch.squeezed[0], height * patch.squeezed[1])
+    across, up = (radius / by for by in patch.squeezed)
+    left, foot = x + 0.5 * width - DOME_HALF * across, y + 0.5 * height - DOME_FOOT * up
+    return round(left), round(foot), int(2.0 * DOME_HALF * across), int(DOME_HIGH * up)

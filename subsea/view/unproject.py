@@ -59,10 +59,7 @@ class FrontView(NamedTuple):
 
 
 def front_screen(rig: CameraRig, views: Sequence[View]) -> FrontView | None:
-    """The left eye's view through the front screen; None if its picture is not flat.
-
-    `views` are those of the rig's eyes.
-    """
+    """The left eye's view through the front screen, from those of a rig; None if it is not flat."""
     ahead = front(rig)
     if ahead.shape != Projection.FLAT:
         return None

@@ -29,9 +29,11 @@ def check_in_sea(scenario: Scenario, sea: Sea) -> None:
 
     check_scenario(scenario)
     _check_number(scenario)
-    there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rock_rows(scenario, floor)[0])
+    rows, rocks = rock_rows(scenario, floor)
+    there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rows)
     _check_heights(scenario, there)
     _check_places(scenario, there)
+    check_tours(scenario, there, rocks, stored=False)
 
 
 def make_surroundings(
@@ -103,6 +105,7 @@ def _check_places(scenario: Scenario, sea: Sea) -> None:
                 inside, outside = "inside", "outside"
                 if name in ("the seabed", "the reef"):
                     inside, outside = "below", "above"
-                where = f"lies {inside} {name}" if gap < 0.0 else f"is {gap:.1f} cm from {name}"
+                down = np.floor(10.0 * gap) / 10.0  # rounded down: it is less than expected
+                where = f"lies {inside} {name}" if gap < 0.0 else f"is {down:.1f} cm from {name}"
                 expected = f"at least {room:g} cm off it" if room else f"{outside} it"
                 raise UserError(f"`{key}` {place} {where}, expected {expected}", key=key)

@@ -13,18 +13,11 @@ from subsea.world.snapshot import changing, constant
 from subsea.world.tunables import get_tunables, set_tunables
 from subsea.world.world import World
 
+# Prefixes of the arrays that continue, by their names in a snapshot.
 LIVING = (
-    "fishes.",
-    "minds.",
-    "directions.",
-    "live.",
-    "sea.plankton",
-    "sea.absent",
-    "sea.hook",
-    "sea.catch",
-)
-"""Prefixes of the arrays that continue, by their names in a snapshot."""
-
+    "fishes.", "minds.", "directions.", "live.",
+    "sea.plankton", "sea.absent", "sea.hook", "sea.catch",
+)  # fmt: skip
 INHABITANTS = ("fish", "individual", "hook", "direction")  # tables of a scenario
 
 CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of a solid
@@ -33,8 +26,8 @@ CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of 
 def migrate(before: World, world: World) -> None:
     """Continue the dive of the world `before` in a new `world`.
 
+    The submarine stays. With the same inhabitants, seed and plankton, fishes and directions
     continue, and fishes inside a solid are moved out of it. Changes by panels persist.
-    continue, and fishes inside a solid are moved out of it. What panels have changed is kept.
     """
     for name, array in vars(before.state.submarine).items():
         getattr(world.state.submarine, name)[...] = array

@@ -191,17 +191,12 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
     return _with(scenario, handle, **{key: (angle + 180.0) % 360.0 - 180.0})
 
 
-HEIGHTS = {"pillar": "height_cm", "arch": "height_cm", "seaweed": "height_cm"}
-"""Key of each kind for its height; rocks and knolls have the last of `size_cm`."""
-
-
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """Scale the height of a thing on the seabed within its limits."""
     one = table_of(scenario, handle.kind, handle.number)
-    if handle.kind in HEIGHTS:
-        key = HEIGHTS[handle.kind]
-        high = _clamped(type(one), key, factor * getattr(one, key))
-        return _with(scenario, handle, **{key: high})
+    if handle.kind in ("pillar", "arch", "seaweed"):
+        high = _clamped(type(one), "height_cm", factor * one.height_cm)
+        return _with(scenario, handle, height_cm=high)
     if handle.kind in ("rock", "outcrop"):
         wide, deep, high = one.size_cm
         high = _clamped(type(one), "size_cm", factor * high)

@@ -1,6 +1,7 @@
 """Put the fishes of a scenario into the sea."""
 
 import numpy as np
+from msgspec.structs import replace
 
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temperament import apply_individual, set_temperament
@@ -23,6 +24,14 @@ def shoal_sizes(scenario: Scenario, fish: int | None) -> list[int]:
     """Number of fishes of each shoal; scaled to `fish` in all if given."""
     numbers = [shoal.number for shoal in scenario.fish]
     return numbers if fish is None or not any(numbers) else share_out(fish, numbers)
+
+
+def with_total(scenario: Scenario, fish: int | None) -> Scenario:
+    """The scenario with its shoals scaled to `fish` in all; None: as it is."""
+    if fish is None:
+        return scenario
+    shoals = zip(scenario.fish, shoal_sizes(scenario, fish), strict=True)
+    return replace(scenario, fish=[replace(shoal, number=number) for shoal, number in shoals])
 
 
 def populate(

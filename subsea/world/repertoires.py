@@ -64,7 +64,7 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
 
 
 def _content(path: Path) -> str:
-    """SHA-256 of a file; empty if it is no regular file, not readable or far too large."""
+    """SHA-256 of a file; empty if it is not a regular file, unreadable or far too large."""
     try:
         if not path.is_file() or path.stat().st_size > MOST_BYTES:
             return ""  # reading it raises the right error

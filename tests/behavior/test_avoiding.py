@@ -1,4 +1,4 @@
-"""Turning aside from what is in the way."""
+"""Turning aside from fishes and obstacles."""
 
 import numpy as np
 import pytest
@@ -22,12 +22,8 @@ def test_a_fish_turns_away_from_one_that_is_aside_and_lets_it_pass(tank, side):
     t.run(avoiding.act, 0)
     assert np.sign(t.minds.urge[0, 1]) == -side
     assert t.fishes.goal_speed[0] < 0.5
-
-
-def test_one_behind_is_not_waited_for(tank):
-    t = tank(2)
-    t.fishes.position[1] = -10.0, 4.0, -300.0
-    t.minds.threat[0] = 1
+    # It does not wait for one behind.
+    t.fishes.position[1, 0], t.fishes.goal_speed[0] = -10.0, 0.5
     t.run(avoiding.act, 0)
     assert t.fishes.goal_speed[0] == 0.5
 

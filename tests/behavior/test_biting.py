@@ -65,8 +65,12 @@ def test_a_bait_that_sinks_is_headed_off(tank):
     assert one.minds.urge[0, 2] < -30
 
 
-def test_the_first_to_bite_is_caught(tank):
+def test_the_first_to_bite_is_caught_but_not_from_afar(tank):
     near = BITE_BL * 20.0
+    one = _tank(tank, (-1.1 * near, 0, 0))
+    one.minds.intention[0], one.minds.target[0] = EAT, BAIT
+    bite(one.fishes, one.minds, one.sea, one.clock)
+    assert one.sea.catch[0] == HANGING
     one = _tank(tank, (-0.9 * near, 0, 0), (0, 0.5 * near, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0))
     one.minds.intention[:4] = EAT
     one.minds.target[:] = BAIT, BAIT, 0, BAIT, BAIT
@@ -77,13 +81,6 @@ def test_the_first_to_bite_is_caught(tank):
     assert one.sea.catch.tolist() == [HOOKED, 1]
     assert one.minds.leader[2] == NOBODY
     assert not one.minds.leads[1]
-
-
-def test_nobody_is_caught_from_afar(tank):
-    one = _tank(tank, (-1.1 * BITE_BL * 20.0, 0, 0))
-    one.minds.intention[0], one.minds.target[0] = EAT, BAIT
-    bite(one.fishes, one.minds, one.sea, one.clock)
-    assert one.sea.catch[0] == HANGING
 
 
 @pytest.mark.parametrize("gap", [4.0, 60.0])

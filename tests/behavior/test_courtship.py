@@ -14,7 +14,7 @@ from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
@@ -53,7 +53,7 @@ def _one(species: str, x: float, y: float, size: float, male: bool) -> dict[str,
 def _swim(world: World, seconds: float) -> Iterator[None]:
     """Yield the world after each tick."""
     for _ in range(int(seconds / TICK_S)):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         yield
 
 

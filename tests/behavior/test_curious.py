@@ -22,7 +22,7 @@ def test_its_code_is_its_place_in_the_table():
     assert BEHAVIORS[CURIOUS].tires
 
 
-def test_who_is_drawn_to_it(tank):
+def test_pacifists_that_see_the_submarine_are_curious(tank):
     one = _tank(tank)
     assert one.desire(curious.desire)[0] > 0
     one.minds.kind[0] = PREY

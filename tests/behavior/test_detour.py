@@ -28,7 +28,7 @@ def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0)):
         ((150.0, 0.0, 40.0, -201.0), "below"),
     ],
 )
-def test_what_is_not_in_the_way_does_not_matter(pillar, why):
+def test_pillars_aside_behind_far_or_below_are_ignored(pillar, why):
     assert way_past(pillar) == ZERO
     assert way_past((150.0, 0.0, 40.0, -50.0)) != ZERO
 
@@ -57,8 +57,8 @@ def test_a_fish_beside_an_obstacle_is_not_drawn_back_in_front_of_it():
 
 
 def test_of_two_fishes_abreast_each_takes_its_own_side():
-    left = way_past((150.0, 0.0, 40.0, -50.0), here=(0.0, 5.0, -200.0))
-    right = way_past((150.0, 0.0, 40.0, -50.0), here=(0.0, -5.0, -200.0))
+    pillar = (150.0, 0.0, 40.0, -50.0)
+    left, right = (way_past(pillar, here=(0.0, y, -200.0)) for y in (5.0, -5.0))
     assert left[1] > 0.0 > right[1]
     assert left[1] == pytest.approx(-right[1])
 
@@ -66,27 +66,23 @@ def test_of_two_fishes_abreast_each_takes_its_own_side():
 def test_the_nearest_of_several_counts_rocks_among_them():
     pillars = np.array([[200.0, 5.0, 30.0, -50.0]])
     rock = np.array([[100.0, -5.0, -200.0, 40.0, 20.0, 30.0, 0.0]])
-    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, NONE)[1] < 0.0
-    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, rock)[1] > 0.0
-    over = rock.copy()
-    over[0, 2] = -260.0  # its top is below the fish
-    assert detour(AHEAD, AHEAD, (0.0, 0.0, -200.0), LENGTH, pillars, over)[1] < 0.0
+    here = (0.0, 0.0, -200.0)
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, NONE)[1] < 0.0
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock)[1] > 0.0
+    rock[0, 2] = -260.0  # its top is below the fish
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock)[1] < 0.0
 
 
-def test_who_means_to_turn_back_need_not_pass_what_it_heads_for():
+def test_a_fish_that_turns_back_ignores_obstacles_ahead():
     pillar = (150.0, 0.0, 40.0, -50.0)
     assert way_past(pillar, wish=(-1.0, 0.2, 0.0)) == ZERO
     assert way_past(pillar, wish=(1.0, 5.0, 0.0)) != ZERO
 
 
-@given(
-    places=st.lists(
-        st.tuples(st.floats(40.0, 250.0), st.floats(-3.0, 3.0), st.floats(5.0, 40.0)),
-        min_size=1,
-        max_size=5,
-    ),
-    turn=st.floats(-1.5, 1.5),
-)
+PLACE = st.tuples(st.floats(40.0, 250.0), st.floats(-3.0, 3.0), st.floats(5.0, 40.0))
+
+
+@given(places=st.lists(PLACE, min_size=1, max_size=5), turn=st.floats(-1.5, 1.5))
 def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn):
     """Compare with a brute-force search over all tangents of all pillars."""
     pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])

@@ -25,16 +25,12 @@ def test_a_far_target_is_chased_at_full_speed_and_a_near_one_slowly(tank):
     t = tank()
     speeds = []
     for far in (200.0, 25.0, 8.0):
-        assert chase(t.fishes, t.minds, 0, (far, 0.0, -300.0), (0.0, 0.0, 0.0)) == (
-            pytest.approx(far - 7.0, abs=1e-4)
-        )
+        distance = chase(t.fishes, t.minds, 0, (far, 0.0, -300.0), (0.0, 0.0, 0.0))
+        assert distance == pytest.approx(far - 7.0, abs=1e-4)
         speeds.append(t.fishes.goal_speed[0])
     assert speeds[0] == 1.0
     assert speeds[0] > speeds[1] > speeds[2] > 0
-
-
-def test_a_moving_target_is_intercepted(tank):
-    t = tank()
+    # A moving target is intercepted.
     chase(t.fishes, t.minds, 0, (60.0, 0.0, -300.0), (0.0, 10.0, 0.0))
     assert t.minds.urge[0, 1] > 5.0
 
@@ -43,6 +39,10 @@ def test_a_speck_near_an_open_mouth_is_sucked_in_and_counted(tank):
     t = tank(specks=2)
     t.sea.plankton[:] = (9.5, 0.0, -300.0), (60.0, 0.0, -300.0)
     t.minds.intention[:], t.minds.target[:], t.minds.appetite[:] = EAT, 0, 5.0
+    # A shut mouth draws nothing.
+    eating.ingest(t.fishes, t.minds, t.sea, t.clock)
+    assert t.sea.absent[0] == 0
+    np.testing.assert_allclose(t.sea.plankton[0], [9.5, 0.0, -300.0])
     t.run(eating.act)
     assert t.fishes.gape[0] == 1.0
     for tick in range(1, 12):
@@ -53,15 +53,6 @@ def test_a_speck_near_an_open_mouth_is_sucked_in_and_counted(tank):
     assert t.minds.target[0] == -1
     low, high = eating.ABSENCE_S
     assert low <= t.sea.absent[0] <= high
-
-
-def test_a_shut_mouth_draws_nothing(tank):
-    t = tank(specks=1)
-    t.sea.plankton[:] = 9.5, 0.0, -300.0
-    t.minds.intention[:], t.minds.target[:] = EAT, 0
-    eating.ingest(t.fishes, t.minds, t.sea, t.clock)
-    assert t.sea.absent[0] == 0
-    np.testing.assert_allclose(t.sea.plankton[0], [9.5, 0.0, -300.0])
 
 
 def test_a_straggler_catches_up_before_it_eats(tank):

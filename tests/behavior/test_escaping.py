@@ -121,7 +121,7 @@ def test_a_turn_from_one_that_is_not_behind_leads_away_from_it(near, bearing):
 
 
 @given(angle=angles, course=angles, distance=st.floats(5, 600), height=st.floats(-100, 100))
-def test_what_is_seen_of_a_predator(around, angle, course, distance, height):
+def test_danger_of_a_predator_against_closed_forms(around, angle, course, distance, height):
     place = distance * np.cos(angle), distance * np.sin(angle), height
     fishes, minds = _pair(place, course)
     danger = danger_of(fishes, minds, 0, *around)
@@ -167,7 +167,7 @@ def test_schoolmates_on_either_side_of_the_hunter_part(around):
         assert np.sign(minds.urge[0, 1]) == np.sign(side)
 
 
-def test_who_flees(around):
+def test_desire_to_escape(around):
     fishes, minds = _pair((100.0, 0.0, 0.0))
     nature = around[1]
 

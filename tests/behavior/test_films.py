@@ -5,7 +5,7 @@ import pytest
 
 from subsea.scenario.load import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 
@@ -16,7 +16,7 @@ def hunt(request):
     world = create_world(load_scenario("preying")[0], seed=request.param)
     fear, intention, alive = [], [], []
     for _ in range(370):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         fear.append(world.state.minds.mental[:, FEAR].copy())
         intention.append(world.state.minds.intention.copy())
         alive.append(world.state.fishes.alive.copy())
@@ -57,7 +57,7 @@ def test_the_first_to_bite_is_drawn_up():
     sea, fishes, minds = world.state.sea, world.state.fishes, world.state.minds
     came, strained, rise = 0, [], []
     for _ in range(2000):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         came = max(came, int((minds.target == BAIT).sum()))
         caught = sea.catch[1]
         if sea.catch[0] == HOOKED and caught != NOBODY:

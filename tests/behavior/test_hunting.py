@@ -25,7 +25,19 @@ from subsea.behavior.hunting import (
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
-from subsea.state import AVOID, EAT, HUNGER, PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, empty
+from subsea.state import (
+    AVOID,
+    EAT,
+    HUNGER,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    WANDER,
+    Clock,
+    Fishes,
+    Minds,
+    empty,
+)
 from subsea.world.build import create_world
 from subsea.world.populate import heading_quaternion
 
@@ -196,15 +208,15 @@ def test_a_prey_in_the_mouth_is_eaten(around):
     assert 0 < fishes.gape[0] < 0.5  # it chews
 
 
-@pytest.mark.parametrize("hindrance", ["too large", "mouth shut", "not hunting"])
-def test_what_is_not_swallowed(around, hindrance):
-    fishes, minds = _hunter((3.0, 0, 0))
-    if hindrance == "too large":
-        fishes.length[1] = 1.1 * FITS * LENGTH
-    elif hindrance == "mouth shut":
-        fishes.gape[0] = 0.2
-    else:
-        minds.intention[0] = 6
+@pytest.mark.parametrize(
+    ("length", "gape", "intention"),
+    [(1.1 * FITS * LENGTH, 1, EAT), (20, 0.2, EAT), (20, 1, WANDER)],
+)
+def test_neither_large_prey_nor_by_a_shut_or_idle_mouth_is_swallowed(
+    around, length, gape, intention
+):
+    fishes, minds = _hunter((3.0, 0, 0), gape=gape)
+    fishes.length[1], minds.intention[0] = length, intention
     inhale(fishes, minds, around[0], CLOCK)
     assert fishes.alive.all()
 

@@ -90,7 +90,7 @@ def test_a_resumed_intention_inhibits_its_rivals_by_a_fifth_of_itself(mind):
     assert decide({MATE: 0.5, EAT: 0.62}) == EAT
 
 
-def test_what_is_not_wanted_any_more_is_not_resumed(mind):
+def test_an_intention_without_desire_is_not_resumed(mind):
     decide, minds = mind
     decide({EAT: 0.5})
     decide({ESCAPE: 0.9})

@@ -6,7 +6,7 @@ from subsea.behavior import leaving
 from subsea.state import BRIGHTNESS, COLD, DARKNESS, PREDATOR, WARMTH
 
 
-def test_who_is_discontent_leaves_in_the_right_direction(tank):
+def test_discontent_fishes_leave_in_the_right_direction(tank):
     t = tank(7)
     t.minds.light[:], t.minds.temperature[:] = 0.2, 26.0
     t.minds.likes[1, BRIGHTNESS] = True

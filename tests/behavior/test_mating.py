@@ -20,7 +20,6 @@ from subsea.state import (
     NO_COURTSHIP,
     NOBODY,
     NUZZLING,
-    PACIFIST,
     PREDATOR,
     PREY,
 )
@@ -69,7 +68,7 @@ def test_desire_is_libido_above_the_threshold_of_pacifists_with_somebody_to_cour
     np.testing.assert_allclose(t.desire(mating.desire), [0.6, 0, 0, 0, 0, 0, 0])
 
 
-def test_who_courts_goes_on_with_less_libido_even_where_it_sees_nobody(tank):
+def test_a_courting_fish_goes_on_with_less_libido_and_no_mate_in_sight(tank):
     t = _bay(tank)
     _pair(t, 1, CIRCLING)
     t.minds.mate[:] = NOBODY
@@ -90,7 +89,7 @@ def test_a_male_takes_up_with_his_target_and_swims_to_her(tank):
 
 
 @pytest.mark.parametrize("why", ["dead", "male", "shunned", "prey", "taken", "nobody"])
-def test_nobody_courts_who_is_out_of_the_question(tank, why):
+def test_unsuitable_fishes_are_not_courted(tank, why):
     t = _bay(tank, 3)
     if why == "dead":
         t.fishes.alive[FEMALE] = False
@@ -109,7 +108,7 @@ def test_nobody_courts_who_is_out_of_the_question(tank, why):
     assert np.isfinite(t.minds.urge[1]).all()
 
 
-def test_who_has_no_mind_to_mate_is_followed_and_then_left(tank):
+def test_a_female_that_does_not_mate_is_followed_and_then_left(tank):
     t = _bay(tank)
     t.minds.intention[FEMALE] = EAT
     t.fishes.position[1] = t.fishes.position[FEMALE] + (30.0, 0.0, 0.0)
@@ -125,7 +124,7 @@ def test_who_has_no_mind_to_mate_is_followed_and_then_left(tank):
     assert t.minds.shunned[1] == FEMALE
 
 
-def test_a_female_follows_a_male_that_has_no_mind_to_mate_but_not_one_that_has(tank):
+def test_a_female_follows_only_a_male_that_does_not_mate(tank):
     t = _bay(tank)
     t.minds.intention[1] = EAT
     t.run(mating.act, FEMALE)
@@ -199,30 +198,22 @@ def test_a_larger_rival_wins_her_and_the_first_turns_away(tank):
     assert t.minds.partner[FEMALE] == 2
 
 
-def test_a_smaller_rival_does_not_win_her(tank):
-    t = _bay(tank, 3)
-    t.fishes.length[1:] = 24.0, 18.0
-    _pair(t, 1, LOOPING)
-    t.minds.partner[2], t.minds.courtship[2], t.minds.courtship_count[2] = FEMALE, LOOPING, 9
-    for _ in range(3):
-        t.run(mating.act)
-    assert t.minds.partner[FEMALE] == 1
-    assert t.minds.courtship[2] == LOOPING, "who is not favoured doesn't circle, however he loops"
-
-
-def test_once_she_circles_no_rival_is_looked_at(tank):
-    t = _bay(tank, 3)
-    t.fishes.length[1:] = 18.0, 24.0
-    _pair(t, 1, CIRCLING)
-    t.minds.partner[2], t.minds.courtship[2], t.minds.courtship_count[2] = FEMALE, LOOPING, 9
-    t.run(mating.act)
-    assert t.minds.partner[FEMALE] == 1
+def test_a_smaller_rival_or_one_that_comes_too_late_does_not_win_her(tank):
+    for state, lengths in ((LOOPING, (24.0, 18.0)), (CIRCLING, (18.0, 24.0))):
+        t = _bay(tank, 3)
+        t.fishes.length[1:] = lengths
+        _pair(t, 1, state)
+        t.minds.partner[2], t.minds.courtship[2], t.minds.courtship_count[2] = FEMALE, LOOPING, 9
+        for _ in range(3 if state == LOOPING else 1):
+            t.run(mating.act)
+        assert t.minds.partner[FEMALE] == 1
+        assert t.minds.courtship[2] == LOOPING, "only the favoured male circles"
     _review(t)
     assert _free(t, 2)
     assert t.minds.partner[1] == FEMALE
 
 
-def test_who_was_turned_down_forgets_after_a_while(tank):
+def test_shunning_ends_after_a_while(tank):
     t = _bay(tank)
     t.minds.shunned[1], t.minds.shunning[1] = FEMALE, mating.SHUN_S
     _review(t, mating.SHUN_S - 1.0)
@@ -289,7 +280,3 @@ def test_progress_takes_fatigue_away(tank):
     t.run(mating.act)
     assert (t.minds.courtship == CIRCLING).all()
     assert (t.minds.fatigue[MATE] == 0).all()
-
-
-def test_kinds_are_as_these_tests_take_them(tank):
-    assert (_bay(tank).minds.kind == PACIFIST).all()

@@ -48,7 +48,7 @@ def test_food_near_by_tempts_but_not_one_that_is_more_than_full(tank):
     assert full[HUNGER] == 0.0
 
 
-def test_what_is_digested_is_forgotten(tank):
+def test_digested_meals_are_forgotten(tank):
     _, minds = _feel(tank, 151.0, eaten=8.0, appetite=4.0, digestion=0.0067)
     assert minds.eaten[0] == 0.0
     _, minds = _feel(tank, 140.0, eaten=8.0, appetite=4.0, digestion=0.0067)

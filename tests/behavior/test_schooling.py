@@ -87,7 +87,7 @@ def test_an_alarmed_school_is_denser(tank):
 
 
 def test_loners_that_meet_form_a_school_and_others_join_it(tank):
-    """Inception: the first follows the second, who leads; a third joins the same school."""
+    """Inception: the first follows the second, the leader; a third joins the same school."""
     t = tank(4)
     t.minds.schools[:3] = True
     t.minds.neighbour[0, :2] = 3, 1
@@ -108,7 +108,7 @@ def test_nobody_joins_the_dead(tank):
     assert t.minds.leader[0] == -1
 
 
-def test_a_leader_leaves_behind_who_is_farther_off_than_such_a_school_reaches(tank):
+def test_followers_beyond_the_reach_of_their_school_are_left_behind(tank):
     """Limit for eight followers of 20 cm: two body lengths times three."""
     t = tank(10)
     t.minds.leader[1:9] = 0
@@ -144,7 +144,7 @@ def test_a_straggler_is_far_from_its_leader_and_from_companions(tank):
     assert found == [False, True, False, False, False, False]
 
 
-def test_who_is_far_ahead_of_its_leader_comes_back(tank):
+def test_a_fish_far_ahead_of_its_leader_comes_back(tank):
     """The leader slows down for a fish behind it, but does not halt if that is far away."""
     t = _school(tank, 3)
     t.fishes.goal_speed[0] = 0.1  # the leader waits, and heads for both

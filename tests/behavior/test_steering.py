@@ -18,13 +18,10 @@ from subsea.state import HULL_CM, LEFT
 
 ALL = np.arange(1)
 angle = st.floats(0, 2 * np.pi)
-direction = st.tuples(st.floats(-1, 1), angle).map(
-    lambda a: (
-        float(np.sqrt(1 - a[0] ** 2) * np.cos(a[1])),
-        float(np.sqrt(1 - a[0] ** 2) * np.sin(a[1])),
-        float(a[0]),
-    )
-)
+direction = st.builds(
+    lambda z, a: (float(np.sqrt(1 - z * z) * np.cos(a)), float(np.sqrt(1 - z * z) * np.sin(a)), z),
+    st.floats(-1, 1), angle,
+)  # fmt: skip
 
 
 @given(direction, direction, st.floats(-50, 200))

@@ -10,7 +10,7 @@ from subsea.habitat.clearance import clearances
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -24,7 +24,7 @@ def begun():
     """Snapshot of the peaceful bay after two seconds, the start of every test."""
     world = create_world(load_scenario("peaceful")[0], fish=60)
     for _ in range(60):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world, snapshot.take(world)
 
 
@@ -125,7 +125,7 @@ def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered
                     assert np.hypot(*place[:2]) < sea.radius
 
 
-def test_its_brain_yields_and_comes_back(world):
+def test_its_intention_yields_and_comes_back(world):
     minds, fishes = world.state.minds, world.state.fishes
     minds.kind[FISH], minds.dread[FISH] = PREY, 400.0
     enemy = FISH + 1
@@ -141,16 +141,16 @@ def test_its_brain_yields_and_comes_back(world):
     assert (fishes.goal_speed[FISH], fishes.gape[FISH]) == (pytest.approx(0.4), 0.0)
     snapshot.restore(world, snapshot.take(world))  # refuses values that no tick may write
     for _ in range(10):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     assert minds.intention[FISH] != WANDER
     assert minds.intention[FISH] != EAT
     # Released at an undisturbed place, it calms down.
     minds.kind[FISH] = minds.kind[enemy] = 0
 
 
-def test_others_know_nothing_of_the_reins_and_the_submarine_keeps_station(world, begun):
+def test_others_do_not_notice_commands_and_the_submarine_keeps_station(world, begun):
     others = np.arange(60) != FISH
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     free = {name: array.copy() for name, array in snapshot.changing(world).items()}
     snapshot.restore(world, begun[1])
     step(world, TeleopCommand(FISH, turn=1.0, speed=1.0))
@@ -164,7 +164,7 @@ def test_others_know_nothing_of_the_reins_and_the_submarine_keeps_station(world,
     assert np.linalg.norm(submarine.velocity) < 1.0
 
 
-def test_the_same_reins_give_the_same_world_from_a_snapshot_on(world):
+def test_the_same_commands_from_a_snapshot_give_the_same_world(world):
     def ridden(ticks):
         for k in range(ticks):
             step(world, TeleopCommand(FISH, np.sin(0.1 * k), 0.3, 0.8))
@@ -177,7 +177,7 @@ def test_the_same_reins_give_the_same_world_from_a_snapshot_on(world):
     assert ridden(40) == first
 
 
-def test_who_is_dead_is_not_steered_and_who_is_none_is_a_fault(world):
+def test_a_dead_fish_is_not_steered_and_an_unknown_one_is_a_fault(world):
     world.state.fishes.alive[FISH] = False
     before = world.state.minds.urge[FISH].copy()
     step(world, TeleopCommand(FISH, 1.0, 1.0, 1.0))
@@ -190,7 +190,7 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     world = create_world(load_scenario("schooling")[0])
     fishes, minds = world.state.fishes, world.state.minds
     for _ in range(60):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     leader = int(np.bincount(minds.leader[minds.leader >= 0]).argmax())
     school = np.flatnonzero(minds.leader == leader)
     before = fishes.velocity[school].mean(axis=0)

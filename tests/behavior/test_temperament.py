@@ -8,7 +8,7 @@ from subsea.behavior.temperament import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import NOBODY
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -22,16 +22,14 @@ def bay(**options):
     return create_world(msgspec.structs.replace(scenario, **changed))
 
 
-def test_an_individual_has_its_own_and_nobody_elses_dice_change():
-    """Individual settings draw no random number."""
+def test_individual_settings_draw_no_random_number():
     plain = bay()
     own = IndividualTable(
         fish=2, kind="predator", male=True, likes=["cold"], schooling=False, hunger=0.9,
         digestion=0.5, libido_rate=0.4, dread_cm=7.0,
     )  # fmt: skip
-    world = bay(
-        individual=[own, IndividualTable(fish=5, kind="pacifist", libido=0.75, hunger=0.25)]
-    )
+    other = IndividualTable(fish=5, kind="pacifist", libido=0.75, hunger=0.25)
+    world = bay(individual=[own, other])
     minds, was = world.state.minds, plain.state.minds
     for name, array in snapshot.changing(plain).items():
         if not name.startswith("minds."):
@@ -43,7 +41,7 @@ def test_an_individual_has_its_own_and_nobody_elses_dice_change():
     assert minds.likes[2].tolist() == [False, False, True, False]
     assert (minds.digestion[2], minds.dread[2]) == (0.5, 7.0)
     world.state.minds.digestion[:] = 0.0
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     assert minds.mental[2, 0] == pytest.approx(0.9, abs=0.01)
     assert minds.mental[5, :2] == pytest.approx([0.25, 0.75], abs=0.03)
 
@@ -54,7 +52,7 @@ def test_fishes_may_become_others_while_diving(name):
     world = create_world(load_scenario(name)[0], fish=12, live=0)
     state = world.state
     for tick in range(360):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         i, now = tick % 12, state.tick * TICK_S
         kind = ("pacifist", "prey", "predator")[(tick // 12) % 3]
         own = IndividualTable(
@@ -71,15 +69,14 @@ def test_hunger_and_libido_are_those_of_now():
     world = bay()
     state = world.state
     for _ in range(60):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     lone = IndividualTable(fish=1, kind="pacifist", hunger=0.125, libido=0.5)
     apply_individual(state.fishes, state.minds, lone, state.tick * TICK_S)
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.02)
     # Unnamed settings stay the same.
-    apply_individual(
-        state.fishes, state.minds, IndividualTable(fish=1, dread_cm=3.0), state.tick * TICK_S
-    )
-    step(world, HANDS_OFF)
+    fearful = IndividualTable(fish=1, dread_cm=3.0)
+    apply_individual(state.fishes, state.minds, fearful, state.tick * TICK_S)
+    step(world, NEUTRAL)
     assert state.minds.mental[1, :2] == pytest.approx([0.125, 0.5], abs=0.03)
     assert state.minds.dread[1] == 3.0

@@ -59,7 +59,7 @@ def test_waypoints_lie_in_free_water(tank):
     assert (gap > wandering.FREE_CM - 1).mean() > 0.95
 
 
-def test_a_leader_waits_for_those_whom_it_leaves_behind(tank):
+def test_a_leader_waits_for_followers_left_behind(tank):
     speeds = []
     for far in (50.0, 500.0):
         t = tank(3)
@@ -87,7 +87,7 @@ def test_the_ways_of_leaders_have_room_for_a_school(tank):
     assert share[1] > 0.95
 
 
-def test_what_is_near_to_begin_with_bars_the_way_only_if_it_leads_there(tank):
+def test_a_near_solid_bars_only_a_way_that_leads_to_it(tank):
     sea = tank(
         1, pillars=[(0.0, 0.0, 40.0, 0.0)], rocks=[(0.0, 300.0, -200.0, 40.0, 40.0, 40.0, 0)]
     ).sea

@@ -10,12 +10,6 @@ from subsea.geometry.rotation import matrix
 seeds = st.integers(0, 2**32 - 1)
 
 
-def test_axes_of_a_fish_at_rest(known_repertoire):
-    origin, R = body_frame(known_repertoire.rest_nodes)
-    np.testing.assert_allclose(origin, 0.0, atol=1e-12)
-    np.testing.assert_allclose(R, np.eye(3), atol=1e-12)
-
-
 @given(seeds)
 @settings(max_examples=50)
 def test_the_frame_stays_orthonormal_in_deformed_bodies(known_repertoire_nodes, seed):

@@ -128,7 +128,7 @@ def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier: Species) 
 
 
 def with_one_unit(unit: int, viscosity: float = 0.0) -> Body:
-    """A body in a vacuum of which only one viscoelastic unit is left: two nodes on a spring."""
+    """A body in a vacuum with only one viscoelastic unit left: two nodes on a spring."""
     body = in_vacuum(load_species("fusilier"))
     only = np.arange(len(UNITS)) == unit
     return body._replace(stiffness=only * 30.0, viscosity=only * viscosity)

@@ -11,7 +11,7 @@ from subsea.core.background import CancelledByUserError, run_in_background
 from subsea.core.errors import UserError
 
 
-def test_its_lines_come_in_order_and_then_its_result():
+def test_lines_arrive_in_order_before_the_result():
     heard = []
 
     def work(tell):
@@ -24,7 +24,7 @@ def test_its_lines_come_in_order_and_then_its_result():
     assert worker is not threading.current_thread()
 
 
-def test_the_windows_are_looked_at_while_it_works():
+def test_windows_are_updated_during_the_work():
     go = threading.Event()
     looks = []
 
@@ -36,7 +36,7 @@ def test_the_windows_are_looked_at_while_it_works():
     assert run_in_background(lambda tell: go.wait(20.0), look)
 
 
-def test_its_fault_is_the_callers():
+def test_errors_reach_the_caller():
     def work(tell):
         raise UserError("no such reef")
 
@@ -44,7 +44,7 @@ def test_its_fault_is_the_callers():
         run_in_background(work, lambda line: None)
 
 
-def test_who_leaves_does_not_wait(monkeypatch):
+def test_cancelling_does_not_wait(monkeypatch):
     ends, go = [], threading.Event()
     monkeypatch.setattr(atexit, "register", lambda *call: ends.append(call))
 
@@ -72,7 +72,7 @@ except {0}:
 
 
 @pytest.mark.parametrize(("why", "code"), [("CancelledByUserError", 0), ("KeyboardInterrupt", 130)])
-def test_the_process_ends_while_the_work_goes_on(why, code):
+def test_the_process_ends_during_the_work(why, code):
     done = subprocess.run(
         [sys.executable, "-c", LEAVE.format(why)], capture_output=True, text=True, timeout=30
     )

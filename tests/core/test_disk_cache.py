@@ -1,15 +1,16 @@
-"""What is kept on the disk is what would be made, or it is made anew."""
+"""Cached results equal computed ones, or are computed again."""
 
 import importlib.util
 import os
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from types import ModuleType
+import pickle
+import sys
+import zlib
 
 import numpy as np
 import pytest
 
-from subsea.core import disk_cache
+from subsea.core import disk_cache, own_files
+from subsea.core.array_pack import pack
 from subsea.core.disk_cache import cached
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea
@@ -27,14 +28,14 @@ def squares(n, power=2):
 
 
 @pytest.fixture(autouse=True)
-def place(tmp_path, monkeypatch) -> Iterator[Path]:
+def place(tmp_path, monkeypatch):
     monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
-    yield tmp_path / "kept"
+    return tmp_path / "kept"
 
 
 @pytest.fixture
-def module(tmp_path) -> Callable[[str], ModuleType]:
-    def load(code: str) -> ModuleType:
+def module(tmp_path):
+    def load(code):
         folder = tmp_path / f"code{len(list(tmp_path.iterdir()))}"
         folder.mkdir()
         (folder / "maker.py").write_text(code)
@@ -46,27 +47,27 @@ def module(tmp_path) -> Callable[[str], ModuleType]:
     return load
 
 
-def _same(found: list[object]) -> None:
+def assert_squares(found):
     np.testing.assert_array_equal(found[0], np.arange(5, dtype=np.float32) ** 2)
     assert found[0].dtype == np.float32
-    assert found[0] is found[1]  # what is shared stays shared
+    assert found[0] is found[1]  # parts stay shared
     assert found[2] == "text"
 
 
-def _used(file: Path, seconds_ago: float) -> None:
+def set_age(file, seconds_ago):
     there = file.stat()
     os.utime(file, (there.st_atime, there.st_mtime - seconds_ago))
 
 
-def test_a_thing_is_made_once(module, place):
+def test_a_result_is_computed_once(module, place):
     maker = module(CODE)
     for _ in range(3):
-        _same(cached(maker.squares, 5))
+        assert_squares(cached(maker.squares, 5))
     assert maker.made == [5]
     assert len(list(place.iterdir())) == 1  # and nothing half-written beside it
 
 
-def test_other_arguments_and_other_code_make_it_anew(module):
+def test_other_arguments_or_code_compute_it_again(module):
     maker = module(CODE)
     cached(maker.squares, 5)
     assert cached(maker.squares, 5, power=3)[0][2] == 8.0
@@ -77,7 +78,7 @@ def test_other_arguments_and_other_code_make_it_anew(module):
 
 
 @pytest.mark.parametrize("n", [5, 300_000])
-def test_what_is_read_is_one_s_own(module, place, n):
+def test_cached_arrays_are_independent_copies(module, place, n):
     maker = module(CODE)
     cached(maker.squares, n)
     for _ in range(2):
@@ -93,48 +94,47 @@ def test_what_is_read_is_one_s_own(module, place, n):
     np.testing.assert_array_equal(row, np.arange(n, dtype=np.float32) ** 2)
 
 
-def test_equal_arguments_are_the_same_whatever_they_share(module):
+def test_equal_arguments_have_equal_names(module):
     maker, row = module(CODE), np.arange(4.0)
     same = disk_cache.cache_name(maker.squares, [row, row])
     assert disk_cache.cache_name(maker.squares, [row, row.copy()]) == same
     assert disk_cache.cache_name(maker.squares, [row, row + 1.0]) != same
 
 
-@pytest.mark.parametrize("harm", ["empty", "short", "flipped", "other"])
-def test_what_is_damaged_is_made_anew(module, place, harm):
+def test_damaged_files_are_computed_again(module, place):
     maker = module(CODE)
     cached(maker.squares, 5)
     (file,) = place.iterdir()
-    data = bytearray(file.read_bytes())
-    data[len(data) // 2] ^= 0x40
-    cut = {"empty": b"", "short": data[:-7], "flipped": data, "other": b"not at all a pickle"}
-    file.write_bytes(cut[harm])
-    _same(cached(maker.squares, 5))
-    _same(cached(maker.squares, 5))
-    assert maker.made == [5, 5]
+    flipped = bytearray(file.read_bytes())
+    flipped[len(flipped) // 2] ^= 0x40
+    for number, damaged in enumerate((b"", file.read_bytes()[:-7], flipped, b"no pickle"), start=2):
+        file.write_bytes(damaged)
+        assert_squares(cached(maker.squares, 5))
+        assert_squares(cached(maker.squares, 5))
+        assert maker.made == [5] * number
 
 
-def test_where_nothing_can_be_written_it_is_made_each_time(module, place):
+def test_without_a_folder_it_is_computed_each_time(module, place):
     place.write_text("a file, where a folder should be")
     maker = module(CODE)
     for _ in range(2):
-        _same(cached(maker.squares, 5))
+        assert_squares(cached(maker.squares, 5))
     assert maker.made == [5, 5]
 
 
-def test_what_can_only_be_read_is_read(module, monkeypatch):
+def test_a_read_only_cache_is_used(module, monkeypatch):
     maker = module(CODE)
     cached(maker.squares, 5)
 
-    def refuse(path: Path) -> None:
+    def refuse(path):
         raise PermissionError(path)
 
     monkeypatch.setattr(os, "utime", refuse)
-    _same(cached(maker.squares, 5))
+    assert_squares(cached(maker.squares, 5))
     assert maker.made == [5]
 
 
-def test_what_was_not_used_for_longest_makes_room(module, place, monkeypatch):
+def test_the_least_recently_used_file_is_deleted(module, place, monkeypatch):
     maker = module(CODE)
     cached(maker.squares, 1000)
     (first,) = place.iterdir()
@@ -143,8 +143,8 @@ def test_what_was_not_used_for_longest_makes_room(module, place, monkeypatch):
         before = set(place.iterdir())
         cached(maker.squares, n)
         (new,) = set(place.iterdir()) - before
-        _used(new, age)
-    _used(first, 60)
+        set_age(new, age)
+    set_age(first, 60)
     cached(maker.squares, 1000)  # used again: now the one of 1001 is the oldest
     cached(maker.squares, 1003)
     maker.made.clear()
@@ -153,19 +153,19 @@ def test_what_was_not_used_for_longest_makes_room(module, place, monkeypatch):
     assert maker.made == [1001]
 
 
-def test_what_was_cut_off_while_it_was_written_makes_room(module, place, monkeypatch):
+def test_partial_files_are_deleted_first(module, place, monkeypatch):
     maker = module(CODE)
     cached(maker.squares, 1000)
     (whole,) = place.iterdir()
     part = place / ".squares.pickle.1.part"
     part.write_bytes(whole.read_bytes())
-    _used(part, 60)
+    set_age(part, 60)
     monkeypatch.setattr(disk_cache, "MAX_BYTES", int(2.5 * whole.stat().st_size))
     cached(maker.squares, 1001)
     assert not part.exists() and whole.exists()
 
 
-def test_a_reef_from_the_disk_is_the_reef_that_grew():
+def test_a_cached_reef_equals_a_grown_one():
     scenario, _ = load_scenario("peaceful")
     sea = make_sea(scenario, np.random.default_rng(1))
     seen = []
@@ -178,3 +178,116 @@ def test_a_reef_from_the_disk_is_the_reef_that_grew():
     for made, found in zip(*seen, strict=True):
         np.testing.assert_array_equal(made, found)
         assert np.asarray(made).dtype == np.asarray(found).dtype
+
+
+ASKING = """
+from typing import NamedTuple
+import numpy as np
+from numpy.typing import NDArray
+made = []
+class Part(NamedTuple):
+    row: NDArray[np.float32]
+    number: int
+def part(n: int) -> Part | None:
+    made.append(n)
+    return Part(np.asfortranarray(np.ones((2, n), np.float32)), n) if n else None
+"""
+
+
+def test_a_result_has_the_annotated_type(module):
+    maker = module(ASKING)
+    for _ in range(2):
+        found = cached(maker.part, 3)
+        assert type(found) is maker.Part and found.number == 3
+        assert found.row.shape == (2, 3) and found.row.flags.f_contiguous
+        assert cached(maker.part, 0) is None
+    assert maker.made == [3, 0]
+
+
+@pytest.mark.parametrize(
+    "other", [[], {"row": [1.0], "number": 3}, (np.ones(3), 3), (np.ones(3, np.float32), "3"), None]
+)
+def test_a_file_with_another_content_counts_as_missing(module, place, other):
+    maker = module(ASKING)
+    cached(maker.part, 3)
+    (file,) = place.iterdir()
+    name = file.stem if other is not None else "of another result"
+    file.write_bytes(pack(name, other))
+    for _ in range(2):
+        assert cached(maker.part, 3).number == 3
+    assert maker.made == [3, 3]
+
+
+def test_reading_executes_nothing(module, place):
+    class Ends:
+        def __reduce__(self):
+            return sys.exit, (7,)
+
+    maker = module(CODE)
+    cached(maker.squares, 5)
+    (file,) = place.iterdir()
+    # As earlier versions wrote them: checksum, sizes, a pickle.
+    sizes, head = pickle.dumps([len(pickle.dumps(Ends()))]), pickle.dumps(Ends())
+    start = bytes(4) + len(sizes).to_bytes(4) + sizes
+    data = bytearray(start + bytes(-len(start) % 64) + head)
+    data += bytes(-len(data) % 64)
+    data[:4] = zlib.crc32(data[4:]).to_bytes(4)
+    file.write_bytes(data)
+    assert_squares(cached(maker.squares, 5))
+
+
+def test_a_pipe_counts_as_missing(module, place):
+    maker = module(CODE)
+    cached(maker.squares, 5)
+    (file,) = place.iterdir()
+    file.unlink()
+    os.mkfifo(file)
+    for _ in range(2):
+        assert_squares(cached(maker.squares, 5))
+    assert maker.made == [5, 5, 5] and not file.is_file()  # only files are replaced
+
+
+def test_a_new_folder_is_for_the_user_alone(module, place):
+    cached(module(CODE).squares, 5)
+    assert place.stat().st_mode & 0o777 == 0o700
+
+
+def change_owner(monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o770, None])
+def test_a_folder_that_others_may_write_is_not_used(module, place, monkeypatch, capsys, mode):
+    maker = module(CODE)
+    cached(maker.squares, 5)
+    (file,) = place.iterdir()
+    monkeypatch.setattr(own_files, "_is_private", lambda group: False)
+    if mode is None:
+        change_owner(monkeypatch)
+    else:
+        place.chmod(mode)
+    before = file.stat().st_mtime_ns
+    for _ in range(2):
+        assert_squares(cached(maker.squares, 5))
+    assert maker.made == [5, 5, 5]
+    assert file.stat().st_mtime_ns == before
+    assert capsys.readouterr().err.count(str(place)) == 1
+
+
+def test_a_file_that_others_may_write_is_replaced(module, place):
+    maker = module(CODE)
+    cached(maker.squares, 5)
+    (file,) = place.iterdir()
+    file.chmod(0o666)
+    for _ in range(2):
+        assert_squares(cached(maker.squares, 5))
+    assert maker.made == [5, 5]
+
+
+def test_the_group_of_the_user_alone_may_write(module, place, monkeypatch):
+    maker = module(CODE)
+    cached(maker.squares, 5)
+    monkeypatch.setattr(own_files, "_is_private", lambda group: True)
+    place.chmod(0o770)
+    assert_squares(cached(maker.squares, 5))
+    assert maker.made == [5]

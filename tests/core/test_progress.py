@@ -4,7 +4,7 @@ from subsea.core import progress as module
 from subsea.core.progress import clock, progress
 
 
-def test_a_line_each_ten_seconds_with_the_time_left(capsys, monkeypatch):
+def test_without_a_terminal_there_is_a_line_every_ten_seconds(capsys, monkeypatch):
     now = 0.0
     monkeypatch.setattr(module.time, "monotonic", lambda: now)
     with progress(100, "frame", done=20) as count:
@@ -19,12 +19,12 @@ def test_a_line_each_ten_seconds_with_the_time_left(capsys, monkeypatch):
     ]
 
 
-def test_a_short_work_says_nothing(capsys):
+def test_short_work_prints_nothing(capsys):
     with progress(3, "frame") as count:
         for _ in range(3):
             count()
     assert not capsys.readouterr().err
 
 
-def test_times_read_as_clocks_show_them():
+def test_durations_are_formatted_as_clocks():
     assert [clock(s) for s in (0.2, 59.6, 3723.0)] == ["0:00", "1:00", "1:02:03"]

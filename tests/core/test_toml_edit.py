@@ -44,7 +44,7 @@ def test_only_the_bytes_of_changed_values_change():
     )
 
 
-def test_new_tables_look_like_those_beside_them():
+def test_new_tables_follow_the_style_of_others():
     fin = {"edge": [2.0]}
     after = edited(TEXT, lambda new: new["skin"]["fins"].update(dorsal=fin))
     assert "[skin.fins.dorsal]\nedge = [2.0]" in after

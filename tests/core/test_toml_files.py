@@ -89,7 +89,7 @@ def test_the_reef_is_sound(path):
     ("change", "line", "words"),
     [
         (("seed = 1", "sead = 1"), 2, "unknown key `sead`; did you mean 'seed'?"),
-        (("seed = 1", "seed = -1"), 2, "Expected `int` >= 0, at `seed`"),
+        (("seed = 1", "seed = -1"), 2, "expected a whole number of at least 0, got -1, at `seed`"),
         (("depth_cm = 500.0", 'depth_cm = "deep"'), 3, "at `bounds.depth_cm`"),  # inline table
         (("depth_cm = 500.0", "deep_cm = 500.0"), 3, "unknown key `deep_cm`, at `bounds`"),
         ((", depth_cm = 500.0", ""), 3, "missing key `depth_cm`, at `bounds`"),
@@ -100,7 +100,7 @@ def test_the_reef_is_sound(path):
         (("number = 1", "numbr = 1"), 20, "unknown key `numbr`, at `fish[1]`"),
         (("number = 1\n", ""), 18, "missing key `number`, at `fish[1]`"),
         (('"darkness"', '"dark"'), 23, "at `fish[1].likes[1]`; there are: 'brightness'"),
-        (("brain = 2.0", "brian = 2.0"), 28, "Invalid enum value 'brian', at `reef[0].kinds`"),
+        (("brain = 2.0", "brian = 2.0"), 28, "unknown value 'brian', at `reef[0].kinds`"),
         (("brain = 2.0", "brain = -2.0"), 28, "at `reef[0].kinds.brain`"),
         (("fan = 1.0, brain = 2.0", "fan = 0.0"), 28, "`kinds` must give a weight"),
         (("9.0, position_cm = [-100.0, 0.0,", "9.0, position_cm = [-100.0,"), 34, "waypoint[1]"),
@@ -122,7 +122,7 @@ def test_the_reef_is_sound(path):
     ],
     ids=lambda given: given if isinstance(given, str) else None,
 )  # fmt: skip
-def test_a_fault_tells_its_line_and_its_key(path, change, line, words):
+def test_faults_have_line_and_key(path, change, line, words):
     assert change[0] in REEF
     message = refused(path, REEF.replace(*change))
     assert message.startswith(f"reef.toml:{line}: ")
@@ -133,38 +133,21 @@ def test_a_fault_tells_its_line_and_its_key(path, change, line, words):
     ("direction", "line", "words"),
     [
         ("at_s = 1.0\nend = true\nlighst = true", 53, "unknown key `lighst`, at `direction[1]`"),
-        (
-            "camera = { follow = { shoal = 9 } }",
-            51,
-            "`direction[1].camera.follow.shoal`: 9: there is",
-        ),
+        ("camera = { follow = { shoal = 9 } }", 51, "`direction[1].camera.follow.shoal`: 9: there"),
         ("camera = { tour = 'there', behind = true }", 51, "`behind` is for `follow` without"),
-        (
-            "\n\nafter = 'second'\nend = true",
-            53,
-            "`direction[1].after`: unknown direction 'second'",
-        ),
-        (
-            "camera = { follow = 'them' }",
-            51,
-            "Invalid enum value 'them', at `direction[1].camera.follow`; there are: 'cast'",
-        ),
-        (
-            "camera = { follow = { shoel = 0 } }",
-            51,
-            "unknown key `shoel`, at `direction[1].camera.follow`; did you mean 'shoal'?",
-        ),
+        ("\n\nafter = 'second'\nend = true", 53, "[1].after`: unknown direction 'second'"),
+        ("camera = { follow = 'them' }", 51,
+         "unknown value 'them', at `direction[1].camera.follow`; there are: 'cast'"),
+        ("camera = { follow = { shoel = 0 } }", 51,
+         "unknown key `shoel`, at `direction[1].camera.follow`; did you mean 'shoal'?"),
         ("hook = 'down'", 51, "expected a table [hook]"),
-        ("who = { shoal = 0 }\nhunger = nan", 52, ">= 0.0, at `direction[1].hunger`"),
+        ("who = { shoal = 0 }\nhunger = nan", 52, "at least 0, got nan, at `direction[1].hunger`"),
         ("at_s = 1.0\ndelay_s = 2.0\nend = true", 52, "or a later `at_s`"),
-        (
-            "camera = { position_cm = [0.0, 0.0, -490.0], look_at_cm = [0.0, 9.0, -400.0] }",
-            51,
-            "seabed",
-        ),
+        ("camera = { position_cm = [0.0, 0.0, -490.0], look_at_cm = [0.0, 9.0, -400.0] }", 51,
+         "seabed"),
     ],
-)
-def test_faults_of_directions_tell_their_lines(path, direction, line, words):
+)  # fmt: skip
+def test_faults_of_directions_have_lines(path, direction, line, words):
     first = "[[direction]]\nname = 'first'\nend = true\n"
     text = REEF.replace("[nature]", f"{first}\n[[direction]]\n{direction}\n\n[nature]")
     message = refused(path, text)
@@ -181,7 +164,7 @@ def test_faults_of_directions_tell_their_lines(path, direction, line, words):
         (f"a = {'[' * 5000}", "not valid TOML"),
     ],
 )
-def test_what_is_nowhere_in_the_file_has_no_line(path, text, words):
+def test_faults_of_the_whole_file_have_no_line(path, text, words):
     assert refused(path, text).startswith(f"reef.toml: {words}")
 
 
@@ -196,24 +179,34 @@ def test_what_is_nowhere_in_the_file_has_no_line(path, text, words):
         ("k" * 100_000 + " = 1", "reef.toml:1: unknown key `kkk"),
     ],
 )
-def test_what_nobody_writes_by_hand_is_one_short_line_at_once(path, text, words):
+def test_hostile_files_are_one_short_line(path, text, words):
     said = refused(path, text)
     assert said.startswith(words)
     assert len(said) < 1100
     assert said.isprintable()
 
 
-def test_a_change_that_nobody_types_is_one_line(path):
+def test_hostile_changes_are_one_line(path):
     for value in ("9" * 5000, "[" * 5000, "[" * 200):
         assert refused(path, REEF, [f"seed={value}"]).startswith("reef.toml --set seed=")
     with pytest.raises(UserError, match=r"^--set fish\.9999"):
         load_toml(path, Scenario, [f"fish.{'9' * 5000}.x=1"])
+    for parts in (33, 20_000):
+        with pytest.raises(
+            UserError, match=rf"^--set a\.a\.a…: a key of {parts} parts, expected 32"
+        ):
+            load_toml(path, Scenario, [f"{'.'.join('a' * parts)}=1"])
+    with pytest.raises(UserError, match=r"^--set title=\\udcff: not text in the encoding"):
+        load_toml(path, Scenario, ["title=\udcff"])
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ("fish.0.number=x", "reef.toml --set fish.0.number=x: Expected `int`, got `str`, at `fish"),
+        (
+            "fish.0.number=x",
+            "reef.toml --set fish.0.number=x: expected a whole number, got 'x', at `fish",
+        ),
         ("fish.0.nmber=1", "reef.toml --set fish.0.nmber=1: unknown key `nmber`, at `fish[0]`"),
         ("fish.2.number=1", "reef.toml --set fish.2.number=1: missing key `species`, at `fish[2]`"),
         ("fish.0.species=clownfosh", "reef.toml --set fish.0.species=clownfosh: `fish[0].sp"),
@@ -221,22 +214,21 @@ def test_a_change_that_nobody_types_is_one_line(path):
         ("submarine.position_cm=[0,0,-499]", "reef.toml: `submarine.position_cm` (0.0, 0.0,"),
     ],
 )  # fmt: skip
-def test_what_a_change_is_to_blame_for_has_no_line(path, change, said):
+def test_faults_of_changes_have_no_line(path, change, said):
     assert refused(path, REEF, [change]).startswith(said)
 
 
-def test_a_fault_of_the_file_has_its_line_whatever_else_is_changed(path):
-    torn = REEF.replace("seed = 1", "sead = 1")
-    assert refused(path, torn, ["fish.0.number=4"]).startswith(
-        "reef.toml:2 --set fish.0.number=4: "
-    )
-    wrong = REEF.replace("number = 1", "number = 1.5")
-    assert refused(path, wrong, ["fish.0.number=4"]).startswith("reef.toml:20: Expected `int`")
-    unknown = REEF.replace('"clownfish"', '"clownfosh"')
-    assert refused(path, unknown, ["fish.0.number=4"]).startswith("reef.toml:19: `fish[1].species`")
+def test_faults_of_the_file_have_a_line_despite_changes(path):
+    for change, words in (
+        (("seed = 1", "sead = 1"), "reef.toml:2 --set fish.0.number=4: "),
+        (("number = 1", "number = 1.5"), "reef.toml:20: expected a whole number, got 1.5"),
+        (('"clownfish"', '"clownfosh"'), "reef.toml:19: `fish[1].species`"),
+    ):
+        message = refused(path, REEF.replace(*change), ["fish.0.number=4"])
+        assert message.startswith(words)
 
 
-def test_a_scenario_that_is_no_longer_as_its_file_says_tells_no_wrong_line(path):
+def test_a_changed_scenario_has_no_wrong_line(path):
     path.write_text(REEF)
     scenario, _ = load_scenario(str(path))
     moved = msgspec.structs.replace(scenario.submarine, position_cm=(0.0, 0.0, 9.0))
@@ -249,7 +241,7 @@ def test_a_scenario_that_is_no_longer_as_its_file_says_tells_no_wrong_line(path)
         check_scenario(changed)
 
 
-def test_errors_carry_their_place_as_data(path):
+def test_errors_have_their_location_as_data(path):
     path.write_text(REEF.replace("number = 1", "number = 1.5"))
     with pytest.raises(UserError) as caught:
         load_toml(path, Scenario, ["seed=3"])
@@ -275,7 +267,7 @@ def test_errors_carry_their_place_as_data(path):
         (("iris = ", "iriss = "), "unknown key `iriss`, at `skin`"),
     ],
 )
-def test_species_tell_lines_too(tmp_path, change, words):
+def test_faults_of_species_have_lines(tmp_path, change, words):
     from subsea.core.resources import resource_path
 
     text = resource_path("assets/species/fusilier.toml").read_text()
@@ -287,7 +279,7 @@ def test_species_tell_lines_too(tmp_path, change, words):
         load_toml(path, Species)
 
 
-def test_a_table_whose_keys_are_free_names_the_faulty_one(path):
+def test_faults_in_tables_with_arbitrary_keys_have_lines(path):
     path.write_text("[sizes]\na = 1\nb = 2\n'c d' = 'x'\n")
     with pytest.raises(UserError, match=r"reef\.toml:4: .* at `sizes\.c d`"):
         load_toml(path, Sizes)
@@ -302,7 +294,7 @@ class Sizes(msgspec.Struct):
     sizes: dict[str, int]
 
 
-def test_load_toml_is_as_fast_as_ever_where_nothing_is_wrong(path, monkeypatch):
+def test_valid_files_are_not_searched_for_lines(path, monkeypatch):
     monkeypatch.setattr("subsea.core.toml_files.key_lines", lambda text: pytest.fail("not needed"))
     path.write_text(REEF)
     assert load_toml(path, Scenario).seed == 1

@@ -59,7 +59,7 @@ def places(value, above=()):
     [*sorted(resource_path("assets").rglob("*.toml")), ROOT / "pyproject.toml"],
     ids=lambda path: path.stem,
 )
-def test_everything_in_a_file_is_found_where_it_stands(path):
+def test_everything_in_a_file_has_its_line(path):
     text = path.read_text()
     lines, rows = key_lines(text), text.splitlines()
     assert set(lines) == set(places(tomllib.loads(text)))
@@ -69,7 +69,7 @@ def test_everything_in_a_file_is_found_where_it_stands(path):
 
 
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
-def test_strings_comments_and_tables_of_all_kinds_are_told_apart(ends):
+def test_strings_comments_and_tables_of_all_kinds(ends):
     text = TRICKY.replace("\n", ends)
     lines = key_lines(text)
     assert set(lines) == set(places(tomllib.loads(text)))
@@ -90,7 +90,7 @@ def test_strings_comments_and_tables_of_all_kinds_are_told_apart(ends):
     ]  # fmt: skip
 
 
-def test_what_is_not_there_is_where_its_table_is():
+def test_missing_keys_have_the_line_of_their_table():
     lines = key_lines(TRICKY)
     assert line_of(lines, place_of("tour[0].waypoint[1].follow")) == 25
     assert line_of(lines, place_of("bounds.depth_cm")) == 19

@@ -23,7 +23,7 @@ from subsea.dive.bindings import (
 CTRL, SHIFT, ALT = glfw.MOD_CONTROL, glfw.MOD_SHIFT, glfw.MOD_ALT
 
 
-def test_every_action_and_wish_is_told_and_no_input_means_two_things():
+def test_controls_are_complete_and_no_input_has_two():
     assert tuple(CONTROLS) == (*ACTIONS, *COMMANDS)
     uses = Counter(name for control in CONTROLS.values() for name in control.inputs)
     assert [name for name, number in uses.items() if number > 1] == ["Esc"]  # menu and alight
@@ -60,7 +60,7 @@ def test_keys_buttons_and_axes_have_the_numbers_of_the_window_library():
         ("pad a", "pad A"), ("left ctrl", "LeftCtrl"),
     ],
 )  # fmt: skip
-def test_names_may_be_written_as_one_likes(text, name):
+def test_input_names_ignore_case_and_separators(text, name):
     assert input_name(text) == name
 
 
@@ -77,7 +77,7 @@ def test_names_may_be_written_as_one_likes(text, name):
         ({"ahead": ["W"], "rise": ["w"]}, "'W' cannot be both 'ahead' and 'rise'"),
     ],
 )  # fmt: skip
-def test_what_makes_no_sense_is_told(controls, fault):
+def test_invalid_bindings_are_reported(controls, fault):
     with pytest.raises(UserError) as told:
         bindings_of(controls)
     assert fault in str(told.value)
@@ -93,7 +93,7 @@ def test_any_text_is_a_name_or_a_fault(text):
     assert input_name(name) == name
 
 
-def test_what_a_file_names_takes_the_input_from_what_it_does_not():
+def test_a_binding_in_the_file_replaces_a_default_one():
     found = bindings_of({"rise": ["W"], "help": []})
     assert found.control("W") == "rise"
     assert found.inputs("ahead") == ("mouse left", "pad left stick up")
@@ -102,7 +102,7 @@ def test_what_a_file_names_takes_the_input_from_what_it_does_not():
     assert found.inputs("dive") == USUAL.inputs("dive")
 
 
-def test_one_key_alights_from_a_fish_and_opens_the_menu_elsewhere():
+def test_escape_alights_from_a_fish_and_opens_the_menu_elsewhere():
     assert USUAL.key(glfw.KEY_ESCAPE, 0) == "menu"
     assert USUAL.key(glfw.KEY_ESCAPE, 0, riding=True) == "alight"
     assert USUAL.control("pad B") is None

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.dive.captions import FADE_S, Caption, caption_of, draw_caption, lines_of, shown_s
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.text_viewports import text_viewports
 from subsea.world.build import create_world
@@ -16,7 +16,7 @@ from tests.support.scenes import scene
 WORDS = "A pair courts in front, while a school that a shark stalks passes behind it."
 
 
-def test_they_come_and_go_softly_and_the_latest_is_up(tmp_path):
+def test_captions_fade_and_the_latest_is_shown(tmp_path):
     file = scene(
         tmp_path,
         "caption = 'One.'\nfor_s = 2.0",
@@ -27,7 +27,7 @@ def test_they_come_and_go_softly_and_the_latest_is_up(tmp_path):
     seen = {}
     assert caption_of(world, 1.0).opacity == 0.0
     while world.state.tick * TICK_S < 3.5:
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         for alpha in (0.5, 1.0):
             seen[(world.state.tick - 1 + alpha) * TICK_S] = caption_of(world, alpha)
     up = [time for time, caption in seen.items() if caption.opacity > 0.0]
@@ -40,7 +40,7 @@ def test_they_come_and_go_softly_and_the_latest_is_up(tmp_path):
     assert {one.opacity for one in seen.values()} >= {0.0, 1.0}
 
 
-def test_lines_are_as_few_and_as_even_as_may_be():
+def test_lines_are_few_and_even():
     lines = lines_of(WORDS, 60.0, len)
     assert " ".join(lines) == WORDS
     assert [len(line) <= 60 for line in lines] == [True, True]
@@ -52,7 +52,7 @@ def test_lines_are_as_few_and_as_even_as_may_be():
 
 @pytest.mark.parametrize("display", DISPLAYS)
 @pytest.mark.parametrize("ground", [(5, 60, 110), (235, 240, 230)])  # deep water, and sunlit sand
-def test_in_every_display_each_eye_reads_them_on_any_ground(display, ground):
+def test_captions_are_legible_in_every_display(display, ground):
     size = (640, 360) if display != "equirectangular" else (1280, 640)
     rig = display_rig(display, size)
     picture = np.full((size[1], size[0], 3), ground, np.uint8)

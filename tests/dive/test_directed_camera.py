@@ -23,7 +23,7 @@ from subsea.scenario.directions import Camera
 from subsea.scenario.load import load_scenario, scenario_file
 from subsea.state import HULL_CM
 from subsea.submarine.course import course_of, rail_at
-from subsea.submarine.helm import HANDS_OFF, STATION, Helm
+from subsea.submarine.helm import NEUTRAL, STATION, Helm
 from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, hull_axes
 from subsea.submarine.rail import Rail
 from subsea.view.rig import CameraPose
@@ -40,7 +40,7 @@ BEYOND = "camera = { position_cm = [420.0, 0.0, -250.0], look_at_cm = [700.0, 0.
 
 def world_of(folder, *directions):
     world = create_world(load_scenario(str(scene(folder, *directions)))[0])
-    step(world, HANDS_OFF)  # as films and dives do before any steering
+    step(world, NEUTRAL)  # as films and dives do before any steering
     return world
 
 
@@ -66,7 +66,7 @@ def middle(world, species="fusilier"):
     return fishes.position[fishes.species == world.scenario.species.index(species)].mean(axis=0)
 
 
-def test_before_the_first_cue_it_keeps_station(tmp_path):
+def test_the_camera_keeps_station_before_the_first_cue(tmp_path):
     world = world_of(tmp_path, f"at_s = 1.0\n{CUT}")
     assert directed_steering(world)(world) == STATION
     ride(world, 0.9)
@@ -75,7 +75,7 @@ def test_before_the_first_cue_it_keeps_station(tmp_path):
     assert isinstance(directed_steering(world)(world), Rail)
 
 
-def test_a_cut_is_there_at_once_and_then_it_goes_along(tmp_path):
+def test_a_cut_is_immediate_and_then_follows(tmp_path):
     world = world_of(tmp_path, CUT)
     boat = world.state.submarine
     (there,) = ride(world, TICK_S)
@@ -91,7 +91,7 @@ def test_a_cut_is_there_at_once_and_then_it_goes_along(tmp_path):
     assert np.linalg.norm(np.diff(steps, axis=0), axis=1).max() < ACCELERATION_CM_S2 * TICK_S
 
 
-def test_a_way_is_soft_takes_its_time_and_ends_at_rest(tmp_path):
+def test_a_way_starts_and_ends_smoothly(tmp_path):
     still = STILL.replace("}", ", over_s = 5.0 }")
     world = world_of(tmp_path, still)
     places = ride(world, 9.0)
@@ -117,7 +117,7 @@ def test_a_tour_is_joined_from_its_beginning_and_followed_to_its_end(tmp_path):
         assert np.linalg.norm(world.state.submarine.position - rail.position) < 2.0
 
 
-def test_from_behind_it_sees_where_they_go(tmp_path):
+def test_a_camera_behind_looks_in_the_direction_of_travel(tmp_path):
     behind = CUT.replace("}, over_s", "}, behind = true, over_s")
     world = world_of(tmp_path, behind)
     ride(world, 4.0)
@@ -129,7 +129,7 @@ def test_from_behind_it_sees_where_they_go(tmp_path):
     assert level > 0.8
 
 
-def test_what_a_direction_is_about_is_followed_and_when_nobody_is_left_it_waits(tmp_path):
+def test_the_camera_follows_the_cast_and_waits_without_one(tmp_path):
     pair = "pair = [4, 5]\ncamera = { follow = 'cast', over_s = 0.0, distance_cm = 130.0 }"
     world = world_of(tmp_path, pair)
     world.state.directions.cast[0] = 4, 5
@@ -142,7 +142,7 @@ def test_what_a_direction_is_about_is_followed_and_when_nobody_is_left_it_waits(
     np.testing.assert_allclose(world.state.submarine.angles, before, atol=0.1)
 
 
-def test_it_goes_round_what_stands_in_its_way(tmp_path):
+def test_the_camera_avoids_obstacles_on_its_way(tmp_path):
     world = world_of(tmp_path, BEYOND)
     sea, boat = world.state.sea, world.state.submarine
     aim = (420.0, 0.0, -250.0)
@@ -153,7 +153,7 @@ def test_it_goes_round_what_stands_in_its_way(tmp_path):
     assert min(gaps) > 0.8 * HULL_CM
 
 
-def test_those_behind_a_rock_are_looked_at_from_where_they_are_seen(tmp_path):
+def test_the_camera_finds_a_free_line_of_sight(tmp_path):
     world = world_of(tmp_path, CUT)
     world.state.fishes.position[:4] += np.array([580.0, 0.0, 0.0], np.float32)
     world.state.fishes.position[:4, 1] *= 0.2  # just behind the rock, as seen from the start
@@ -168,7 +168,7 @@ def test_those_behind_a_rock_are_looked_at_from_where_they_are_seen(tmp_path):
     st.lists(st.tuples(*3 * [st.floats(-1.0, 1.0)]), min_size=1, max_size=3),
     st.lists(st.sampled_from([0.0, 0.5, 3.0]), min_size=3, max_size=3),
 )
-def test_it_neither_passes_through_rock_nor_leaves_the_sea(reef, wishes, over):
+def test_the_camera_stays_in_free_water(reef, wishes, over):
     world, whole = reef
     snapshot.restore(world, whole)
     sea, boat, bounds = world.state.sea, world.state.submarine, world.scenario.bounds
@@ -203,7 +203,7 @@ def reef(tmp_path_factory):
     cues = "".join(f"[[direction]]\nat_s = 9999.0\n{far}\n" for _ in range(3))
     text.write_text(scenario_file("peaceful").read_text() + cues)
     world = create_world(load_scenario(str(text))[0], fish=2)
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     return world, snapshot.take(world)
 
 
@@ -214,7 +214,7 @@ def test_only_a_cut_is_a_leap():
     assert not is_cut(None, swum, 1.0)
 
 
-def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
+def test_rewinding_over_cuts_restores_equal_worlds(tmp_path):
     late = f"at_s = 1.5\n{STILL.replace('}', ', over_s = 0.0 }')}"
     world = world_of(tmp_path, CUT, late, "at_s = 2.5\n" + BEYOND + "\nlights = true")
     ticks = LocalTicks(world, Pilot(), directed_steering(world))
@@ -232,7 +232,7 @@ def test_time_goes_back_over_cuts_to_the_very_same_worlds(tmp_path):
         assert snapshot.checksum(world) == sums[world.state.tick]
 
 
-def test_a_visitor_who_had_the_helm_is_brought_back_softly(tmp_path):
+def test_the_camera_returns_gently_after_manual_steering(tmp_path):
     world = world_of(tmp_path, CUT)
     ride(world, 1.0)
     for _ in range(150):
@@ -243,14 +243,14 @@ def test_a_visitor_who_had_the_helm_is_brought_back_softly(tmp_path):
     assert np.linalg.norm(places[-1] - middle(world)) == pytest.approx(150.0, abs=40.0)
 
 
-def test_a_cut_is_told_to_other_computers():
+def test_messages_carry_cuts():
     rail = Rail(np.array([1.0, 2.0, -3.0]), np.zeros(3), (0.5, 0.1), True)
     sent = from_master(encode(picture_of(1, 7, 0.5, [rail, rail._replace(cut=False)], "")))
     assert [one.cut for one in ticks_of(sent)] == [True, False]
     np.testing.assert_array_equal(ticks_of(sent)[0].position, rail.position)
 
 
-def test_a_film_is_over_when_a_direction_says_so_or_all_was_shown(tmp_path):
+def test_a_film_ends_with_a_direction_or_when_all_was_shown(tmp_path):
     world = world_of(tmp_path, CUT, "at_s = 1.0\nend = true")
     ride(world, 0.9)
     assert not is_over(world)
@@ -266,7 +266,7 @@ def test_a_film_is_over_when_a_direction_says_so_or_all_was_shown(tmp_path):
     assert directed_length_s(scenario, source, None) == pytest.approx(2.5, abs=0.1)
 
 
-def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatch):
+def test_ctrl_c_interrupts_the_compilation_of_a_rehearsal(tmp_path, monkeypatch):
     def ready(*given):
         signal.raise_signal(signal.SIGINT)
         pytest.fail("compiled on")
@@ -277,7 +277,7 @@ def test_ctrl_c_is_heard_at_once_while_a_rehearsal_compiles(tmp_path, monkeypatc
         directed_length_s(scenario, source, None)
 
 
-def test_a_film_that_would_not_end_is_one_line(tmp_path, monkeypatch):
+def test_an_endless_film_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("subsea.media.film_timing.MAX_DIRECTED_S", 1.0)
     event = "event = 'eaten'\nend = true"
     scenario, source = load_scenario(str(scene(tmp_path, CUT, event)))
@@ -285,7 +285,7 @@ def test_a_film_that_would_not_end_is_one_line(tmp_path, monkeypatch):
         directed_length_s(scenario, source, None)
 
 
-def test_a_tour_by_directions_needs_some_and_no_other_tour_has_its_name(tmp_path):
+def test_the_directed_tour_needs_a_camera_and_its_name_is_reserved(tmp_path):
     scenario, _ = load_scenario(str(scene(tmp_path, CUT)))
     for name in ("auto", "directed", "glide"):
         check_tour(scenario, name)

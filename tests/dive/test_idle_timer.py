@@ -3,7 +3,7 @@
 from subsea.dive.idle_timer import DIP_S, IdleTimer
 
 
-def test_it_begins_after_idle_time_and_ends_with_any_input():
+def test_a_tour_begins_after_idle_time_and_ends_with_input():
     timer = IdleTimer(10.0, leaps=False)
     done = [timer.update(False, 1.0) for _ in range(12)]
     assert done.count("begin") == 1 and done[9] == "begin"
@@ -16,7 +16,7 @@ def test_it_begins_after_idle_time_and_ends_with_any_input():
     assert never.update(False, 1e6) is None
 
 
-def test_before_a_tour_that_begins_elsewhere_it_gets_dark_and_a_hand_makes_it_light_again():
+def test_the_picture_darkens_before_a_tour_that_begins_elsewhere():
     timer = IdleTimer(10.0, leaps=True)
     assert timer.update(False, 10.0 - DIP_S / 2.0) is None and timer.shade == 0.0
     assert timer.update(False, DIP_S / 2.0) is None and timer.shade == 0.5

@@ -32,17 +32,17 @@ def test_ticks_without_a_picture_count_as_the_next_one():
     np.testing.assert_allclose(values[0] * 1e4, [10, 13, 13, 13, 14], rtol=1e-5)
 
 
-def test_what_is_undone_is_forgotten_and_the_rest_stays():
+def test_values_after_a_rewind_are_dropped():
     values = followed([*range(10, 30), 15, 16]).values
     np.testing.assert_allclose(values[0] * 1e4, range(10, 17), rtol=1e-5)
 
 
-def test_after_a_while_in_which_nobody_looked_it_begins_anew():
+def test_a_long_gap_clears_the_chart():
     assert followed([10, 11, 500]).values.shape == (3, 1)
     assert followed([500, 501, 10]).values.shape == (3, 1)
 
 
-def test_no_value_is_copied_to_be_plotted():
+def test_values_are_a_view():
     chart = followed(range(50))
     assert chart.values.base is chart.values[0].base is not None
     assert chart.values[0].flags.c_contiguous

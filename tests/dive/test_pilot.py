@@ -25,11 +25,11 @@ def steering_at(x, y):
     return pilot
 
 
-def test_nobody_at_the_helm_asks_for_nothing():
+def test_without_input_the_helm_is_neutral():
     assert settle(Pilot()) == (0.0, 0.0, 0.0, 0.0, False)
 
 
-def test_a_pointer_that_enters_waits_until_it_moves_and_then_takes_over_gently():
+def test_an_entering_pointer_takes_over_gently_once_it_moves():
     pilot = Pilot()
     pilot.point(0.9, 0.0)
     assert settle(pilot).yaw == 0.0
@@ -48,7 +48,7 @@ def test_a_pointer_that_enters_waits_until_it_moves_and_then_takes_over_gently()
         (0.05, 0.05, 0, 0),
     ],
 )
-def test_the_submarine_looks_where_the_pointer_is(x, y, yaw, pitch):
+def test_the_submarine_turns_to_the_pointer(x, y, yaw, pitch):
     helm = settle(steering_at(x, y))
     assert (math.copysign(1, helm.yaw) if abs(helm.yaw) > 1e-3 else 0) == yaw
     assert (math.copysign(1, helm.pitch) if abs(helm.pitch) > 1e-3 else 0) == pitch
@@ -84,7 +84,7 @@ def test_the_wheel_sets_a_lasting_speed():
         ("up", "pitch", 1), ("down", "pitch", -1), ("rise", "heave", 1), ("dive", "heave", -1),
     ],
 )  # fmt: skip
-def test_every_manoeuvre_is_held_and_let_go(action, field, sign):
+def test_every_manoeuvre_lasts_while_held(action, field, sign):
     pilot = Pilot()
     pilot.hold(action, "x")
     assert getattr(settle(pilot), field) == pytest.approx(sign, abs=1e-3)
@@ -92,7 +92,7 @@ def test_every_manoeuvre_is_held_and_let_go(action, field, sign):
     assert getattr(settle(pilot), field) == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_stick_asks_for_a_part_and_the_strongest_input_counts():
+def test_the_strongest_input_counts():
     pilot = Pilot()
     pilot.hold("ahead", "pad left stick up", 0.4)
     assert settle(pilot).surge == pytest.approx(0.4, abs=1e-3)
@@ -104,7 +104,7 @@ def test_a_stick_asks_for_a_part_and_the_strongest_input_counts():
     assert settle(pilot).surge == pytest.approx(0.0, abs=1e-3)
 
 
-def test_two_keys_for_one_thing_are_both_to_be_let_go():
+def test_an_action_lasts_until_all_of_its_keys_are_released():
     pilot = Pilot()
     pilot.hold("left", "A")
     pilot.hold("left", "Left")
@@ -112,7 +112,7 @@ def test_two_keys_for_one_thing_are_both_to_be_let_go():
     assert settle(pilot).yaw == pytest.approx(1.0, abs=1e-3)
 
 
-def test_after_a_full_stop_a_stick_must_move_to_count_again():
+def test_a_resting_stick_does_not_end_a_full_stop():
     pilot = Pilot()
     pilot.hold("ahead", "pad left stick up", 0.8)
     settle(pilot)
@@ -123,7 +123,7 @@ def test_after_a_full_stop_a_stick_must_move_to_count_again():
     assert settle(pilot).surge == pytest.approx(0.5, abs=1e-3)
 
 
-def test_a_full_stop_holds_until_a_hand_moves():
+def test_a_full_stop_lasts_until_there_is_input():
     pilot = steering_at(0.8, 0.0)
     pilot.wheel(8.0)
     settle(pilot)
@@ -147,7 +147,7 @@ def test_a_steering_key_takes_the_helm_from_a_resting_pointer():
     assert settle(pilot).yaw == pytest.approx(0.0, abs=1e-3)
 
 
-def test_leaving_the_window_lets_go():
+def test_leaving_the_window_releases_the_helm():
     pilot = steering_at(0.9, 0.9)
     settle(pilot)
     pilot.pointer_left()
@@ -175,7 +175,7 @@ EVENTS = st.lists(
 
 
 @given(EVENTS)
-def test_no_hand_asks_for_too_much_or_makes_the_helm_jump(events):
+def test_the_helm_is_bounded_and_continuous(events):
     pilot = Pilot()
     before = pilot.helm(DT)
     for name, *arguments in events:
@@ -186,7 +186,7 @@ def test_no_hand_asks_for_too_much_or_makes_the_helm_jump(events):
         before = helm
 
 
-def test_the_dead_zone_is_dead():
+def test_the_dead_zone_has_no_effect():
     helm = settle(steering_at(DEAD_ZONE * 0.99, -DEAD_ZONE * 0.99))
     assert helm[:4] == pytest.approx((0.0, 0.0, 0.0, 0.0))
 
@@ -199,7 +199,7 @@ def settled_at(x, y, **settings):
     return settle(pilot)
 
 
-def test_the_mouse_is_as_the_settings_say():
+def test_the_mouse_follows_its_settings():
     usual = settled_at(0.5, 0.5)
     assert settled_at(0.5, 0.5, mouse=MouseSettings(invert_pitch=True)).pitch == -usual.pitch
     still = settled_at(0.5, 0.5, mouse=MouseSettings(steer=False))
@@ -210,10 +210,8 @@ def test_the_mouse_is_as_the_settings_say():
     assert quick.yaw < 1.5 * usual.yaw
 
 
-def test_comfort_asks_for_a_share_of_thrust_and_rudder():
-    usual, calm = (
-        settled_at(0.9, 0.5),
-        settled_at(0.9, 0.5, comfort=ComfortSettings(acceleration=0.5)),
-    )
+def test_comfort_reduces_thrust_and_rudder():
+    usual = settled_at(0.9, 0.5)
+    calm = settled_at(0.9, 0.5, comfort=ComfortSettings(acceleration=0.5))
     assert calm[:2] == pytest.approx((0.5 * usual.surge, 0.5 * usual.yaw))
     assert calm.pitch == usual.pitch

@@ -16,7 +16,7 @@ from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, wi
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.render.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken
 from subsea.view.display_rigs import display_rig
@@ -34,11 +34,11 @@ SIZE = (400, 300)
 def world():
     world = create_world(load_scenario("peaceful")[0], fish=60)
     for _ in range(20):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 
-def test_who_is_nearest_to_the_middle_is_meant(world):
+def test_the_fish_nearest_to_the_middle_is_chosen(world):
     fishes = world.state.fishes
     rig = display_rig("mono", SIZE)
     eye = np.array([0.0, 0.0, -200.0])
@@ -54,7 +54,7 @@ def test_who_is_nearest_to_the_middle_is_meant(world):
         fishes.alive[chosen], fishes.position[chosen] = True, before
 
 
-def test_where_no_fish_is_in_sight_the_nearest_is_meant_and_of_none_nobody(world):
+def test_without_a_fish_in_sight_the_nearest_is_chosen(world):
     fishes = world.state.fishes
     (away,) = views(
         display_rig("mono", SIZE), pose_from_angles(np.array([0.0, 0.0, 3000.0]), 0.0, 1.2)
@@ -67,12 +67,12 @@ def test_where_no_fish_is_in_sight_the_nearest_is_meant_and_of_none_nobody(world
     fishes.alive[:] = alive
 
 
-def test_the_view_of_a_rider_is_calmer_than_the_head(world):
+def test_the_view_of_a_ride_is_steadier_than_the_head(world):
     world = create_world(load_scenario("peaceful")[0], fish=60)
     rides = [Ride(world, fish) for fish in range(0, 60, 6)]
     swung, followed, apart = [], [], []
     for _ in range(90):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         pair = [(eyes_pose(world, r.by, 1.0), r.observer(world, 1.0)) for r in rides]
         swung.append([raw.forward for raw, _ in pair])
         followed.append([calm.forward for _, calm in pair])
@@ -87,7 +87,7 @@ def test_the_view_of_a_rider_is_calmer_than_the_head(world):
     assert np.mean(apart) < 3.0
 
 
-def test_who_mounts_or_comes_from_another_time_begins_level(world):
+def test_a_ride_begins_level(world):
     fishes = world.state.fishes
     before, tick = fishes.orientation[5].copy(), world.state.tick
     rolled = np.cos(0.4), np.sin(0.4), 0.0, 0.0  # 46° to a side, about the way it heads
@@ -104,7 +104,7 @@ def test_who_mounts_or_comes_from_another_time_begins_level(world):
     world.state.tick = tick
 
 
-def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
+def test_the_gaze_turns_up_to_its_limits(world):
     ride = Ride(world, 5)
     ride.turn_gaze(1.0, -0.5, 0.5)
     assert ride.gaze.pan_deg > 10.0 > 0.0 > ride.gaze.tilt_deg
@@ -114,7 +114,7 @@ def test_the_gaze_turns_with_the_keys_and_has_an_end(world):
 
 
 @pytest.mark.parametrize("display", ["mono", "side-by-side", "top-bottom", "anaglyph", "dome"])
-def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(display):
+def test_insets_keep_their_shape_over_every_picture(display):
     rig = display_rig(display, SIZE)
     more, insets = with_insets(rig)
     assert more.outputs == rig.outputs
@@ -140,7 +140,7 @@ def test_insets_lie_over_their_pictures_in_their_shape_and_apart_on_the_canvas(d
     assert more.canvas[1] == rig.canvas[1] + insets[0][3]
 
 
-def test_insets_lie_where_no_other_projector_shines():
+def test_insets_avoid_the_overlap_of_projectors():
     rig = set_up_theatre("three-projectors", shrink=4).rig
     more, _ = with_insets(rig)
     ahead = front(rig)
@@ -158,23 +158,19 @@ def test_insets_lie_where_no_other_projector_shines():
     assert not viewport.squeezed
 
 
-def test_on_a_fish_a_persons_eyes_are_as_near_each_other_as_its_own(world):
+def test_the_eye_separation_of_a_ride_is_that_of_the_fish(world):
     ride = Ride(world, 5)
     one, other = ride.views(world, display_rig("side-by-side", SIZE), (), 1.0)
     assert np.linalg.norm(one.eye - other.eye) == pytest.approx(2 * ride.by.half_cm, rel=1e-6)
     assert 2 * ride.by.half_cm < 6.4
 
 
-def test_lines_of_instruments_end_between_their_parts():
-    assert unbroken("depth 2 m   full stop").split(" ") == [
-        "depth\u00a02\u00a0m",
-        "",
-        "",
-        "full\u00a0stop",
-    ]
+def test_instruments_wrap_between_their_parts():
+    parts = ["depth\u00a02\u00a0m", "", "", "full\u00a0stop"]
+    assert unbroken("depth 2 m   full stop").split(" ") == parts
 
 
-def test_maps_are_shown_as_colours_and_greys():
+def test_maps_become_colours_and_greys():
     seen = IdMaps(
         np.array([[FISH, SEABED, WATER]], np.uint8), np.array([[7, 0, 0]], np.int32),
         np.array([[50.0, 400.0, np.inf]], np.float32),
@@ -207,20 +203,31 @@ def until(running, true):
 
 def corner(running):
     """The left eye's picture on the display."""
+    return whole(running, 0.01)[12:80, 12:105]
+
+
+def key(*names, press="key"):
+    subprocess.run(["xdotool", press, *names], check=True, timeout=60)
+
+
+@pytest.fixture
+def ride(boat):
+    """The ride of a visitor that leaves the fish at the end."""
+    key("r")
+    until(boat, lambda: boat.pilot.riding)
+    yield boat.picture.ride
+    key("Escape")
+    until(boat, lambda: not boat.pilot.riding)
+
+
+def resize(boat, size):
     import glfw
 
-    running.frame(0.01)
-    time.sleep(0.2)
-    left, top = glfw.get_window_pos(running.window.handle)
-    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[top:, left:, :3]
-    return picture[12:80, 12:105].astype(int)
+    glfw.set_window_size(boat.window.handle, *size)
+    until(boat, lambda: boat.window.size == size)
 
 
-def key(*names):
-    subprocess.run(["xdotool", "key", *names], check=True, timeout=60)
-
-
-def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
+def test_keys_control_a_ride(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
     until(boat, lambda: boat.overlay.help_opacity == 0.0)  # a ride counts as under way
@@ -228,9 +235,9 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     colours = corner(boat)
     beside = np.asarray(boat.picture.renderer.rig.canvas) - boat.picture.rig.canvas
     assert beside[1] > 60
-    subprocess.run(["xdotool", "keydown", "Right"], check=True, timeout=60)
+    key("Right", press="keydown")
     until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
-    subprocess.run(["xdotool", "keyup", "Right"], check=True, timeout=60)
+    key("Right", press="keyup")
     key("i")
     until(boat, lambda: boat.picture.colours == "identity")
     codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
@@ -249,40 +256,41 @@ def test_keys_mount_a_fish_turn_its_eyes_show_maps_and_come_back(boat):
     assert boat.picture.renderer.rig is boat.picture.rig
 
 
-def test_who_is_ridden_may_go_by_the_light_ahead_of_it_wherever_it_gazes(boat):
+@pytest.fixture
+def see_brightness(boat):
     boat.see_brightness, boat.picture.colours = True, "colours"
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
-    fish, minds = boat.picture.ride.by.fish, boat.world.state.minds
+    yield
+    assert not boat.world.seen_light
+    boat.see_brightness = False
+
+
+def test_a_ridden_fish_senses_the_light_ahead_of_it(boat, see_brightness, ride):
+    fish, minds = ride.by.fish, boat.world.state.minds
     for gaze in (Gaze(0.0, 60.0), Gaze(0.0, -60.0)):
-        boat.picture.ride.gaze = gaze
-        ahead = retina_brightness(boat.picture.renderer, boat.world, boat.picture.ride.by)
+        ride.gaze = gaze
+        ahead = retina_brightness(boat.picture.renderer, boat.world, ride.by)
         assert 0.05 < ahead < 0.95
         boat.frame(0.1)
         assert boat.world.seen_light[fish] == ahead
         assert minds.light[fish] == pytest.approx(ahead)
     assert boat.world.seen_light.keys() == {fish}
     assert (corner(boat) > 0).mean() > 0.9  # the picture itself still shows
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)
-    assert not boat.world.seen_light
-    boat.see_brightness = False
 
 
 def words(running):
-    """A mask (h, w) of pixels that text changes."""
+    """A mask (h, w) of the pixels of letters, which are bright on a dark ground."""
     with_text = whole(running)
-    draw, running.overlay.draw = running.overlay.draw, lambda *rest: None
-    without = whole(running)
-    running.overlay.draw = draw
-    return np.abs(with_text - without).max(axis=2) > 60
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(running.overlay, "draw", lambda *rest: None)
+        without = whole(running)
+    return (with_text - without).max(axis=2) > 60
 
 
-def whole(running):
+def whole(running, elapsed_s=0.0):
     import glfw
 
     for _ in range(2):
-        running.frame(0.0)
+        running.frame(elapsed_s)
     time.sleep(0.2)
     left, top = glfw.get_window_pos(running.window.handle)
     width, height = running.window.size
@@ -290,10 +298,8 @@ def whole(running):
     return picture[top : top + height, left : left + width, :3].astype(int)
 
 
-def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes_on(boat):
-    key("r")
-    until(boat, lambda: boat.pilot.riding and boat.picture.insets)
-    ride = boat.picture.ride
+def test_help_and_pattern_hide_the_insets_of_a_ride(boat, ride):
+    until(boat, lambda: boat.picture.insets)
     key("h")
     until(boat, lambda: boat.overlay.help_opacity == 1.0)
     assert not boat.picture.insets
@@ -314,19 +320,12 @@ def test_the_help_stands_alone_and_so_does_the_pattern_after_which_the_ride_goes
     assert boat.picture.insets
     key("p", "p", "p")
     until(boat, lambda: boat.picture.quality_text == "picture low")
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)
 
 
-def test_a_line_that_is_too_long_is_several(boat):
-    import glfw
-
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
-    boat.picture.ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # reported too
+def test_long_lines_wrap(boat, ride):
+    ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # reported too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
-        glfw.set_window_size(boat.window.handle, *size)
-        until(boat, lambda size=size: boat.window.size == size)
+        resize(boat, size)
         until(boat, lambda: boat.overlay.help_opacity == 0.0)
         found = words(boat)
         rows = found.any(axis=1).astype(int)
@@ -335,30 +334,20 @@ def test_a_line_that_is_too_long_is_several(boat):
         assert columns[0] >= 8
         assert columns[-1] < size[0] - 8
     boat.picture.colours = "colours"
-    glfw.set_window_size(boat.window.handle, *SIZE)
-    until(boat, lambda: boat.window.size == SIZE)
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)
+    resize(boat, SIZE)
 
 
-def test_who_is_eaten_carries_nobody(boat):
+def test_a_window_can_be_resized_during_a_ride(boat, ride):
+    for size in ((240, 180), SIZE):
+        resize(boat, size)
+        boat.frame(0.1)
+        assert boat.picture.renderer.rig.outputs == (size,)
+        assert len(boat.picture.renderer.rig.patches) == 5  # the sea, two pictures and their frames
+
+
+def test_a_ride_ends_when_the_fish_is_eaten(boat):
     key("r")
     until(boat, lambda: boat.pilot.riding)
     boat.world.state.fishes.alive[boat.picture.ride.by.fish] = False
     until(boat, lambda: not boat.pilot.riding)
     assert boat.picture.ride is None
-
-
-def test_the_window_may_change_its_size_during_a_ride(boat):
-    import glfw
-
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
-    for size in ((240, 180), SIZE):
-        glfw.set_window_size(boat.window.handle, *size)
-        until(boat, lambda size=size: boat.window.size == size)
-        boat.frame(0.1)
-        assert boat.picture.renderer.rig.outputs == (size,)
-        assert len(boat.picture.renderer.rig.patches) == 5  # the sea, two pictures and their frames
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)

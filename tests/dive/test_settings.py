@@ -38,7 +38,7 @@ def written(path, text):
     return path
 
 
-def test_the_file_of_defaults_changes_nothing_and_names_everything(tmp_path):
+def test_the_default_file_is_complete_and_changes_nothing(tmp_path):
     text = default_text()
     path = written(tmp_path / "settings.toml", text)
     assert read_settings(path) == Settings()
@@ -79,7 +79,7 @@ def test_limits_and_choices_are_those_of_the_command_line():
         ("\0", "not valid TOML"),
     ],
 )
-def test_nonsense_is_told_in_one_line_with_the_key(tmp_path, text, fault):
+def test_faults_are_one_line_with_the_key(tmp_path, text, fault):
     path = written(tmp_path / "mine.toml", text)
     with pytest.raises(UserError) as told:
         read_settings(path)
@@ -89,7 +89,7 @@ def test_nonsense_is_told_in_one_line_with_the_key(tmp_path, text, fault):
     assert "\n" not in str(told.value)
 
 
-def test_a_file_of_nonsense_is_kept_aside_and_told(home):
+def test_a_faulty_file_is_renamed_and_reported(home):
     lines = []
     for number in (1, 2):
         written(home, f"nonsense {number}")
@@ -103,7 +103,7 @@ def test_a_file_of_nonsense_is_kept_aside_and_told(home):
     assert len(lines) == 2
 
 
-def test_what_cannot_be_read_stays_where_it_is_and_is_told(home, monkeypatch):
+def test_an_unreadable_file_is_reported_and_left(home, monkeypatch):
     lines = []
     home.mkdir(parents=True)  # a folder of that name
     assert usual_settings(lines.append) == Settings()
@@ -118,14 +118,14 @@ def test_what_cannot_be_read_stays_where_it_is_and_is_told(home, monkeypatch):
             patch.setattr(Path, name, refuse)
         assert usual_settings(lines.append) == Settings()
     assert [line.split(": ", 1)[1] for line in lines] == [
-        "cannot read (Is a directory); the defaults are used",
+        "cannot read (it is a folder); the defaults are used",
         "cannot read (Permission denied); the defaults are used",
     ]
     assert [file.name for file in home.parent.iterdir()] == [home.name]
     assert not usual_settings(lines.append).mouse.steer
 
 
-def test_where_nothing_can_be_renamed_the_defaults_are_used_all_the_same(home, monkeypatch):
+def test_the_defaults_are_used_if_renaming_fails(home, monkeypatch):
     def refuse(self, other):
         raise PermissionError(13, "Permission denied")
 
@@ -137,7 +137,7 @@ def test_where_nothing_can_be_renamed_the_defaults_are_used_all_the_same(home, m
     assert home.exists()
 
 
-def test_the_command_tells_where_they_are_and_writes_them_once(home, capsys):
+def test_the_command_prints_the_path_and_writes_the_file_once(home, capsys):
     assert main(["settings"]) == 0
     assert str(home) in capsys.readouterr().out
     assert not home.exists()
@@ -145,16 +145,25 @@ def test_the_command_tells_where_they_are_and_writes_them_once(home, capsys):
     assert capsys.readouterr().out == f"{home}\n"
     assert home.read_text() == default_text()
     assert main(["settings", "--write"]) == 2
-    assert "is kept" in capsys.readouterr().err
+    assert "give --force" in capsys.readouterr().err
+    home.write_text("# mine\n")
+    assert main(["settings", "--write", "--force"]) == 0
+    assert home.read_text() == default_text()
 
 
-def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path, monkeypatch):
-    asked, opened = [], []
+@pytest.fixture
+def begun(monkeypatch):
+    """A window, and the arguments with which windows and dives are begun."""
+    asked, opened, window = [], [], SimpleNamespace(close=lambda: None)
     monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.append(given) or 0)
-    window = SimpleNamespace(close=lambda: None)
     monkeypatch.setattr(
         "subsea.ui.open_windows.open_windows", lambda *given: opened.append(given) or window
     )
+    return window, opened, asked
+
+
+def test_the_settings_fill_in_options_that_are_not_given(home, tmp_path, begun):
+    window, opened, asked = begun
 
     def dive(*options):
         assert main(["dive", *options]) == 0
@@ -172,23 +181,17 @@ def test_what_the_command_line_leaves_open_is_as_the_settings_say(home, tmp_path
     assert dive("--settings", str(other))[:2] == ("mono", "high")
 
 
-def test_what_became_of_nonsense_is_told_on_the_terminal_and_in_the_window(
-    home, monkeypatch, capsys
-):
-    asked = []
-    monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.extend(given) or 0)
-    window = SimpleNamespace(close=lambda: None)
-    monkeypatch.setattr("subsea.ui.open_windows.open_windows", lambda *given: window)
+def test_a_faulty_file_is_reported_on_the_terminal_and_in_the_window(home, begun, capsys):
     written(home, "[mouse]\nster = true")
     assert main(["dive"]) == 0
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"subsea: {home}:2: unknown key `ster`, at `mouse`")
-    _, _, (note,) = asked
+    ((_, _, (note,)),) = begun[2]
     assert note.startswith("settings.toml:2: unknown key")
     assert note.endswith("kept as settings.toml.kept-1, and the defaults are used")
 
 
-def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
+def test_a_kiosk_has_only_inputs_for_visitors():
     found = kiosk_settings(DEFAULTS).bindings
     assert found.key(ord("Q"), 2 | 1) == "leave"
     assert found.key(ord("Q"), 0) == "dive"
@@ -200,7 +203,7 @@ def test_a_kiosk_has_inputs_for_what_cannot_strand_it_only():
 @pytest.mark.parametrize(
     ("key", "controls", "rival"), [("F9", {"ride": ["F9"]}, "ride"), ("w", {}, "ahead")]
 )
-def test_the_operators_key_is_none_that_visitors_use(key, controls, rival):
+def test_the_operators_key_must_not_be_an_input_of_visitors(key, controls, rival):
     name = key.upper()
     with pytest.raises(UserError, match=f"--kiosk: '{name}' .* '{rival}', at `kiosk.leave`"):
         kiosk_settings(with_key(key, **controls))

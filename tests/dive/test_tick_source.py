@@ -15,7 +15,7 @@ from subsea.dive.cluster.master import Master
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick_source_maker
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.submarine.rail import Rail
 from subsea.ui import dive
 from subsea.view.theatre.theatre_file import load_theatre
@@ -29,8 +29,15 @@ from subsea.world.world import TICK_S
 def worlds():
     made = [create_world(load_scenario("schooling")[0], fish=3) for _ in range(2)]
     for world in made:
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return made
+
+
+@pytest.fixture
+def address():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{taken.getsockname()[1]}"
 
 
 def pressed(action):
@@ -39,7 +46,7 @@ def pressed(action):
     return pilot
 
 
-def test_alone_the_clock_makes_the_ticks_and_the_hands_steer(worlds):
+def test_local_ticks_follow_the_clock_and_the_pilot(worlds):
     world = worlds[0]
     ticks, tick = LocalTicks(world, pressed("ahead")), world.state.tick
     assert ticks.advance(2.5 * TICK_S) == pytest.approx(0.5)
@@ -66,13 +73,10 @@ def cued(world):
 
 
 @pytest.mark.parametrize("tour", [None, along, cued])
-def test_one_leads_and_another_follows(worlds, tour):
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        address = f"127.0.0.1:{taken.getsockname()[1]}"
+def test_a_follower_shows_the_pictures_of_its_leader(worlds, tour, address):
     pilot = Pilot() if tour else pressed("left")
     lead = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
-    assert pilot.helm(TICK_S) == HANDS_OFF or not tour
+    assert pilot.helm(TICK_S) == NEUTRAL or not tour
     follow = FollowerTicks(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
     shown, drawn, ended = [], [], threading.Event()
 
@@ -111,6 +115,36 @@ def test_one_leads_and_another_follows(worlds, tour):
     assert line.startswith("node left: ")
 
 
+def test_a_follower_drifts_on_when_its_leader_is_lost(worlds, address):
+    lead = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), Pilot())
+    node = Follower(worlds[1], "left", "middle", address, timeout_s=0.1)
+    follow = FollowerTicks(node)
+    assert not node.lost  # before its first dive it stands still
+    end = time.monotonic() + 60.0
+    while not node._joined and time.monotonic() < end:
+        lead.advance(0.0)
+        follow.advance(0.0)
+    lead.close()
+    tick, drawn = worlds[1].state.tick, []
+    node._heard_s -= 10.0
+    follow.advance(0.0)
+    assert follow.waiting == f"waiting for the master at {address}"
+    assert follow.advance(2.5 * TICK_S) == pytest.approx(0.5)
+    assert worlds[1].state.tick == tick + 2
+    follow.swap(lambda: drawn.append(True))  # waits for nobody
+    assert drawn == [True]
+    again = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), Pilot())
+    while node.lost and time.monotonic() < end:
+        again.advance(TICK_S)
+        follow.advance(0.0)
+    while worlds[1].state.tick != worlds[0].state.tick and time.monotonic() < end:
+        again.advance(0.0)
+        follow.advance(0.0)
+    assert snapshot.checksum(worlds[1]) == snapshot.checksum(worlds[0])
+    follow.close()
+    again.close()
+
+
 THEATRE = """
 [[window]]
 name = "west"
@@ -139,10 +173,8 @@ def theatre(folder, address, more=""):
     return load_theatre(str(path))
 
 
-def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+def test_a_theatre_file_determines_leader_and_follower(tmp_path, worlds, address):
+    found = theatre(tmp_path, address)
     for node, kind, hands in (("right", LeaderTicks, True), ("left", FollowerTicks, False)):
         ticks = tick_source_maker(*found, node)(worlds[0], Pilot())
         assert isinstance(ticks, kind)
@@ -150,10 +182,8 @@ def test_a_theatre_says_who_leads_and_who_follows(tmp_path, worlds):
         ticks.close()
 
 
-def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        found = theatre(tmp_path, f"127.0.0.1:{taken.getsockname()[1]}")
+def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
+    found = theatre(tmp_path, address)
     lead = tick_source_maker(*found, "right", view="mono")(worlds[0], Pilot())
     follow = tick_source_maker(*found, "left", view="anaglyph")(worlds[1], Pilot())
     end = time.monotonic() + 60.0
@@ -168,7 +198,7 @@ def test_a_node_that_would_look_otherwise_is_refused(tmp_path, worlds):
         lead.close()
 
 
-def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
+def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
     def caught(found, path, node, view):
         raise UserError(view)
 
@@ -181,26 +211,22 @@ def test_what_decides_how_pictures_meet(tmp_path, monkeypatch):
     _, path = theatre(tmp_path, "127.0.0.1:5560")
     ours = view()
     assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
-    others = [
-        view("--display", "anaglyph"),
-        view("--eye-distance", "7"),
-        view("--comfort", "1"),
-    ]
+    others = [view("--display", "anaglyph"), view("--eye-distance", "7"), view("--comfort", "1")]
     theatre(tmp_path, "127.0.0.1:5561")
     assert len({ours, view(), *others}) == 5
 
 
-def test_faults_of_a_cluster_are_told_before_there_is_a_world(tmp_path, worlds):
+def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, worlds):
     found = theatre(tmp_path, "127.0.0.1:5560")
     assert isinstance(tick_source_maker(*found, None)(worlds[0], Pilot()), LocalTicks)
     with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
         tick_source_maker(*theatre(tmp_path, "192.0.2.7:5560"), "left")
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
-    with pytest.raises(UserError, match=r"ours/right\.key_secret: cannot read"):
+    with pytest.raises(UserError, match=r"ours/right\.key_secret: no such file"):
         tick_source_maker(*found, "right")
     write_keys(tmp_path / "ours", ["left", "right"])
     tick_source_maker(*found, "right")
     (tmp_path / "ours" / "left.key").unlink()
-    with pytest.raises(UserError, match=r"ours/left\.key: cannot read"):
+    with pytest.raises(UserError, match=r"ours/left\.key: no such file"):
         tick_source_maker(*found, "right")
     tick_source_maker(*found, "left")  # which needs the master's key, and its own

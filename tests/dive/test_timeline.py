@@ -36,6 +36,24 @@ def world(begun):
     return afresh(begun)
 
 
+class Log:
+    """The state of a world at each tick of its timeline."""
+
+    def __init__(self, world, time):
+        self.world, self.time, self.was = world, time, {}
+        self.note()
+
+    def note(self):
+        for tick in [tick for tick in self.was if tick > self.time.tick]:
+            del self.was[tick]
+        self.was[self.time.tick] = snapshot.checksum(self.world), get_tunables(self.world)
+
+    def assert_restored(self):
+        checksum, constants = self.was[self.time.tick]
+        assert snapshot.checksum(self.world) == checksum
+        assert equal_tunables(get_tunables(self.world), constants)
+
+
 def afresh(begun):
     world, whole, constants = begun
     set_tunables(world, constants)
@@ -66,24 +84,14 @@ deeds = st.one_of(
 
 @settings(max_examples=20)
 @given(st.lists(deeds, min_size=2, max_size=12), st.randoms(use_true_random=False))
-def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
+def test_restored_ticks_equal_the_original_ones(begun, what, chance):
     world = afresh(begun)
     time = Timeline(world)
-    was = {0: (snapshot.checksum(world), get_tunables(world))}  # the state of each tick
-
-    def as_it_was():
-        checksum, constants = was[time.tick]
-        assert snapshot.checksum(world) == checksum
-        assert equal_tunables(get_tunables(world), constants)
-
-    def changed():
-        for tick in [tick for tick in was if tick > time.tick]:
-            del was[tick]
-        was[time.tick] = snapshot.checksum(world), get_tunables(world)
+    log = Log(world, time)
 
     def made(order):
         time.make(order)
-        changed()
+        log.note()
 
     for name, *given_ in what:
         if name == "play":
@@ -116,29 +124,29 @@ def test_a_tick_of_the_past_is_the_one_that_was(begun, what, chance):
             else:
                 world.seen_light[3] = given_[0]
             time.touch()
-            changed()
-        as_it_was()
+            log.note()
+        log.assert_restored()
         assert time.earliest <= max(time.latest - REACH, 0)
         assert time.latest - time.earliest < REACH + KEPT
-        assert time.latest == max(was)
+        assert time.latest == max(log.was)
     there = range(time.earliest, time.latest + 1)
     for tick in chance.sample(there, min(5, len(there))):
         time.go(tick)
         assert time.tick == tick
-        as_it_was()
+        log.assert_restored()
 
 
-def test_playing_on_with_the_same_hands_gives_the_same_again(world):
+def test_the_same_orders_repeat_the_same_ticks(world):
     time = Timeline(world)
-    hands = [Helm(surge=0.5, yaw=0.1 * (k % 5 - 2)) for k in range(20)]
-    hands += [TeleopCommand(4, 0.5, 0.2, 0.8)] * 20
+    orders = [Helm(surge=0.5, yaw=0.1 * (k % 5 - 2)) for k in range(20)]
+    orders += [TeleopCommand(4, 0.5, 0.2, 0.8)] * 20
     first = []
-    for order in hands:
+    for order in orders:
         time.make(order)
         first.append(snapshot.checksum(world))
     time.go(5)
     again = []
-    for order in hands[5:]:
+    for order in orders[5:]:
         time.make(order)
         again.append(snapshot.checksum(world))
     assert again == first[5:]
@@ -148,7 +156,7 @@ def test_playing_on_with_the_same_hands_gives_the_same_again(world):
     assert snapshot.checksum(world) != first[5]
 
 
-def test_memory_is_bounded_and_time_goes_back_less_far_where_it_is_short(world):
+def test_little_memory_shortens_the_range_of_rewinding(world):
     time = Timeline(world)
     one = time.bytes
     for k in range(3 * REACH):
@@ -168,51 +176,47 @@ def test_memory_is_bounded_and_time_goes_back_less_far_where_it_is_short(world):
     assert snapshot.checksum(world) == last
 
 
-def test_a_slider_that_is_dragged_takes_little_of_the_time_that_can_be_had_again(world):
+def test_dragging_a_slider_hardly_shortens_the_range_of_rewinding(world):
     time = Timeline(world)
-    one, was = time.bytes, {}
+    one = time.bytes
     time = Timeline(world, most_bytes=(4 + 3 * REACH // KEPT) * one)
+    log = Log(world, time)
     for k in range(2 * REACH):
         time.make(Helm(surge=0.5))
         world.nature = world.nature._replace(keen=0.1 + 0.8 * (k % 9) / 9)
         world.state.minds.eaten[k % 9] = 0.0
         time.touch()
-        was[time.tick] = snapshot.checksum(world), get_tunables(world)
+        log.note()
     assert time.bytes <= (4 + 3 * REACH // KEPT) * one
     assert time.latest - time.earliest >= REACH - KEPT
-
-    def there():
-        checksum, constants = was[time.tick]
-        assert snapshot.checksum(world) == checksum
-        assert equal_tunables(get_tunables(world), constants)
 
     for asked in [*range(time.latest, time.earliest, -3), *range(time.earliest, time.latest)]:
         before = time.tick
         time.go(asked)
         assert abs(time.tick - asked) < KEPT
         assert (time.tick - asked) * (asked - before) >= 0  # never stuck on the way
-        there()
+        log.assert_restored()
     time.go(time.earliest)
     time.paused = True
     seen = [time.tick]
     while time.tick < time.latest:  # single ticks reach the end
         time.single()
         assert time.due(0.1) == 0
-        there()
+        log.assert_restored()
         seen.append(time.tick)
     assert max(np.diff(seen)) <= KEPT and min(np.diff(seen)) >= 1
     time.go(time.latest - KEPT)  # all ticks made from there on can be restored
     begin = time.tick
     for _ in range(KEPT):
         time.make(Helm(surge=-0.5))
-        was[time.tick] = snapshot.checksum(world), get_tunables(world)
+        log.note()
     for tick in range(begin, time.latest + 1):
         time.go(tick)
         assert time.tick == tick
-        there()
+        log.assert_restored()
 
 
-class Hands(Pilot):
+class CountingPilot(Pilot):
     """A pilot that counts its calls."""
 
     asked = 0
@@ -222,13 +226,13 @@ class Hands(Pilot):
         return Helm(surge=0.02 * self.asked)
 
 
-def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
-    ticks = LocalTicks(world, hands := Hands())
+def test_pause_single_ticks_and_rates(world):
+    ticks = LocalTicks(world, pilot := CountingPilot())
     time = ticks.timeline
     for _ in range(10):
         ticks.advance(TICK_S)
     at = time.tick
-    assert at == hands.asked == pytest.approx(10, abs=1)
+    assert at == pilot.asked == pytest.approx(10, abs=1)
     time.pause()
     assert ticks.advance(5.0) == 1.0
     assert (time.tick, time.text) == (at, "paused")
@@ -251,15 +255,15 @@ def test_a_dive_stands_still_goes_tick_by_tick_slower_and_faster(world):
             assert time.tick - before == pytest.approx(16 * rate, abs=1)
 
 
-def test_time_goes_back_without_asking_hands_or_the_tour(world):
-    hands, legs = Hands(), []
+def test_rewinding_asks_neither_pilot_nor_tour(world):
+    pilot, legs = Pilot(), []
 
     def tour(there):
         legs.append(there.state.tick)
         return Helm(yaw=0.5)
 
-    hands.helm = lambda dt: Helm()
-    ticks = LocalTicks(world, hands, tour)
+    pilot.helm = lambda dt: Helm()
+    ticks = LocalTicks(world, pilot, tour)
     time = ticks.timeline
     was = []
     for _ in range(45):

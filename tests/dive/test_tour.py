@@ -96,7 +96,7 @@ def test_a_hook_comes_before_a_hunt_before_a_pair_before_the_shoal(world):
     assert tour.subject == Subject(PAIR, (0, 1))
 
 
-def test_it_chooses_the_pair_that_is_furthest_on_and_stays_to_the_end(world):
+def test_the_autopilot_follows_the_most_advanced_pair_to_its_end(world):
     pair(world, 0, 1, LOOPING)
     pair(world, 2, 3, CIRCLING)
     tour = Tour()
@@ -110,7 +110,7 @@ def test_it_chooses_the_pair_that_is_furthest_on_and_stays_to_the_end(world):
     assert tour.subject.members == (0, 1)
 
 
-def test_it_looks_between_a_hunter_and_its_prey_from_where_it_sees_both(world):
+def test_the_autopilot_frames_hunter_and_prey(world):
     fishes = world.state.fishes
     hunt(world, 2, 3)
     tour = Tour()
@@ -135,7 +135,7 @@ def test_the_aim_glides_from_one_subject_to_the_next(world):
     np.testing.assert_allclose(aims[-1, :3], place)
 
 
-def test_it_turns_aside_for_a_pillar_that_hides_and_back_when_it_does_not(world):
+def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
     boat, tour = world.state.submarine, Tour()
     hook(world, boat.position + (600.0, 0.0, 0.0), HANGING)
     boat.angles[:] = 0.0
@@ -149,7 +149,7 @@ def test_it_turns_aside_for_a_pillar_that_hides_and_back_when_it_does_not(world)
     assert tour.helm(world) == free
 
 
-def test_it_comes_near_the_largest_shoal_and_looks_at_it():
+def test_the_autopilot_approaches_the_largest_shoal():
     world, tour = start_world("peaceful", seed=1), Tour()
     largest = np.bincount(world.state.fishes.species).argmax()
     seen = []
@@ -166,7 +166,7 @@ def test_it_comes_near_the_largest_shoal_and_looks_at_it():
     assert np.mean(seen) > 0.8
 
 
-def test_the_same_tour_each_time():
+def test_equal_seeds_give_equal_tours():
     digests = []
     for _ in range(2):
         world, tour = start_world("peaceful", seed=5, fish=10), Tour()
@@ -176,7 +176,7 @@ def test_the_same_tour_each_time():
     assert digests[0] == digests[1]
 
 
-def test_a_visitor_is_taken_along_until_a_hand_moves():
+def test_a_tour_carries_the_submarine_until_there_is_input():
     world = create_world(load_scenario("peaceful")[0], seed=3, fish=12)
     course, pilot = course_of(world.scenario, "reef"), Pilot()
     boat, ticks = world.state.submarine, LocalTicks(world, pilot, steer_along(world, course))

@@ -32,10 +32,14 @@ def test_no_link_is_broken_and_no_page_left_out(site):
 
 
 def test_the_site_has_every_page(site):
-    pages = {path.stem for path in (ROOT / "docs").glob("*.md")}
+    pages = {path.stem for path in (ROOT / "docs").rglob("*.md")}
     assert pages <= {path.parent.name for path in site[0].rglob("index.html")}
     assert "make run" in (site[0] / "index.html").read_text()
     assert (site[0] / "contributing" / "index.html").exists()
+
+
+def test_the_site_holds_no_programs(site):
+    assert not [path for path in site[0].rglob("*") if path.suffix in (".py", ".pyc")]
 
 
 def test_the_site_loads_nothing_from_other_hosts(site):
@@ -56,7 +60,7 @@ def test_the_reference_is_up_to_date(monkeypatch):
 
 
 def test_pages_name_the_current_file_versions():
-    page = (ROOT / "docs" / "files.md").read_text()
+    page = (ROOT / "docs" / "reference" / "files.md").read_text()
     for module in (records, schema):
         assert f"`{module.FORMAT}` version {module.VERSION} " in page
 
@@ -65,7 +69,7 @@ def test_every_file_named_in_a_page_exists():
     named = re.compile(r"`((?:assets|capture|docs|subsea|tests|tools)/[\w./-]+)`")
     missing = {
         (page.name, name)
-        for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+        for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
         for name in named.findall(page.read_text(encoding="utf-8"))
         if "NAME" not in name and not (ROOT / name).exists()
     }
@@ -74,7 +78,7 @@ def test_every_file_named_in_a_page_exists():
 
 def test_shown_pictures_exist_and_all_pictures_are_shown():
     shown = set()
-    for page in [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]:
+    for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]:
         shown |= set(re.findall(r"pictures/([\w-]+\.\w+)", page.read_text()))
     there = {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
     assert shown == there

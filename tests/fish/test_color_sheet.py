@@ -1,4 +1,4 @@
-"""Sheets in files, and the species that wear them."""
+"""Sheets in files, and the species that use them."""
 
 import shutil
 
@@ -9,7 +9,7 @@ from PIL import Image
 from subsea.core.errors import UserError
 from subsea.dive.cluster.identity import _anywhere
 from subsea.fish import paint, sheet_layout
-from subsea.fish.color_sheet import read, sheet_of, sheets, wear, write
+from subsea.fish.color_sheet import assign_sheet, read, sheet_of, sheets, write
 from subsea.fish.species import load_species, own_species, species_file, species_names
 
 
@@ -38,11 +38,11 @@ def test_a_sheet_is_read_as_it_was_written_with_its_upper_row_first(tmp_path):
         np.testing.assert_array_equal(np.asarray(image)[0], sheet[-1])
 
 
-def test_a_species_wears_it_and_all_else_in_its_file_stays(own):
+def test_a_sheet_is_assigned_and_the_rest_of_the_file_stays(own):
     before = own.read_text()
     sheet = picture()
     assert sheet_of(load_species("guppy")).tobytes() != sheet.tobytes()
-    assert wear(own, sheet) == own.with_suffix(".png")
+    assert assign_sheet(own, sheet) == own.with_suffix(".png")
     after = own.read_text().splitlines()
     added = [line for line in after if line not in before.splitlines()]
     assert added == ['sheet = "guppy.png"']
@@ -50,19 +50,20 @@ def test_a_species_wears_it_and_all_else_in_its_file_stays(own):
     species = load_species("guppy")
     assert species.skin.sheet == str(own.with_suffix(".png"))
     np.testing.assert_array_equal(sheet_of(species), sheet)
-    wear(own, sheet[::-1])  # once more
+    assign_sheet(own, sheet[::-1])  # once more
     assert own.read_text().splitlines() == after
     np.testing.assert_array_equal(sheet_of(load_species("guppy")), sheet[::-1])
 
 
-@pytest.mark.parametrize("name", species_names())
-def test_any_species_file_takes_the_key(name, tmp_path):
-    path = tmp_path / f"{name}.toml"
-    shutil.copy(species_file(name), path)
-    wear(path, picture())
-    dressed = load_species(str(path))
-    assert dressed.skin.sheet == str(tmp_path / f"{name}.png")
-    assert dressed.surface == load_species(name).surface
+def test_any_species_file_takes_the_key(tmp_path):
+    sheet = picture()
+    for name in species_names():
+        path = tmp_path / f"{name}.toml"
+        shutil.copy(species_file(name), path)
+        assign_sheet(path, sheet)
+        dressed = load_species(str(path))
+        assert dressed.skin.sheet == str(tmp_path / f"{name}.png")
+        assert dressed.surface == load_species(name).surface
 
 
 def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
@@ -71,7 +72,7 @@ def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
     for content in (b"name = [", skinless, b"\xff\xfe", None):
         own.unlink() if content is None else own.write_bytes(content)
         with pytest.raises(UserError) as fault:
-            wear(own, picture())
+            assign_sheet(own, picture())
         assert str(fault.value).startswith(str(own)) and "\n" not in str(fault.value)
         assert not own.with_suffix(".png").exists()
     own.write_bytes(whole)
@@ -79,18 +80,18 @@ def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
 
 def test_sheets_of_files_lie_among_painted_ones(own):
     sheet = picture()
-    wear(own, sheet)
+    assign_sheet(own, sheet)
     three = [load_species(name) for name in ("fusilier", "guppy", "clownfish")]
     first, second, third = sheets(three)
     np.testing.assert_array_equal(second, sheet)
     np.testing.assert_array_equal(first, paint.paint(three[0]))
     np.testing.assert_array_equal(third, paint.paint(three[2]))
-    wear(own, sheet[::-1])  # no old one is kept
+    assign_sheet(own, sheet[::-1])  # no old one is kept
     np.testing.assert_array_equal(sheets(three)[1], sheet[::-1])
 
 
 def test_faulty_sheets_get_one_line(own):
-    wear(own, picture())
+    assign_sheet(own, picture())
     path = own.with_suffix(".png")
     data = path.read_bytes()
 
@@ -111,17 +112,18 @@ def test_faulty_sheets_get_one_line(own):
     path.write_text("no picture")
     fails()
     path.unlink()
-    fails("No such file")
+    fails("no such file")
 
 
-@pytest.mark.parametrize("name", ["../guppy.png", "/tmp/guppy.png", "guppy.jpg", ".png"])
-def test_the_key_names_a_png_beside_the_file(own, name):
-    wear(own, picture())
-    own.write_text(own.read_text().replace("guppy.png", name))
-    with pytest.raises(UserError, match="sheet"):
-        load_species("guppy")
+def test_the_key_names_a_png_beside_the_file(own):
+    assign_sheet(own, picture())
+    text = own.read_text()
+    for name in ("../guppy.png", "/tmp/guppy.png", "guppy.jpg", ".png"):
+        own.write_text(text.replace("guppy.png", name))
+        with pytest.raises(UserError, match="sheet"):
+            load_species("guppy")
 
 
-def test_computers_may_keep_it_in_other_folders(own):
-    wear(own, picture())
+def test_computers_may_have_sheets_in_other_folders(own):
+    assign_sheet(own, picture())
     assert _anywhere(load_species("guppy")).skin.sheet == "guppy.png"

@@ -1,5 +1,7 @@
 """The painted skins."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from msgspec import structs
@@ -20,12 +22,7 @@ from subsea.fish.species import FinSkin, SkinPatch, Stripes, load_species, speci
 SIZE = (256, 160)
 
 
-@pytest.fixture(scope="module", params=species_names())
-def species(request):
-    return load_species(request.param)
-
-
-def framed(picture, frame):
+def crop(picture, frame):
     """The part of a skin in one of its frames."""
     height, width = picture.shape[:2]
     rows = slice(round(frame.bottom * height), round(frame.top * height))
@@ -33,7 +30,7 @@ def framed(picture, frame):
 
 
 def texel(species, picture, s, y):
-    body = framed(picture, BODY)
+    body = crop(picture, BODY)
     top = half_height(species.surface)
     front, rear = borders(species.surface)
     column = int((s - front) / (rear - front) * body.shape[1])
@@ -41,11 +38,27 @@ def texel(species, picture, s, y):
     return body[row, column].astype(int)
 
 
-def test_a_skin_is_the_same_each_time(species):
+@pytest.mark.parametrize("name", species_names())
+def test_a_skin_is_repeatable_with_opaque_body_own_fins_and_the_eye_in_place(name):
+    species = load_species(name)
+    surface, eye = species.surface, species.surface.eye
     picture = paint(species, SIZE)
     assert picture.shape == (160, 256, 4)
     assert picture.dtype == np.uint8
     np.testing.assert_array_equal(picture, paint(species, SIZE))
+    assert texel(species, picture, 0.3, 0.0)[3] == 255
+    for frame, fin in (
+        (DORSAL, surface.dorsal),
+        (VENTRAL, surface.ventral),
+        (PECTORAL, surface.pectoral),
+        (PELVIC, surface.pelvic),
+    ):
+        assert (crop(picture, frame)[..., 3] > 0).any() == (fin is not None)
+    picture, height = paint(species), eye_height(surface)
+    pupil = texel(species, picture, eye.at, height)
+    iris = texel(species, picture, eye.at + 0.77 * eye.radius, height)
+    assert pupil[:3].max() < 60
+    assert iris[:3].max() > pupil[:3].max() + 60
 
 
 def test_skins_painted_at_once_are_those_painted_alone():
@@ -54,28 +67,15 @@ def test_skins_painted_at_once_are_those_painted_alone():
         np.testing.assert_array_equal(picture, paint(one))
 
 
-def test_the_body_is_opaque_and_frames_of_fins_are_filled_or_empty(species):
-    picture = paint(species, SIZE)
-    surface = species.surface
-    assert texel(species, picture, 0.3, 0.0)[3] == 255
-    for frame, fin in (
-        (DORSAL, surface.dorsal),
-        (VENTRAL, surface.ventral),
-        (PECTORAL, surface.pectoral),
-        (PELVIC, surface.pelvic),
-    ):
-        assert (framed(picture, frame)[..., 3] > 0).any() == (fin is not None)
-
-
 def test_the_frames_share_the_sheet_without_overlap():
     sheet = np.zeros((160, 256), int)
     for frame in (BODY, DORSAL, VENTRAL, PECTORAL, PELVIC):
-        framed(sheet, frame)[:] += 1
+        crop(sheet, frame)[:] += 1
     assert (sheet == 1).all()
 
 
 def test_a_membrane_is_clear_between_rays_and_frays_at_its_edge(painted_sheet):
-    dorsal = framed(
+    dorsal = crop(
         painted_sheet(dorsal=FinSkin(colour=RED, opacity=0.3, spines=0, soft_rays=12)), DORSAL
     ).astype(int)
     opacity = dorsal[int(0.8 * len(dorsal)), 100:-100, 3]
@@ -87,13 +87,13 @@ def test_a_membrane_is_clear_between_rays_and_frays_at_its_edge(painted_sheet):
     assert opacity.max() > opacity.min() + 30
     assert (dorsal[0, 100:-100, 3] == 255).all()  # the root in the body
     assert (dorsal[-1, 100:-100, 3] < 60).all()
-    solid = framed(painted_sheet(dorsal=FinSkin(colour=RED, opacity=1.0, soft_rays=0)), DORSAL)
+    solid = crop(painted_sheet(dorsal=FinSkin(colour=RED, opacity=1.0, soft_rays=0)), DORSAL)
     assert (solid[:-4, 100:-100, 3] == 255).all()
 
 
 def test_spines_stand_out_of_the_membrane(painted_sheet):
     def tips(**rays):
-        dorsal = framed(painted_sheet(dorsal=FinSkin(colour=RED, opacity=1.0, **rays)), DORSAL)
+        dorsal = crop(painted_sheet(dorsal=FinSkin(colour=RED, opacity=1.0, **rays)), DORSAL)
         return (dorsal[-6, 100:-100, 3] > 127).mean()
 
     assert tips(spines=10, soft_rays=0) < tips(spines=0, soft_rays=10)
@@ -101,37 +101,14 @@ def test_spines_stand_out_of_the_membrane(painted_sheet):
 
 def test_a_paired_fin_grows_out_of_the_flank(painted_sheet):
     picture = painted_sheet(flank=BLUE, belly=BLUE, paddles=FinSkin(colour=RED))
-    pectoral = framed(picture, PECTORAL).astype(int)
+    pectoral = crop(picture, PECTORAL).astype(int)
     middle = len(pectoral) // 2
     root, end = pectoral[middle, 4], pectoral[middle, 180]
     assert root[2] > 1.5 * max(root[:2])
     assert reddest(end)
 
 
-def test_the_eye_is_where_the_surface_has_it(species):
-    eye = species.surface.eye
-    picture = paint(species)
-    height = eye_height(species.surface)
-    pupil = texel(species, picture, eye.at, height)
-    iris = texel(species, picture, eye.at + 0.77 * eye.radius, height)
-    assert pupil[:3].max() < 60
-    assert iris[:3].max() > pupil[:3].max() + 60
-
-
 RED, GREEN, BLUE = (0.8, 0.0, 0.0), (0.0, 0.8, 0.0), (0.0, 0.0, 0.8)
-
-
-@pytest.fixture
-def painted():
-    """The fusilier with parts of its skin replaced -> what is at (distance, height): rgba."""
-    fusilier = load_species("fusilier")
-
-    def make(**parts):
-        changed = structs.replace(fusilier, skin=structs.replace(fusilier.skin, **parts))
-        picture = paint(changed)
-        return lambda s, y: texel(changed, picture, s, y)
-
-    return make
 
 
 @pytest.fixture
@@ -141,6 +118,13 @@ def painted_sheet():
     return lambda **parts: paint(
         structs.replace(fusilier, skin=structs.replace(fusilier.skin, **parts))
     )
+
+
+@pytest.fixture
+def painted(painted_sheet):
+    """The same -> a function that returns the texel at (distance, height)."""
+    fusilier = load_species("fusilier")
+    return lambda **parts: partial(texel, fusilier, painted_sheet(**parts))
 
 
 def reddest(rgba):
@@ -181,7 +165,7 @@ def test_a_patch_lies_under_the_fins_or_over_them(painted_sheet, over_fins):
     outline = [(0.36, -0.1), (0.36, 0.2), (0.5, 0.2), (0.5, -0.1)]
     picture = painted_sheet(patches=[SkinPatch(outline=outline, colour=RED, over_fins=over_fins)])
     assert reddest(texel(load_species("fusilier"), picture, 0.43, 0.05))
-    dorsal = framed(picture, DORSAL).astype(int)
+    dorsal = crop(picture, DORSAL).astype(int)
     begin, end = load_species("fusilier").surface.dorsal.base
     above = dorsal[int(0.8 * len(dorsal)), int((0.43 - begin) / (end - begin) * dorsal.shape[1])]
     assert reddest(above) == over_fins
@@ -229,7 +213,7 @@ def test_wings_are_painted_on_both_sides():
     changed = structs.replace(
         skin, back=BLUE, flank=BLUE, belly=(0.8, 0.8, 0.8), spots=disc, patches=[patch]
     )
-    picture = framed(paint(structs.replace(ray, skin=changed)), BODY).astype(int)
+    picture = crop(paint(structs.replace(ray, skin=changed)), BODY).astype(int)
     above, below = picture[256:][::-1], picture[:256]  # from the spine outward
     top = half_height(ray.surface)
     front, rear = borders(ray.surface)

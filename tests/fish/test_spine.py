@@ -1,5 +1,7 @@
 """The rules that a spine swings by."""
 
+from itertools import product
+
 import msgspec
 import numpy as np
 import pytest
@@ -12,14 +14,15 @@ from subsea.fish.spine import (
     Spines,
     Swing,
     Wings,
-    carried,
-    flapped,
-    laid,
+    bend_points,
+    chain_points,
+    flap_wings,
     phase,
-    spines,
-    swung,
+    pose_spine,
+    swing_angles,
 )
 
+FUNCTIONS, PROPAGATIONS = ["sinusoidal", "linear"], ["tailward", "outward", "at once"]
 EVEN = ((0.0, 1.0), (1.0, 1.0))
 MASS = np.ones(UNITS)
 SWING = {"angle": 40.0, "inflections": (0.2, 0.5, 0.8), "flexibility": EVEN}
@@ -30,7 +33,7 @@ def swing(**changes):
 
 
 class Plan(msgspec.Struct):
-    """The part of a plan that `spines` reads."""
+    """The part of a plan that `pose_spine` reads."""
 
     swing: Swing
     centre: float = 0.4
@@ -38,67 +41,68 @@ class Plan(msgspec.Struct):
 
 def straight(plan, beat, amplitude=1.0):
     beat = np.atleast_1d(np.asarray(beat, float))
-    return spines(plan, beat, amplitude, np.zeros((len(beat), UNITS)), MASS)
+    return pose_spine(plan, beat, amplitude, np.zeros((len(beat), UNITS)), MASS)
 
 
 @given(
     st.floats(0, 3),
     st.floats(-2, 2),
-    st.sampled_from(["sinusoidal", "linear"]),
-    st.sampled_from(["tailward", "outward", "at once"]),
+    st.sampled_from(FUNCTIONS),
+    st.sampled_from(PROPAGATIONS),
 )
 def test_the_spine_keeps_its_length(beat, bend, function, propagation):
     plan = Plan(swing(function=function, propagation=propagation))
     path = bend * (plan.centre - MIDDLES)[None]
-    place, _ = spines(plan, np.array([beat]), 1.0, path, MASS)
+    place, _ = pose_spine(plan, np.array([beat]), 1.0, path, MASS)
     units = np.linalg.norm(np.diff(place[0], axis=0), axis=1)
     np.testing.assert_allclose(units, 1.0 / UNITS, rtol=1e-9)
 
 
-@pytest.mark.parametrize("propagation", ["tailward", "outward", "at once"])
-@pytest.mark.parametrize("function", ["sinusoidal", "linear"])
-def test_the_central_inflection_point_swings_farthest_as_the_beat_begins(function, propagation):
-    one = swing(function=function, propagation=propagation)
-    there = np.array(one.inflections)
-    expected = np.radians(40.0) * np.array([-1.0, 1.0, -1.0])
-    np.testing.assert_allclose(swung(one, there, 0.0, 1.0), expected, atol=1e-9)
-    np.testing.assert_allclose(swung(one, there, 0.5, 1.0), -expected, atol=1e-9)
-    np.testing.assert_allclose(swung(one, there, 1.0, 1.0), expected, atol=1e-9)
+def test_the_central_inflection_point_swings_farthest_as_the_beat_begins():
+    for function, propagation in product(FUNCTIONS, PROPAGATIONS):
+        one = swing(function=function, propagation=propagation)
+        there = np.array(one.inflections)
+        expected = np.radians(40.0) * np.array([-1.0, 1.0, -1.0])
+        for beat, sign in ((0.0, 1), (0.5, -1), (1.0, 1)):
+            found = swing_angles(one, there, beat, 1.0)
+            np.testing.assert_allclose(found, sign * expected, atol=1e-9)
 
 
 def test_with_the_linear_function_neighbours_differ_by_equal_angles():
     one = swing(function="linear")
     first, central, last = one.inflections
     for a, b in ((first, central), (central, last)):
-        steps = np.diff(swung(one, np.linspace(a, b, 20), 0.0, 1.0))
+        steps = np.diff(swing_angles(one, np.linspace(a, b, 20), 0.0, 1.0))
         np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
-    sinusoidal = np.diff(swung(swing(), np.linspace(first, central, 20), 0.0, 1.0))
+    sinusoidal = np.diff(swing_angles(swing(), np.linspace(first, central, 20), 0.0, 1.0))
     assert sinusoidal.max() > 5 * sinusoidal.min()
 
 
 def test_the_wave_runs_tailward_at_a_wavelength_each_beat():
     one = swing(inflections=(0.1, 0.45, 0.8))
     assert one.wavelength == pytest.approx(0.7)
-    later = swung(one, MIDDLES + 0.1 * one.wavelength, 0.1, 1.0)
-    np.testing.assert_allclose(later, swung(one, MIDDLES, 0.0, 1.0), atol=1e-9)
+    later = swing_angles(one, MIDDLES + 0.1 * one.wavelength, 0.1, 1.0)
+    np.testing.assert_allclose(later, swing_angles(one, MIDDLES, 0.0, 1.0), atol=1e-9)
 
 
 def test_a_swing_that_arrives_everywhere_at_once_leaves_its_nodes_in_place():
     one = swing(propagation="at once")
     between = np.array([0.35, 0.65])  # half-way between inflection points the spine never turns
     for beat in np.linspace(0, 1, 7):
-        np.testing.assert_allclose(swung(one, between, beat, 1.0), 0.0, atol=1e-9)
+        np.testing.assert_allclose(swing_angles(one, between, beat, 1.0), 0.0, atol=1e-9)
 
 
 def test_outward_both_ends_follow_the_centre():
     one = swing(propagation="outward")
     for beat in np.linspace(0, 1, 7):
-        before, behind = swung(one, np.array([0.4, 0.6]), beat, 1.0)
+        before, behind = swing_angles(one, np.array([0.4, 0.6]), beat, 1.0)
         assert before == pytest.approx(behind)
-        assert before == pytest.approx(float(swung(one, np.array([0.5]), beat - 1 / 6, 1.0)[0]))
+        assert before == pytest.approx(
+            float(swing_angles(one, np.array([0.5]), beat - 1 / 6, 1.0)[0])
+        )
 
 
-def test_what_does_not_give_way_is_rigid():
+def test_zero_flexibility_is_rigid():
     stiff = swing(flexibility=((0.0, 0.0), (0.5, 0.0), (1.0, 1.2)))
     _, direction = straight(Plan(stiff), np.linspace(0, 1, 9))
     head = direction[:, MIDDLES < 0.5]
@@ -127,11 +131,11 @@ def test_the_mass_neither_sways_nor_yaws():
     np.testing.assert_allclose(x.mean(axis=1), rest.mean(), atol=1e-12)
 
 
-def test_a_body_that_gives_way_lies_on_its_path():
+def test_a_flexible_body_lies_on_its_path():
     """On a circle, without a swing, every unit lies on the circle."""
     plan = Plan(swing(angle=0.0))
     bend = 1.7
-    place, _ = spines(plan, np.zeros(1), 1.0, bend * (plan.centre - MIDDLES)[None], MASS)
+    place, _ = pose_spine(plan, np.zeros(1), 1.0, bend * (plan.centre - MIDDLES)[None], MASS)
     distance = np.linalg.norm(place[0] - (0.0, 1.0 / bend), axis=1)
     np.testing.assert_allclose(distance, 1.0 / bend, rtol=1e-4)
 
@@ -140,16 +144,16 @@ def test_a_body_that_gives_way_lies_on_its_path():
 def test_surface_points_keep_their_distance_to_their_place_on_the_spine(at, angle, far, beat):
     spine = straight(Plan(swing()), beat)
     points = np.array([[at, 0.0, 0.0], [at, far * np.cos(angle), far * np.sin(angle)]])
-    axis, point = carried(spine, points)[0]
+    axis, point = bend_points(spine, points)[0]
     assert np.linalg.norm(point - axis) == pytest.approx(far, rel=1e-9)
     theta = np.interp(at, MIDDLES, spine.direction[0])
     assert (point - axis) @ (np.cos(theta), 0.0, -np.sin(theta)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_straight_spine_carries_the_body_as_it_is():
-    still = Spines(-laid(np.zeros((1, UNITS))), np.zeros((1, UNITS)))
+    still = Spines(-chain_points(np.zeros((1, UNITS))), np.zeros((1, UNITS)))
     points = np.array([[-0.02, 0.1, 0.0], [0.3, -0.1, 0.2], [1.05, 0.0, -0.1]])
-    np.testing.assert_allclose(carried(still, points)[0], points * (-1, 1, 1), atol=1e-12)
+    np.testing.assert_allclose(bend_points(still, points)[0], points * (-1, 1, 1), atol=1e-12)
 
 
 WINGS = msgspec.convert(
@@ -168,7 +172,7 @@ def test_a_wing_keeps_its_length(reach, beat, at):
     line = np.zeros((33, 3))
     line[:, 0] = at
     line[:, 2] = np.linspace(0.0, reach * SPAN, 33)
-    there = flapped(WINGS, line, SPAN, np.array([beat]), 1.0)[0]
+    there = flap_wings(WINGS, line, SPAN, np.array([beat]), 1.0)[0]
     length = np.linalg.norm(np.diff(there, axis=0), axis=1).sum()
     assert length == pytest.approx(reach * SPAN, rel=2e-3)
 
@@ -177,7 +181,7 @@ def test_wings_are_mirrored_and_their_rear_follows_their_front():
     tips = np.array([[0.1, 0, SPAN], [0.4, 0, SPAN], [0.1, 0, -SPAN], [0.4, 0, -SPAN]])
     body = np.tile([0.2, 0.0, 0.0], (400, 1))  # so heavy that the wings hardly move it
     points = np.concatenate([tips, body])
-    up = flapped(WINGS, points, SPAN, np.linspace(0, 1, 41), 1.0)[:, :4]
+    up = flap_wings(WINGS, points, SPAN, np.linspace(0, 1, 41), 1.0)[:, :4]
     np.testing.assert_allclose(up[:, :2] * (1, 1, -1), up[:, 2:], atol=1e-12)
     rise = up[:-1, :, 1]
     front, rear = (rise[:, k] - rise[:, k].mean() for k in (0, 1))
@@ -190,9 +194,8 @@ def test_the_phase_meets_the_inflection_points_however_they_lie():
     np.testing.assert_allclose(phase(one, np.array(one.inflections)), [-np.pi, 0, np.pi], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
+def test_absurd_swings_are_refused():
+    for changes, words in (
         ({"inflections": (0.2, 0.5, 0.52)}, "inflections"),
         ({"inflections": (0.1, 0.2, 0.9)}, "turn back"),
         ({"flexibility": ((0.5, 1.0), (0.2, 1.0))}, "flexibility"),
@@ -201,8 +204,6 @@ def test_the_phase_meets_the_inflection_points_however_they_lie():
         ({"angle": float("nan")}, "angle"),
         ({"function": "square"}, "function"),
         ({"stiffness": 1.0}, "stiffness"),
-    ],
-)
-def test_an_absurd_swing_is_refused(changes, words):
-    with pytest.raises(msgspec.ValidationError, match=words):
-        swing(**changes)
+    ):
+        with pytest.raises(msgspec.ValidationError, match=words):
+            swing(**changes)

@@ -1,4 +1,4 @@
-"""What diagrams draw: against closed forms, and against what bodies and perception say."""
+"""Diagrams, compared with closed forms and with bodies and perception."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ from subsea.motor.pose import control_points_world, nodes_world
 from subsea.perception.collision import sensitivity, share_inside
 from subsea.perception.vision import FIELD_COS, ahead_of, bodies_of, eye_of, in_view
 from subsea.state import NOBODY
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig, views_for
 from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step
@@ -36,12 +36,12 @@ SIZE = (320, 180)
 def world():
     world = start_world("peaceful")
     for _ in range(40):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 
 @pytest.fixture
-def sketch(world):
+def diagram(world):
     """name, chosen → the drawing of one diagram from the cockpit."""
 
     def draw(name, chosen=None, seen=None):
@@ -69,8 +69,8 @@ def in_sight(world):
     return seen
 
 
-def test_springs_end_in_the_nodes_of_the_fish_that_looks_largest(world, sketch, in_sight):
-    lines = sketch("scaffold").lines
+def test_springs_end_in_the_nodes_of_the_fish_that_looks_largest(world, diagram, in_sight):
+    lines = diagram("scaffold").lines
     assert len(lines.ends) == len(UNITS) * min(len(in_sight), MOST["scaffold"])
     for k, i in enumerate(in_sight[:3]):
         nodes = nodes_world(world.state.fishes, world.library, i)
@@ -79,8 +79,8 @@ def test_springs_end_in_the_nodes_of_the_fish_that_looks_largest(world, sketch, 
     assert (lines.lift > 0.0).all()
 
 
-def test_contracted_muscles_are_red_and_all_else_keeps_its_colour(world, sketch):
-    lines = sketch("scaffold").lines
+def test_contracted_muscles_are_red_and_all_else_keeps_its_colour(world, diagram):
+    lines = diagram("scaffold").lines
     colours = lines.colours.reshape(-1, len(UNITS), 4)
     long = np.linalg.norm(lines.ends[:, 1] - lines.ends[:, 0], axis=1).reshape(-1, len(UNITS))
     left, right = long[:, 0], long[:, 1]  # the first muscles of both sides of a body
@@ -92,8 +92,8 @@ def test_contracted_muscles_are_red_and_all_else_keeps_its_colour(world, sketch)
     assert np.ptp(colours[:, 12:54, :3], axis=0).max() == 0.0
 
 
-def test_the_control_mesh_joins_neighbours_of_the_skin(world, sketch, in_sight):
-    lines = sketch("control mesh").lines
+def test_the_control_mesh_joins_neighbours_of_the_skin(world, diagram, in_sight):
+    lines = diagram("control mesh").lines
     a_fish = 2 * (9 * 20 + 8 * 21) + 2 * (2 * 11 + 12)
     assert len(lines.ends) == a_fish * min(len(in_sight), MOST["control mesh"])
     points = control_points_world(world.state.fishes, world.library, in_sight[0])
@@ -103,7 +103,7 @@ def test_the_control_mesh_joins_neighbours_of_the_skin(world, sketch, in_sight):
     assert len(np.unique(gaps.argmin(axis=1))) > 350  # most lie apart from each other
 
 
-def test_what_lies_in_the_box_is_what_perception_takes_for_inside(world):
+def test_the_sensitivity_box_agrees_with_perception(world):
     bodies = bodies_of(world.state.fishes)
     rng = np.random.default_rng(3)
     i, j = 7, 30
@@ -132,15 +132,15 @@ def test_what_lies_in_the_box_is_what_perception_takes_for_inside(world):
             part[[i, j]] = old
 
 
-def test_boxes_of_who_is_threatened_are_red(world, sketch, in_sight):
+def test_boxes_of_threatened_fishes_are_red(world, diagram, in_sight):
     minds = world.state.minds
     i, j = in_sight[:2]
     before = minds.threat[[i, j]].copy()
     try:
         minds.threat[[i, j]] = NOBODY
-        calm = sketch("sensitivity").lines
+        calm = diagram("sensitivity").lines
         minds.threat[i] = j
-        alarmed = sketch("sensitivity").lines
+        alarmed = diagram("sensitivity").lines
     finally:
         minds.threat[[i, j]] = before
     assert len(alarmed.ends) == len(calm.ends) + 1
@@ -149,9 +149,9 @@ def test_boxes_of_who_is_threatened_are_red(world, sketch, in_sight):
     assert alarmed.ends[13, 1] == pytest.approx(world.state.fishes.position[j], abs=1e-3)
 
 
-def test_bonds_of_a_school_go_to_leaders_and_companions(world, sketch):
+def test_bonds_of_a_school_go_to_leaders_and_companions(world, diagram):
     minds, fishes = world.state.minds, world.state.fishes
-    lines = sketch("school").lines
+    lines = diagram("school").lines
     assert len(lines.ends) > 10
     place = fishes.position
     pairs = set()
@@ -164,9 +164,9 @@ def test_bonds_of_a_school_go_to_leaders_and_companions(world, sketch):
         assert {one, other} & bonds
 
 
-def test_the_view_volume_is_where_a_fish_sees(world, sketch, in_sight):
+def test_the_view_volume_is_where_a_fish_sees(world, diagram, in_sight):
     i = in_sight[0]
-    lines = sketch("perception", i).lines
+    lines = diagram("perception", i).lines
     bodies, nature = bodies_of(world.state.fishes), world.nature
     eye, ahead = np.array(eye_of(bodies, i)), ahead_of(bodies, i)
     points = lines.ends.reshape(-1, 3).astype(float)
@@ -195,14 +195,14 @@ def test_a_frustum_ends_in_the_corners_of_its_picture(world):
     assert (edges[:4, 0] == view.eye).all()
 
 
-def test_frusta_are_those_of_others_than_the_onlooker(world, sketch, in_sight):
-    assert len(sketch("frusta").lines.ends) == 0
-    assert len(sketch("frusta", seen=from_afar(world)).lines.ends) == 8
-    assert len(sketch("frusta", in_sight[0]).lines.ends) == 2 * 8
+def test_frusta_are_those_of_others_than_the_onlooker(world, diagram, in_sight):
+    assert len(diagram("frusta").lines.ends) == 0
+    assert len(diagram("frusta", seen=from_afar(world)).lines.ends) == 8
+    assert len(diagram("frusta", in_sight[0]).lines.ends) == 2 * 8
 
 
-def test_axes_are_those_of_the_body_and_right_handed(world, sketch, in_sight):
-    lines = sketch("axes").lines
+def test_axes_are_those_of_the_body_and_right_handed(world, diagram, in_sight):
+    lines = diagram("axes").lines
     n = (len(lines.ends) - 3) // 3
     ways = (lines.ends[:, 1] - lines.ends[:, 0])[:-3].reshape(3, n, 3)
     i = in_sight[0]
@@ -212,8 +212,8 @@ def test_axes_are_those_of_the_body_and_right_handed(world, sketch, in_sight):
     assert np.linalg.det(unit) == pytest.approx(1.0, abs=1e-4)
 
 
-def test_bounds_lie_on_the_cylinder(world, sketch):
-    ends = sketch("bounds").lines.ends.reshape(-1, 3).astype(float)
+def test_bounds_lie_on_the_cylinder(world, diagram):
+    ends = diagram("bounds").lines.ends.reshape(-1, 3).astype(float)
     assert np.hypot(*ends[:, :2].T) == pytest.approx(
         np.full(len(ends), world.scenario.bounds.radius_cm), rel=1e-5
     )
@@ -221,28 +221,28 @@ def test_bounds_lie_on_the_cylinder(world, sketch):
     assert ends[:, 2].min() < -0.5 * world.scenario.bounds.depth_cm
 
 
-def test_paths_lead_through_where_fishes_were_and_forget_what_was_taken_back():
+def test_paths_follow_past_positions_and_forget_ticks_taken_back():
     world = start_world("mating")
-    sketcher, places = DiagramBuilder(world), []
+    builder, places = DiagramBuilder(world), []
     for _ in range(30):
-        step(world, HANDS_OFF)
-        sketcher.follow()
+        step(world, NEUTRAL)
+        builder.follow()
         places.append(world.state.fishes.position[0].astype(float))
     seen = views_for("mono", SIZE, pose_from_angles(places[-1] - (0, 150, 0), np.pi / 2, 0.0))
-    ends = sketcher.draw(["paths"], seen, 1.0, chosen=0).lines
+    ends = builder.draw(["paths"], seen, 1.0, chosen=0).lines
     own = ends.ends[ends.colours[:, 3] == STRONG]
     assert len(own) >= 9
     assert own[-1, 1] == pytest.approx(places[-1], abs=1e-3)
     for point in own[:, 0]:
         assert np.linalg.norm(np.array(places) - point, axis=1).min() < 1e-3
     world.state.tick -= 15
-    after = sketcher.draw(["paths"], seen, 1.0, chosen=0).lines
+    after = builder.draw(["paths"], seen, 1.0, chosen=0).lines
     assert (after.colours[:, 3] == STRONG).sum() < len(own)
 
 
-def test_the_chosen_fish_stands_out(world, sketch, in_sight):
+def test_the_chosen_fish_stands_out(world, diagram, in_sight):
     i = in_sight[4]
-    lines = sketch("scaffold", i).lines
+    lines = diagram("scaffold", i).lines
     strong = lines.colours[:, 3] == np.float32(STRONG)
     assert strong.sum() == len(UNITS)
     assert lines.ends[strong] == pytest.approx(
@@ -251,12 +251,12 @@ def test_the_chosen_fish_stands_out(world, sketch, in_sight):
     assert (lines.colours[~strong, 3] == np.float32(FAINT)).all()
 
 
-def test_nobody_sees_its_own_springs_but_its_own_senses(world, sketch, in_sight):
+def test_a_ridden_fish_sees_its_senses_but_not_its_springs(world, diagram, in_sight):
     i = in_sight[0]
     own = tuple(replace(view, without=i) for view in sights(world))
-    lines = sketch("scaffold", i, own).lines
+    lines = diagram("scaffold", i, own).lines
     assert (lines.colours[:, 3] == np.float32(FAINT)).all()
-    assert len(sketch("perception", i, own).lines.ends) > 100
+    assert len(diagram("perception", i, own).lines.ends) > 100
 
 
 @pytest.mark.parametrize("display", [one for one in DISPLAYS if one != "stereo"])

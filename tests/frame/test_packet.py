@@ -8,7 +8,7 @@ from subsea.frame import packet as frame
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import pose_from_angles
@@ -150,7 +150,7 @@ def test_without_simulated_fishes_the_packet_has_no_rows(world):
 
 
 def test_a_fish_that_was_out_of_sight_comes_back_as_its_seen_twin():
-    """Who looks where changes nothing: place, roll and pose are those of a fish always seen.
+    """Views change no fish: place, roll and pose are those of a fish always seen.
 
     SMC table 1 lets invisible fishes skip pose and gliding. Here poses are evaluated for visible
     fishes only, by the shaders; gliding costs no more than a step of playback and is not skipped.
@@ -197,7 +197,7 @@ def overgrown():
     bed = SeaweedTable(position_cm=(x + 150.0, y), spread_cm=150.0, clusters=12, leaves=4)
     world = create_world(msgspec.structs.replace(scenario, seaweed=[bed]), fish=10)
     for _ in range(60):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 

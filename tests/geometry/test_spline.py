@@ -48,7 +48,7 @@ def test_a_coarser_level_is_a_subset_of_the_finest():
         np.testing.assert_allclose(a, b, atol=1e-12)
 
 
-def test_what_is_no_basis_is_refused():
+def test_invalid_bases_are_refused():
     with pytest.raises(ValueError, match="degree 3"):
         basis_table(9, 5, 3)
 

@@ -6,8 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
-from subsea.habitat.sea import make_sea
-from subsea.scenario.load import load_scenario
 from subsea.state import HULL_CM, Fishes, empty
 
 RADIUS = 50.0
@@ -43,11 +41,11 @@ def test_far_away_the_water_rests():
     assert bow_wave((1.001 * SPAN * RADIUS, 0.0, 0.0), (100.0, 0.0, 0.0), RADIUS) == (0, 0, 0)
 
 
-def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched():
+def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched(make_sea):
     fishes = empty(Fishes, n=1)
     fishes.length[:] = 20.0
     fishes.position[:] = 0.0, 0.0, -300.0
-    sea = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
+    sea = make_sea()
     sea.submarine[:6] = -300.0, 3.0, -298.0, 120.0, 0.0, 0.0
     nearest = np.inf
     for _ in range(150):

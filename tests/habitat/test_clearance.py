@@ -1,4 +1,4 @@
-"""What is free of pillars and rocks, and the way out of them."""
+"""Free places beside pillars and rocks, and the way out of them."""
 
 import numpy as np
 from hypothesis import given

@@ -32,13 +32,10 @@ def test_beside_a_pillar_flows_the_current_and_its_source(angle, gap, z):
 
 
 @given(ANGLE, st.floats(0.0, 400.0), st.floats(-99.0, 0.0))
-def test_over_a_pillar_flows_the_current_alone(angle, away, z):
-    place = (30.0 + away * np.cos(angle), -20.0 + away * np.sin(angle), z)
-    assert flow_near(PILLAR, NONE, FLOW, place) == FLOW
-
-
-def test_far_from_a_pillar_flows_the_current_alone():
-    assert flow_near(PILLAR, NONE, FLOW, (30.0 + 51.0 + SPAN * SOURCE_CM, -20.0, -200.0)) == FLOW
+def test_over_and_far_from_a_pillar_flows_the_current_alone(angle, away, z):
+    for r, height in ((away, z), (51.0 + SPAN * SOURCE_CM + away, -200.0)):
+        place = (30.0 + r * np.cos(angle), -20.0 + r * np.sin(angle), height)
+        assert flow_near(PILLAR, NONE, FLOW, place) == FLOW
 
 
 @given(ANGLE, ANGLE, st.floats(0.0, 1.0))
@@ -78,9 +75,8 @@ def test_every_fish_is_carried_by_the_water_where_it_is(make_sea):
     rng = np.random.default_rng(3)
     fishes.position[:] = rng.uniform((-200, -200, -290), (200, 200, 0), (200, 3))
     set_drift(fishes, sea, np.array(FLOW))
-    expected = [
-        flow_near(PILLAR, ROCK, FLOW, tuple(map(float, place))) for place in fishes.position
-    ]
+    places = fishes.position.astype(float)
+    expected = [flow_near(PILLAR, ROCK, FLOW, tuple(place)) for place in places]
     np.testing.assert_allclose(fishes.drift, expected, rtol=1e-5)
     assert len(np.unique(fishes.drift[:, 0])) > 50
 

@@ -31,7 +31,7 @@ def rock(x=0.0, y=0.0, z=-500.0, a=80.0, b=60.0, c=50.0, yaw=0.4):
 
 @given(SIZE, SIZE, SIZE, st.floats(-3, 3), st.floats(-120, 120), st.integers(0, 2**32 - 1))
 @settings(max_examples=25, deadline=None)
-def test_what_is_avoided_is_never_thinner_than_what_is_drawn(a, b, c, yaw, apart, seed):
+def test_drawn_stone_lies_inside_the_avoided_solids(a, b, c, yaw, apart, seed):
     rocks = np.concatenate([rock(a=a, b=b, c=c, yaw=yaw), rock(x=apart, y=30.0, z=-470.0)])
     places = np.random.default_rng(seed).uniform(-300, 300, (400, 3)) + (0, 0, -490)
     drawn = np.min(
@@ -108,7 +108,7 @@ def test_a_roof_takes_the_light():
     assert passes(under, (0.0, 0.0, -445.0), (0.0, 0.0, 1.0), 0.2) < 0.15
 
 
-def test_who_rises_inside_comes_out_on_the_surface():
+def test_the_top_of_a_vertical_line_in_stone_is_on_the_surface():
     (blocks,) = formations(NO_PILLARS, rock())
     z = stone_above(blocks, 10.0, 5.0, -500.0)
     assert abs(drawn_distance(blocks, (10.0, 5.0, z))) < 1.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.habitat.hook import OUT_CM, hook_constants, move_hook
-from subsea.habitat.sea import make_sea
+from subsea.habitat.sea import make_sea as make_scenario_sea
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED, Clock
@@ -14,9 +14,8 @@ DT = 0.033
 
 
 @pytest.fixture
-def sea():
-    made = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
-    return made._replace(tackle=hook_constants(PLAN))
+def sea(make_sea):
+    return make_sea()._replace(tackle=hook_constants(PLAN))
 
 
 def _until(sea, state, tick=0):
@@ -51,6 +50,6 @@ def test_it_is_drawn_up_with_its_catch_and_stays_away(sea):
 
 
 def test_without_a_hook_none_ever_comes():
-    sea = make_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
+    sea = make_scenario_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
     move_hook(sea, Clock(1, 10**9, DT))
     assert sea.catch[0] == STOWED

@@ -68,7 +68,7 @@ def test_the_crowd_moves_with_the_water(make_sea):
     np.testing.assert_allclose((sea.plankton - before).mean(axis=0)[:2], [9.9, 0.0], atol=0.3)
 
 
-def test_what_is_eaten_stays_away_and_is_there_again_not_far_off(make_sea):
+def test_eaten_specks_return_near_their_place_after_a_while(make_sea):
     sea = make_sea(_scattered(1000), radius=1000.0)
     eaten = np.arange(0, 1000, 2)
     sea.absent[eaten] = 1.0  # s
@@ -98,13 +98,13 @@ def test_it_goes_on_in_the_same_way_from_the_same_seed(make_sea):
     assert ends[0] == ends[1] != ends[2]
 
 
-def test_one_that_was_drawn_into_a_rock_gets_out_again(make_sea):
+def test_a_speck_drawn_into_a_rock_gets_out_again(make_sea):
     sea = make_sea([ROCKS[0, :3]], rocks=ROCKS)
     _pass(sea, (40.0, 0.0, 0.0), 200)
     assert clearance(PILLARS[:0], ROCKS, vector(sea.plankton[0])) > 0.0
 
 
-def test_it_drifts_over_what_grows(make_sea):
+def test_specks_drift_over_growths(make_sea):
     sea = make_sea(_scattered(200))
     grown = sea._replace(floor=sea.heights + np.float32(90.0))
     _pass(grown, (5.0, 0.0, 0.0), 30)

@@ -173,7 +173,7 @@ def test_without_reefs_the_floor_is_the_sand(bay):
         ("size = 9.0", "size"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_one_line(tmp_path, text, said):
+def test_errors_are_one_line(tmp_path, text, said):
     _, path = load_scenario("schooling")
     bare = path.read_text()
     (tmp_path / "own.toml").write_text(f"{bare}\n[[reef]]\n{text}\n")

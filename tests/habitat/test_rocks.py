@@ -12,7 +12,7 @@ from subsea.habitat.rocks import arch, outcrop, rock_rows, single
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario, Shoal, Start, Terrain
 from subsea.state import HULL_CM, Submarine
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.hull import step_hull
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -103,7 +103,7 @@ def test_a_school_swims_through_and_into_no_stone():
     through, nearest = np.zeros(12, np.bool_), np.inf
     for _ in range(800):
         before = fishes.position[:, 0].copy()
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         places = fishes.position.astype(np.float64)
         nearest = min(nearest, clearances(sea.pillars, sea.rocks, places).min())
         through |= (before < 0.0) & (places[:, 0] >= 0.0) & (np.abs(places[:, 1]) < 175.0)
@@ -112,10 +112,9 @@ def test_a_school_swims_through_and_into_no_stone():
 
 
 def test_a_rock_may_lie_above_the_sand():
-    assert single(Rock(position_cm=(1, 2), size_cm=(30, 20, 10)), level)[0, 2] == pytest.approx(
-        -596
-    )
+    low = Rock(position_cm=(1, 2), size_cm=(30, 20, 10))
     high = Rock(position_cm=(1, 2), size_cm=(30, 20, 10), height_cm=150.0)
+    assert single(low, level)[0, 2] == pytest.approx(-596)
     assert single(high, level)[0, 2] == -450.0
 
 

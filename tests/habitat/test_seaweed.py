@@ -72,7 +72,7 @@ def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):
     assert (np.diff(bent) > 0.0).all()  # ever more flexible toward the tip
 
 
-def test_it_begins_at_rest_rooted_in_the_ground(make_bed):
+def test_seaweed_begins_at_rest_rooted_in_the_ground(make_bed):
     group = {"clusters": 20, "leaves": 6, "height_cm": 90.0}
     sea, weed = make_bed(group)
     assert weed.node.shape == (120, NODES, 3)
@@ -158,7 +158,7 @@ def test_the_submarine_pushes_them_aside(make_bed):
     assert weed.node[..., 1].mean() > before + 3.0
 
 
-def test_what_the_submarine_cannot_see_stands_still(make_bed):
+def test_clusters_beyond_visibility_stand_still(make_bed):
     bed = sea, weed = make_bed({"clusters": 12})
     sea.submarine[:3] = -400.0, 0.0, -250.0
     before = weed.node.copy()
@@ -174,7 +174,7 @@ def test_what_the_submarine_cannot_see_stands_still(make_bed):
 
 @given(st.integers(0, 1000), st.floats(0, 400), st.floats(-200, 200), st.floats(-200, 200))
 @settings(max_examples=12)
-def test_whatever_rushes_past_it_stays_whole_and_above_the_ground(make_bed, seed, speed, fx, fy):
+def test_fast_bodies_leave_leaves_whole_and_above_the_ground(make_bed, seed, speed, fx, fy):
     bed = _, weed = make_bed({"clusters": 3, "position_cm": (0.0, 0.0), "spread_cm": 20.0})
     rng = np.random.default_rng(seed)
     fishes = empty(Fishes, n=30)
@@ -192,7 +192,7 @@ def test_whatever_rushes_past_it_stays_whole_and_above_the_ground(make_bed, seed
     np.testing.assert_allclose(length, weed.rest, rtol=0.06)
 
 
-def test_who_passes_is_found_as_by_looking_at_all_pairs(make_bed):
+def test_passing_fishes_are_those_of_all_pairs(make_bed):
     sea, weed = make_bed({"clusters": 25, "leaves": 2})
     rng = np.random.default_rng(4)
     fishes = empty(Fishes, n=800)
@@ -235,7 +235,7 @@ def test_a_sea_without_seaweed(make_bed):
 
 
 def test_it_grows_beside_corals(make_bed):
-    """Not through them; rubble and mounds are no hindrance."""
+    """Not through them; rubble and mounds are not a hindrance."""
     group = {"clusters": 40, "leaves": 1, "height_cm": 60.0, "position_cm": (0.0, 0.0)}
     group["spread_cm"] = 150.0
     bare = make_bed(group)[1]

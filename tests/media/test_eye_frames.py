@@ -18,14 +18,14 @@ from subsea.media import eye_frames as eyes
 from subsea.render.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.retina import fish_eyes, retina_rig
 from subsea.world.build import create_world
 from subsea.world.step import step
 
 pytestmark = pytest.mark.usefixtures("one_context")
 
-DOCS = Path(__file__).parents[2] / "docs" / "fish-view.md"
+DOCS = Path(__file__).parents[2] / "docs" / "how-to" / "fish-frames.md"
 FISH = 57
 OPTIONS = ["--eyes", "moon_wrasse", "--size", "96x72", "--quality", "low", "--fps", "5"]
 COUNT = 3
@@ -110,7 +110,7 @@ def test_the_example_of_the_documentation_makes_the_cloud_that_it_says(seen, mon
     assert np.linalg.norm(np.mean(eyes, axis=0) - left["frame"]["fish"]["position_cm"]) < 15.0
 
 
-def test_what_was_interrupted_goes_on_with_the_same_pictures(seen, tmp_path, capsys):
+def test_an_interrupted_film_resumes_with_the_same_pictures(seen, tmp_path, capsys):
     out = tmp_path / "seen"
     copied(seen, out)
     for name in ("camera.json", "depth/right/frame_00001.png", "left/frame_00002.png"):
@@ -124,7 +124,7 @@ def test_what_was_interrupted_goes_on_with_the_same_pictures(seen, tmp_path, cap
     assert "`gaze`" in capsys.readouterr().err
 
 
-def test_a_second_go_that_is_interrupted_keeps_what_was_told(seen, tmp_path, monkeypatch):
+def test_an_interrupted_second_run_keeps_the_camera_file(seen, tmp_path, monkeypatch):
     out = tmp_path / "seen"
     copied(seen, out)
     (out / "left/frame_00001.png").unlink()
@@ -212,7 +212,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys):
         assert not list(tmp_path.iterdir())
 
 
-def test_fishes_are_red_and_what_stands_is_blue():
+def test_fishes_are_red_and_solids_are_blue():
     fishes = coded(VALUES["fish"] + np.arange(500)[None])[0].astype(int)
     stones = coded(
         np.concatenate([VALUES["rock"] + np.arange(60), VALUES["coral"] + np.arange(300)])
@@ -222,7 +222,7 @@ def test_fishes_are_red_and_what_stands_is_blue():
     assert len(np.unique(fishes, axis=0)) > 450
 
 
-def test_who_sees_the_light_goes_by_it():
+def test_light_in_the_eyes_replaces_that_of_the_place():
     world = create_world(load_scenario("peaceful")[0], fish=12)
     other = create_world(load_scenario("peaceful")[0], fish=12)
     fishes, by = world.state.fishes, fish_eyes(world, 2)
@@ -242,7 +242,7 @@ def test_who_sees_the_light_goes_by_it():
         assert 0.05 < twice[0] < 0.95
     assert means[0][0] > means[1][0] + 0.05
     other.seen_light[2] = 0.125
-    step(other, HANDS_OFF)
+    step(other, NEUTRAL)
     assert other.state.minds.light[2] == 0.125
     assert (other.state.minds.light[[0, 1, 3]] != 0.125).all()
 

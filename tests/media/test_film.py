@@ -19,7 +19,7 @@ from subsea.frame.labels import PlacedLabel
 from subsea.frame.packet import pack
 from subsea.media import eye_frames, film, film_timing, frame_writers
 from subsea.render.output.quality import PRESETS
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import views
 from subsea.view.stereo import PAGED
@@ -161,7 +161,7 @@ def test_too_old_an_opengl_is_one_line_with_what_to_install(tmp_path):
 
 
 @pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_only_what_was_written_is_told(tmp_path, capsys, monkeypatch, fault):
+def test_only_written_files_are_reported(tmp_path, capsys, monkeypatch, fault):
     def failing(*arguments, **options):
         raise fault
 
@@ -171,7 +171,7 @@ def test_only_what_was_written_is_told(tmp_path, capsys, monkeypatch, fault):
     assert not list(tmp_path.iterdir())
 
 
-def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypatch):
+def test_an_interrupted_film_reports_its_frames(tmp_path, capsys, monkeypatch):
     pictures = [np.full((120, 160, 3), level, np.uint8) for level in (0, 50)]
 
     def two(self, output=0):
@@ -179,7 +179,7 @@ def test_an_interrupted_film_tells_the_frames_it_has(tmp_path, capsys, monkeypat
             raise KeyboardInterrupt
         return pictures.pop()
 
-    monkeypatch.setattr("subsea.render.Renderer.read_pixels", two)
+    monkeypatch.setattr("subsea.render.renderer.Renderer.read_pixels", two)
     out = tmp_path / "a.mp4"
     assert main(["film", str(out), *SMALL]) == 130
     assert f"{out}: 2 frames" in capsys.readouterr().out
@@ -284,7 +284,7 @@ def every_mode():
         world = start_world("peaceful", 1)
         with picture_maker(context, world, rigs["mono"], PRESETS["medium"]) as renderer:
             while world.state.tick < 10:
-                step(world, HANDS_OFF)
+                step(world, NEUTRAL)
             for (quality, preset), (display, rig) in product(PRESETS.items(), rigs.items()):
                 renderer.adapt(preset)
                 renderer.arrange(rig)
@@ -362,7 +362,7 @@ def test_a_film_may_begin_later(tmp_path):
 
 
 @pytest.mark.parametrize(("module", "more"), [(film, []), (eye_frames, ["--eyes", "0"])])
-def test_what_passes_before_a_film_is_in_no_frame_time(tmp_path, monkeypatch, module, more):
+def test_frame_times_exclude_ticks_before_the_film(tmp_path, monkeypatch, module, more):
     made, told = [], []
 
     def counted(*arguments):

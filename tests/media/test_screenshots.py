@@ -83,7 +83,7 @@ def test_a_window_that_changes_its_size_ends_the_film(camera, tmp_path):
     assert "too small" in told[-1]
 
 
-def test_what_closes_a_dive_leaves_a_valid_film(camera, tmp_path):
+def test_the_end_of_a_dive_leaves_a_valid_film(camera, tmp_path):
     taken, told = camera
     taken.film((64, 48))
     taken.frame(pixels(), 0.1)

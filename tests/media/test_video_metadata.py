@@ -39,18 +39,18 @@ STEREO = {"side-by-side": 1, "top-bottom": 2, "checkerboard": 4, "interlaced": 6
 
 
 @pytest.mark.parametrize("display", STEREO)
-def test_televisions_are_told_of_two_eyes(tmp_path, display):
+def test_frame_packing_marks_stereo_films(tmp_path, display):
     film(tmp_path / "a.mp4", display, 2)
     assert told(tmp_path / "a.mp4")[Type.STEREO3D] == STEREO[display]
 
 
 @pytest.mark.parametrize("display", ["mono", "anaglyph", "dome", "panorama"])
-def test_a_plain_picture_is_told_to_be_nothing_else(tmp_path, display):
+def test_a_plain_film_has_no_metadata(tmp_path, display):
     film(tmp_path / "a.mp4", display, 2)
     assert not {Type.STEREO3D, Type.SPHERICAL} & set(told(tmp_path / "a.mp4"))
 
 
-def test_players_are_told_of_all_directions(tmp_path):
+def test_boxes_mark_films_of_all_directions(tmp_path):
     film(tmp_path / "a.mp4", "equirectangular", 2)
     assert told(tmp_path / "a.mp4")[Type.SPHERICAL] == 0
 

@@ -48,23 +48,31 @@ def make_fishes(library):
 
 
 @cache
-def recorded(species):
-    """Shipped data of a species: its repertoire, coupling and constants of motion."""
-    repertoire = read_repertoire(resource_path("repertoires") / f"{species}.h5")
+def packed(species):
+    """Shipped data of a species: repertoire, coupling and library."""
+    repertoire = read_repertoire(resource_path(f"repertoires/{species}.h5"))
     coupling = couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))
-    library = pack([repertoire], [coupling])
-    return (
-        repertoire,
-        coupling,
-        make_dynamics([load_species(species)], [repertoire], library, np.inf),
-    )
+    return repertoire, coupling, pack([repertoire], [coupling])
+
+
+@cache
+def dynamics_of(species):
+    repertoire, _, library = packed(species)
+    return make_dynamics([load_species(species)], [repertoire], library, np.inf)
+
+
+@pytest.fixture(scope="session")
+def shipped_library():
+    """Return the function `packed`."""
+    return packed
 
 
 class Tank:
     """One fish of a species in still water, played back or simulated, with a free goal."""
 
     def __init__(self, species, scale=1.0):
-        repertoire, coupling, self.dynamics = recorded(species)
+        repertoire, coupling, _ = packed(species)
+        self.dynamics = dynamics_of(species)
         self.library = pack([repertoire], [coupling], live=1)
         rows = len(self.library.entry)
         names = ("rotation", "translation", "nodes")

@@ -44,6 +44,14 @@ def _live(make_tank, species, name="swim_medium", ticks=28):
     return tank
 
 
+def _travel(tank, before, ticks):
+    """The way (3,), cm, in a number of ticks after others."""
+    tank.run(before)
+    begin = tank.fishes.position[0].copy()
+    tank.run(ticks)
+    return tank.fishes.position[0] - begin
+
+
 @every_species
 def test_muscles_contract_as_the_plain_controllers_say(make_tank, species):
     plan = load_species(species)
@@ -112,10 +120,7 @@ def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species):
     for speed in (0.15, 0.3, 0.45, 0.6, 0.8, 1.0):
         tank = _live(make_tank, species)
         tank.aim(0.0, speed)
-        tank.run(200)
-        begin = tank.fishes.position[0].copy()
-        tank.run(140)
-        measured = np.linalg.norm(tank.fishes.position[0] - begin) / (140 * TICK)
+        measured = np.linalg.norm(_travel(tank, 200, 140)) / (140 * TICK)
         assert measured == pytest.approx(speed * tank.library.speed[0, 2], rel=0.12), speed
 
 
@@ -124,10 +129,7 @@ def test_every_heading_is_reached_and_held(make_tank, species):
     for azimuth in (-170, -90, -30, 10, 35, 60, 100, 179):
         tank = _live(make_tank, species)
         tank.aim(np.radians(azimuth), 0.6)
-        tank.run(420)
-        begin = tank.fishes.position[0].copy()
-        tank.run(56)
-        way = tank.fishes.position[0] - begin
+        way = _travel(tank, 420, 56)
         gap = np.degrees(np.arctan2(way[1], way[0])) - azimuth
         assert abs((gap + 180) % 360 - 180) < 6, azimuth
 
@@ -137,10 +139,7 @@ def test_fins_climb_and_dive(make_tank, species):
     for climb, speed in ((-60, 0.3), (-20, 0.8), (20, 0.3), (35, 0.8)):
         tank = _live(make_tank, species)
         tank.aim(0.0, speed, np.radians(climb))
-        tank.run(300)
-        begin = tank.fishes.position[0].copy()
-        tank.run(56)
-        way = tank.fishes.position[0] - begin
+        way = _travel(tank, 300, 56)
         angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
         assert angle == pytest.approx(np.clip(climb, -38, 38), abs=5), climb
 
@@ -166,10 +165,7 @@ def test_asked_to_stop_it_stops(make_tank, species):
     tank = _live(make_tank, species)
     cruise = np.linalg.norm(tank.fishes.velocity[0])
     tank.aim(0.0, 0.0)
-    tank.run(200)
-    begin = tank.fishes.position[0].copy()
-    tank.run(30)
-    assert np.linalg.norm(tank.fishes.position[0] - begin) / (30 * TICK) < 0.15 * cruise
+    assert np.linalg.norm(_travel(tank, 200, 30)) / (30 * TICK) < 0.15 * cruise
 
 
 def test_a_larger_fish_beats_more_slowly(make_tank):

@@ -8,7 +8,7 @@ from subsea.geometry.height_field import height_at
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import Physics
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -29,7 +29,7 @@ def bay(**options):
 
 def went_on(world, ticks, seen=lambda world: None):
     for _ in range(ticks):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         seen(world)
     return world
 
@@ -105,7 +105,7 @@ def beat(usual, physics):
     """Displacement of the tails of simulated fishes per tick, in radians of their beat."""
     world, _ = tried(usual, physics, 0)
     before = world.state.live.phase.copy()
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     return (world.state.live.phase - before) % (2.0 * np.pi)
 
 
@@ -129,7 +129,7 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
     last = world.state.fishes.position.copy()
     for _ in range(400):
         was = world.state.fishes.live.copy()
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         fishes = world.state.fishes
         leap = np.linalg.norm(fishes.position - last, axis=1) / fishes.length
         assert leap.max() < 1.8
@@ -151,7 +151,7 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
     assert world.state.fishes.live.any()
 
 
-def test_what_explodes_is_told_with_its_reason(usual):
+def test_an_explosion_is_reported_with_its_reason(usual):
     world, simulated = tried(usual, Physics(time_step=50.0, hydrodynamics=False), 3)
     assert not world.state.fishes.live.any()
     slots = [int(fish) for fish in world.state.live.fish]

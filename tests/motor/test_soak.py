@@ -2,14 +2,10 @@
 
 import numpy as np
 
-from subsea.core.resources import resource_path
-from subsea.fish.coupling import couple
 from subsea.geometry.rotation import about
 from subsea.motor.balance import roll_of
 from subsea.motor.controller import command
 from subsea.motor.playback import play
-from subsea.repertoire import read_repertoire
-from subsea.repertoire.library import pack
 from subsea.state import Clock, Fishes, empty
 
 TICK = 0.033
@@ -18,9 +14,8 @@ FISHES = 24
 UPSIDE_DOWN_S = 6.0  # longest time that a fish may lie on its back
 
 
-def test_an_hour_at_random_commands():
-    repertoire = read_repertoire(resource_path("repertoires/fusilier.h5"))
-    library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
+def test_an_hour_at_random_commands(shipped_library):
+    _, _, library = shipped_library("fusilier")
     rng = np.random.default_rng(4)
     fishes = empty(Fishes, n=FISHES)
     fishes.length[:] = rng.uniform(8, 60, FISHES)

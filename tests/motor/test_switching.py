@@ -12,7 +12,7 @@ from subsea.motor.switching import HOVERING, KEEP, MAX_WAIT_TICKS, MIN_STAY_S, m
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step
@@ -127,7 +127,7 @@ def test_the_nearest_are_simulated_and_no_more_than_asked_for():
     simulated = 0
     for tick in range(600):
         was = fishes.live.copy()
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         assert fishes.live.sum() <= (world.state.live.fish >= 0).sum() <= 8
         changed = was != fishes.live
         assert (tick - since[changed] > MIN_STAY_S / TICK - 2).all()
@@ -142,7 +142,7 @@ def test_the_nearest_are_simulated_and_no_more_than_asked_for():
 def test_nobody_is_simulated_far_away_or_without_a_budget():
     for world in (_world(live=8, live_reach_cm=1.0), _world()):
         for _ in range(200):
-            step(world, HANDS_OFF)
+            step(world, NEUTRAL)
         assert not world.state.fishes.live.any()
 
 
@@ -150,7 +150,7 @@ def test_nobody_is_simulated_far_away_or_without_a_budget():
 def test_slots_may_be_more_than_fishes(fish):
     world = _world(fish=fish, live=4, live_reach_cm=np.inf)
     for _ in range(30):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     assert world.state.fishes.live.sum() <= fish
 
 
@@ -194,7 +194,7 @@ def test_nodes_lie_where_the_simulation_has_them(make_tank):
     np.testing.assert_allclose(nodes, expected, atol=1e-3)
 
 
-def test_a_fish_that_its_spine_moves_is_never_simulated():
+def test_a_spine_driven_fish_is_never_simulated():
     """It is played back however near it is; muscular fishes around it are simulated."""
     scenario, _ = load_scenario("peaceful")
     here = scenario.submarine.position_cm
@@ -206,7 +206,7 @@ def test_a_fish_that_its_spine_moves_is_never_simulated():
     world = create_world(scenario, seed=5, live=6, live_reach_cm=1e4)
     names = np.array([one.name for one in world.species])
     for _ in range(200):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         fishes = world.state.fishes
         assert set(names[fishes.species[fishes.live]]) <= {"Yellowback fusilier"}
     assert fishes.live.sum() == 3

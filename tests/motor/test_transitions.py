@@ -5,27 +5,21 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
-from subsea.fish.coupling import couple
 from subsea.fish.species import species_names
 from subsea.motor.playback import advance
 from subsea.motor.pose import nodes_world
-from subsea.repertoire import SEGMENTS, read_repertoire
-from subsea.repertoire.library import pack
+from subsea.repertoire import SEGMENTS
 from subsea.state import Fishes, empty
 
 LIMIT = 2.0  # times the largest change of velocity inside the two segments, or ...
-SMALL_BL = (
-    0.025  # ... body lengths per tick², less than the limit of any pair of a fish with muscles:
-)
-# the beat of an eel is so smooth that twice what is usual in it would be nothing to see
+# ... body lengths per tick², for the smooth beat of an eel; the limit of muscular fishes is larger.
+SMALL_BL = 0.025
 
 
 @pytest.fixture(scope="module", params=species_names())
-def shipped(request):
+def shipped(request, shipped_library):
     """The library of one species, and the largest change inside each segment."""
-    repertoire = read_repertoire(resource_path("repertoires") / f"{request.param}.h5")
-    library = pack([repertoire], [couple("sections", repertoire.rest_nodes, np.zeros((426, 3)))])
+    repertoire, _, library = shipped_library(request.param)
     usual = []
     for code in range(len(SEGMENTS)):
         length = library.length[0, code]

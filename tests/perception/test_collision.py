@@ -66,7 +66,7 @@ def test_one_that_swims_alongside_or_ahead_is_no_danger(tank, gap):
     assert _threats(_pair(tank, gap)) == [NOBODY, NOBODY]
 
 
-def test_whoever_closes_in_from_the_side_is(tank):
+def test_a_fish_that_closes_in_from_the_side_is_a_threat(tank):
     t = _pair(tank, (5.0, 16.0, 0.0))
     t.fishes.velocity[1] = 15.0, -20.0, 0.0
     assert _threats(t)[0] == 1
@@ -74,7 +74,7 @@ def test_whoever_closes_in_from_the_side_is(tank):
     assert _threats(t)[0] == NOBODY
 
 
-def test_nobody_is_afraid_of_what_is_behind(tank):
+def test_a_fish_behind_is_no_threat(tank):
     t = _pair(tank, (25.0, 0.0, 0.0))
     t.fishes.velocity[0] = 40.0, 0.0, 0.0
     # The fish behind runs into the other, which does not see it.
@@ -87,7 +87,7 @@ def test_timid_fishes_turn_earlier(tank):
     assert _threats(_pair(tank, gap, against=True, timidity=2.0))[0] == 1
 
 
-def test_in_formation_fishes_bear_one_another_nearer(tank):
+def test_in_formation_fishes_tolerate_smaller_distances(tank):
     t = _pair(tank, (38.0, 0.0, 0.0), against=True)
     assert _threats(t)[0] == 1
     t.minds.intention[:] = SCHOOL
@@ -97,7 +97,7 @@ def test_in_formation_fishes_bear_one_another_nearer(tank):
     assert _threats(t)[0] == NOBODY
 
 
-def test_what_is_avoided_is_avoided_until_it_is_well_clear(tank):
+def test_a_threat_is_avoided_until_it_is_well_clear(tank):
     """Place a fish just outside the region, but inside the larger one of a fish that avoids."""
     t = _pair(tank, (0.0, 0.0, 0.0), against=True)
     gaps = np.arange(30.0, 70.0, 0.5)
@@ -202,7 +202,7 @@ def _barrier(t):
         ((100, 100, -90), (0.6, 0, -0.8), 0),
     ],
 )
-def test_what_stands_in_the_way(tank, place, heading, barrier):
+def test_barriers(tank, place, heading, barrier):
     t = tank(pillars=[(100, 100, 10, -100)], rocks=[(100, -100, -300, 15, 20, 30, 0.5)])
     t.fishes.position[0] = place
     t.fishes.orientation[0] = _heading(heading)

@@ -129,11 +129,8 @@ def test_preferences_stay_between_minus_one_and_one(tank, seed):
     t = tank(12, specks=3, rocks=[(20, 5, -300, 9, 8, 7, 1.0)])
     t.fishes.position[:] += rng.normal(0, 15, (12, 3))
     t.sea.plankton[:] = t.fishes.position[0] + rng.normal(0, 30, (3, 3))
-    t.minds.mates[0], t.minds.predators[0], t.minds.foods[0] = (
-        (1, 2, 3),
-        (4, 5, SUBMARINE),
-        (0, 1, 2),
-    )
+    t.minds.mates[0], t.minds.predators[0] = (1, 2, 3), (4, 5, SUBMARINE)
+    t.minds.foods[0] = 0, 1, 2
     t.minds.neighbour[0], t.minds.threat[0] = range(6, 12), 6
     t.minds.mental[0] = rng.uniform(0, 1, 3)
     t.minds.intention[0] = rng.integers(0, 7)
@@ -229,10 +226,8 @@ def test_a_predator_takes_the_prey_that_costs_least_and_keeps_it(tank):
     t.minds.target[0] = 2
     t.run(focus, 0)
     assert t.minds.target[0] == 1  # 130 against 100
-    t.minds.leads[1], t.minds.neighbour[1, 0] = (
-        True,
-        2,
-    )  # 130 against 150: now the other is the better one
+    # 130 against 150: now the other is the better one.
+    t.minds.leads[1], t.minds.neighbour[1, 0] = True, 2
     t.minds.foods[0, :2], t.minds.target[0] = (2, 1), 1
     t.run(focus, 0)
     assert t.minds.target[0] == 1  # 20 cm are less than its devotion
@@ -260,7 +255,7 @@ def test_a_male_likes_the_near_one_and_a_female_the_large_one(tank):
         assert t.minds.target[0] == best
 
 
-def test_who_courts_is_devoted_while_the_other_is_in_sight(tank):
+def test_a_courting_fish_is_devoted_while_the_other_is_in_sight(tank):
     t = _suitor(tank, male=True)
     t.fishes.position[2, 0] = EYE[0] + 80.0
     t.minds.target[0] = 2

@@ -24,7 +24,7 @@ def _watch(t, tick):
     )  # fmt: skip
 
 
-def test_who_sees_the_leader_knows_where_it_is(tank):
+def test_a_fish_that_sees_its_leader_knows_its_place(tank):
     t = _school(tank)
     _watch(t, 100)
     np.testing.assert_allclose(t.minds.leader_place[1], t.fishes.position[0])
@@ -32,7 +32,7 @@ def test_who_sees_the_leader_knows_where_it_is(tank):
     assert t.minds.leader_seen[2] == -np.inf
 
 
-def test_who_doesnt_is_told_by_a_companion(tank):
+def test_companions_pass_on_the_place_of_the_leader(tank):
     t = _school(tank)
     t.minds.neighbour[2, 0] = 1
     _watch(t, 100)
@@ -45,7 +45,7 @@ def test_who_doesnt_is_told_by_a_companion(tank):
     np.testing.assert_allclose(t.minds.leader_seen[1:], 3.3, rtol=1e-6)
 
 
-def test_companions_of_another_school_tell_nothing(tank):
+def test_companions_of_another_school_pass_on_nothing(tank):
     t = _school(tank)
     t.minds.neighbour[2, 0] = 1
     t.minds.leader[1] = 2

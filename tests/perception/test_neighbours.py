@@ -24,10 +24,6 @@ def _all_pairs(fishes, reach):
     return out
 
 
-def _find(fishes, minds, who):
-    find_neighbours(who, fishes, minds, 90.0)
-
-
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(0, 120),
@@ -40,27 +36,27 @@ def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     # rounded places make equal distances, to test the order
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
     fishes.species[:] = rng.integers(0, 2, n)
-    _find(fishes, minds, np.arange(n))
+    find_neighbours(np.arange(n), fishes, minds, 90.0)
     np.testing.assert_array_equal(minds.neighbour, _all_pairs(fishes, 90.0))
 
 
 @pytest.mark.parametrize("n", [0, 1])
-def test_nobody_is_alone_with_company(n):
+def test_a_single_fish_has_no_neighbours(n):
     fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
-    _find(fishes, minds, np.arange(n))
+    find_neighbours(np.arange(n), fishes, minds, 90.0)
     assert (minds.neighbour == -1).all()
 
 
 @given(seed=st.integers(0, 2**32 - 1), stride=st.integers(1, 5))
 @settings(max_examples=20)
-def test_those_whose_turn_it_is_not_keep_whom_they_have_seen(seed, stride):
+def test_fishes_that_do_not_think_keep_their_neighbours(seed, stride):
     rng = np.random.default_rng(seed)
     fishes, minds = empty(Fishes, n=40), empty(Minds, n=40, b=1, d=1)
     fishes.position[:] = rng.normal(0, 60, (40, 3))
     minds.neighbour[:] = 7
     seen = _all_pairs(fishes, 90.0)
     for first in range(stride):
-        _find(fishes, minds, np.arange(first, 40, stride))
+        find_neighbours(np.arange(first, 40, stride), fishes, minds, 90.0)
         turn = np.arange(40) % stride <= first
         np.testing.assert_array_equal(minds.neighbour[turn], seen[turn])
         assert (minds.neighbour[~turn] == 7).all()

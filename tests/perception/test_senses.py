@@ -33,23 +33,19 @@ SEEDS = st.integers(0, 2**32 - 1)
 EYE = np.array([7.0, 0.0, -300.0])
 
 
-def _sense(t, *who):
-    t.run(sense, *who)
-
-
 def test_light_fades_and_water_cools_with_depth(tank):
     t = tank(3)
     t.fishes.position[:, 2] = -1e-3, -300.0, -900.0
-    _sense(t)
+    t.run(sense)
     np.testing.assert_allclose(t.minds.light, np.exp([0.0, -300 / 700, -900 / 700]), rtol=1e-4)
     np.testing.assert_allclose(t.minds.temperature, [27.0, 24.0, 21.0], rtol=1e-4)
 
 
-def test_only_those_whose_turn_it_is_perceive(tank):
+def test_only_fishes_that_think_perceive(tank):
     t = tank(3)
     t.minds.kind[:] = PREY
     t.sea.submarine[:3] = 300.0, 0.0, -300.0
-    _sense(t, 1)
+    t.run(sense, 1)
     assert list(t.minds.light > 0) == [False, True, False]
     assert list(t.minds.predator) == [NOBODY, SUBMARINE, NOBODY]
     assert list(t.minds.neighbour[:, 0] != NOBODY) == [False, True, False]
@@ -59,7 +55,7 @@ def test_a_fish_alone_among_the_dead_perceives_nobody(tank):
     t = tank(3)
     t.minds.kind[:] = PREY, PREDATOR, PACIFIST
     t.fishes.alive[1:] = False
-    _sense(t, 0)
+    t.run(sense, 0)
     for found in (t.minds.neighbour[0, 0], t.minds.threat[0], t.minds.predator[0], t.minds.mate[0]):
         assert found == NOBODY
     before = [array.copy() for array in t.minds]
@@ -74,12 +70,12 @@ def test_the_nearest_specks_are_smelled_even_behind_and_out_of_sight(tank):
         [[100, 0, 0], [-40, 0, 0], [0, 0, 70.0], [5, 0, 0], [601, 0, 0]]
     )
     t.sea.absent[3] = 10.0
-    _sense(t)
+    t.run(sense)
     assert list(t.minds.foods[0]) == [1, 2, 0]
     assert t.minds.food[0] == 1
     assert t.minds.food_distance[0] == pytest.approx(40.0)
     t.sea.absent[:4] = 1.0
-    _sense(t)
+    t.run(sense)
     assert t.minds.food[0] == -1
     assert t.minds.food_distance[0] == np.inf
 
@@ -121,7 +117,7 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     t.minds.courtship[:] = rng.choice([NO_COURTSHIP, LOOPING, CIRCLING], n)
     t.minds.partner[:] = rng.integers(0, n, n)
     t.minds.mental[:, LIBIDO] = 1.0
-    _sense(t)
+    t.run(sense)
 
     def possible(i, j):
         """Mates: other sex, not shunned, not taken, strangers only of similar size."""
@@ -148,22 +144,22 @@ def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
             assert t.minds.mate_distance[i] == np.inf
 
 
-def test_who_is_not_in_the_mood_heeds_only_a_mate_that_tempts_it(tank):
+def test_without_libido_only_near_mates_are_perceived(tank):
     t = tank(2)
     t.minds.male[0] = True
     for libido, gap, seen in ((0.1, 38, True), (0.1, 42, False), (0.3, 42, True)):
         t.fishes.position[1] = EYE + (gap, 0.0, 0.0)
         t.minds.mental[:, LIBIDO] = libido
-        _sense(t, 0)
+        t.run(sense, 0)
         assert (t.minds.mate[0] == 1) == seen
 
 
 @given(SEEDS)
 @settings(max_examples=25)
-def test_prey_are_judged_by_what_they_cost(tank, seed):
+def test_prey_are_ranked_by_their_cost(tank, seed):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
     t.minds.leads[:] = t.minds.intention == SCHOOL
-    _sense(t)
+    t.run(sense)
     schools = t.minds.leads & (t.minds.neighbour[:, 0] >= 0)
     for i in np.flatnonzero(t.fishes.alive & (t.minds.kind == PREDATOR)):
         x = np.subtract(eye_of(bodies_of(t.fishes), i), t.fishes.position[i]) / t.fishes.snout[i]
@@ -188,7 +184,7 @@ def test_fear_is_of_visible_predators(tank, seed, company):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY, PACIFIST])
     if company:
         t.sea.submarine[:3] = 200.0, 300.0, -300.0
-    _sense(t)
+    t.run(sense)
     bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
     for i in np.flatnonzero(t.fishes.alive):
         if t.minds.kind[i] != PREY:
@@ -212,10 +208,10 @@ def test_coward_and_bold(tank):
     t = tank(2)
     t.minds.kind[:] = PREY, PREDATOR
     t.fishes.position[1, 0] = 407.0
-    _sense(t, 0)
+    t.run(sense, 0)
     assert t.minds.menace[0] == pytest.approx(0.5)
     t.minds.dread[0] = 500.0
-    _sense(t, 0)
+    t.run(sense, 0)
     assert t.minds.menace[0] == 1.0
 
 
@@ -224,8 +220,8 @@ def test_a_large_predator_is_seen_in_advance(tank):
     t = tank(2)
     t.minds.kind[:] = PREY, PREDATOR
     t.fishes.position[1, 0] = 900.0
-    _sense(t, 0)
+    t.run(sense, 0)
     assert t.minds.predator[0] == NOBODY
     t.fishes.length[1] = 120.0
-    _sense(t, 0)
+    t.run(sense, 0)
     assert t.minds.predator[0] == 1

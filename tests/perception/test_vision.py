@@ -25,14 +25,20 @@ from subsea.perception.vision import (
 AHEAD = (1.0, 0.0, 0.0)
 
 
+def _view(t):
+    """Bodies and surroundings of a tank, as vision reads them."""
+    return bodies_of(t.fishes), surroundings_of(t.sea)
+
+
 def _sees(t, i, j):
-    return sees_fish(bodies_of(t.fishes), i, j, surroundings_of(t.sea), t.nature)
+    bodies, scene = _view(t)
+    return sees_fish(bodies, i, j, scene, t.nature)
 
 
 def _hides(t, share):
     """True if a point of fish 1 is hidden from fish 0."""
-    bodies = bodies_of(t.fishes)
-    return hidden(surroundings_of(t.sea), eye_of(bodies, 0), along_body(bodies, 1, share))
+    bodies, scene = _view(t)
+    return hidden(scene, eye_of(bodies, 0), along_body(bodies, 1, share))
 
 
 @pytest.mark.parametrize(
@@ -108,38 +114,29 @@ def _is_hidden(sea, eye, p):
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=60)
-def test_what_hides_a_point_and_a_fish_against_brute_force(tank, seed):
+def test_occlusion_of_points_and_fishes_against_brute_force(tank, seed):
     t = _scene(tank, seed)
-    eye = eye_of(bodies_of(t.fishes), 0)
+    bodies, scene = _view(t)
+    eye, x = eye_of(bodies, 0), matrix(t.fishes.orientation[0].astype(float))[:, 0]
+
+    def in_field(p):
+        ray = np.subtract(p, eye)
+        return x @ ray > np.cos(np.radians(150)) * np.linalg.norm(ray)
+
     verdicts = []
     for share in BODY_SHARES:
-        p = along_body(bodies_of(t.fishes), 1, share)
-        verdict = _is_hidden(surroundings_of(t.sea), eye, p)
+        p = along_body(bodies, 1, share)
+        verdict = _is_hidden(scene, eye, p)
         verdicts.append(verdict)
         if verdict is not None:
-            assert hidden(surroundings_of(t.sea), eye, p) == verdict
-            x = matrix(t.fishes.orientation[0].astype(float))[:, 0]
-            ray = np.subtract(p, eye)
-            ahead = x @ ray > np.cos(np.radians(150)) * np.linalg.norm(ray)
-            assert sees_point(bodies_of(t.fishes), 0, surroundings_of(t.sea), p, 1e3) == (
-                ahead and not verdict
-            )
+            assert hidden(scene, eye, p) == verdict
+            assert sees_point(bodies, 0, scene, p, 1e3) == (in_field(p) and not verdict)
     if None not in verdicts:
-        x = matrix(t.fishes.orientation[0].astype(float))[:, 0]
-        ray = t.fishes.position[1].astype(float) - eye
-        ahead = x @ ray > np.cos(np.radians(150)) * np.linalg.norm(ray)
-        assert _sees(t, 0, 1) == (ahead and not all(verdicts))
+        assert _sees(t, 0, 1) == (in_field(t.fishes.position[1]) and not all(verdicts))
 
 
 def test_random_scenes_hide_some_and_not_others(tank):
-    scenes = [_scene(tank, seed) for seed in range(60)]
-    seen = [
-        hidden(
-            surroundings_of(t.sea), eye_of(bodies_of(t.fishes), 0), eye_of(bodies_of(t.fishes), 1)
-        )
-        for t in scenes
-    ]
-    assert 10 < sum(seen) < 50
+    assert 10 < sum(_hides(_scene(tank, seed), 0.0) for seed in range(60)) < 50
 
 
 def test_a_fish_is_seen_by_any_part_of_it(tank):
@@ -148,11 +145,7 @@ def test_a_fish_is_seen_by_any_part_of_it(tank):
     t.fishes.length[1], t.fishes.snout[1] = 100.0, 35.0
     t.fishes.orientation[1] = 0.5, 0.5, 0.5, 0.5  # heading along y
     t.fishes.position[1] = 100.0, 40.0, -300.0
-    assert hidden(
-        surroundings_of(t.sea),
-        eye_of(bodies_of(t.fishes), 0),
-        along_body(bodies_of(t.fishes), 1, 0.3),
-    )
+    assert _hides(t, 0.3)
     assert _sees(t, 0, 1)
     t.fishes.length[1], t.fishes.snout[1] = 30.0, 10.0
     t.fishes.position[1] = 100.0, 20.0, -300.0

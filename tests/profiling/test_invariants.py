@@ -13,7 +13,7 @@ from subsea.profiling.invariants import (
     widen,
 )
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -22,7 +22,7 @@ from subsea.world.step import step
 @pytest.fixture(scope="module")
 def bay():
     world = create_world(load_scenario("peaceful")[0], fish=20)
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     return world, snapshot.take(world)
 
 
@@ -38,9 +38,9 @@ def middle_of_a_rock(world):
     return rocks[np.argmax(rocks[:, 2] * (rocks[:, 3:6].min(axis=1) > 40.0)), :3]
 
 
-def test_a_sound_world_is_let_alone(world):
+def test_an_intact_world_has_no_faults(world):
     for _ in range(60):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         assert faults_in(world) == []
 
 
@@ -64,7 +64,7 @@ def test_a_sound_world_is_let_alone(world):
         ("submarine", "angles", 1, 1.3, "the submarine's pitch is 74 degrees"),
     ],
 )
-def test_what_must_never_be_is_found(world, part, name, place, value, told):
+def test_broken_invariants_are_found(world, part, name, place, value, told):
     getattr(getattr(world.state, part), name)[place] = value
     if (part, name) == ("fishes", "position"):  # avoids a fault by too high speed
         world.state.fishes.previous_position[place] = value
@@ -82,7 +82,7 @@ def test_bodies_inside_rock_are_found(world):
     assert told.count("cm inside rock") == 2
 
 
-def test_rock_is_where_fishes_are_kept_out(world):
+def test_the_depth_in_rock_is_that_of_the_solids(world):
     sea = world.state.sea
     sea = sea._replace(pillars=np.array([[60.0, -40.0, 50.0, -200.0]]))
     around = np.random.default_rng(1).normal(0.0, 60.0, (400, 3))
@@ -101,18 +101,18 @@ def test_rock_is_where_fishes_are_kept_out(world):
     assert depth_in_rock(np.array([[60.0, -10.0, -280.0]]), sea) == pytest.approx(20.0)
 
 
-def test_a_dead_fish_may_lie_anywhere_and_a_caught_one_rises(world):
+def test_dead_and_caught_fishes_are_not_checked(world):
     world.state.fishes.position[[3, 5]] = 0.0, 0.0, 40.0
     world.state.fishes.alive[3] = False
     world.state.sea.catch[:] = 4, 5
     assert faults_in(world) == []
 
 
-def test_who_does_not_move_is_stuck(world):
+def test_a_fish_that_does_not_move_is_stuck(world):
     boxes = visited_now(world)
     held = world.state.fishes.position[6].copy()
     for _ in range(150):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         world.state.fishes.position[6] = held
         widen(boxes, world)
     assert stuck(boxes, world) == [6]

@@ -1,11 +1,11 @@
 """The paper's tables compare like with like."""
 
-from importlib.metadata import version
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from subsea import __version__
 from subsea.dive.start import start_world
 from subsea.frame.packet import pack
 from subsea.motor.pose import nodes_world
@@ -21,7 +21,7 @@ def test_playback_is_timed_on_the_real_nodes():
         assert nodes[i] == pytest.approx(nodes_world(fishes, library, i), abs=1e-3)
 
 
-def test_a_view_of_about_so_many_fishes_is_found():
+def test_a_view_with_a_number_of_fishes_is_found():
     world = start_world("peaceful")
     found = [len(pack(world, paper_tables.view_of(world, n), 1.0).instances) for n in (0, 10, 60)]
     assert found[0] <= found[1] <= found[2]
@@ -35,7 +35,7 @@ def test_the_tables_print_both_machines(capsys, monkeypatch):
     monkeypatch.setattr(paper_tables, "RENDERED", ("peaceful",))
     assert paper_tables.paper_tables() == 0
     out = capsys.readouterr().out
-    assert f"subsea {version('subsea')}, " in out
+    assert f"subsea {__version__}, " in out
     for figure in ("40", "0.01", "4000", "2340", "85", "27.53"):
         assert figure in out.split()
 

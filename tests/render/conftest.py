@@ -12,9 +12,11 @@ from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.geometry.rotation import from_matrix
-from subsea.render import headless_context
+from subsea.render.gl.context import headless_context
+from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.scenario.schema import Water
-from subsea.view.display_rigs import views_for
+from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.levels import LEVELS
 from subsea.view.rig import pose_from_angles, views
 
@@ -114,6 +116,41 @@ def scene(known_repertoire):
     )
 
 
+@pytest.fixture(scope="module")
+def make_renderer(context, scene):
+    """(size, values other than the default ones) -> a renderer, one for equal values."""
+    made = {}
+
+    def make(size=SIZE, *, display="mono", quality=PRESETS["medium"], scene=scene):
+        key = size, display, quality, id(scene)
+        if key not in made:
+            made[key] = Renderer(context, scene, display_rig(display, size), quality), scene
+        return made[key][0]
+
+    yield make
+    for renderer, _ in made.values():
+        renderer.release()
+
+
+@pytest.fixture(scope="module")
+def counted(make_renderer):
+    """(packet, options of `make_renderer`) -> picture (h, w, 3), whole numbers; triangles."""
+
+    def counted(packet, size=None, **options):
+        whole = SIZE if "display" in options else packet.views[0].viewport[2:]
+        renderer = make_renderer(size or whole, **options)
+        renderer.draw(packet)
+        return renderer.read_pixels().astype(int), renderer.triangles
+
+    return counted
+
+
+@pytest.fixture(scope="module")
+def drawn(counted):
+    """As `counted`, without the number of triangles."""
+    return lambda packet, size=None, **options: counted(packet, size, **options)[0]
+
+
 @pytest.fixture(scope="session")
 def make_packet():
     """(fishes, position and direction of the eye, or views) -> a packet."""
@@ -162,24 +199,10 @@ def record(fish):
     turn = from_matrix(axes[None])[0]
     return np.array(
         [
-            *fish.position,
-            fish.scale,
-            *turn,
-            *rows,
-            fish.weight,
-            fish.identity,
-            *fish.pectoral,
-            0,
-            0,
-            0,
-            1,
-            0,
-            fish.species,
-            fish.fade,
-            fish.display,
-            fish.number,
+            *fish.position, fish.scale, *turn, *rows, fish.weight, fish.identity,
+            *fish.pectoral, 0, 0, 0, 1, 0, fish.species, fish.fade, fish.display, fish.number,
         ]
-    )
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="session")
@@ -195,7 +218,7 @@ def same_picture(request, tmp_path):
     """
 
     def check(name, picture):
-        path = PICTURES / f"{name}.png"
+        path, picture = PICTURES / f"{name}.png", np.asarray(picture, np.uint8)
         if request.config.getoption("--regenerate"):
             path.parent.mkdir(exist_ok=True)
             Image.fromarray(picture).save(path)

@@ -12,8 +12,8 @@ import pytest
 from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import make_scene, pack
-from subsea.render import Renderer
 from subsea.render.output.quality import LADDER, PRESETS
+from subsea.render.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import empty_lod_state
 from subsea.world.step import step

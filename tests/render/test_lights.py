@@ -7,7 +7,7 @@ import pytest
 
 from subsea.dive.start import start_world
 from subsea.frame.packet import lamps_of, make_scene, pack
-from subsea.render import Renderer
+from subsea.render.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS
 from subsea.view.rig import pose_from_angles
@@ -18,11 +18,10 @@ AT = np.array([0.0, 0.0, -1100.0]), np.pi / 2
 
 
 @pytest.fixture(scope="module")
-def renderer(context, scene):
+def dark(drawn, scene):
+    """As `drawn`, in a deep sea."""
     deep = replace(scene, terrain=scene.terrain - np.float32(DEEP_CM))
-    renderer = Renderer(context, deep, display_rig("mono", SIZE))
-    yield renderer
-    renderer.release()
+    return lambda packet: drawn(packet, scene=deep)
 
 
 @pytest.fixture
@@ -31,20 +30,19 @@ def sight(make_packet):
     return lambda fishes=(), **options: make_packet(list(fishes), eye=tuple(AT[0]), **options)
 
 
-def drawn(renderer, packet):
-    renderer.draw(packet)
-    return renderer.read_pixels().astype(int)
-
-
-def both(renderer, packet, pitch=0.0):
+@pytest.fixture
+def both(dark):
     """Pictures with the lights off and on, of a pilot's packet."""
-    place, heading = AT
-    lamps = lamps_of(pose_from_angles(place, heading, pitch))
-    return drawn(renderer, packet), drawn(renderer, replace(packet, lamps=lamps))
+
+    def both(packet, pitch=0.0):
+        lamps = lamps_of(pose_from_angles(*AT, pitch))
+        return dark(packet), dark(replace(packet, lamps=lamps))
+
+    return both
 
 
-def test_a_warm_beam_lies_on_the_sand_ahead_and_the_rest_stays_dark(renderer, sight):
-    off, on = both(renderer, sight(pitch=-0.7), pitch=-0.7)
+def test_a_warm_beam_lies_on_the_sand_ahead_and_the_rest_stays_dark(both, sight):
+    off, on = both(sight(pitch=-0.7), pitch=-0.7)
     gained = on - off
     middle, corner = gained[80:100, 140:180].mean(axis=(0, 1)), gained[:12, :20].mean(axis=(0, 1))
     assert middle[0] > 40  # daylight has no red left there
@@ -56,23 +54,23 @@ def test_a_warm_beam_lies_on_the_sand_ahead_and_the_rest_stays_dark(renderer, si
     assert across[0] > 30 > 8 > across[-1]
 
 
-def test_off_is_as_it_was(renderer, sight, fish):
+def test_off_is_as_it_was(dark, both, sight, fish):
     packet = sight([fish(0, (0, 60, -1100))], pitch=-0.2)
-    before = drawn(renderer, packet)
-    off, on = both(renderer, packet, -0.2)
+    before = dark(packet)
+    off, on = both(packet, -0.2)
     assert np.array_equal(before, off)
     assert not np.array_equal(on, off)
-    assert np.array_equal(drawn(renderer, packet), off)
+    assert np.array_equal(dark(packet), off)
 
 
 @pytest.mark.parametrize("level", range(len(LEVELS)))
 @pytest.mark.parametrize("fade", [0.0, 0.99])
-def test_fishes_of_every_level_are_lit_the_near_ones_more(renderer, sight, fish, level, fade):
+def test_fishes_of_every_level_are_lit_the_near_ones_more(dark, both, sight, fish, level, fade):
     gains = []
     for away, high in ((190, -1104), (320, -1104), (110, -1053)):
         packet = sight([fish(0, (0, away, high), level=level, fade=fade)])
-        bare = drawn(renderer, sight())
-        off, on = both(renderer, packet)
+        bare = dark(sight())
+        off, on = both(packet)
         body = np.abs(off - bare).max(axis=2) > 25
         if high > -1100:
             assert not body[60:].any()  # above both beams
@@ -83,15 +81,15 @@ def test_fishes_of_every_level_are_lit_the_near_ones_more(renderer, sight, fish,
     assert near > 3 * max(above, 1.0)
 
 
-def test_specks_light_up_and_beams_can_be_seen_in_the_water(renderer, sight):
+def test_specks_light_up_and_beams_can_be_seen_in_the_water(both, sight):
     rng = np.random.default_rng(2)
     specks = rng.uniform((-40, 140, -1050), (40, 300, -990), (60, 3)).astype(np.float32)
     up = 0.5  # only water ahead
-    clear, beams = both(renderer, sight(pitch=up), up)
+    clear, beams = both(sight(pitch=up), up)
     glow = (beams - clear)[60:120]
     assert glow.mean() > 1.0
     assert glow[:, 100:220].mean() > 2 * max(glow[:, :30].mean(), glow[:, -30:].mean())
-    off, on = both(renderer, sight(plankton=specks, pitch=up), up)
+    off, on = both(sight(plankton=specks, pitch=up), up)
     assert (on - beams).clip(0).sum() > 2 * (off - clear).clip(0).sum()
 
 

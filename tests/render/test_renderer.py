@@ -7,17 +7,19 @@ import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.render import Renderer
 from subsea.render.fish.speck import speck
 from subsea.render.output.quality import PRESETS, Quality
+from subsea.render.renderer import Renderer
 from subsea.view.display_rigs import display_rig
 
 
 @pytest.fixture
-def renderer(context, scene):
-    renderer = Renderer(context, scene, display_rig("mono", (160, 90)))
+def renderer(make_renderer):
+    """One for all tests; what they change is changed back."""
+    renderer = make_renderer((160, 90))
     yield renderer
-    renderer.release()
+    renderer.arrange(display_rig("mono", (160, 90)))
+    renderer.adapt(PRESETS["medium"])
 
 
 def test_it_draws_into_the_framebuffer_that_it_is_given(renderer, context, make_packet, fish):
@@ -44,7 +46,7 @@ def test_a_new_size(renderer, make_packet, fish):
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
 
 
-def test_what_the_gpu_cannot_hold_changes_nothing(renderer, make_packet, fish, monkeypatch):
+def test_a_size_beyond_the_gpu_changes_nothing(renderer, make_packet, fish, monkeypatch):
     packet = make_packet([fish(1, (0, 40, -200))], size=(160, 90))
     renderer.draw(packet)
     before, quality = renderer.read_pixels().copy(), renderer.quality
@@ -74,17 +76,10 @@ def test_drawing_is_repeatable(renderer, make_packet, fish):
     np.testing.assert_array_equal(renderer.read_pixels(), first)
 
 
-def test_multisampling_changes_edges_only(context, scene, make_packet, fish):
+def test_multisampling_changes_edges_only(drawn, make_packet, fish):
     packet = make_packet([fish(1, (0, 60, -200))], size=(160, 90))
-    pictures = []
-    for samples in (0, 4):
-        renderer = Renderer(
-            context, scene, display_rig("mono", (160, 90)), Quality(samples=samples)
-        )
-        renderer.draw(packet)
-        pictures.append(renderer.read_pixels().astype(int))
-        renderer.release()
-    changed = (np.abs(pictures[0] - pictures[1]).max(axis=2) > 8).mean()
+    plain, smooth = (drawn(packet, quality=Quality(samples=samples)) for samples in (0, 4))
+    changed = (np.abs(plain - smooth).max(axis=2) > 8).mean()
     assert 0.0 < changed < 0.08
 
 

@@ -9,10 +9,10 @@ from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.fish.species import species_names
 from subsea.frame.packet import KIND, make_scene, pack
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.scenario.schema import Shoal
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -44,7 +44,7 @@ def crowd(bay):
     shoals = [Shoal(species=name, number=1000 // len(kinds)) for name in kinds]
     world = create_world(msgspec.structs.replace(bay.scenario, fish=shoals))
     assert len(world.state.fishes.species) == 1000
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     return world
 
 

@@ -117,10 +117,10 @@ DAMAGE = {
         f"version 1, this program reads version {VERSION}; record it again",
     ),
     "no length": (_set("body_length_cm", -1.0), "body_length_cm"),
-    "provenance that is no JSON": (_set("provenance", np.bytes_("{")), "provenance"),
+    "provenance that is not JSON": (_set("provenance", np.bytes_("{")), "provenance"),
     "rest nodes of another fish": (_replace("rest/nodes", np.zeros((22, 3))), "22×3"),
     "no segments": (_replace("segments", None), "segments"),
-    "numbers that are none": (
+    "numbers that are NaN": (
         _replace("segments/swim_slow/nodes", np.full((12, 23, 3), np.nan)),
         "not finite",
     ),

@@ -68,7 +68,7 @@ def structs(cls):
     return st.fixed_dictionaries(fields).map(made)
 
 
-# What several tables say together, so that a scenario can be loaded.
+# Tables that a scenario needs together to be loaded.
 BOUNDS = tables.Bounds(radius_cm=2000.0, depth_cm=600.0)
 AXIS = st.floats(-1000.0, 1000.0)
 HERE, THERE = st.tuples(AXIS, AXIS), st.tuples(AXIS, AXIS, st.floats(-600.0, 0.0))
@@ -124,7 +124,7 @@ FEW = settings(
 
 @FEW
 @given(scenarios())
-def test_what_is_saved_is_loaded_again(tmp_path, scenario):
+def test_saved_scenarios_load_equally(tmp_path, scenario):
     path = tmp_path / "mine.toml"
     save_scenario(scenario, path)
     assert load_scenario(str(path))[0] == scenario
@@ -132,7 +132,7 @@ def test_what_is_saved_is_loaded_again(tmp_path, scenario):
 
 @FEW
 @given(scenarios(), st.sampled_from(NAMES))
-def test_whatever_is_saved_over_a_file_with_comments_is_loaded_again(tmp_path, scenario, name):
+def test_scenarios_saved_over_a_file_with_comments_load_equally(tmp_path, scenario, name):
     path = tmp_path / "mine.toml"
     like = resource_path(f"assets/scenarios/{name}.toml")
     save_scenario(scenario, path, like)
@@ -141,7 +141,7 @@ def test_whatever_is_saved_over_a_file_with_comments_is_loaded_again(tmp_path, s
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_scenario_that_did_not_change_keeps_every_byte(tmp_path, name):
+def test_an_unchanged_scenario_keeps_every_byte(tmp_path, name):
     scenario, like = load_scenario(name)
     save_scenario(scenario, tmp_path / "mine.toml", like)
     assert (tmp_path / "mine.toml").read_bytes() == like.read_bytes()
@@ -189,7 +189,7 @@ def test_one_changed_number_is_one_line():
     assert "time_s = 1000.5" in new[0]
 
 
-def test_a_thing_taken_away_or_put_in_is_its_own_lines():
+def test_added_and_removed_tables_change_only_their_lines():
     scenario, like = load_scenario("peaceful")
     fewer = [*scenario.rock[:1], *scenario.rock[2:]]
     old, new = differing(replace(scenario, rock=fewer), like)
@@ -211,7 +211,8 @@ def test_a_thing_taken_away_or_put_in_is_its_own_lines():
 def test_a_file_from_scratch_reads_well():
     scenario, _ = load_scenario("preying")
     text = scenario_text(replace(scenario, tour=TOUR[:0], reef=[], seaweed=[], rock=[]))
-    assert text.startswith('title = "Preying"\nseed = 2\n\n[bounds]\nradius_cm = ')
+    head = 'title = "Preying"\ndescription = "A hungry reef shark hunts a school of five."\n'
+    assert text.startswith(f"{head}seed = 2\n\n[bounds]\nradius_cm = ")
     headers = [line for line in text.splitlines() if line.startswith("[")]
     order = [field.name for field in msgspec.structs.fields(Scenario)]
     keys = [header.strip("[]") for header in headers]
@@ -232,7 +233,7 @@ def test_a_file_from_scratch_reads_well():
         "not a scenario [",
     ],
 )
-def test_files_written_otherwise_are_changed_or_written_anew(tmp_path, text):
+def test_files_in_other_notations_are_edited_or_rewritten(tmp_path, text):
     like, path = tmp_path / "like.toml", tmp_path / "mine.toml"
     like.write_text(text)
     scenario = load_scenario(str(like))[0] if "bounds" in text else load_scenario("preying")[0]

@@ -55,7 +55,7 @@ def test_every_array_of_a_world_is_as_declared():
     assert sum(len(declared(group)) for group in GROUPS.values()) == len([*arrays(world.state)])
 
 
-def test_new_fishes_stand_upright_alive_and_know_nobody():
+def test_new_fishes_are_upright_alive_and_alone():
     fishes, minds = empty(Fishes, n=3), empty(Minds, n=3, b=5, d=4)
     assert fishes.orientation.tolist() == [[1, 0, 0, 0]] * 3
     assert fishes.alive.all()

@@ -51,6 +51,6 @@ def test_a_study_measures_the_distances_that_fishes_perceive():
     assert (perceived[~rock] >= found[0, ~rock]).all()
 
 
-def test_the_dead_are_nowhere():
+def test_dead_fishes_have_no_clearance():
     record = a_record(still(2, (0, 0, 50)), alive=np.zeros((2, 1), bool))
     assert np.isinf(clearances(record)[0]).all()

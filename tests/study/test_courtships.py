@@ -7,6 +7,8 @@ from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NUZZLING
 from subsea.study.courtships import courtships
 from tests.support.records import EAST, NORTH, a_record, still
 
+COMPLETE = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
+
 
 def courting(states, heading=EAST, ticks=120):
     """A male that goes through `states`, each for two seconds from 1 s on."""
@@ -22,9 +24,8 @@ def courting(states, heading=EAST, ticks=120):
 
 
 def test_a_complete_courtship_has_its_states_in_order():
-    states = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
-    (found,) = courtships(courting(states))
-    assert found.states == states
+    (found,) = courtships(courting(COMPLETE))
+    assert found.states == COMPLETE
     assert found.complete and not found.rejected
     assert (found.male, found.partner) == (0, 1)
     assert (found.start, found.duration) == pytest.approx((1.1, 10.0))
@@ -33,8 +34,7 @@ def test_a_complete_courtship_has_its_states_in_order():
 def test_the_wrong_order_or_no_end_is_not_complete():
     (found,) = courtships(courting((LOOPING, ASCENDING, CIRCLING, NUZZLING)))
     assert not found.complete
-    states = (APPROACHING, LOOPING, CIRCLING, ASCENDING, NUZZLING)
-    (found,) = courtships(courting(states, ticks=100))
+    (found,) = courtships(courting(COMPLETE, ticks=100))
     assert not found.complete and not found.rejected
 
 
@@ -48,7 +48,7 @@ def test_a_rejected_male_turns_away(turns):
     assert found.turned_away == turns
 
 
-def test_what_is_shorter_than_a_second_is_no_courtship():
+def test_shorter_courtships_do_not_count():
     codes = np.zeros((40, 1), int)
     codes[5:14] = LOOPING
     record = a_record(still(40, (0, 0, -9)), courtship=codes, male=np.array([True]))

@@ -8,7 +8,7 @@ from subsea.study.minds import changes_per_second, escapes, meals, saturated, ti
 from tests.support.records import a_record, still
 
 
-def test_hunger_is_saturated_after_a_minute_of_it_where_there_is_food():
+def test_hunger_is_saturated_after_a_minute_if_there_is_food():
     ticks = 2000
     mental = np.zeros((ticks, 3, 3), np.float32)
     mental[100:750, 0, HUNGER] = 1.0  # 65 s

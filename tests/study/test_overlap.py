@@ -27,7 +27,7 @@ def test_bodies_overlap_as_ellipses_do():
         assert (overlaps(record) == (2 if touches else 0)).all(), offset
 
 
-def test_a_bent_body_is_where_it_bends():
+def test_a_bent_body_overlaps_along_its_bend():
     """The tail of the first fish swings 8 cm aside, onto the second one."""
     there = still(1, (0, 0, -200), (-2, 7, -200))
     straight = a_record(there)
@@ -36,7 +36,7 @@ def test_a_bent_body_is_where_it_bends():
     assert overlaps(bent).all()
 
 
-def test_whom_touching_is_granted():
+def test_courting_and_hunting_fishes_may_touch():
     there = still(1, (0, 0, -200), (0, 1, -200))
     court = a_record(there, partner=np.array([[1, -1]]))
     hunt = a_record(there, kind=np.array([PREDATOR, PREY]))
@@ -46,7 +46,7 @@ def test_whom_touching_is_granted():
     assert not overlaps(dead).any()
 
 
-def test_overlaps_among_many_are_those_of_each_pair_alone():
+def test_overlaps_of_many_fishes_equal_those_of_all_pairs():
     rng = np.random.default_rng(5)
     places = rng.uniform(-30, 30, (1, 24, 3)) - (0, 0, 200)
     turns = rng.normal(size=(24, 4))

@@ -44,7 +44,7 @@ def test_a_body_length_is_that_of_both():
     assert school.distances.reshape(-1, 3)[0] == pytest.approx([2 / 3, 2 / 3, 1.0])
 
 
-def test_who_is_about_something_else_does_not_count():
+def test_members_with_other_intentions_do_not_count():
     places = np.vstack([row(4, 1.0), [[300.0, 0, 0]]])
     doing = np.tile([WANDER, SCHOOL, SCHOOL, SCHOOL, EAT], (41, 1))
     (school,) = schools(a_school(places, intention=doing))
@@ -76,7 +76,7 @@ def test_nearest_and_connected_parts_are_those_of_all_pairs():
         assert school.together == pytest.approx(linked.sum(axis=1).max() / 12)
 
 
-def test_a_split_lasts_until_nine_tenths_hang_together():
+def test_a_split_lasts_until_nine_tenths_are_connected():
     """Three of ten are far away from 2 s to 6 s, and again at the end."""
     places = np.tile(row(10, 0.5), (101, 1, 1))
     places[20:60, 7:, 1] = 200.0

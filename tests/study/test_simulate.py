@@ -34,7 +34,7 @@ def record(tmp_path_factory):
     return out
 
 
-def test_it_holds_what_the_format_says(record):
+def test_a_record_matches_its_format(record):
     with h5py.File(record) as file:
         found = {}
         file.visititems(
@@ -135,7 +135,7 @@ def test_a_record_without_a_tick_is_no_file(tmp_path, fault):
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_set_is_in_the_record_and_in_its_scenario(tmp_path):
+def test_settings_are_part_of_the_record(tmp_path):
     out = tmp_path / "set.h5"
     own = ["--set", "fish.0.number=4", "--set", "individual.0.fish=2"]
     own += ["--set", "individual.0.male=true", "--set", "simulated = 2"]
@@ -150,7 +150,7 @@ def test_what_is_set_is_in_the_record_and_in_its_scenario(tmp_path):
     assert text.startswith(load_scenario("preying")[1].read_text()[:60])
 
 
-def test_what_cannot_be_set_is_one_line(tmp_path, capsys):
+def test_an_invalid_setting_is_one_line(tmp_path, capsys):
     out = tmp_path / "set.h5"
     assert main(["simulate", "--ticks", "2", "--out", str(out), "--set", "fish.0.numbr=4"]) == 2
     fault = capsys.readouterr().err
@@ -160,7 +160,7 @@ def test_what_cannot_be_set_is_one_line(tmp_path, capsys):
     assert not out.exists()
 
 
-def test_it_tells_which_direction_happened_when_and_about_whom(tmp_path, monkeypatch):
+def test_a_record_lists_the_directions_that_began(tmp_path, monkeypatch):
     monkeypatch.setattr(
         "subsea.study.simulate.BLOCK_FISH_TICKS", 60
     )  # ten ticks between two writes

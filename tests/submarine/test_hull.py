@@ -11,7 +11,7 @@ from subsea.geometry.solids import from_pillar, from_rock
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine import hull
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 
 DT = 0.033
 SEA = Bounds(radius_cm=1300.0, depth_cm=600.0)
@@ -76,7 +76,7 @@ def test_inertia_no_speed_at_once_and_none_lost_at_once():
     hull.step_hull(boat, Helm(surge=1.0), DT, DEEP, OCEAN)
     assert 0.0 < boat.velocity[0] < 5.0
     sail(boat, Helm(surge=1.0), 30.0)
-    sail(boat, HANDS_OFF, 1.0)
+    sail(boat, NEUTRAL, 1.0)
     assert 60.0 < boat.velocity[0] < 160.0
 
 
@@ -108,14 +108,14 @@ def test_pitch_is_limited_and_levels_itself():
         hull.step_hull(boat, Helm(pitch=1.0), DT, DEEP, OCEAN)
         assert boat.angles[1] <= hull.MAX_PITCH + 1e-12
     assert boat.angles[1] == pytest.approx(hull.MAX_PITCH, abs=1e-3)
-    sail(boat, HANDS_OFF, 4.0)
+    sail(boat, NEUTRAL, 4.0)
     assert abs(boat.angles[1]) < 0.01
 
 
 def test_the_previous_state_is_kept_for_interpolation():
     boat = sail(submarine(), Helm(surge=1.0, yaw=1.0), 1.0)
     position, angles = boat.position.copy(), boat.angles.copy()
-    hull.step_hull(boat, HANDS_OFF, DT, dunes, SEA)
+    hull.step_hull(boat, NEUTRAL, DT, dunes, SEA)
     assert (boat.previous_position == position).all()
     assert (boat.previous_angles == angles).all()
 
@@ -129,13 +129,8 @@ def test_it_follows_its_nose():
 
 
 COMMAND = st.floats(-1.0, 1.0)
-HELMS = st.lists(
-    st.tuples(
-        st.builds(Helm, COMMAND, COMMAND, COMMAND, COMMAND, st.booleans()), st.integers(5, 120)
-    ),
-    min_size=1,
-    max_size=8,
-)
+HELM = st.builds(Helm, COMMAND, COMMAND, COMMAND, COMMAND, st.booleans())
+HELMS = st.lists(st.tuples(HELM, st.integers(5, 120)), min_size=1, max_size=8)
 
 
 @settings(max_examples=60, deadline=None)

@@ -1,4 +1,4 @@
-"""A hull on rails is where it is told, and turns gently to where it is told to look."""
+"""A hull on a rail: at the given position at once, and gently turned to the given gaze."""
 
 import math
 
@@ -45,7 +45,7 @@ def test_it_turns_the_short_way_without_haste_or_overshoot(start, goal):
     assert submarine.angles[1] == pytest.approx(0.3, abs=1e-3)
 
 
-def test_who_boards_is_there_at_once():
+def test_boarding_is_immediate():
     submarine = boat()
     board(submarine, rail(0.5, 0.1), rail(0.6, 0.1)._replace(position=np.array([11.0, 20.0, 0.0])))
     np.testing.assert_array_equal(submarine.previous_position, [10.0, 20.0, -310.0])

@@ -1,4 +1,4 @@
-"""Any directions that a scenario can be loaded with, for tests that hold whatever they are."""
+"""Hypothesis strategies for valid directions of a scenario."""
 
 from hypothesis import strategies as st
 
@@ -10,7 +10,7 @@ SHARE, SECONDS = st.floats(0.0, 1.0), st.floats(0.0, 20.0)
 
 @st.composite
 def directions(draw, shoals: Shoals, tours: list[str], hook: bool, places, most: int = 4):
-    """Up to `most` of them among these fishes, with places that `places` gives."""
+    """Up to `most` directions for these shoals, at places drawn from `places`."""
     made = []
     for k in range(draw(st.integers(0, most))):
         when = {"at_s": draw(st.none() | SECONDS), "once": draw(st.booleans())}
@@ -37,7 +37,7 @@ def directions(draw, shoals: Shoals, tours: list[str], hook: bool, places, most:
 
 
 def whose(shoals: Shoals):
-    """Some of them."""
+    """A selection of fishes."""
     kinds = [st.builds(FishSelector, shoal=st.integers(0, len(shoals.species) - 1)),
              st.builds(FishSelector, species=st.sampled_from([*shoals.species]))]  # fmt: skip
     if shoals.kind:
@@ -47,7 +47,7 @@ def whose(shoals: Shoals):
 
 @st.composite
 def influences(draw, shoals: Shoals, tours: list[str], hook: bool, places):
-    """What happens, by the keys of a direction."""
+    """The effects of a direction, by key."""
     what = {}
     who = draw(st.none() | whose(shoals))
     if who is not None:

@@ -1,4 +1,4 @@
-"""What the pages of the documentation tell to type: their blocks, their commands, their options."""
+"""Blocks, commands and options in the pages of the documentation."""
 
 import re
 from collections.abc import Iterator
@@ -6,15 +6,9 @@ from typing import NamedTuple
 
 from subsea.core.resources import ROOT
 
-PAGES = {
-    path.name: path
-    for path in [
-        ROOT / "README.md",
-        ROOT / "CONTRIBUTING.md",
-        *sorted((ROOT / "docs").glob("*.md")),
-    ]
-}
-# What a line that is to be typed begins with; others that a page needs are added here.
+OF_ROOT = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+PAGES = {path.name: path for path in [*OF_ROOT, *sorted((ROOT / "docs").rglob("*.md"))]}
+# Beginnings of lines to type; others that a page needs are added here.
 PROGRAMS = re.compile(
     r"(?:subsea|subsea-capture|make|python|dask|systemctl|journalctl|pip|mkdir|cp|sed|\.) \S"
     r"|\.venv/bin/"
@@ -24,21 +18,21 @@ INLINE = re.compile(r"`([^`]+)`")
 
 
 class Block(NamedTuple):
-    """A fenced block: its page, the line at which its text begins, its language, its text."""
+    """A fenced block."""
 
     page: str
-    line: int
-    kind: str
+    line: int  # where its text begins
+    kind: str  # its language
     text: str
 
 
 class Command(NamedTuple):
-    """What is to be typed. In a sentence it may stand without what it cannot be typed without."""
+    """A command of a page."""
 
     page: str
     line: int
     text: str
-    inline: bool
+    inline: bool  # in a sentence, where required arguments may be missing
 
 
 def blocks(page: str) -> Iterator[Block]:
@@ -57,14 +51,14 @@ def prose(page: str) -> str:
 
 
 def inline(page: str) -> Iterator[tuple[int, str]]:
-    """Line and text of all that stands between backticks in sentences."""
+    """Line and text of inline code."""
     text = prose(page)
     for found in INLINE.finditer(text):
         yield text[: found.start()].count("\n") + 1, " ".join(found[1].split())
 
 
 def steps(page: str) -> list[Command | Block]:
-    """What a reader of the page does: commands, and files to save, in their order."""
+    """Commands to type and files to save, in the order of the page."""
     found: list[Command | Block] = [
         Command(page, line, text, inline=True)
         for line, text in inline(page)

@@ -1,4 +1,4 @@
-"""A small sea, with directions, for tests of what the app does with it."""
+"""A small sea with directions, for tests of the application."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ BARE = Path(__file__).with_name("bare_sea.toml")
 
 
 def scene(folder, *directions):
-    """The file of the bare sea with these `[[direction]]`."""
+    """Write the bare sea with these `[[direction]]` tables; returns the file."""
     file = folder / "scene.toml"
     file.write_text(BARE.read_text() + "".join(f"[[direction]]\n{one}\n" for one in directions))
     return file

@@ -1,4 +1,4 @@
-"""A job of the warm-up that compiles nothing: it notes its name, fails, or never ends."""
+"""A warm-up job that compiles nothing: it records its name, fails, or never ends."""
 
 import os
 import sys

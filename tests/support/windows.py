@@ -1,5 +1,6 @@
-"""A display to open windows on, and hands to use them: real events by xdotool."""
+"""A display to open windows on, and real input for them by xdotool."""
 
+import ctypes
 import os
 import re
 import shutil
@@ -20,6 +21,7 @@ from subsea.dive.start import headless
 from subsea.media import eye_frames, film
 from subsea.profiling import benchmark
 from subsea.render.output.quality import PRESETS
+from tools.monkey import virtual_display
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness
 
@@ -38,45 +40,62 @@ def display() -> Iterator[str]:
     for tool in ("Xvfb", "xdotool"):
         if shutil.which(tool) is None:
             pytest.fail(f"{tool} is missing; `make test` installs it, or prints how")
-    read, write = os.pipe()
-    # The server chooses a free number itself and tells it once it listens. Left to itself it
-    # would begin anew whenever the last window closes, and refuse the next one meanwhile.
-    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24"]
-    command += ["-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(
-        command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    os.close(write)
-    with os.fdopen(read) as pipe:
-        name = ":" + pipe.readline().strip()
-    before = {key: os.environ.pop(key, None) for key in ("DISPLAY", "WAYLAND_DISPLAY")}
-    os.environ["DISPLAY"] = name
-    try:
+    with pytest.MonkeyPatch.context() as patch, virtual_display() as name:
+        patch.setenv("DISPLAY", name)
+        patch.delenv("WAYLAND_DISPLAY", raising=False)
         yield name
-    finally:
-        os.environ.pop("DISPLAY")
-        os.environ.update({key: value for key, value in before.items() if value is not None})
-        server.terminate()
-        server.wait()
 
 
-class Hands:
-    """What moves the mouse and presses keys, and the dive's frames meanwhile."""
+def display_pixels() -> Any:
+    """A screenshot of the display, (h, w, 3)."""
+    return np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
+
+
+class ClientMessage(ctypes.Structure):
+    """XClientMessageEvent, padded to the size of all events."""
+
+    _fields_ = (
+        ("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
+        ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong),
+        ("format", ctypes.c_int), ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 12),
+    )  # fmt: skip
+
+
+def press_close_button(*windows: int) -> None:
+    """Ask X11 windows to close, as window managers do for a close button or Alt+F4."""
+    x = ctypes.CDLL("libX11.so.6")
+    x.XOpenDisplay.restype = ctypes.c_void_p
+    x.XInternAtom.restype = ctypes.c_ulong
+    display = ctypes.c_void_p(x.XOpenDisplay(None))
+    kind, close = (
+        x.XInternAtom(display, name, False) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW")
+    )
+    for number in windows:
+        event = ClientMessage(type=33, window=number, kind=kind, format=32)
+        event.data[0] = close
+        x.XSendEvent(display, ctypes.c_ulong(number), False, 0, ctypes.byref(event))
+    x.XCloseDisplay(display)
+
+
+class User:
+    """Moves the mouse and presses keys, and runs the dive's frames meanwhile."""
 
     @staticmethod
-    def do(*words: object) -> None:
-        """Let xdotool do it; returns when the display has taken it."""
-        subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
+    def do(*words: object) -> str:
+        """Run an xdotool command; returns its output when the display has taken it."""
+        command = ["xdotool", *map(str, words)]
+        done = subprocess.run(command, check=True, timeout=60, stdout=subprocess.PIPE, text=True)
+        return done.stdout
 
     @staticmethod
     def glide(running: Any, seconds: float) -> None:
-        """Frames of the dive for `seconds` of its own time, however slow this machine draws."""
+        """Draw frames of the dive for `seconds` of its own time."""
         for _ in range(round(seconds / FRAME_S)):
             running.frame(FRAME_S)
 
     @staticmethod
     def until(running: Any, true: Callable[[], object], seconds: float = 60.0) -> None:
-        """Frames until the display has brought what hands did; it may take its time."""
+        """Draw frames until the display has delivered the events and `true` holds."""
         end = time.monotonic() + seconds
         while not true() and time.monotonic() < end:
             running.frame(FRAME_S)
@@ -85,12 +104,12 @@ class Hands:
 
     @staticmethod
     def double_click(running: Any) -> None:
-        """Click twice; imgui measures the pause in seconds, and frames are slow here."""
+        """Click twice. Frames are slow here, and imgui measures the pause in seconds."""
         io = imgui.get_io()
         usual = io.mouse_double_click_time, io.mouse_single_click_delay
         io.mouse_double_click_time, io.mouse_single_click_delay = 5.0, 6.0
-        Hands.do("click", "--repeat", 2, "--delay", 60, 1)
-        Hands.glide(running, 1.0)
+        User.do("click", "--repeat", 2, "--delay", 60, 1)
+        User.glide(running, 1.0)
         io.mouse_double_click_time, io.mouse_single_click_delay = usual
 
     def point(self, running: Any, x: float, y: float) -> None:
@@ -101,18 +120,33 @@ class Hands:
             self.do("mousemove", int(across), int(down))
             self.glide(running, FRAME_S)
 
+    def drag(
+        self, running: Any, *places: tuple[int, int], button: int = 1, drop: bool = True,
+        hold_s: float = 3 * FRAME_S,
+    ) -> None:  # fmt: skip
+        """Press a button at the first place on the display, drag to the others, and release."""
+        self.do("mousemove", *places[0])
+        self.glide(running, 3 * FRAME_S)
+        self.do("mousedown", button)
+        self.glide(running, 3 * FRAME_S)
+        for place in places[1:]:
+            self.do("mousemove", *place)
+            self.glide(running, hold_s)
+        if drop:
+            self.do("mouseup", button)
+            self.glide(running, 3 * FRAME_S)
+
     @staticmethod
     def screen(running: Any) -> Any:
         """The window as the display shows it, (h, w, 3)."""
         left, top = running.window.position
-        picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
         width, height = running.window.size
-        return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
+        return display_pixels()[top : top + height, left : left + width]
 
 
 @pytest.fixture(scope="module")
 def one_context() -> Iterator[None]:
-    """What a module draws without a window is drawn in one context: each new one costs 0.5 s."""
+    """One OpenGL context for all that a module draws without a window: each costs 0.5 s."""
     with headless() as context, pytest.MonkeyPatch.context() as patch:
         for module in (benchmark, eye_frames, film):
             patch.setattr(module, "headless", lambda: context)
@@ -121,7 +155,7 @@ def one_context() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def coarse() -> Iterator[str]:
-    """A quality for windows whose sea is not looked at: "low" on a sixteenth of the pixels."""
+    """Quality for windows whose sea is not examined: "low" with a sixteenth of the pixels."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "coarse", replace(PRESETS["low"], scale=0.25))
         yield "coarse"
@@ -129,7 +163,7 @@ def coarse() -> Iterator[str]:
 
 @pytest.fixture(scope="session")
 def quiet(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """The sea of the first dive with few fishes, so that software draws it fast: its file."""
+    """File of the peaceful bay with few fishes, which is drawn fast."""
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
     path = tmp_path_factory.mktemp("sea") / "quiet.toml"
     path.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
@@ -137,22 +171,22 @@ def quiet(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture(scope="session")
-def hands() -> Hands:
+def user() -> User:
     """Real events by xdotool, on the display of the module."""
-    return Hands()
+    return User()
 
 
 class Spots(dict[str, tuple[float, float, float, float]]):
-    """Where each widget of a panel was drawn last, by its label: left, top, right, bottom."""
+    """The last box of each widget by its label: left, top, right, bottom."""
 
     WIDGETS = (
         "arrow_button", "button", "checkbox", "collapsing_header", "input_double", "input_int",
         "menu_item", "radio_button", "slider_float", "input_text_with_hint", "selectable",
-        "drag_float", "invisible_button", "input_text", "color_edit3",
+        "drag_float", "invisible_button", "input_text", "color_edit3", "combo",
     )  # fmt: skip
 
     def watch(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Note widgets from now on."""
+        """Record widgets from now on."""
         for name in self.WIDGETS:
             monkeypatch.setattr(imgui, name, self._noting(getattr(imgui, name)))
 
@@ -166,45 +200,34 @@ class Spots(dict[str, tuple[float, float, float, float]]):
         return drawn
 
     def place(self, running: Any, label: str, share: float = 0.5) -> tuple[int, int]:
-        """Where on the display a widget is: the middle of its height, a share of its width."""
+        """Point on the display at half the height and a share of the width of a widget."""
         left, top, right, bottom = self[label]
         x, y = running.window.position
         return round(x + left + share * (right - left)), round(y + (top + bottom) / 2)
 
     def click(self, running: Any, label: str, share: float = 0.5) -> None:
-        """Press the left button on a widget, and let it go."""
-        Hands.do("mousemove", *self.place(running, label, share))
-        Hands.glide(running, 2 * FRAME_S)
-        for word in ("mousedown", "mouseup"):
-            Hands.do(word, 1)
-            Hands.glide(running, 2 * FRAME_S)
+        """Click a widget with the left button."""
+        User().drag(running, self.place(running, label, share))
 
     def drag(self, running: Any, label: str, begin: float, end: float) -> None:
         """Drag from one share of a widget's width to another."""
-        Hands.do("mousemove", *self.place(running, label, begin))
-        Hands.glide(running, 2 * FRAME_S)
-        Hands.do("mousedown", 1)
-        Hands.glide(running, 2 * FRAME_S)
-        Hands.do("mousemove", *self.place(running, label, end))
-        Hands.glide(running, 2 * FRAME_S)
-        Hands.do("mouseup", 1)
-        Hands.glide(running, 2 * FRAME_S)
+        User().drag(running, *(self.place(running, label, share) for share in (begin, end)))
 
     def type(self, running: Any, label: str, text: str) -> None:
-        """Enter something into a field, in place of what is there."""
-        Hands.glide(running, FRAME_S)
+        """Replace the text of a field."""
+        User.glide(running, FRAME_S)
         self.click(running, label, 0.1)
-        Hands.do("key", "ctrl+a")
-        Hands.glide(running, FRAME_S)
-        Hands.do("type", "--delay", 12, text)
-        Hands.do("key", "Return")
-        for _ in range(2 * len(text) + 6):  # a frame takes one thing at a time from a hand
+        User.do("key", "ctrl+a")
+        User.glide(running, FRAME_S)
+        User.do("type", "--delay", 12, text)
+        User.do("key", "Return")
+        for _ in range(2 * len(text) + 6):  # a frame handles one event of a device
             running.frame(0.0)
 
 
 @pytest.fixture
 def spots(monkeypatch: pytest.MonkeyPatch) -> Spots:
-    """Where widgets are drawn, to click on them."""
+    """Boxes of the widgets, to click on them."""
     found = Spots()
     found.watch(monkeypatch)
     return found

@@ -42,7 +42,7 @@ def play(monkey, monkeypatch, tmp_path):
         return monkey.Dive(process, pulse, told)
 
     def play(text, number, dives=10**6):
-        """What was found in that many events, or until so many dives were opened."""
+        """Findings of that many events, or until that many dives were opened."""
         nonlocal program
         program = text
         events = [monkey.Event(0.02, ("key", "a"))] * number

@@ -26,7 +26,7 @@ CUES = (
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, tmp_path_factory):
+def boat(display, user, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("scene"), *CUES)
     with closing(
         Dive(dive_options(file, SIZE, "low", settings=PATIENT, tour="directed"))
@@ -34,36 +34,37 @@ def boat(display, hands, tmp_path_factory):
         yield running
 
 
-def test_it_goes_where_directions_want_it_and_the_caption_stands_over_the_sea(
-    boat, hands, monkeypatch
-):
-    hands.glide(boat, 4.0)
+def test_it_follows_the_directed_camera_and_shows_the_caption_over_the_sea(boat, user, monkeypatch):
+    user.glide(boat, 4.0)
     place = boat.world.state.submarine.position
     assert np.linalg.norm(place - (-480.0, -200.0, -250.0)) < 1.0
     assert boat.tours.timer.touring and caption_of(boat.world, 1.0).opacity == 1.0
     boat.timeline.pause()  # only the caption differs
     boat.frame(0.0)
-    told = hands.screen(boat)
+    told = user.screen(boat)
     monkeypatch.setattr("subsea.ui.text_layer.subtitles.draw", lambda caption, rig: None)
     boat.frame(0.0)
-    differs = np.abs(told - hands.screen(boat)).sum(axis=2) > 100
+    bare = user.screen(boat)
+    differs = np.abs(told - bare).sum(axis=2) > 100
     rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
     height, width = differs.shape
     assert 0.6 * height < rows.min() and rows.max() < 0.8 * height  # above the instruments
     assert (columns.min() + columns.max()) / 2 == pytest.approx(width / 2, abs=0.02 * width)
     assert told[differs].sum(axis=1).max() > 650  # light letters
+    box = slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)
+    assert (told[box] < 0.6 * bare[box]).all(axis=2).mean() > 0.5  # on a dark ground
     boat.timeline.pause()
 
 
-def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
-    hands.glide(boat, 5.0)
+def test_after_a_rewind_the_camera_repeats_its_path(boat, user):
+    user.glide(boat, 5.0)
     boat.timeline.pause()
     assert boat.world.state.submarine.lights[0]
     late = boat.world.state.tick, snapshot.checksum(boat.world)
     while boat.world.state.tick * TICK_S > 6.0:
         before = boat.world.state.tick
-        hands.do("key", "comma")
-        hands.until(boat, lambda before=before: boat.world.state.tick < before)
+        user.do("key", "comma")
+        user.until(boat, lambda before=before: boat.world.state.tick < before)
     assert not boat.world.state.submarine.lights[0]
     assert np.linalg.norm(boat.world.state.submarine.position - (-480.0, -200.0, -250.0)) < 1.0
     assert caption_of(boat.world, 1.0).opacity == 1.0
@@ -78,12 +79,12 @@ def test_time_goes_back_and_the_camera_comes_the_same_way_again(boat, hands):
     assert (boat.world.state.tick, snapshot.checksum(boat.world)) == late
 
 
-def test_a_hand_has_the_helm_and_later_it_comes_back_softly(boat, hands):
-    hands.glide(boat, 1.0)
-    hands.do("key", "w")
-    hands.until(boat, lambda: not boat.tours.timer.touring)
+def test_input_takes_the_helm_and_later_the_camera_returns_smoothly(boat, user):
+    user.glide(boat, 1.0)
+    user.do("key", "w")
+    user.until(boat, lambda: not boat.tours.timer.touring)
     assert boat.tick_source.steering.tour is None
-    hands.glide(boat, AFTER_S + 0.5)
+    user.glide(boat, AFTER_S + 0.5)
     assert boat.tours.timer.touring and boat.tours.timer.shade == 0.0  # no fade to dark
     fastest, before = 0.0, boat.world.state.submarine.position.copy()
     for _ in range(60):

@@ -19,9 +19,7 @@ CUES = (
 )
 
 
-def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
-    display, hands, tmp_path
-):
+def test_the_scene_restarts_at_its_end_and_when_a_visitor_has_left(display, user, tmp_path):
     settings = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0))
     with closing(
         Dive(
@@ -31,7 +29,7 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
             )
         )
     ) as exhibit:  # fmt: skip
-        hands.glide(exhibit, 0.5)
+        user.glide(exhibit, 0.5)
         assert exhibit.tours.timer.touring  # the initial pointer does not count as input
         begun = []
         for _ in range(70):
@@ -41,12 +39,12 @@ def test_the_scene_begins_anew_when_it_is_over_and_when_a_visitor_has_left(
                 begun.append(before.state.tick * TICK_S)
         assert len(begun) >= 2 and np.allclose(begun, END_S, atol=0.2)
         assert exhibit.tours.timer.touring
-        hands.do("key", "w")
-        hands.until(exhibit, lambda: not exhibit.tours.timer.touring)
+        user.do("key", "w")
+        user.until(exhibit, lambda: not exhibit.tours.timer.touring)
         before = exhibit.world
-        hands.glide(exhibit, AFTER_S - 0.5)
+        user.glide(exhibit, AFTER_S - 0.5)
         assert exhibit.world is before  # a visitor's scene does not end
-        hands.glide(exhibit, 3.0)
+        user.glide(exhibit, 3.0)
         assert exhibit.world is not before and exhibit.tours.timer.touring
         assert caption_of(exhibit.world, 1.0).words == "Again."
         place = exhibit.world.state.submarine.position

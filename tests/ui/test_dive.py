@@ -1,188 +1,175 @@
 """The dive in a real window, steered by real mouse events."""
 
 import math
-import os
-import subprocess
 import time
 from contextlib import closing
 
+import glfw
 import numpy as np
 import pytest
-from PIL import ImageGrab
 
 from subsea.ui.dive import Dive
 from tests.support.windows import dive_options
 
 SIZE = (320, 240)
-FRAME_S = 0.1  # three ticks a picture: the tests check the hull, not smoothness
 
 
 @pytest.fixture(scope="module")
-def boat(display, quiet):
+def boat(display, user, quiet):
     with closing(Dive(dive_options(quiet, SIZE))) as running:
-        glide(running, 0.2)
+        user.glide(running, 0.2)
         yield running
 
 
-def hands(*words):
-    """Move the mouse or press keys by xdotool; return when the display has processed it."""
-    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
-
-
-def glide(running, seconds):
-    """Run frames for `seconds` of the dive's own time."""
-    for _ in range(round(seconds / FRAME_S)):
-        running.frame(FRAME_S)
-
-
-def until(running, true):
-    """Run frames until the display has delivered the input."""
-    end = time.monotonic() + 60.0
-    while not true() and time.monotonic() < end:
-        running.frame(FRAME_S)
-        time.sleep(0.01)
-    assert true()
-
-
-def point(running, x, y):
-    """Move the pointer, in two steps, to a place given in [-1, 1] from the middle."""
-    import glfw
-
-    left, top = glfw.get_window_pos(running.window.handle)
-    for share in (0.8, 1.0):
-        across = left + (1 + share * x) / 2 * SIZE[0]
-        down = top + (1 - share * y) / 2 * SIZE[1]
-        hands("mousemove", int(across), int(down))
-        glide(running, FRAME_S)
-
-
-def screen(running):
-    """The pixels of the window on the display, (h, w, 3)."""
-    import glfw
-
-    left, top = glfw.get_window_pos(running.window.handle)
-    picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
-    width, height = running.window.size
-    return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
-
-
-def stop(running):
-    hands("key", "space")
-    until(running, lambda: running.pilot.stopping)
-    glide(running, 3.0)
-    submarine = running.world.state.submarine
-    assert np.linalg.norm(submarine.velocity) < 1.0
-    assert abs(submarine.rates[0]) < 0.01
+@pytest.fixture
+def rested(boat, user):
+    """The dive with its submarine at rest."""
+    user.do("key", "space")
+    user.until(boat, lambda: boat.pilot.stopping)
+    submarine = boat.world.state.submarine
+    user.until(boat, lambda: np.linalg.norm(submarine.velocity) < 1.0)
+    user.until(boat, lambda: abs(submarine.rates[0]) < 0.01)
+    return boat
 
 
 @pytest.mark.parametrize(("x", "sign"), [(-0.8, 1), (0.8, -1)])
-def test_it_turns_to_where_the_pointer_is(boat, x, sign):
-    stop(boat)
-    before = boat.world.state.submarine.angles[0]
-    point(boat, x, 0.0)
-    glide(boat, 2.5)
-    turned = boat.world.state.submarine.angles[0] - before
+def test_it_turns_to_where_the_pointer_is(rested, user, x, sign):
+    before = rested.world.state.submarine.angles[0]
+    user.point(rested, x, 0.0)
+    user.glide(rested, 2.5)
+    turned = rested.world.state.submarine.angles[0] - before
     assert sign * turned > math.radians(15.0)
-    stop(boat)
 
 
-def test_it_goes_ahead_while_the_button_is_held_and_stops_on_the_wheel(boat):
-    stop(boat)
-    point(boat, 0.0, 0.0)
-    submarine = boat.world.state.submarine
+def test_it_goes_ahead_while_the_button_is_held_and_stops_on_the_wheel(rested, user):
+    user.point(rested, 0.0, 0.0)
+    submarine = rested.world.state.submarine
     start = submarine.position.copy()
-    hands("mousedown", 1)
-    until(boat, lambda: np.linalg.norm(submarine.velocity) > 10.0)
-    glide(boat, 2.0)
+    user.do("mousedown", 1)
+    user.until(rested, lambda: np.linalg.norm(submarine.velocity) > 10.0)
+    user.glide(rested, 2.0)
     assert np.linalg.norm(submarine.position - start) > 60.0
-    hands("mouseup", 1)
-    glide(boat, 0.5)
+    user.do("mouseup", 1)
+    user.glide(rested, 0.5)
     assert np.linalg.norm(submarine.velocity) > 20.0  # inertia
-    hands("click", 2)
-    until(boat, lambda: boat.pilot.stopping)
-    glide(boat, 3.0)
+    user.do("click", 2)
+    user.until(rested, lambda: rested.pilot.stopping)
+    user.glide(rested, 3.0)
     assert np.linalg.norm(submarine.velocity) < 1.0
 
 
-def test_the_wheel_sets_a_speed_and_the_right_button_goes_astern(boat):
-    stop(boat)
-    hands("click", 4, "click", 4)
-    until(boat, lambda: boat.pilot.throttle == pytest.approx(0.25))
-    hands("mousedown", 3)
-    glide(boat, 3.0)
-    hands("mouseup", 3)
-    submarine = boat.world.state.submarine
+def test_the_wheel_sets_a_speed_and_the_right_button_goes_astern(rested, user):
+    user.do("click", 4, "click", 4)
+    user.until(rested, lambda: rested.pilot.throttle == pytest.approx(0.25))
+    user.do("mousedown", 3)
+    user.glide(rested, 3.0)
+    user.do("mouseup", 3)
+    submarine = rested.world.state.submarine
     heading = submarine.angles[0]
     assert submarine.velocity[:2] @ (math.cos(heading), math.sin(heading)) < -10.0
 
 
-def test_keys_steer_too(boat):
-    stop(boat)
-    before = boat.world.state.submarine.position[2]
-    hands("keydown", "e")
-    until(boat, lambda: boat.world.state.submarine.velocity[2] > 10.0)
-    glide(boat, 2.0)
-    hands("keyup", "e")
-    assert boat.world.state.submarine.position[2] > before + 20.0
-    stop(boat)
+def test_keys_steer_too(rested, user):
+    before = rested.world.state.submarine.position[2]
+    user.do("keydown", "e")
+    user.until(rested, lambda: rested.world.state.submarine.velocity[2] > 10.0)
+    user.glide(rested, 2.0)
+    user.do("keyup", "e")
+    assert rested.world.state.submarine.position[2] > before + 20.0
 
 
-def test_a_key_shows_in_the_second_picture_at_the_latest(boat):
-    stop(boat)
-    glide(boat, 3.0)
-    still = [boat.picture.eye.forward]
-    hands("keydown", "d")
+def test_a_key_shows_in_the_second_picture_at_the_latest(rested, user):
+    user.glide(rested, 3.0)
+    still = [rested.picture.eye.forward]
+    user.do("keydown", "d")
     end = time.monotonic() + 60.0
-    while not boat.pilot.held and time.monotonic() < end:
-        still.append(boat.picture.eye.forward)
-        boat.frame(1 / 144)  # the last of these is the first after the key arrived
+    while not rested.pilot.held and time.monotonic() < end:
+        still.append(rested.picture.eye.forward)
+        rested.frame(1 / 144)  # the last of these is the first after the key arrived
     drift = np.linalg.norm(np.diff(still, axis=0), axis=1)
-    boat.frame(1 / 144)
-    hands("keyup", "d")
-    turned = np.cross(still[-1], boat.picture.eye.forward)[2]
+    rested.frame(1 / 144)
+    user.do("keyup", "d")
+    turned = np.cross(still[-1], rested.picture.eye.forward)[2]
     assert turned < -10.0 * max(*drift, 1e-6)
-    stop(boat)
 
 
-def test_the_help_fades_under_way_and_comes_back(boat):
-    stop(boat)
-    assert boat.overlay.help_opacity == 0.0  # the submarine moved far in earlier tests
-    hands("key", "h")
-    until(boat, lambda: boat.overlay.help_opacity == 1.0)
-    hands("key", "F1")
-    until(boat, lambda: boat.overlay.help_opacity == 0.0)
+def test_the_help_fades_under_way_and_comes_back(boat, user):
+    user.do("keydown", "w")
+    user.until(boat, lambda: boat.overlay.help_opacity == 0.0)
+    user.do("keyup", "w")
+    user.do("key", "h")
+    user.until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    user.do("key", "F1")
+    user.until(boat, lambda: boat.overlay.help_opacity == 0.0)
 
 
-def test_a_key_goes_through_the_qualities(boat):
+def test_the_first_help_leaves_the_middle_free_and_a_key_shows_all(boat, user, monkeypatch):
+    def covered():
+        boat.frame(0.0)
+        boat.frame(0.0)
+        return np.abs(user.screen(boat) - bare).max(axis=2) > 30
+
+    monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # paused time
+    overlay = boat.overlay
+    overlay.hide_help()
+    overlay.help_opacity = overlay.hud.opacity = bare = 0.0
+    overlay.hud.mode = "never"
+    covered()
+    bare = user.screen(boat)
+    overlay.greet()
+    overlay.help_opacity = 1.0
+    greeting = covered()
+    middle = slice(SIZE[1] // 4, None), slice(SIZE[0] // 4, None)
+    assert not greeting[middle].any() and 0.02 < greeting.mean() < 0.15
+    user.do("key", "h")
+    user.until(boat, lambda: covered()[middle].mean() > 0.1)
+    overlay.hide_help()
+    overlay.help_opacity, overlay.hud.mode = 0.0, "as needed"
+
+
+def test_at_the_edge_of_the_sea_a_sign_shows_the_way_back(rested, user):
+    def marked():
+        rested.frame(0.0)
+        rested.frame(0.0)
+        ahead = user.screen(rested)[40:140, 80:240]  # above the instruments
+        return (np.abs(ahead - (140, 230, 255)).max(axis=2) < 25).sum()
+
+    submarine = rested.world.state.submarine
+    before = submarine.position.copy()
+    assert marked() == 0
+    submarine.position[:2] = rested.scenario.bounds.radius_cm - 70.0, 0.0
+    assert marked() > 15
+    submarine.position[:] = before
+
+
+def test_a_key_goes_through_the_qualities(boat, user):
     assert boat.picture.quality_text.startswith("picture auto: ")
     for name in ("low", "medium", "high"):
-        hands("key", "p")
-        until(boat, lambda name=name: boat.picture.quality_text == f"picture {name}")
-    hands("key", "p")
-    until(boat, lambda: boat.picture.quality_text.startswith("picture auto"))
+        user.do("key", "p")
+        user.until(boat, lambda name=name: boat.picture.quality_text == f"picture {name}")
+    user.do("key", "p")
+    user.until(boat, lambda: boat.picture.quality_text.startswith("picture auto"))
 
 
-def test_auto_makes_the_canvas_smaller_where_frames_take_too_long(boat):
+def test_auto_makes_the_canvas_smaller_where_frames_take_too_long(boat, user):
     boat.picture.target_ms, usual = 0.5, boat.picture.target_ms
-    until(boat, lambda: boat.picture.quality_text.endswith("%"))
-    assert screen(boat)[20:-20, 20:-20].std() > 3
+    user.until(boat, lambda: boat.picture.quality_text.endswith("%"))
+    assert user.screen(boat)[20:-20, 20:-20].std() > 3
     boat.picture.target_ms = usual
 
 
-def test_the_picture_follows_the_size_of_the_window(boat):
-    import glfw
-
+def test_the_picture_follows_the_size_of_the_window(boat, user):
     for size in ((240, 180), (400, 300), SIZE):
         glfw.set_window_size(boat.window.handle, *size)
-        until(boat, lambda size=size: boat.window.size == size)
+        user.until(boat, lambda size=size: boat.window.size == size)
         time.sleep(0.2)
-        glide(boat, 0.5)
-        picture = screen(boat)
+        user.glide(boat, 0.5)
+        picture = user.screen(boat)
         for corner in (picture[:20, :20], picture[:20, -20:], picture[-20:, -20:]):
             assert corner.max() > 20  # water, not an undrawn black part
 
 
-def test_a_key_fills_the_screen_and_goes_back(boat):
+def test_a_key_fills_the_screen_and_goes_back(boat, user):
     for size in ((800, 600), SIZE):
-        hands("key", "F11")
-        until(boat, lambda size=size: boat.window.size == size)
+        user.do("key", "F11")
+        user.until(boat, lambda size=size: boat.window.size == size)

@@ -1,16 +1,19 @@
 """The end of a dive: by itself, by a key, or before its start."""
 
-import ctypes
 import os
 import signal
 import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 
 from subsea.cli.main import main
+from subsea.ui.dive import Dive
+from subsea.ui.picture import ScenePicture
 from tests.support.scenes import BARE
+from tests.support.windows import User, press_close_button
 
 WORDS = ["dive", "--size", "320x240", "--scenario", str(BARE)]
 DIVE = [sys.executable, "-m", "subsea", *WORDS]
@@ -23,14 +26,14 @@ def test_it_ends_by_itself(display):
     assert "Traceback" not in done.stderr
 
 
-def test_a_key_for_it_is_a_clean_exit(display, tmp_path):
+def test_a_key_ends_it_cleanly(display, user, tmp_path):
     settings = tmp_path / "settings.toml"
     settings.write_text('[controls]\nleave = ["X"]\n')
     command = [*DIVE, "--seconds", "100", "--settings", str(settings)]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         while running.poll() is None:
-            subprocess.run(["xdotool", "key", "x"], check=True, timeout=60)
+            user.do("key", "x")
             time.sleep(0.2)
         assert running.returncode == 0
     finally:
@@ -39,28 +42,48 @@ def test_a_key_for_it_is_a_clean_exit(display, tmp_path):
     assert "Traceback" not in err
 
 
-@pytest.mark.parametrize("name", ["", ":4711"])
-def test_no_display_is_one_line_that_names_the_film(name):
-    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    if name:
-        environment["DISPLAY"] = name
+def test_the_last_picture_says_that_it_closes(display, monkeypatch, tmp_path):
+    settings, shown, drawn = tmp_path / "settings.toml", [], []
+    settings.write_text('[controls]\nleave = ["X"]\n')
+    close, draw = Dive.close, ScenePicture.draw
+
+    def closed(running):
+        time.sleep(0.2)
+        shown.append(User.screen(running))
+        close(running)
+
+    def pressed(self, *rest):
+        drawn.append(draw(self, *rest))
+        User.do("key", "x")
+        time.sleep(0.3)
+
+    monkeypatch.setattr(Dive, "close", closed)
+    monkeypatch.setattr(ScenePicture, "draw", pressed)
+    assert main([*WORDS, "--seconds", "100", "--settings", str(settings)]) == 0
+    [screen] = shown
+    assert len(drawn) <= 2  # the key ends it before another picture
+    ground = np.abs(screen - screen[5, 5]).max(axis=2) < 3
+    assert 0.95 < ground.mean() < 1.0  # a line of text, without the sea
+
+
+def refused(environment):
+    """The one line on the terminal with which a dive ends at once."""
+    base = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment = base | environment
     done = subprocess.run(DIVE, capture_output=True, text=True, timeout=120, env=environment)
     assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1
-    assert "subsea film" in done.stderr
+    [line] = done.stderr.splitlines()
+    return line
 
 
-def test_too_old_an_opengl_is_one_line_with_what_to_install(display):
-    environment = os.environ | {"MESA_GL_VERSION_OVERRIDE": "2.1"}
-    done = subprocess.run(DIVE, capture_output=True, text=True, timeout=120, env=environment)
-    assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1
-    assert "apt-get install" in done.stderr
+def test_no_display_or_too_old_an_opengl_is_one_line_with_what_to_do(display):
+    assert "subsea film" in refused({})
+    assert "subsea film" in refused({"DISPLAY": ":4711"})
+    assert "apt-get install" in refused({"DISPLAY": display, "MESA_GL_VERSION_OVERRIDE": "2.1"})
 
 
-@pytest.mark.parametrize("mode", ["side-by-side", "top-bottom", "anaglyph", "equirectangular"])
-def test_other_displays_open_too(display, mode):
-    assert main([*WORDS, "--seconds", "0.3", "--display", mode]) == 0
+def test_another_display_opens_too(display):  # `test_stereo_window` opens all
+    assert main([*WORDS, "--seconds", "0.3", "--display", "equirectangular"]) == 0
 
 
 def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(display, capfd):
@@ -72,7 +95,7 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
 
 
 @pytest.mark.parametrize(
-    ("hands", "line"),
+    ("way", "line"),
     [
         ("close button", "reading repertoires"),
         ("Ctrl-C", "waking the fishes"),
@@ -80,15 +103,15 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
         ("Escape", "starting OpenGL"),
     ],
 )
-def test_leaving_while_it_loads_ends_at_once_and_says_nothing_more(display, hands, line):
+def test_leaving_while_it_loads_ends_at_once_without_an_error(display, user, way, line):
     running = subprocess.Popen([*DIVE, "--seconds", "100"], stderr=subprocess.PIPE, text=True)
     with running:
         try:
             told = next(text for text in running.stderr if line in text)
-            if hands == "Escape":
-                subprocess.run(["xdotool", "key", "Escape"], check=True, timeout=60)
-            elif hands == "close button":
-                close_windows()
+            if way == "Escape":
+                user.do("key", "Escape")
+            elif way == "close button":
+                press_close_button(*map(int, user.do("search", "--name", "subsea").split()))
             else:
                 running.send_signal(signal.SIGINT)
             _, rest = running.communicate(timeout=60)
@@ -97,32 +120,4 @@ def test_leaving_while_it_loads_ends_at_once_and_says_nothing_more(display, hand
     assert told
     # Lines on progress and the interruption, but no error.
     assert all(text.startswith("subsea: ") for text in rest.splitlines())
-    assert running.returncode == (130 if hands == "Ctrl-C" else 0)
-
-
-class ClientMessage(ctypes.Structure):
-    """XClientMessageEvent, padded to the size of all events."""
-
-    _fields_ = (
-        ("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
-        ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong),
-        ("format", ctypes.c_int), ("data", ctypes.c_long * 5), ("room", ctypes.c_long * 12),
-    )  # fmt: skip
-
-
-def close_windows():
-    """Ask every window of a dive to close, as its close button does."""
-    command = ["xdotool", "search", "--name", "subsea"]
-    read = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
-    x = ctypes.CDLL("libX11.so.6")
-    x.XOpenDisplay.restype = ctypes.c_void_p
-    x.XInternAtom.restype = ctypes.c_ulong
-    there = ctypes.c_void_p(x.XOpenDisplay(None))
-    protocols, close = (
-        x.XInternAtom(there, name, False) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW")
-    )
-    for text in read.stdout.split():
-        event = ClientMessage(type=33, window=int(text), kind=protocols, format=32)
-        event.data[0] = close
-        x.XSendEvent(there, ctypes.c_ulong(int(text)), False, 0, ctypes.byref(event))
-    x.XCloseDisplay(there)
+    assert running.returncode == (130 if way == "Ctrl-C" else 0)

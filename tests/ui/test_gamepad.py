@@ -62,13 +62,13 @@ def test_sticks_and_triggers_make_every_manoeuvre(axes, field, sign):
     assert getattr(box.at(), field) == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_stick_that_does_not_come_to_rest_asks_for_nothing():
+def test_a_stick_within_its_dead_zone_does_nothing():
     box = Box()
     assert box.at(left_x=0.14, left_y=-0.1, right_y=0.12, left_trigger=-0.9)[:4] == (0, 0, 0, 0)
     assert Box(gamepad=GamepadSettings(dead_zone=0.0)).at(left_x=0.5).yaw < -0.3
 
 
-def test_buttons_ask_for_things_once_and_stop():
+def test_buttons_run_commands_once_and_stop():
     box = Box()
     box.at("right bumper", "start", left_y=-1.0)
     box.at("right bumper", left_y=-1.0)
@@ -85,7 +85,7 @@ def test_buttons_ask_for_things_once_and_stop():
     assert box.commands == ["alight"]
 
 
-def test_what_a_part_means_is_as_the_settings_say():
+def test_settings_bind_the_parts_of_a_gamepad():
     box = Box(
         controls={"rise": ["pad up"], "picture": ["pad left trigger"]},
         gamepad=GamepadSettings(invert_pitch=True, sensitivity=2.0),
@@ -97,7 +97,7 @@ def test_what_a_part_means_is_as_the_settings_say():
     assert box.commands == ["picture", "picture"]
 
 
-def test_one_that_is_pulled_out_lets_go_and_may_come_back():
+def test_an_unplugged_gamepad_releases_its_inputs_and_may_come_back():
     box = Box()
     box.there = {3: state(left_y=-1.0, name="Pad of Ada")}
     assert box.pads.poll() == ["the gamepad 'Pad of Ada' steers"]
@@ -113,7 +113,7 @@ def test_one_that_is_pulled_out_lets_go_and_may_come_back():
     assert box.commands == ["menu"]
 
 
-def test_one_that_nothing_is_known_of_is_told(monkeypatch):
+def test_an_unknown_gamepad_is_reported_with_its_id(monkeypatch):
     monkeypatch.setattr(gamepad.glfw, "get_joystick_name", lambda number: b"Strange")
     monkeypatch.setattr(gamepad.glfw, "get_joystick_guid", lambda number: b"03000000deadbeef")
     box = Box()
@@ -134,7 +134,7 @@ class Ear:
         return True
 
 
-def test_who_listens_hears_it_first():
+def test_a_listener_consumes_input_first():
     box, ear = Box(), Ear()
     box.there = {0: state("start", left_y=-1.0)}
     box.pads.poll(ear)
@@ -150,12 +150,12 @@ def test_two_pads_are_as_strong_as_the_stronger():
     assert box.helm().surge == pytest.approx(1.0, abs=1e-3)
 
 
-def test_amounts_are_shares_of_the_way():
+def test_amounts_are_shares_beyond_the_dead_zone():
     found = amounts(state("A", left_x=0.575), GamepadSettings(dead_zone=0.15))
     assert found == {"pad A": 1.0, "pad left stick right": pytest.approx(0.5**gamepad.CURVE)}
 
 
-def test_the_list_of_mappings_is_complete_and_any_other_line_is_told(monkeypatch, tmp_path):
+def test_all_mappings_are_added_and_faulty_lines_reported(monkeypatch, tmp_path):
     text = resource_path("assets/gamecontrollerdb.txt").read_text()
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     assert len(lines) == 750

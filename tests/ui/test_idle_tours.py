@@ -1,12 +1,10 @@
 """Idle tours and a kiosk in a real window, by real input."""
 
-import re
 from contextlib import closing
 
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
 from subsea.dive.idle_timer import DIP_S
 from subsea.dive.settings import AttractSettings, Settings
 from subsea.submarine.hull import ACCELERATION_CM_S2
@@ -19,29 +17,21 @@ AFTER_S = 2.0
 PATIENT = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0))
 
 
-def sea(folder):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = folder / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
-    return str(quiet)
-
-
 @pytest.fixture(scope="module")
-def boat(display, hands, coarse, tmp_path_factory):
-    sea_file = sea(tmp_path_factory.mktemp("sea"))
-    with closing(Dive(dive_options(sea_file, SIZE, coarse, settings=PATIENT))) as running:
-        hands.glide(running, 0.2)
+def boat(display, user, quiet, coarse):
+    with closing(Dive(dive_options(quiet, SIZE, coarse, settings=PATIENT))) as running:
+        user.glide(running, 0.2)
         yield running
 
 
 def taken(running):
-    """Whether a tour steers the submarine."""
+    """True if a tour steers the submarine."""
     return running.tours.timer.touring and running.tick_source.steering.tour is not None
 
 
-def awaited(running, hands, seconds=AFTER_S):
+def awaited(running, user, seconds=AFTER_S):
     """Let this time pass without input."""
-    hands.glide(running, seconds + 0.5)
+    user.glide(running, seconds + 0.5)
 
 
 def frame(running):
@@ -58,20 +48,20 @@ def frame(running):
 @pytest.mark.parametrize(
     ("tour", "words"), [("auto", ("mousemove_relative", 30, 5)), ("reef", ("key", "h"))]
 )
-def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
+def test_a_tour_begins_without_input_and_ends_at_input(boat, user, tour, words):
     boat.tours.name, boat.tours.timer.leaps = tour, tour != "auto"
-    hands.point(boat, 0.0, 0.0)
-    hands.until(boat, lambda: not boat.tours.timer.touring)
-    hands.glide(boat, AFTER_S - 0.5)
+    user.point(boat, 0.0, 0.0)
+    user.until(boat, lambda: not boat.tours.timer.touring)
+    user.glide(boat, AFTER_S - 0.5)
     assert not taken(boat)
     boat.overlay.show_help()  # a visitor opened it: it must not cover the tour
-    awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
+    awaited(boat, user, AFTER_S + 2.0 * DIP_S)
     assert taken(boat)
-    hands.glide(boat, 5.0)
+    user.glide(boat, 5.0)
     assert boat.overlay.help_opacity == 0.0
     assert np.linalg.norm(boat.world.state.submarine.velocity) > 5.0
     assert boat.overlay.hud.opacity == 0.0
-    hands.do(*words)
+    user.do(*words)
     for _ in range(200):
         touring = boat.tours.timer.touring
         gone, faster = frame(boat)
@@ -87,20 +77,20 @@ def test_nobody_is_there_and_then_somebody_is(boat, hands, tour, words):
     assert boat.overlay.help_opacity > 0.9  # for a new visitor
 
 
-def test_a_visitor_who_rode_a_fish_and_left_is_not_waited_for(boat, hands):
-    hands.do("key", "r")
-    hands.until(boat, lambda: boat.pilot.riding)
-    awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
+def test_a_tour_begins_although_a_fish_is_ridden(boat, user):
+    user.do("key", "r")
+    user.until(boat, lambda: boat.pilot.riding)
+    awaited(boat, user, AFTER_S + 2.0 * DIP_S)
     assert taken(boat) and not boat.pilot.riding
-    hands.do("key", "w")
-    hands.until(boat, lambda: not boat.tours.timer.touring)
+    user.do("key", "w")
+    user.until(boat, lambda: not boat.tours.timer.touring)
 
 
-def test_who_has_opened_the_desk_or_stopped_time_is_left_in_peace(boat, hands):
+def test_no_tour_begins_while_the_inspector_is_open_or_time_paused(boat, user):
     for key in ("Tab", "k"):
-        hands.do("key", key)
-        hands.until(boat, lambda: boat.inspector.open or boat.timeline.paused)
-        awaited(boat, hands, AFTER_S + 2.0 * DIP_S)
+        user.do("key", key)
+        user.until(boat, lambda: boat.inspector.open or boat.timeline.paused)
+        awaited(boat, user, AFTER_S + 2.0 * DIP_S)
         assert not boat.tours.timer.touring
-        hands.do("key", key)
-        hands.until(boat, lambda: not (boat.inspector.open or boat.timeline.paused))
+        user.do("key", key)
+        user.until(boat, lambda: not (boat.inspector.open or boat.timeline.paused))

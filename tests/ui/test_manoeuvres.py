@@ -1,24 +1,19 @@
 """The ten manoeuvres (SMC §8.2) by real mouse and keys, with bindings from a file."""
 
 import ctypes
-import re
-import subprocess
-import time
 from contextlib import closing
 
 import glfw
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
 from subsea.dive.bindings import CONTROLS
 from subsea.dive.settings import read_settings
 from subsea.submarine.hull import hull_axes
 from subsea.ui.dive import Dive
-from tests.support.windows import dive_options
+from tests.support.windows import FRAME_S, dive_options
 
 SIZE = (320, 240)
-FRAME_S = 0.1
 
 # The usual keys to rise do nothing here; two other keys do: one alone, one with Ctrl.
 SETTINGS = """
@@ -32,47 +27,20 @@ quality = "low"
 
 
 @pytest.fixture(scope="module")
-def boat(display, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("sea")
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    (folder / "quiet.toml").write_text(
-        re.sub(r"^number = \d+", "number = 1", text, flags=re.MULTILINE)
-    )
-    (folder / "settings.toml").write_text(SETTINGS)
-    settings = read_settings(folder / "settings.toml")
-    made = Dive(
-        dive_options(folder / "quiet.toml", SIZE, settings.display.quality, settings=settings)
-    )
-    with closing(made) as running:
+def boat(display, quiet, tmp_path_factory):
+    path = tmp_path_factory.mktemp("settings") / "settings.toml"
+    path.write_text(SETTINGS)
+    settings = read_settings(path)
+    options = dive_options(quiet, SIZE, settings.display.quality, settings=settings)
+    with closing(Dive(options)) as running:
         running.frame(FRAME_S)
         yield running
 
 
-def hands(*words):
-    """Move the mouse or press keys by xdotool; return when the display has processed it."""
-    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=60)
-
-
-def point(running, x, y):
-    """Move the pointer to a place in [-1, 1] from the middle, starting elsewhere."""
-    left, top = glfw.get_window_pos(running.window.handle)
-    for share in (0.5, 1.0):
-        across, down = (1 + share * x) / 2 * SIZE[0], (1 - share * y) / 2 * SIZE[1]
-        hands("mousemove", int(left + across), int(top + down))
-        running.frame(FRAME_S)
-
-
-def until(running, true, what=""):
-    end = time.monotonic() + 60.0
-    while not true() and time.monotonic() < end:
-        running.frame(FRAME_S)
-    assert true(), what
-
-
 @pytest.fixture
-def sub(boat):
+def sub(boat, user):
     """The submarine at rest in open water, without held inputs."""
-    point(boat, 0.0, 0.0)
+    user.point(boat, 0.0, 0.0)
     boat.pilot.full_stop()
     submarine = boat.world.state.submarine
     start = boat.scenario.submarine
@@ -125,25 +93,25 @@ def others(sub, manoeuvre):
 
 
 @pytest.mark.parametrize("manoeuvre", TRUE)
-def test_by_mouse(boat, sub, manoeuvre):
+def test_by_mouse(boat, sub, user, manoeuvre):
     down, place, up = MOUSE[manoeuvre]
     if down:
-        hands(*down)
+        user.do(*down)
     if place:
-        point(boat, *place)
-    until(boat, lambda: TRUE[manoeuvre](sub), manoeuvre)
+        user.point(boat, *place)
+    user.until(boat, lambda: TRUE[manoeuvre](sub))
     assert others(sub, manoeuvre) == []
     if up:
-        hands(*up)
+        user.do(*up)
 
 
 @pytest.mark.parametrize("manoeuvre", TRUE)
-def test_by_key(boat, sub, manoeuvre):
-    hands("keydown", KEYS[manoeuvre])
-    until(boat, lambda: TRUE[manoeuvre](sub), manoeuvre)
+def test_by_key(boat, sub, user, manoeuvre):
+    user.do("keydown", KEYS[manoeuvre])
+    user.until(boat, lambda: TRUE[manoeuvre](sub))
     assert others(sub, manoeuvre) == []
-    hands("keyup", KEYS[manoeuvre])
-    until(boat, lambda: boat.pilot.held == {})
+    user.do("keyup", KEYS[manoeuvre])
+    user.until(boat, lambda: boat.pilot.held == {})
 
 
 @pytest.mark.parametrize(
@@ -154,36 +122,34 @@ def test_by_key(boat, sub, manoeuvre):
     ],
     ids=["mouse", "keys"],
 )
-def test_decelerating_is_letting_go_and_a_full_stop_is_a_full_stop(boat, sub, down, up, stop):
-    hands(*down)
-    until(boat, lambda: ahead(sub) > 60.0)
-    hands(*up)
-    until(boat, lambda: boat.pilot.held == {})
-    for _ in range(10):
-        boat.frame(FRAME_S)
+def test_decelerating_is_letting_go_and_a_full_stop_is_a_full_stop(boat, sub, user, down, up, stop):
+    user.do(*down)
+    user.until(boat, lambda: ahead(sub) > 60.0)
+    user.do(*up)
+    user.until(boat, lambda: boat.pilot.held == {})
+    user.glide(boat, 10 * FRAME_S)
     slower = ahead(sub)
     assert 15.0 < slower < 60.0  # inertia: not at once
     boat.frame(FRAME_S)
     assert ahead(sub) < slower
-    hands(*stop)
-    until(boat, lambda: boat.pilot.stopping)
-    until(boat, lambda: np.linalg.norm(sub.velocity) < 1.0)
+    user.do(*stop)
+    user.until(boat, lambda: boat.pilot.stopping)
+    user.until(boat, lambda: np.linalg.norm(sub.velocity) < 1.0)
 
 
-def test_the_file_binds_other_keys_and_takes_the_usual_away(boat, sub):
-    hands("keydown", "e")
-    for _ in range(10):
-        boat.frame(FRAME_S)
+def test_the_settings_file_replaces_the_usual_keys(boat, sub, user):
+    user.do("keydown", "e")
+    user.glide(boat, 10 * FRAME_S)
     assert boat.pilot.held == {}
     assert others(sub, "") == []
-    hands("keyup", "e", "keydown", "ctrl", "keydown", "7")
-    until(boat, lambda: TRUE["rise"](sub))
-    hands("keyup", "ctrl", "keyup", "7")  # in this order: the key alone does nothing
-    until(boat, lambda: boat.pilot.held == {})
+    user.do("keyup", "e", "keydown", "ctrl", "keydown", "7")
+    user.until(boat, lambda: TRUE["rise"](sub))
+    user.do("keyup", "ctrl", "keyup", "7")  # in this order: the key alone does nothing
+    user.until(boat, lambda: boat.pilot.held == {})
     before = boat.picture.quality_text
-    hands("key", "p")
-    hands("key", "o")
-    until(boat, lambda: boat.picture.quality_text != before)
+    user.do("key", "p")
+    user.do("key", "o")
+    user.until(boat, lambda: boat.picture.quality_text != before)
     assert boat.picture.quality_text == "picture medium"  # one step: the default key did nothing
     assert CONTROLS["quality"].inputs == ("P",)
 
@@ -211,43 +177,41 @@ def forget_focus():
     x.XCloseDisplay(there)
 
 
-def test_what_was_held_is_let_go_though_another_hears_it_or_the_keyboard_is_lost(boat, sub):
-    hands("keydown", "w")
-    until(boat, lambda: boat.pilot.held != {})
+def test_held_keys_are_released_by_a_listener_or_without_focus(boat, sub, user):
+    user.do("keydown", "w")
+    user.until(boat, lambda: boat.pilot.held != {})
     usual = boat.window.listener
     boat.window.listener = ear = Ear(usual)
-    hands("key", "a")
-    hands("keyup", "w")
-    until(boat, lambda: (glfw.KEY_W, False) in ear.keys)
+    user.do("key", "a")
+    user.do("keyup", "w")
+    user.until(boat, lambda: (glfw.KEY_W, False) in ear.keys)
     assert boat.pilot.held == {}
     boat.window.listener = usual
-    hands("keydown", "w")
-    until(boat, lambda: boat.pilot.held != {})
-    own = subprocess.run(
-        ["xdotool", "getwindowfocus"], check=True, capture_output=True, text=True, timeout=60
-    ).stdout.strip()
+    user.do("keydown", "w")
+    user.until(boat, lambda: boat.pilot.held != {})
+    own = user.do("getwindowfocus").strip()
     forget_focus()
-    until(boat, lambda: boat.pilot.held == {})
-    hands("keyup", "w", "windowfocus", own)
-    until(boat, lambda: boat.window.focused)
+    user.until(boat, lambda: boat.pilot.held == {})
+    user.do("keyup", "w", "windowfocus", own)
+    user.until(boat, lambda: boat.window.focused)
 
 
-def test_a_window_of_one_pixel_is_drawn_and_comes_back(boat, sub):
+def test_a_window_of_one_pixel_is_drawn_and_comes_back(boat, sub, user):
     for size in ((1, 1), (1, 200), SIZE):
         glfw.set_window_size(boat.window.handle, *size)
-        until(boat, lambda size=size: boat.window.size == size)
+        user.until(boat, lambda size=size: boat.window.size == size)
         for _ in range(3):
             boat.frame(FRAME_S)
-    hands("key", "h")
-    until(boat, lambda: boat.overlay.help_opacity > 0.0)
+    user.do("key", "h")
+    user.until(boat, lambda: boat.overlay.help_opacity > 0.0)
 
 
-def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub):
+def test_with_a_window_of_one_pixel_and_everything_open_nothing_breaks(boat, sub, user):
     boat.run_command("ride")
     boat.run_command("desk")
     for size in ((1, 1), SIZE):
         glfw.set_window_size(boat.window.handle, *size)
-        until(boat, lambda size=size: boat.window.size == size)
+        user.until(boat, lambda size=size: boat.window.size == size)
         for name in ("pattern", "pattern", "look", "help", "menu", "menu"):
             boat.run_command(name)
             boat.frame(FRAME_S)

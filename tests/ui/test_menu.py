@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from subsea.core.resources import resource_path
+from subsea.core.resources import resource_names, resource_path
 from subsea.dive.bindings import PAD_BUTTONS
 from subsea.render.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
-from subsea.ui.menu import DISPLAYS, QUALITIES, scenario_titles
+from subsea.ui.menu import ABOUT_SIZE, DISPLAYS, QUALITIES, WIDE, scenario_summaries
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
 from tests.support.windows import dive_options
 
@@ -21,33 +21,33 @@ SIZE = (480, 360)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, quiet, coarse):
+def boat(display, user, quiet, coarse):
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(PRESETS, "medium", PRESETS[coarse])  # the tests need no detail of the sea
         with closing(Dive(dive_options(quiet, SIZE, "medium"))) as running:
-            hands.glide(running, 0.2)
+            user.glide(running, 0.2)
             yield running
 
 
 @pytest.fixture
-def menu(boat, hands):
-    hands.do("key", "Escape")
-    hands.until(boat, lambda: boat.menu.open)
-    hands.glide(boat, 0.5)
+def menu(boat, user):
+    user.do("key", "Escape")
+    user.until(boat, lambda: boat.menu.open)
+    user.glide(boat, 0.5)
     yield boat.menu
     for _ in range(2):
         if boat.menu.open:
             boat.menu.back()
 
 
-def press(boat, hands, *keys):
+def press(boat, user, *keys):
     """Press keys, each after the menu has processed the previous one."""
     for key in keys:
-        hands.do("key", key)
-        hands.glide(boat, 0.4)
+        user.do("key", key)
+        user.glide(boat, 0.4)
 
 
-def click(boat, hands, monkeypatch, text, release=True):
+def click(boat, user, monkeypatch, text, release=True):
     """Click the entry that begins with this text."""
     found, draw = {}, boat.menu.draw_entry
 
@@ -57,59 +57,81 @@ def click(boat, hands, monkeypatch, text, release=True):
 
     with monkeypatch.context() as patch:
         patch.setattr(boat.menu, "draw_entry", noted)
-        hands.glide(boat, 0.2)
+        user.glide(boat, 0.2)
     low, high = next(box for name, box in found.items() if name.startswith(text))
     left, top = boat.window.position
-    hands.do("mousemove", int(left + (low.x + high.x) / 2), int(top + (low.y + high.y) / 2))
-    hands.glide(boat, 0.3)
-    hands.do("mousedown", 1)
-    hands.glide(boat, 0.3)
-    if release:
-        hands.do("mouseup", 1)
-        hands.glide(boat, 0.4)
+    place = int(left + (low.x + high.x) / 2), int(top + (low.y + high.y) / 2)
+    user.drag(boat, place, drop=release)
+
+
+def open_page(boat, name):
+    """Open a page of the menu by its entry."""
+    next(entry for entry in boat.menu.entries() if entry.text == name).act()
+    boat.frame(0.1)
 
 
 def heading(boat):
     return boat.world.state.submarine.angles[0]
 
 
-def test_every_mode_and_quality_has_its_words():
+def test_every_mode_and_quality_has_a_label():
     assert DISPLAYS.keys() == set(ALL_DISPLAYS)
     assert list(QUALITIES) == list(CHOICES)
-    titles = scenario_titles()
-    assert titles[(resource_path("assets/scenarios") / "mating.toml").resolve()] == "Courtship"
+    files = scenario_summaries()
+    assert files[(resource_path("assets/scenarios") / "mating.toml").resolve()].title == "Courtship"
 
 
-def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, menu, hands):
+def test_every_scenario_has_a_sentence_that_fits_and_the_seed_is_explained(boat, menu, monkeypatch):
+    shown = {}
+    draw = menu.draw_entry
+
+    def noted(entry, line):
+        shown[entry.aside] = entry.about, imgui.calc_text_size(entry.about).x * ABOUT_SIZE / line
+        draw(entry, line)
+
+    monkeypatch.setattr(menu, "draw_entry", noted)
+    open_page(boat, "Scenario")
+    for name in resource_names("assets/scenarios", ".toml"):
+        about, wide = shown[name]
+        assert about.endswith(".") and wide < WIDE - 1.4
+    assert "seed" in shown[f"with seed {menu.seed}"][0]
+
+
+def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, menu, user):
     tick, before = boat.world.state.tick, heading(boat)
-    lit = hands.screen(boat).mean()
-    hands.do("keydown", "a", "keydown", "w")
-    hands.point(boat, 0.9, 0.5)
-    hands.glide(boat, 1.0)
-    hands.do("keyup", "a", "keyup", "w", "key", "r", "key", "Tab", "key", "t")
-    hands.glide(boat, 0.5)
+    lit = user.screen(boat).mean()
+    user.do("keydown", "a", "keydown", "w")
+    user.point(boat, 0.9, 0.5)
+    user.glide(boat, 1.0)
+    user.do("keyup", "a", "keyup", "w", "key", "r", "key", "Tab", "key", "t")
+    user.glide(boat, 0.5)
     assert boat.world.state.tick > tick + 20
     assert abs(heading(boat) - before) < math.radians(1.0)
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
     assert not boat.pilot.riding and not boat.picture.pattern
-    press(boat, hands, "Escape")
+    press(boat, user, "Escape")
     assert not boat.menu.open and not boat.inspector.open
-    assert hands.screen(boat).mean() > 1.2 * lit
-    hands.glide(boat, 1.0)
+    assert user.screen(boat).mean() > 1.2 * lit
+    user.glide(boat, 1.0)
     assert abs(heading(boat) - before) < math.radians(1.0)  # until further input
 
 
-def test_arrows_and_enter_change_the_quality(boat, menu, hands):
-    press(boat, hands, "Down", "Down", "Return")
+def test_enter_continues_at_once(boat, menu, user):
+    press(boat, user, "Return")
+    assert not boat.menu.open
+
+
+def test_arrows_and_enter_change_the_quality(boat, menu, user):
+    press(boat, user, "Down", "Down", "Return")
     assert boat.menu.page == "Quality"
-    press(boat, hands, "Up", "Return")
+    press(boat, user, "Up", "Return")
     assert boat.picture.quality == "low"
     assert boat.picture.quality_text == "picture low"
-    press(boat, hands, "Escape")
+    press(boat, user, "Escape")
     assert boat.menu.open and boat.menu.page == ""
 
 
-def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
+def test_a_gamepad_chooses_and_goes_back(boat, user, monkeypatch):
     def push(*pressed):
         for down in (pressed, (), ()):  # one picture each: a held input repeats
             buttons = [int(name in down) for name in PAD_BUTTONS]
@@ -132,62 +154,60 @@ def test_a_gamepad_chooses_and_goes_back(boat, hands, monkeypatch):
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
 
 
-def test_the_mouse_changes_the_display(boat, menu, hands, monkeypatch):
-    click(boat, hands, monkeypatch, "Display")
-    click(boat, hands, monkeypatch, "3D, side")
+def test_the_mouse_changes_the_display(boat, menu, user, monkeypatch):
+    click(boat, user, monkeypatch, "Display")
+    click(boat, user, monkeypatch, "3D, side")
     assert boat.picture.display == "side-by-side"
     assert len(boat.picture.rig.eyes) == 2
-    left, right = np.split(hands.screen(boat)[60:300], 2, axis=1)
+    left, right = np.split(user.screen(boat)[60:300], 2, axis=1)
     assert np.abs(left - right).mean() < 5.0 < left.std()
     boat.picture.show_as("mono")
 
 
-def test_a_drag_that_begins_on_it_never_steers(boat, menu, hands, monkeypatch):
-    click(boat, hands, monkeypatch, "Continue", release=False)
+def test_a_drag_that_begins_on_it_never_steers(boat, menu, user, monkeypatch):
+    click(boat, user, monkeypatch, "Continue", release=False)
     left, top = boat.window.position
-    hands.do("mousemove", left + 20, top + 20)
-    hands.glide(boat, 0.3)
-    press(boat, hands, "Escape")
+    user.do("mousemove", left + 20, top + 20)
+    user.glide(boat, 0.3)
+    press(boat, user, "Escape")
     assert not boat.menu.open
-    hands.glide(boat, 0.5)
+    user.glide(boat, 0.5)
     assert np.linalg.norm(boat.world.state.submarine.velocity) < 1.0
-    hands.do("mouseup", 1)
-    hands.glide(boat, 0.3)
+    user.do("mouseup", 1)
+    user.glide(boat, 0.3)
     assert not boat.menu.open
 
 
-def test_escape_leaves_a_fish_first(boat, hands):
-    hands.do("key", "r")
-    hands.until(boat, lambda: boat.pilot.riding)
-    press(boat, hands, "Escape")
+def test_escape_leaves_a_fish_first(boat, user):
+    user.do("key", "r")
+    user.until(boat, lambda: boat.pilot.riding)
+    press(boat, user, "Escape")
     assert not boat.pilot.riding and not boat.menu.open
 
 
-def test_it_closes_to_the_desk_where_that_was_open(boat, hands):
-    press(boat, hands, "Tab")
-    press(boat, hands, "Escape")
+def test_it_closes_to_the_inspector_where_that_was_open(boat, user):
+    press(boat, user, "Tab")
+    press(boat, user, "Escape")
     assert boat.menu.open
-    press(boat, hands, "Escape")
+    press(boat, user, "Escape")
     assert boat.inspector.open and not boat.menu.open
-    press(boat, hands, "Tab")
+    press(boat, user, "Tab")
     assert not boat.inspector.open
 
 
-def test_it_begins_anew_and_in_another_scenario(boat, menu, hands, monkeypatch):
+def test_it_restarts_the_dive_and_opens_another_scenario(boat, menu, user, monkeypatch):
     handle, boat.menu.seed = boat.window.handle, 2**32 - 7
-    click(boat, hands, monkeypatch, "Scenario")
-    click(boat, hands, monkeypatch, "Start anew")
+    click(boat, user, monkeypatch, "Scenario")
+    click(boat, user, monkeypatch, "Restart")
     assert boat.world.state.seed == 2**32 - 7 and not boat.menu.open
-    press(boat, hands, "Escape")
-    click(boat, hands, monkeypatch, "Scenario")
-    click(boat, hands, monkeypatch, "Courtship")
+    press(boat, user, "Escape")
+    click(boat, user, monkeypatch, "Scenario")
+    click(boat, user, monkeypatch, "Courtship")
     assert boat.scenario.title == "Courtship" and boat.source.stem == "mating"
     assert boat.window.handle is handle and not boat.menu.open
 
 
-def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
-    boat, hands, monkeypatch, tmp_path
-):
+def test_it_lists_own_scenarios_and_a_broken_one_changes_nothing(boat, user, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     own_scenarios().mkdir(parents=True)
     mine = boat.source.read_text().replace('title = "', 'title = "My ', 1)
@@ -196,29 +216,29 @@ def test_it_offers_the_visitors_own_scenarios_and_a_broken_one_costs_nothing(
     for number in range(20):  # more than fit: the page scrolls
         (own_scenarios() / f"torn-{number:02}.toml").write_text("[")
     before = boat.world
-    press(boat, hands, "Escape")
-    click(boat, hands, monkeypatch, "Scenario")
-    click(boat, hands, monkeypatch, "torn-00")
+    press(boat, user, "Escape")
+    click(boat, user, monkeypatch, "Scenario")
+    click(boat, user, monkeypatch, "torn-00")
     assert boat.world is before and not boat.menu.open
     assert "torn-00.toml:1: not valid TOML" in boat.overlay.note_text
-    press(boat, hands, "Escape")
-    click(boat, hands, monkeypatch, "Scenario")
-    click(boat, hands, monkeypatch, "My ")
+    press(boat, user, "Escape")
+    click(boat, user, monkeypatch, "Scenario")
+    click(boat, user, monkeypatch, "My ")
     assert boat.source == own_scenarios() / "mine.toml"
     assert imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
     for path in own_scenarios().glob("torn-*"):
         path.unlink()
-    press(boat, hands, "Escape")
-    click(boat, hands, monkeypatch, "Scenario")
+    press(boat, user, "Escape")
+    click(boat, user, monkeypatch, "Scenario")
     assert not imgui.internal.find_window_by_name("menu Scenario").scrollbar_y
-    press(boat, hands, "Escape", "Escape")
+    press(boat, user, "Escape", "Escape")
 
 
-def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hands, monkeypatch):
+def test_the_horizon_is_at_its_height_and_the_vignette_darkens_the_rim(boat, user, monkeypatch):
     def screen():
         boat.frame(0.0)
         boat.frame(0.0)
-        return hands.screen(boat)
+        return user.screen(boat)
 
     monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # paused time
     boat.overlay.hud.opacity, boat.overlay.help_opacity = 0.0, 0.0
@@ -244,13 +264,13 @@ def test_a_line_is_where_the_horizon_is_and_the_rim_darkens_if_wished(boat, hand
     np.testing.assert_array_equal(dark[middle], without[middle])
 
 
-def test_help_is_shown_from_it(boat, menu, hands, monkeypatch):
-    click(boat, hands, monkeypatch, "Help")
-    hands.until(boat, lambda: boat.overlay.help_opacity == 1.0)
+def test_help_is_shown_from_it(boat, menu, user, monkeypatch):
+    click(boat, user, monkeypatch, "Help")
+    user.until(boat, lambda: boat.overlay.help_opacity == 1.0)
     assert not boat.menu.open
-    press(boat, hands, "h")
+    press(boat, user, "h")
 
 
-def test_leaving_is_its_last_entry(boat, menu, hands):
-    press(boat, hands, *["Down"] * 6, "Return")
+def test_leaving_is_its_last_entry(boat, menu, user):
+    press(boat, user, *["Down"] * 6, "Return")
     assert not boat.window.open

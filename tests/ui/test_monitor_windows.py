@@ -1,7 +1,5 @@
 """Theatres on the connected monitors: a window that fills one, and missing ones."""
 
-import os
-import re
 import subprocess
 import sys
 import time
@@ -9,19 +7,17 @@ from contextlib import closing
 
 import glfw
 import numpy as np
-from PIL import ImageGrab
 
-from subsea.core.resources import resource_path
 from subsea.dive.bindings import USUAL
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
 from subsea.ui.dive import Dive
-from subsea.ui.help_overlay import help_content
+from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.monitors import Installation, Screen, monitors, on_display
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import display_rig
 from subsea.view.theatre.lineup import lineup
-from tests.support.windows import dive_options
+from tests.support.windows import display_pixels, dive_options
 
 THEATRE = """
 [[window]]
@@ -46,12 +42,8 @@ angles = {{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20 }}
 """
 
 
-def xdotool(*words):
-    subprocess.run(["xdotool", *words], check=True, timeout=60)
-
-
 def dive(tmp_path, left, ahead, *options):
-    """Dive in a theatre of two windows; return the exit code and the lines on windows."""
+    """Dive in a theatre of two windows; return the exit code and the lines about errors."""
     path = tmp_path / "hall.toml"
     path.write_text(THEATRE.format(left=left, ahead=ahead))
     done = subprocess.run(
@@ -59,7 +51,8 @@ def dive(tmp_path, left, ahead, *options):
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert "Traceback" not in done.stderr
-    return done.returncode, [line for line in done.stderr.splitlines() if "hall.toml" in line]
+    lines = done.stderr.splitlines()
+    return done.returncode, [line for line in lines if "hall.toml" in line or "buffer" in line]
 
 
 def test_a_dive_goes_on_without_the_window_whose_monitor_is_missing(display, tmp_path):
@@ -77,15 +70,9 @@ def test_without_any_window_left_there_is_no_dive(display, tmp_path):
 
 
 def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tmp_path):
-    path = tmp_path / "hall.toml"
-    path.write_text(THEATRE.format(left=1, ahead="position = [0, 0]"))
-    done = subprocess.run(
-        [sys.executable, "-m", "subsea", "dive", "--theatre", str(path), "--display", "stereo"],
-        capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert "quad-buffered" in done.stderr.splitlines()[-1]
-    assert "Traceback" not in done.stderr
+    code, said = dive(tmp_path, 1, "position = [0, 0]", "--display", "stereo")
+    assert code == 2
+    assert "quad-buffered" in said[-1]
 
 
 class Together(LocalTicks):
@@ -94,16 +81,13 @@ class Together(LocalTicks):
     shared = True
 
 
-def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_path):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    sea = tmp_path / "quiet.toml"
-    sea.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, quiet):
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
-    with closing(Dive(dive_options(sea, size), installation, Together)) as running:
+    with closing(Dive(dive_options(quiet, size), installation, Together)) as running:
         # Neither works in a shared dive or on a fixed window.
-        assert running.overlay.help == help_content(USUAL, without=("ride", "desk"))
-        assert not running.can_fill
+        assert running.overlay.help == help_content(USUAL, without=NOT_SHARED)
+        assert running.window.fixed
         running.run_command("pattern")
         running.overlay.draw = lambda *rest: None
         for _ in range(5):
@@ -111,7 +95,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
             time.sleep(0.05)
         assert running.window.size == (800, 600)
         assert running.window.position == (0, 0)
-        picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
+        picture = display_pixels()
         means = picture.reshape(300, 2, 400, 2, 3).mean(axis=(1, 3))
         assert np.abs(means - lineup(installation.rig)).mean() < 8.0
         # Imitate the library when a monitor is unplugged:
@@ -122,7 +106,7 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
             time.sleep(0.05)
         assert running.window_set.open
         assert running.window.size == (200, 150)
-        picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3].astype(int)
+        picture = display_pixels()
         small = lineup(installation.rig).reshape(150, 2, 200, 2, 3).mean(axis=(1, 3))
         assert np.abs(picture[10:160, 20:220] - small).mean() < 3.0
         told = []
@@ -135,8 +119,8 @@ def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, tmp_pat
 
 
 def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, monkeypatch):
-    with on_display(), closing(WindowSet([(Screen("sea", (200, 150)), None)], Pilot())) as wall:
-        window = wall.front
+    with on_display(), closing(WindowSet([(Screen("sea", (200, 150)), None)], Pilot())) as windows:
+        window = windows.front
         window.toggle_fullscreen()
         assert window.filled == (0, 0)
         (monitor,) = monitors()
@@ -144,21 +128,21 @@ def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, mo
         glfw.set_window_monitor(window.handle, nowhere, 0, 0, 800, 600, 0)  # as the library does
         monkeypatch.setattr("subsea.ui.window_set.monitors", lambda: [])
         monkeypatch.setattr("subsea.ui.window.monitors", lambda: [])
-        wall.on_monitor(monitor.handle, glfw.DISCONNECTED)
-        wall.poll()
+        windows.on_monitor(monitor.handle, glfw.DISCONNECTED)
+        windows.poll()
         until = time.monotonic() + 60.0
         while window.points != (200, 150) and time.monotonic() < until:
-            wall.poll()
+            windows.poll()
         assert window.points == (200, 150)
         window.toggle_fullscreen()  # without any monitor: nothing happens
         assert window.filled is None
-        assert wall.open
+        assert windows.open
         monkeypatch.undo()
         window.toggle_fullscreen()
         assert window.filled == (0, 0)
 
 
-def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, tmp_path):
+def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, user, tmp_path):
     settings = tmp_path / "settings.toml"
     settings.write_text('[controls]\nleave = ["X"]\n')
     command = [sys.executable, "-m", "subsea", "dive", "--theatre", "cave", "--shrink", "8"]
@@ -174,9 +158,9 @@ def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, tmp_path
             windows = found.stdout.split()
             time.sleep(0.2)
         time.sleep(1.0)  # the pilot's window first takes the keyboard
-        xdotool("windowfocus", windows[1])
+        user.do("windowfocus", windows[1])
         while running.poll() is None:
-            xdotool("key", "x")
+            user.do("key", "x")
             time.sleep(0.3)
         assert running.returncode == 0
     finally:

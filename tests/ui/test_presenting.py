@@ -1,17 +1,16 @@
 """Pictures in windows: assignment, order, and the window that waits for its display."""
 
-import os
 import time
 from contextlib import ExitStack, closing
 
 import numpy as np
 import pytest
-from PIL import ImageGrab
 
 from subsea.dive.pilot import Pilot
 from subsea.ui import window_set as walls
 from subsea.ui.monitors import Screen, on_display
 from subsea.ui.window_set import WindowSet
+from tests.support.windows import display_pixels
 
 SIZE = (64, 48)
 PLACES = ((0, 0), (64, 0), (128, 0))
@@ -36,12 +35,12 @@ def plain(wall, colour):
 def seen():
     """The middle pixel of each place."""
     time.sleep(0.2)
-    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))[..., :3]
+    picture = display_pixels()
     return [tuple(picture[y + 24, x + 32].tolist()) for x, y in PLACES]
 
 
 @pytest.mark.parametrize("front", [0, 1, 2])
-def test_each_window_shows_its_own_picture_whoever_is_the_pilots(make, front):
+def test_each_window_shows_its_own_picture_for_any_front_window(make, front):
     wall = make(front=front)
     assert wall.front is wall.windows[front]
     textures = {(k, 0): plain(wall, colour) for k, colour in enumerate(COLOURS)}
@@ -102,8 +101,17 @@ def handle_of(window):
     return ctypes.cast(window, ctypes.c_void_p).value
 
 
-def test_closing_any_window_closes_the_wall(make):
+def test_closing_any_window_closes_all(make):
     wall = make()
     assert wall.open
     wall.windows[2].ask_to_close()
     assert not wall.open
+
+
+def test_all_windows_darken_alike(make):
+    wall = make(front=1)
+    wall.show({(k, 0): plain(wall, colour) for k, colour in enumerate(COLOURS)})
+    wall.darken((0.0, 0.0, 0.0, 0.5))
+    wall.present()
+    halves = np.array(COLOURS) / 2
+    np.testing.assert_allclose(seen(), halves, atol=2)

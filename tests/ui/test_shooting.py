@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.core.resources import resource_path
 from subsea.dive.settings import PictureSettings, Settings
 from subsea.frame.diagrams import DIAGRAMS
 from subsea.ui.dive import Dive
@@ -24,55 +23,94 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def boat(display, folder, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+def boat(display, folder, quiet):
     settings = msgspec.structs.replace(Settings(), pictures=PictureSettings(folder=str(folder)))
     with closing(Dive(dive_options(quiet, SIZE, settings=settings))) as running:
+        running.overlay.hide_help()  # pictures do not show it
+        running.overlay.help_opacity, running.overlay.hud.mode = 0.0, "never"
         running.frame(0.1)
         yield running
 
 
-def test_a_key_takes_what_the_screen_shows(boat, hands, folder, capsys):
-    hands.do("key", "F12")
-    hands.until(boat, lambda: list(folder.glob("*.png")))
+def test_a_key_saves_a_picture_of_the_screen(boat, user, folder, capsys):
+    user.do("key", "F12")
+    user.until(boat, lambda: list(folder.glob("*.png")))
     [path] = folder.glob("*.png")
     picture = np.asarray(Image.open(path)).astype(int)
     assert picture.shape == (SIZE[1], SIZE[0], 3)
-    now = hands.screen(boat)
+    now = user.screen(boat)
     assert np.abs(picture - now).mean() < 12.0  # as on the display, a few ticks later
     assert np.abs(picture[::-1] - now).mean() > 20.0
     assert f"picture: {path}" in capsys.readouterr().err
 
 
-def test_a_key_films_until_it_is_pressed_again(boat, hands, folder, capsys):
-    hands.do("key", "F10")
-    hands.until(boat, lambda: boat.filming)
+def test_a_key_films_until_it_is_pressed_again(boat, user, folder, capsys):
+    user.do("key", "F10")
+    user.until(boat, lambda: boat.shots.filming)
     assert not list(folder.glob("*.mp4"))  # appears only when complete
-    hands.glide(boat, 1.0)
-    hands.do("key", "F10")
-    hands.until(boat, lambda: not boat.filming)
+    user.glide(boat, 1.0)
+    user.do("key", "F10")
+    user.until(boat, lambda: not boat.shots.filming)
     [path] = folder.glob("*.mp4")
     with av.open(str(path)) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
     assert frames[0].shape == (240, 322, 3)
     assert len(frames) >= 30
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 20
-    assert np.abs(frames[-1].astype(int) - hands.screen(boat)[:240]).mean() < 14.0
+    assert np.abs(frames[-1].astype(int) - user.screen(boat)[:240]).mean() < 14.0
     told = capsys.readouterr().err
     assert f"filming: {path}" in told
     assert re.search(rf"film of \d+\.\d s: {re.escape(str(path))}", told)
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_the_dive_goes_on(boat, hands, folder, capsys):
+@pytest.mark.parametrize("with_text", [False, True])
+def test_pictures_and_films_show_the_sea_and_no_text_unless_asked(
+    boat, user, folder, monkeypatch, with_text
+):
+    monkeypatch.setattr(boat.tick_source, "advance", lambda elapsed_s: 1.0)  # paused time
+    monkeypatch.setattr(boat, "records_text", with_text)
+    boat.overlay.note("a line of text over the picture")
+    boat.overlay.hud.mode = "always"
+    before = {*folder.iterdir()}
+    boat.run_command("film")
+    boat.run_command("picture")
+    for _ in range(3):
+        boat.frame(0.1)
+    screen = user.screen(boat)
+    boat.run_command("film")
+    with monkeypatch.context() as patch:
+        patch.setattr("subsea.ui.hud.Hud.draw", lambda *rest: None)
+        patch.setattr("subsea.ui.overlay.Overlay._line", lambda *rest: rest[-1])
+        boat.frame(0.0)
+        boat.frame(0.0)
+        bare = user.screen(boat)
+    boat.overlay.hud.mode = "never"
+    png, mp4 = sorted({*folder.iterdir()} - before, key=lambda path: path.suffix == ".mp4")
+    picture = np.asarray(Image.open(png)).astype(int)
+    with av.open(str(mp4)) as container:
+        *_, last = container.decode(video=0)
+    frame = last.to_ndarray(format="rgb24").astype(int)
+    mark = slice(0, 24), slice(-60, None)
+    red = (screen[mark] @ (1, -1, -1) > 60).sum()
+    assert red > 20  # while it films
+    assert (bare[mark] @ (1, -1, -1) > 60).sum() == 0
+    foot = slice(SIZE[1] // 2, 240)
+    assert np.abs(screen - bare)[foot].mean() > 4.0
+    for taken in (picture, frame):
+        assert bool(np.abs(taken[foot] - bare[foot]).mean() > 4.0) is with_text
+        assert bool((taken[mark] @ (1, -1, -1) > 60).any()) is with_text
+    for path in (png, mp4):
+        path.unlink()
+
+
+def test_a_folder_that_cannot_be_written_is_reported(boat, user, folder, capsys):
     for path in folder.iterdir():
         path.unlink()
     folder.rmdir()
     folder.write_text("in the way")
     try:
-        hands.do("key", "F12")
-        hands.do("key", "F10")
+        user.do("key", "F12")
+        user.do("key", "F10")
         told = ""
 
         def both():
@@ -80,21 +118,21 @@ def test_a_folder_that_cannot_be_written_is_told_and_the_dive_goes_on(boat, hand
             told += capsys.readouterr().err
             return len(told.splitlines()) >= 2
 
-        hands.until(boat, both)
+        user.until(boat, both)
     finally:
         folder.unlink()
     assert told.count("of mine") == 2
     assert boat.window_set.open
     tick = boat.world.state.tick
-    hands.glide(boat, 0.2)
+    user.glide(boat, 0.2)
     assert boat.world.state.tick > tick
 
 
-def test_diagrams_and_their_labels_are_over_the_picture(boat, hands):
+def test_diagrams_and_their_labels_are_over_the_picture(boat, user):
     def settled():
         boat.frame(0.0)
         boat.frame(0.0)
-        return hands.screen(boat)
+        return user.screen(boat)
 
     bare = settled()
     boat.picture.diagrams |= {*DIAGRAMS} - {"indices"}
@@ -112,18 +150,18 @@ def test_diagrams_and_their_labels_are_over_the_picture(boat, hands):
     assert np.abs(settled() - bare).mean() < 2.0
 
 
-def test_a_key_switches_the_lights_and_time_that_goes_back_switches_them_too(boat, hands):
+def test_a_key_switches_the_lights_and_a_rewind_restores_them(boat, user):
     lights = boat.world.state.submarine.lights
-    hands.glide(boat, 1.5)
-    off = hands.screen(boat)
-    hands.do("key", "b")
-    hands.until(boat, lambda: lights[0])
+    user.glide(boat, 1.5)
+    off = user.screen(boat)
+    user.do("key", "b")
+    user.until(boat, lambda: lights[0])
     boat.frame(0.0)
     boat.frame(0.0)
-    assert (hands.screen(boat) - off).mean() > 1.0
-    hands.glide(boat, 0.2)
+    assert (user.screen(boat) - off).mean() > 1.0
+    user.glide(boat, 0.2)
     boat.run_command("rewind")
-    hands.glide(boat, 0.1)
+    user.glide(boat, 0.1)
     assert not lights[0]
     boat.run_command("lights")
     assert lights[0]
@@ -131,9 +169,9 @@ def test_a_key_switches_the_lights_and_time_that_goes_back_switches_them_too(boa
     assert not lights[0]
 
 
-def test_closing_the_dive_leaves_a_valid_film(boat, hands, folder):
+def test_closing_the_dive_leaves_a_valid_film(boat, user, folder):
     boat.run_command("film")
-    hands.glide(boat, 0.3)
+    user.glide(boat, 0.3)
     boat.close()
     [path] = folder.glob("*.mp4")
     with av.open(str(path)) as container:

@@ -1,14 +1,11 @@
 """Stereo in a real window: pictures for both eyes, and text at the depth of the screen."""
 
-import os
-import re
 from contextlib import closing
 
 import numpy as np
 import pytest
-from PIL import ImageGrab
+from imgui_bundle import imgui
 
-from subsea.core.resources import resource_path
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.view.display_rigs import DISPLAYS
@@ -19,50 +16,34 @@ SIZE = (640, 400)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]
 
 
-@pytest.fixture(scope="module")
-def empty_sea(tmp_path_factory):
-    """Water and one fish of each shoal, so that only text is bright."""
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    path = tmp_path_factory.mktemp("sea") / "empty.toml"
-    path.write_text(re.sub(r"^number = \d+", "number = 1", text, flags=re.MULTILINE))
-    return path
-
-
 class Bold(TextViewport):
     """A full-width window with the bold text of squeezed viewports."""
 
     squeezed = True
 
 
-def shown(running):
-    import glfw
-
-    running.picture.finish()
-    left, top = glfw.get_window_pos(running.window.handle)
-    picture = ImageGrab.grab(xdisplay=os.environ["DISPLAY"])
-    width, height = running.window.size
-    return np.asarray(picture)[top : top + height, left : left + width, :3].astype(int)
-
-
 @pytest.fixture(scope="module")
-def windows(display, empty_sea):
+def windows(display, user, quiet):
     """The window of each mode, with its help and without any text."""
     pictures = {}
+
+    def shown(running):
+        running.frame(0.0)
+        running.frame(0.0)
+        running.picture.finish()
+        return user.screen(running)
+
     for mode in ("mono", *SHOWN):
         with closing(
-            Dive(DiveOptions(str(empty_sea), seed=1, display=DisplayOptions(mode, SIZE)))
+            Dive(DiveOptions(quiet, seed=1, display=DisplayOptions(mode, SIZE)))
         ) as running:
+            running.overlay.show_help()
             running.frame(0.1)
-            running.frame(0.0)
             with_text = shown(running)
             if mode == "mono":
                 running.picture.viewports = (Bold(),)
-                running.frame(0.0)
-                running.frame(0.0)
                 bold = shown(running)
             running.overlay.draw = lambda *rest: None
-            running.frame(0.0)
-            running.frame(0.0)
             pictures[mode] = with_text, shown(running)
             if mode == "mono":
                 pictures["bold"] = bold, pictures["mono"][1]
@@ -112,3 +93,26 @@ def test_no_stroke_is_lost_where_text_is_squeezed(windows, mode, axis):
 @pytest.mark.parametrize("mode", SHOWN)
 def test_the_window_shows_what_the_mode_is_for(windows, mode):
     assert np.abs(windows[mode][1] - windows["mono"][1]).max() > 10
+
+
+def test_the_pointer_is_drawn_for_each_eye_while_panels_take_it(display, user, quiet, coarse):
+    options = DisplayOptions("side-by-side", SIZE, quality=coarse)
+    with closing(Dive(DiveOptions(quiet, seed=1, display=options))) as running:
+        running.overlay.draw = lambda *rest: None
+        running.inspector.toggle()
+        running.tick_source.advance = lambda elapsed_s: 1.0  # paused time
+
+        def pictures(*place):
+            user.do(
+                "mousemove", *(a + b for a, b in zip(running.window.position, place, strict=True))
+            )
+            user.glide(running, 0.3)
+            return np.split(running.window_set.picture().astype(int), 2, axis=1)
+
+        away, here = pictures(60, 350), pictures(160, 200)
+        for before, after in zip(away, here, strict=True):
+            changed = np.abs(after - before).max(axis=2)[180:240, 150:200] > 100
+            assert changed.sum() > 20
+        running.inspector.toggle()
+        running.frame(0.0)
+        assert not imgui.get_io().mouse_draw_cursor

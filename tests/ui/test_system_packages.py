@@ -20,7 +20,7 @@ def test_the_libraries_are_those_of_the_setup():
     assert system_packages.INSTALL.startswith(context.INSTALL)
 
 
-def test_the_makers_bench_has_every_extra_but_that_of_clusters():
+def test_the_workshop_setup_has_every_extra_except_cluster():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     [line] = re.findall(r'^bench\) groups="(.*?)"', SETUP, re.MULTILINE)
     extras = set(project["project"]["optional-dependencies"])

@@ -7,31 +7,28 @@ import numpy as np
 import pytest
 
 from subsea.behavior.teleop import TeleopCommand
-from subsea.core.resources import resource_path
 from subsea.geometry.rotation import rotate
 from subsea.state import WANDER
 from subsea.ui.commands import SHARED_TIME
 from subsea.ui.dive import Dive
 from subsea.view.retina import Gaze
 from subsea.world import snapshot
+from subsea.world.world import TICK_S
 from tests.support.windows import dive_options
 
 SIZE = (400, 300)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, coarse, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+def boat(display, user, quiet, coarse):
     with closing(Dive(dive_options(quiet, SIZE, coarse))) as running:
-        hands.glide(running, 0.2)
+        user.glide(running, 0.2)
         yield running
 
 
-def pressed(boat, hands, key, true):
-    hands.do("key", key)
-    hands.until(boat, true)
+def pressed(boat, user, key, true):
+    user.do("key", key)
+    user.until(boat, true)
 
 
 def heading(world, fish):
@@ -39,79 +36,93 @@ def heading(world, fish):
     return np.arctan2(y, x)
 
 
-def test_keys_stop_time_and_take_it_back_to_the_very_same_world(boat, hands):
+def test_keys_pause_and_rewind_time_to_the_same_world(boat, user):
     world, time = boat.world, boat.timeline
     was = {}
     for _ in range(30):
         boat.frame(0.033)
         was[world.state.tick] = snapshot.checksum(world)
-    pressed(boat, hands, "k", lambda: time.paused)
+    pressed(boat, user, "k", lambda: time.paused)
     now = world.state.tick
-    hands.glide(boat, 0.5)
+    user.glide(boat, 0.5)
     assert (world.state.tick, boat.picture.alpha) == (now, 1.0)
     was[now] = snapshot.checksum(world)
     assert "paused" in boat.text.status
-    pressed(boat, hands, "comma", lambda: world.state.tick == max(now - 30, time.earliest))
+    pressed(boat, user, "comma", lambda: world.state.tick == max(now - 30, time.earliest))
     back = world.state.tick
     assert back in was or back < min(was)
-    pressed(boat, hands, "period", lambda: world.state.tick == back + 1)
+    pressed(boat, user, "period", lambda: world.state.tick == back + 1)
     for tick in sorted(was)[::6]:
         while world.state.tick < tick:
-            pressed(boat, hands, "period", lambda at=world.state.tick: world.state.tick > at)
+            pressed(boat, user, "period", lambda at=world.state.tick: world.state.tick > at)
         assert snapshot.checksum(world) == was[tick]
     assert "s back" in boat.text.status
-    pressed(boat, hands, "j", lambda: time.rate == 0.5)
-    pressed(boat, hands, "l", lambda: time.rate == 1.0)
-    pressed(boat, hands, "k", lambda: not time.paused)
-    hands.until(boat, lambda: world.state.tick > now)
+    pressed(boat, user, "j", lambda: time.rate == 0.5)
+    pressed(boat, user, "l", lambda: time.rate == 1.0)
+    pressed(boat, user, "k", lambda: not time.paused)
+    user.until(boat, lambda: world.state.tick > now)
 
 
-def test_a_fish_is_followed_from_behind_and_looked_through_in_turn(boat, hands, monkeypatch):
+def test_a_rewind_of_running_time_says_to_when(boat, user):
+    boat.overlay.note("")
+    back = max(boat.timeline.tick - round(1.0 / TICK_S), boat.timeline.earliest)
+    user.do("key", "comma")
+    user.until(boat, lambda: boat.overlay.note_text)
+    said = int(re.search(r"back to second (\d+) of the dive", boat.overlay.note_text)[1])
+    assert 0 <= said - back * TICK_S + 0.5 < 2.0  # frames went on until the key arrived
+    for _ in range(61):
+        boat.run_command("rewind")
+    assert boat.overlay.note_text.endswith(", the earliest")
+    boat.frame(0.0)
+    assert boat.timeline.tick == boat.timeline.earliest and not boat.timeline.paused
+
+
+def test_a_key_switches_between_behind_a_fish_and_its_eyes(boat, user, monkeypatch):
     told = []
     monkeypatch.setattr(boat.overlay, "note", told.append)
-    pressed(boat, hands, "c", lambda: boat.picture.ride is not None and boat.picture.ride.behind)
+    pressed(boat, user, "c", lambda: boat.picture.ride is not None and boat.picture.ride.behind)
     fish = boat.picture.ride.by.fish
-    hands.glide(boat, 0.3)
+    user.glide(boat, 0.3)
     (view,) = boat.picture.views()[:1]
     assert view.without != fish
     assert told == ["C through its eyes   G steer it   Esc back"]
     away = boat.world.state.fishes.position[fish] - view.eye
     assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead and visible
-    pressed(boat, hands, "c", lambda: not boat.picture.ride.behind)
+    pressed(boat, user, "c", lambda: not boat.picture.ride.behind)
     assert boat.picture.views()[0].without == fish
-    pressed(boat, hands, "c", lambda: boat.picture.ride.behind)
+    pressed(boat, user, "c", lambda: boat.picture.ride.behind)
 
 
-def test_hands_steer_the_fish_while_the_submarine_keeps_station(boat, hands, monkeypatch):
+def test_keys_steer_the_fish_while_the_submarine_keeps_station(boat, user, monkeypatch):
     orders, make = [], boat.timeline.make
     monkeypatch.setattr(boat.timeline, "make", lambda order: (orders.append(order), make(order)))
     world, fish = boat.world, boat.picture.ride.by.fish
     submarine, fishes = world.state.submarine, world.state.fishes
-    pressed(boat, hands, "g", lambda: boat.tick_source.steered_fish == fish)
-    hands.glide(boat, 3.0)
+    pressed(boat, user, "g", lambda: boat.tick_source.steered_fish == fish)
+    user.glide(boat, 3.0)
     station = submarine.position.copy()
-    assert "in your hands" in boat.text.status
+    assert "steered by you" in boat.text.status
     assert abs(fishes.goal_speed[fish]) < 0.01  # no command: it hovers
-    hands.do("keydown", "w", "keydown", "a")
-    hands.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
+    user.do("keydown", "w", "keydown", "a")
+    user.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
     before = heading(world, fish)
-    hands.glide(boat, 2.0)
+    user.glide(boat, 2.0)
     turned = (heading(world, fish) - before + np.pi) % (2 * np.pi) - np.pi
     assert turned > np.radians(20.0)
     assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
-    hands.do("keyup", "w", "keyup", "a")
+    user.do("keyup", "w", "keyup", "a")
     assert world.state.minds.intention[fish] == WANDER
     assert isinstance(orders[-1], TeleopCommand)
     assert np.linalg.norm(submarine.position - station) < 3.0
-    pressed(boat, hands, "g", lambda: boat.tick_source.steered_fish is None)
-    assert "in your hands" not in boat.text.status
-    pressed(boat, hands, "Escape", lambda: boat.picture.ride is None)
+    pressed(boat, user, "g", lambda: boat.tick_source.steered_fish is None)
+    assert "steered by you" not in boat.text.status
+    pressed(boat, user, "Escape", lambda: boat.picture.ride is None)
     assert boat.tick_source.steered_fish is None
 
 
-def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
+def test_the_fish_under_the_pointer_is_found(boat, user):
     world = boat.world
-    hands.glide(boat, 0.2)
+    user.glide(boat, 0.2)
     front_view, fishes = boat.picture.front_view, world.state.fishes
     fish = 4
     eye, way = front_view.ray(0.3, 0.4)
@@ -123,11 +134,11 @@ def test_the_fish_under_the_pointer_is_the_one_at_its_place(boat, hands):
     assert boat.picture.fish_at(x, y) == fish
     assert boat.picture.fish_at(x + 0.45, y + 0.5) != fish
     boat.frame(0.0)  # drawing continues
-    assert hands.screen(boat).std() > 5.0
+    assert user.screen(boat).std() > 5.0
     boat.timeline.pause()
 
 
-def test_a_fish_of_a_number_is_followed(boat, hands):
+def test_a_fish_is_followed_by_its_number(boat, user):
     boat.ride_fish(7, True)
     assert (boat.picture.ride.by.fish, boat.picture.ride.behind) == (7, True)
     boat.frame(0.1)
@@ -152,7 +163,7 @@ def test_options_begin_a_ride_as_keys_would(boat):
     boat.run_command("alight")
 
 
-def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
+def test_an_idle_tour_runs_at_the_usual_pace(boat):
     boat.ride_fish(7, True)
     boat.timeline.run_at(4.0)
     boat.tours.begin()
@@ -161,7 +172,7 @@ def test_a_tour_when_nobody_is_there_goes_at_the_usual_pace(boat):
     boat.frame(0.1)
 
 
-def test_shared_time_is_nobodys_to_stop(boat, hands, monkeypatch):
+def test_shared_time_cannot_be_stopped(boat, user, monkeypatch):
     monkeypatch.setattr(boat.tick_source, "timeline", None)
     told = []
     monkeypatch.setattr(boat.overlay, "note", told.append)

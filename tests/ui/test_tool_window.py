@@ -16,6 +16,7 @@ from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.render.gl.image_texture import ImageTexture
 from subsea.ui.gui import INK, MARK
+from subsea.ui.name_dialog import NameDialog
 from subsea.ui.tool_window import ToolWindow, run_tool
 from subsea.ui.viewport2d import Viewport2D
 
@@ -33,10 +34,6 @@ class Line:
         self.shown = ImageTexture(window.context, RED)
         self.trial, self.fault, self.refuses = None, None, False
         self.frames, self.due = 0, math.inf
-
-    unsaved = property(lambda self: self.history.unsaved)
-    may_undo = property(lambda self: self.history.may_undo)
-    may_redo = property(lambda self: self.history.may_redo)
 
     @property
     def points(self):
@@ -124,139 +121,159 @@ def at(window, x, y):
     return round(left + across), round(top + down)
 
 
-def drag(window, hands, begin, end, button=1):
-    for words in (
-        ("mousemove", *begin), ("mousedown", button), ("mousemove", *end), ("mouseup", button),
-    ):  # fmt: skip
-        hands.do(*words)
-        hands.glide(window, 0.3)
-
-
-def test_a_point_is_dragged_undone_redone_and_saved(window, hands, spots):
+def test_a_point_is_dragged_undone_redone_and_saved(window, user, spots):
     line = window.tool
-    drag(window, hands, at(window, 5.0, 2.0), at(window, 6.0, -1.0))
-    hands.until(window, lambda: line.points[1] == pytest.approx((6.0, -1.0), abs=0.05))
+    user.drag(window, at(window, 5.0, 2.0), at(window, 6.0, -1.0))
+    user.until(window, lambda: line.points[1] == pytest.approx((6.0, -1.0), abs=0.05))
     assert (line.points[0], line.points[2]) == (POINTS[0], POINTS[2])
     moved = line.points
-    assert line.unsaved
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: line.points == POINTS)
-    assert not line.unsaved
-    hands.do("key", "ctrl+y")
-    hands.until(window, lambda: line.points == moved)
+    assert line.history.unsaved
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: line.points == POINTS)
+    assert not line.history.unsaved
+    user.do("key", "ctrl+y")
+    user.until(window, lambda: line.points == moved)
     spots.click(window, "Undo")
-    hands.until(window, lambda: line.points == POINTS)
-    hands.do("key", "ctrl+shift+z")
-    hands.until(window, lambda: line.points == moved)
-    hands.do("key", "ctrl+s")
-    hands.until(window, lambda: not line.unsaved)
+    user.until(window, lambda: line.points == POINTS)
+    user.do("key", "ctrl+shift+z")
+    user.until(window, lambda: line.points == moved)
+    user.do("key", "ctrl+s")
+    user.until(window, lambda: not line.history.unsaved)
     spots.click(window, "Undo")
-    hands.until(window, lambda: line.unsaved)
+    user.until(window, lambda: line.history.unsaved)
     spots.click(window, "Save")
-    hands.until(window, lambda: not line.unsaved)
+    user.until(window, lambda: not line.history.unsaved)
 
 
-def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves_the_view(window, hands):
+def test_a_tap_within_a_frame_undoes_even_if_ctrl_is_released_first(window, user):
+    line = window.tool
+    for tap in (["keydown", "z", "keyup", "ctrl", "keyup", "z"], ["key", "z", "keyup", "ctrl"]):
+        line.history.do(((1.0, 1.0), *POINTS[1:]))
+        user.do("keydown", "ctrl")
+        user.glide(window, 0.3)
+        user.do(*tap)  # no frame meanwhile
+        user.until(window, lambda: line.points[0] == POINTS[0], 5.0)
+    user.glide(window, 0.2)
+    line.history.saved()
+
+
+def test_esc_in_a_list_of_a_dialog_closes_only_the_list(window, user, spots, monkeypatch):
+    naming, answers = NameDialog("fusilier"), []
+    monkeypatch.setattr(window.tool, "draw", lambda elapsed_s: answers.append(naming.draw()) or 0.0)
+    user.glide(window, 0.3)
+    popups = imgui.get_current_context().open_popup_stack
+    spots.click(window, "built like")
+    user.until(window, lambda: popups.size() == 2)
+    user.do("key", "Escape")
+    user.until(window, lambda: popups.size() == 1)
+    assert set(answers) == {None}
+    user.do("key", "Escape")
+    user.until(window, lambda: False in answers)
+
+
+def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves_the_view(window, user):
     view = window.tool.view
     fitted, place = view.scale, at(window, 2.0, -2.0)
-    hands.do("mousemove", *place)
-    hands.glide(window, 0.3)
-    hands.do("click", 4, "click", 4)
-    hands.until(window, lambda: view.scale > 1.3 * fitted)
+    user.do("mousemove", *place)
+    user.glide(window, 0.3)
+    user.do("click", 4, "click", 4)
+    user.until(window, lambda: view.scale > 1.3 * fitted)
     assert at(window, 2.0, -2.0) == pytest.approx(place, abs=1)
     for button in (1, 2, 3):
         before = view.from_screen(100.0, 100.0)
-        drag(window, hands, place, (place[0] + 40, place[1] - 30), button)
+        user.drag(window, place, (place[0] + 40, place[1] - 30), button=button)
         x, y = view.from_screen(100.0, 100.0)
         assert x == pytest.approx(before[0] - 40 / view.scale, abs=1e-6)
         assert y == pytest.approx(before[1] - 30 / view.scale, abs=1e-6)
     assert window.tool.points == window.tool.history.present
-    hands.glide(window, 0.5)
-    hands.double_click(window)
-    hands.until(window, lambda: view.scale == pytest.approx(fitted))
+    user.glide(window, 0.5)
+    user.double_click(window)
+    user.until(window, lambda: view.scale == pytest.approx(fitted))
 
 
-def test_pictures_are_shown_as_they_are(window, hands):
-    hands.glide(window, 0.2)
+def test_pictures_are_shown_as_they_are(window, user):
+    user.glide(window, 0.2)
     left, top = window.window.position
     x, y = at(window, 8.7, -1.7)
-    assert np.abs(hands.screen(window)[y - top, x - left] - RED[0, 0]).max() < 12
-    assert (window.picture()[y - top, x - left] == hands.screen(window)[y - top, x - left]).all()
+    assert np.abs(user.screen(window)[y - top, x - left] - RED[0, 0]).max() < 12
+    assert (
+        window.window_set.picture()[y - top, x - left] == user.screen(window)[y - top, x - left]
+    ).all()
 
 
-def test_closing_asks_once_about_unsaved_work(window, hands, spots):
+def test_closing_asks_once_about_unsaved_work(window, user, spots):
     import glfw
 
     line = window.tool
     line.history.do(((0.0, 0.0), (5.0, 1.0), (10.0, 0.0)))
     close = lambda: glfw.set_window_should_close(window.window.handle, True)  # noqa: E731
     close()
-    hands.glide(window, 0.3)
+    user.glide(window, 0.3)
     assert window.open
     assert window.asking
     spots.click(window, "Go on##answer")
-    hands.until(window, lambda: not window.asking)
-    assert window.open and line.unsaved
+    user.until(window, lambda: not window.asking)
+    assert window.open and line.history.unsaved
     line.refuses = True
     close()
-    hands.glide(window, 0.3)
+    user.glide(window, 0.3)
     spots.click(window, "Save##answer")
-    hands.glide(window, 0.2)
-    assert window.open and line.unsaved and window.message == "the disk is full"
+    user.glide(window, 0.2)
+    assert window.open and line.history.unsaved and window.message == "the disk is full"
     line.refuses = False
     # The first Ctrl-C asks; the second ends.
     assert not window.interrupted()
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     assert window.interrupted()
-    hands.do("key", "Escape")
-    hands.glide(window, 0.3)
+    user.do("key", "Escape")
+    user.glide(window, 0.3)
     assert not window.interrupted()
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     spots.click(window, "Save##answer")
-    hands.until(window, lambda: not window.open)
-    assert not line.unsaved
+    user.until(window, lambda: not window.open)
+    assert not line.history.unsaved
     window.open = True
 
 
-def test_a_fault_is_told_and_costs_no_work(window, hands):
+def test_an_error_is_shown_and_costs_no_work(window, user):
     line = window.tool
     line.fault = UserError("fish.toml: no such fish")
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     assert window.message == "fish.toml: no such fish"
     line.fault = ZeroDivisionError("by zero")
     with pytest.warns(RuntimeWarning, match="ZeroDivisionError"):
-        hands.glide(window, 0.3)
+        user.glide(window, 0.3)
     assert "by zero" in window.message
     line.fault = None
     frames = line.frames
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     assert line.frames == frames + 2
 
 
-def test_work_behind_brings_its_result_or_its_fault(window, hands):
+def test_background_work_returns_its_result_or_its_error(window, user):
     results = []
     window.run_in_background(lambda: 6 * 7, results.append)
     assert window.busy
-    hands.until(window, lambda: results == [42])
+    user.until(window, lambda: results == [42])
     assert not window.busy
 
     def fails():
         raise UserError("too dark")
 
     window.run_in_background(fails, results.append, "looking", lambda: results.append("failed"))
-    hands.until(window, lambda: window.message == "too dark")
+    user.until(window, lambda: window.message == "too dark")
     assert results == [42, "failed"]
 
 
-def test_it_draws_in_a_window_of_one_pixel(window, hands):
+def test_it_draws_in_a_window_of_one_pixel(window, user):
     import glfw
 
     for size in ((1, 1), (30, 400), (400, 30), SIZE):
         glfw.set_window_size(window.window.handle, *size)
-        hands.until(window, lambda size=size: window.window.points == size)
+        user.until(window, lambda size=size: window.window.points == size)
         frames = window.tool.frames
         window.wake()
-        hands.glide(window, 0.3)
+        user.glide(window, 0.3)
         assert window.tool.frames > frames
 
 

@@ -45,7 +45,7 @@ def test_ahead_is_the_middle_and_up_is_up():
             assert right[0] > 320
 
 
-def test_the_field_of_view_is_what_it_says():
+def test_the_field_of_view_is_as_given():
     observer = pose_from_angles(EYE, 0.3, 0.0)
     (view,) = views_for("mono", (640, 360), observer)
     edge = EYE + 100 * observer.forward + 100 * np.tan(VERTICAL_FOV / 2) * observer.up

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.core.resources import resource_path
 from subsea.fish.coupling import couple, place
-from subsea.fish.mesh import BODY, DETAILS, FIN, fish_mesh, outfit, surface_points
+from subsea.fish.mesh import BODY, DETAILS, FIN, fish_mesh, species_vertices, surface_points
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import ENLARGED
@@ -73,7 +73,7 @@ def drawn():
     for name in ("fusilier", "emperor_angelfish", "blacktip_reef_shark", "spotted_eagle_ray"):
         species = load_species(name)
         repertoire = read_repertoire(resource_path(f"repertoires/{name}.h5"))
-        own = outfit(species.surface, mesh, DETAILS[0])
+        own = species_vertices(species.surface, mesh, DETAILS[0])
         shown = smooth & (own[:, 2] >= 0)
         radius = max(s.bounding_radius_bl for s in repertoire.segments.values())
         for segment in repertoire.segments.values():
@@ -100,9 +100,7 @@ def _poses(species, repertoire, segment):
     length=st.floats(8, 150), display=st.sampled_from(["mono", "side-by-side", "dome"]),
 )  # fmt: skip
 @settings(max_examples=200)
-def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
-    drawn, which, turn, at, length, display
-):
+def test_no_fish_with_a_visible_vertex_is_culled(drawn, which, turn, at, length, display):
     """Nothing pops at the edges of a picture, for any species and pose."""
     places, radius = drawn[which % len(drawn)]
     quaternion = np.array(turn) + [1.5, 0, 0, 0]
@@ -118,13 +116,13 @@ def test_no_fish_is_culled_of_which_a_drawn_vertex_is_in_sight(
             assert np.isfinite(away)
 
 
-def test_most_of_what_cannot_show_is_culled():
+def test_most_invisible_things_are_culled():
     rng = np.random.default_rng(1)
     pixels = _pixels(EYE + rng.normal(0, 500, (5000, 3)), _views())
     assert (pixels == OUT_OF_SIGHT).mean() > 0.8  # the frustum is about a ninth of all directions
 
 
-def test_what_the_fog_hides_is_left_out():
+def test_things_hidden_by_fog_are_left_out():
     places = [EYE + [d, 0, 0] for d in (100, 980, 1020, 2000)]
     np.testing.assert_array_equal(_pixels(places, _views(), reach_cm=990.0) > 0, [1, 1, 0, 0])
 

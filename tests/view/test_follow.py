@@ -7,7 +7,7 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.habitat.clearance import clearances
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -32,7 +32,7 @@ def test_it_sees_its_fish_from_behind_and_above_more_calmly_than_that_swims(worl
     cameras = dict.fromkeys(fish)
     looks, heads = [], []
     for _ in range(90):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         for one in fish:
             cameras[one], pose = follow_fish(world, one, 1.0, cameras[one])
             away = fishes.position[one] - pose.eye

@@ -101,7 +101,7 @@ def test_no_change_begins_while_one_is_under_way():
     assert memory.former[0] == 2
 
 
-def test_what_comes_into_sight_is_there_at_once():
+def test_a_fish_that_comes_into_sight_does_not_fade_in():
     memory = empty_lod_state(2)
     _level([100.0, -1.0], memory, 0.0)
     np.testing.assert_array_equal(memory.level, [2, HIDDEN])

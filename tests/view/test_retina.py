@@ -11,7 +11,7 @@ from subsea.frame.packet import PackOptions, pack
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.view.retina import (
     Gaze,
     eye_weights,
@@ -31,7 +31,7 @@ SIZE = (64, 48)
 def world():
     world = create_world(load_scenario("peaceful")[0], fish=60)
     for _ in range(20):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return world
 
 
@@ -81,7 +81,7 @@ def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
 def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
     world = create_world(load_scenario("peaceful")[0], fish=12, live=12, live_reach_cm=np.inf)
     for _ in range(600):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         if world.state.fishes.live.all():
             break
     assert world.state.fishes.live.all()

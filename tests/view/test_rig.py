@@ -139,7 +139,7 @@ def seen_apart(rig, distance):
     return places[0] - places[1]
 
 
-def test_eyes_of_a_fish_see_what_is_near_as_a_person_sees_what_is_far():
+def test_a_fish_sees_near_things_as_a_person_sees_far_ones():
     for display in LAYOUTS:
         rig = display_rig(display, (64, 48))
         near = limit_separation(rig, 0.32)  # a tenth of a person's

@@ -86,7 +86,7 @@ def test_faces_lie_apart_and_hold_all_that_the_picture_shows():
             assert (seen > 1).mean() < 12 * MARGIN_PX / face
 
 
-def test_what_a_picture_does_not_show_is_not_drawn():
+def test_parts_outside_of_the_picture_are_not_drawn():
     drawn = {
         display: sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes) / np.prod(rig.canvas)
         for display, rig in ((name, display_rig(name, (800, 200))) for name in SIZES)

@@ -31,7 +31,7 @@ def test_the_middle_is_straight_ahead_and_the_upper_left_corner_left_and_above()
     assert corner[1] > 0.2 and corner[2] > 0.1
 
 
-def test_what_is_behind_has_no_place():
+def test_points_behind_the_eye_have_no_place():
     rig = display_rig("mono", SIZE)
     seen = front_screen(rig, views(rig, pose_from_angles(np.zeros(3), 0.0, 0.0)))
     assert np.isnan(seen.places(np.array([[-50.0, 0.0, 0.0]]))).all()

@@ -1,4 +1,4 @@
-"""Continuing a dive in another world keeps what panels have changed."""
+"""Continuing a dive in another world preserves changes by panels."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from subsea.state import TRAITS
 from subsea.world import placement
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
+
+PILLAR = Pillar(position_cm=(0.0, 0.0), radius_cm=9.0, height_cm=9.0)
 
 
 @pytest.fixture(scope="module")
@@ -46,15 +48,10 @@ def changed(few):
             lambda s: replace(s, fish=[replace(s.fish[0], spread_cm=99.0), *s.fish[1:]]),
             {3: 3, 5: 5},
         ),
-        (
-            lambda s: replace(
-                s, pillar=[Pillar(position_cm=(0.0, 0.0), radius_cm=9.0, height_cm=9.0)]
-            ),
-            {3: 3, 5: 5},
-        ),
+        (lambda s: replace(s, pillar=[PILLAR]), {3: 3, 5: 5}),
     ],
 )
-def test_changes_of_panels_are_kept(few, changed, edit, there):
+def test_changes_by_panels_persist(few, changed, edit, there):
     world, plain = create_world(edit(few)), create_world(edit(few))
     migrate(changed, world)
     assert world.nature.keen == 0.77

@@ -1,5 +1,7 @@
 """Placement: picking with rays, moving and editing things, undo."""
 
+from functools import partial
+
 import msgspec
 import numpy as np
 import pytest
@@ -13,10 +15,21 @@ from subsea.geometry.height_field import height_at
 from subsea.habitat import stone_samples
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
-from subsea.scenario.schema import Bounds, IndividualTable, Scenario, Shoal, Start, Terrain, Water
-from subsea.submarine.helm import HANDS_OFF
+from subsea.scenario.schema import (
+    Bounds,
+    IndividualTable,
+    Scenario,
+    Shoal,
+    Start,
+    Terrain,
+    TourTable,
+    Water,
+    Waypoint,
+)
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world
+from subsea.world.checks import check_in_sea
 from subsea.world.placement import added, aim, check_placed, grip, handles, moved, pick
 from subsea.world.step import step
 
@@ -63,7 +76,7 @@ def before(handle, away=250.0, high=60.0):
     return eye, toward(eye, middle)
 
 
-def test_a_ray_picks_the_first_thing_that_it_meets(full):
+def test_a_ray_picks_the_first_thing(full):
     scenario, sea = full
     those = handles(scenario, sea)
     assert sorted(one.kind for one in those) == sorted(placement.KINDS)
@@ -166,7 +179,28 @@ def test_single_fishes_keep_their_tables_when_shoals_change():
     assert len(gone.fish) == len(scenario.fish) - 1
 
 
-def test_misplaced_things_are_errors_of_one_line(full):
+def test_a_trial_near_a_tour_is_refused_as_the_world_would_refuse_it(full):
+    scenario, sea = full
+    way = [
+        Waypoint(time_s=0.0, position_cm=(-900.0, 0.0, -300.0)),
+        Waypoint(time_s=30.0, position_cm=(900.0, 0.0, -300.0), ahead=True),
+    ]
+    scenario = replace(scenario, tour=[TourTable(name="across", waypoint=way)])
+    rock = next(one for one in handles(scenario, sea) if one.kind == "rock")
+    tall = replace(scenario.rock[0], size_cm=(60.0, 60.0, 450.0))
+    clear = placement.with_table(scenario, "rock", 0, tall)
+    trial = moved(clear, rock, (0.0, 0.0, 0.0))
+    said = []
+    for check in (partial(check_in_sea, sea=sea), check_placed):
+        with pytest.raises(
+            UserError, match=r"`tour\[0\]` 'across' is .* from `rock\[0\]`"
+        ) as caught:
+            check(trial)
+        said.append(str(caught.value))
+    assert said[0] in said[1]
+
+
+def test_misplaced_things_are_one_line(full):
     scenario, sea = full
     those = {one.kind: one for one in handles(scenario, sea)}
     x, y, z = those["pillar"].place
@@ -179,7 +213,7 @@ def test_misplaced_things_are_errors_of_one_line(full):
             moved(scenario, those["rock"], (1990.0, 900.0, 0.0)),
             ["`rock[0].position_cm`", "outside"],
         ),
-        (replace(scenario, fish=[replace(scenario.fish[0], number=-2)]), ["number", ">= 0"]),
+        (replace(scenario, fish=[replace(scenario.fish[0], number=-2)]), ["number", "at least 0"]),
         (replace(scenario, rock=scenario.rock * 190), ["rock"]),
     ):
         with pytest.raises(UserError) as caught:
@@ -265,13 +299,13 @@ def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypa
         patch.setattr(
             disk_cache, "cache_folder", lambda: tmp_path / "kept"
         )  # nothing that was kept
-        stone_samples._settled.cache_clear()
+        stone_samples._on_stone.cache_clear()
         other = create_world(load_scenario(str(path))[0])
     assert snapshot.checksum(other) == snapshot.checksum(world)
     constant = snapshot.constant(world)
     for name, array in snapshot.constant(other).items():
         np.testing.assert_array_equal(array, constant[name], err_msg=name)
     for _ in range(30):
-        step(world, HANDS_OFF)
-        step(other, HANDS_OFF)
+        step(world, NEUTRAL)
+        step(other, NEUTRAL)
     assert snapshot.checksum(other) == snapshot.checksum(world)

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from pathlib import Path
 
 import h5py
 import pytest
@@ -13,10 +14,14 @@ from subsea.repertoire import files
 from subsea.world import repertoires
 
 
-def test_a_repertoire_is_cached_by_its_content(tmp_path, monkeypatch):
+@pytest.fixture
+def path(tmp_path, monkeypatch):
+    """A copy of a repertoire, beside an empty cache."""
     monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
-    path = tmp_path / "clownfish.h5"
-    shutil.copy(repertoire_file("clownfish"), path)
+    return Path(shutil.copy(repertoire_file("clownfish"), tmp_path / "clownfish.h5"))
+
+
+def test_a_repertoire_is_cached_by_its_content(path, tmp_path):
 
     def read(stamp):  # a new stamp: not from memory
         return repertoires._repertoire(path, "clownfish", (stamp, 0))
@@ -35,10 +40,7 @@ def test_a_repertoire_is_cached_by_its_content(tmp_path, monkeypatch):
         read(5)
 
 
-def test_a_repertoire_that_changes_while_being_read_is_not_cached(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
-    path = tmp_path / "clownfish.h5"
-    shutil.copy(repertoire_file("clownfish"), path)
+def test_a_repertoire_that_changes_while_being_read_is_not_cached(path, monkeypatch):
     whole, read = path.read_bytes(), files.read_repertoire
 
     def late(path):
@@ -55,10 +57,7 @@ def test_a_repertoire_that_changes_while_being_read_is_not_cached(tmp_path, monk
     assert found.body_length_cm == read(path).body_length_cm
 
 
-def test_huge_files_and_pipes_are_not_read_completely(tmp_path, monkeypatch):
-    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "kept")
-    path = tmp_path / "clownfish.h5"
-    shutil.copy(repertoire_file("clownfish"), path)
+def test_huge_files_and_pipes_are_not_read_completely(path, tmp_path):
     with path.open("r+b") as file:
         file.truncate(1 << 40)  # sparse: a digest would take an hour
     assert repertoires._repertoire(path, "clownfish", (1, 0)).species == "clownfish"

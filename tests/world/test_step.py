@@ -37,22 +37,12 @@ def voyage():
     return world, np.array(path), np.array(hull)
 
 
-@pytest.fixture(scope="module")
-def minute(voyage):
-    """World and paths of fishes of the voyage."""
-    return voyage[:2]
-
-
-def test_the_sea_has_the_fishes_of_the_scenario():
-    world = _world()
-    assert len(world.state.fishes.species) == sum(s.number for s in world.scenario.fish)
-
-
-@pytest.mark.parametrize("fish", [0, 1, 7, 61, 500])
+@pytest.mark.parametrize("fish", [None, 0, 1, 7, 61, 500])
 def test_shoals_scale_to_any_number_of_fishes(fish):
     world = _world(fish=fish)
     step(world, AHEAD)
-    assert len(world.state.fishes.species) == fish
+    number = sum(shoal.number for shoal in world.scenario.fish) if fish is None else fish
+    assert len(world.state.fishes.species) == number
 
 
 def test_courting_males_show_their_colours():
@@ -67,8 +57,8 @@ def test_courting_males_show_their_colours():
     assert display[1] == 0.0
 
 
-def test_fishes_stay_inside_the_sea(minute):
-    world, path = minute
+def test_fishes_stay_inside_the_sea(voyage):
+    world, path, _ = voyage
     bounds = world.scenario.bounds
     assert np.isfinite(path).all()
     assert np.hypot(path[..., 0], path[..., 1]).max() < bounds.radius_cm
@@ -93,8 +83,8 @@ def test_speeds_are_those_of_fishes(voyage):
     assert (speed / lengths).mean(axis=0).min() > 0.15
 
 
-def test_schools_stay_together(minute):
-    world, path = minute
+def test_schools_stay_together(voyage):
+    world, path, _ = voyage
     schooling = world.state.minds.leader >= 0
     leaders = world.state.minds.leader[schooling]
     assert len(set(leaders)) == 2
@@ -103,8 +93,8 @@ def test_schools_stay_together(minute):
     assert (gap < 350).mean() > 0.98
 
 
-def test_schooling_fishes_keep_their_distance(minute):
-    world, path = minute
+def test_schooling_fishes_keep_their_distance(voyage):
+    world, path, _ = voyage
     schooling = world.state.minds.leader >= 0
     places = path[900::60, schooling]
     gap = np.linalg.norm(places[:, :, None] - places[:, None], axis=3)
@@ -113,8 +103,8 @@ def test_schooling_fishes_keep_their_distance(minute):
     assert np.median(nearest) > 0.5
 
 
-def test_fishes_stay_upright(minute):
-    world, _ = minute
+def test_fishes_stay_upright(voyage):
+    world, *_ = voyage
     rolls = [abs(roll_of(q)) for q in world.state.fishes.orientation.astype(float)]
     assert np.degrees(np.median(rolls)) < 5
     assert np.degrees(max(rolls)) < 40
@@ -156,7 +146,7 @@ def test_the_number_of_threads_does_not_matter():
     assert run("1") == run("2")
 
 
-def test_the_checksum_sees_every_array():
+def test_the_checksum_includes_every_array():
     world = _world(fish=3)
     before = checksum(world)
     world.state.fishes.fins[2, 1] += 1e-3

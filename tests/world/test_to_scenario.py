@@ -53,7 +53,7 @@ def test_a_world_built_from_the_export_has_the_same_parameters(world, few, tmp_p
     assert to_scenario(again) == saved
 
 
-def test_a_change_that_is_taken_back_leaves_no_trace(world, few):
+def test_an_undone_change_leaves_no_trace(world, few):
     male = bool(world.state.minds.male[5])
     set_of(world, fish=5, male=not male)
     assert to_scenario(world).individual[1] == IndividualTable(fish=5, male=not male)

@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.scenario.load import load_scenario
 from subsea.state import TRAITS
-from subsea.submarine.helm import HANDS_OFF
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -17,7 +17,7 @@ def made():
 
 def stepped(world, ticks):
     for _ in range(ticks):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     return snapshot.checksum(world)
 
 
@@ -69,7 +69,7 @@ def test_the_current_changes_at_once():
     drifts = []
     for current in ((0.0, 0.0), (40.0, 0.0), (0.0, -40.0)):
         world.current_cm_s = current
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
         drifts.append(world.state.fishes.drift.mean(axis=0))
     still, east, south = drifts
     assert abs(still).max() == 0.0

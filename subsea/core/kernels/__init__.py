@@ -12,11 +12,14 @@ def kernel(function: Callable[..., Any]) -> Any:
     """Decorate a function to compile it when it is first called.
 
     The code is cached on disk, divides by zero as numpy does, keeps the order of floating-point
-    operations, and runs without the GIL.
+    operations, and runs without the GIL. A wrapper for C, which numba would add, is left out: it
+    takes a tenth of the time to compile.
     """
-    compiled = njit(error_model="numpy", nogil=True, fastmath=False)(function)
+    compiled = njit(error_model="numpy", nogil=True, fastmath=False, no_cfunc_wrapper=True)(
+        function
+    )
     try:
         compiled._cache = KernelCache(function)
     except (OSError, RuntimeError):  # no writable folder
-        report("no folder for it can be written")
+        report("no folder for it is yours alone")
     return compiled

@@ -2,7 +2,8 @@
 
 Numba reuses a kernel while the file that defines it is unchanged. It ignores that the kernel calls
 functions of other files, so their old code would run after an update. These classes are numba's
-with another stamp; only this project's kernels use them.
+with another stamp; only this project's kernels use them. Reading compiled code can run anything, so
+it is read only from files that nobody but the user can have written.
 """
 
 import hashlib
@@ -15,6 +16,7 @@ from typing import Any
 
 from numba.core import caching
 
+from subsea.core.own_files import make_own_folder, open_own
 from subsea.core.source_stamp import ROOT, source_stamp
 
 
@@ -28,8 +30,11 @@ def _own(file: str) -> Path | None:
 
 @cache
 def _make_folder(path: str) -> None:
-    """Make a folder, or raise an OSError. Tests writing once per folder, not once per kernel."""
-    Path(path).mkdir(parents=True, exist_ok=True)
+    """Make a folder; OSError unless this user, and nobody else, may write to it.
+
+    Tests this once per folder, not once per kernel.
+    """
+    make_own_folder(Path(path))
     tempfile.TemporaryFile(dir=path).close()
 
 
@@ -88,15 +93,23 @@ class VerifiedFile(caching.IndexDataCacheFile):  # type: ignore[misc]
             if hashlib.sha256(whole).digest() != digest:
                 return None
             *of, data = pickle.loads(whole)
-        except Exception:  # a damaged pickle may raise anything
+        except (Exception, SystemExit):  # a damaged pickle may raise anything
             return None
         return data if of == [self._version, self._source_stamp, key] else None
 
     def _load_index(self) -> Any:
         try:
-            return super()._load_index()
-        except Exception:
+            with open_own(Path(self._index_path)) as file:
+                if pickle.load(file) != self._version:
+                    return {}
+                stamp, overloads = pickle.load(file)
+        except (Exception, SystemExit):
             return {}
+        return overloads if stamp == self._source_stamp and isinstance(overloads, dict) else {}
+
+    def _load_data(self, name: str) -> Any:
+        with open_own(Path(self._data_path(name))) as file:
+            return pickle.load(file)
 
 
 class KernelCache(caching.FunctionCache):  # type: ignore[misc]

@@ -52,7 +52,7 @@ def _pointed(group: Any, kind: Any) -> Any:
     name, fields = group.__name__, group._fields
 
     class Group(group):  # type: ignore[misc]
-        """What `group` is, and a pointer to it that is made when first needed."""
+        """A `group` with a pointer to it, made when first needed."""
 
         @property
         def _numba_type_(self) -> Any:

@@ -28,6 +28,7 @@ from subsea.dive.cluster.messages import (
     from_master,
     ticks_of,
 )
+from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
 from subsea.world.world import World
@@ -57,10 +58,11 @@ class Follower:
         must have its known key. `view` must equal the master's. Raises UserErrors.
         """
         self.world = world
-        self.waiting = ""  # cause of a wait, shown in its windows
+        self.waiting = ""  # cause of a wait
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
         self._dive = ""  # ID of the dive that it takes part in
+        self._joined = False  # True after it has taken part in one
         self._number = 0  # of the last picture
         self._alpha = 1.0
         self._heard: deque[FromMaster] = deque()
@@ -114,6 +116,17 @@ class Follower:
                 self._heard.appendleft(message)
                 return
 
+    @property
+    def lost(self) -> bool:
+        """True if the master has fallen silent during a dive."""
+        return self._joined and self._silent()
+
+    def drift(self, ticks: int) -> None:
+        """Step ticks without the master; when it is back, its state is fetched."""
+        self._dive = ""
+        for _ in range(ticks):
+            step(self.world, NEUTRAL)
+
     def close(self) -> None:
         """Close the connection."""
         self._failures.close(0)
@@ -146,18 +159,20 @@ class Follower:
             snapshot.restore(self.world, state.snapshot)
         except UserError as fault:
             raise UserError(f"the master at {self._address} sent what is {fault}") from fault
-        self._dive, self._number = state.dive, state.number
+        self._dive, self._number, self._joined = state.dive, state.number, True
         self._tell(f"took the state of the dive at tick {self.world.state.tick}")
 
     def _call(self) -> None:
         """Call the master if it is silent or its state is needed."""
-        now = time.monotonic()
-        silent = now - self._heard_s > max(self._timeout_s, SILENT_S)
+        now, silent = time.monotonic(), self._silent()
         if silent:
             self._wait_for(f"waiting for the master at {self._address}")
         if (silent or not self._dive) and now - self._called_s > CALL_S:
             self._called_s = now
             self._say(Hello(self._name, self._identity, self._dive))
+
+    def _silent(self) -> bool:
+        return time.monotonic() - self._heard_s > max(self._timeout_s, SILENT_S)
 
     def _next(self, wait_s: float) -> FromMaster | None:
         """The next message of the master within `wait_s` seconds, or None."""
@@ -168,7 +183,7 @@ class Follower:
             frames = self._socket.recv_multipart()
             try:
                 if len(frames) != 1:
-                    raise UserError("what was received is no message of subsea")
+                    raise UserError("the message received is not one of subsea")
                 message = from_master(frames[0])
             except UserError as fault:
                 if not self._garbled:

@@ -1,15 +1,16 @@
 """Check that two computers have equal worlds and views, so that they can show one dive."""
 
 import hashlib
-from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
 from msgspec import structs
 
+from subsea import __version__
+from subsea.core.source_stamp import source_stamp
 from subsea.dive.cluster.messages import Identity
 from subsea.fish.species import Species
-from subsea.world import snapshot
+from subsea.world import snapshot, step
 from subsea.world.world import World
 
 
@@ -23,7 +24,8 @@ def identity_of(world: World, view: str = "") -> Identity:
     }
     tables |= {name: getattr(library, name) for name in ("first", "length", "cyclic", "speed")}
     return Identity(
-        version=version("subsea"),
+        version=__version__,
+        code=source_stamp(Path(step.__file__).resolve()),
         title=world.scenario.title[:200],
         scenario=_hash(msgspec.json.encode(world.scenario)),
         seed=world.state.seed,
@@ -45,6 +47,11 @@ def difference(theirs: Identity, ours: Identity) -> str:
     """Describe how another computer differs from this one; empty if they match."""
     if theirs.version != ours.version:
         return f"has subsea {theirs.version}, expected {ours.version}"
+    if theirs.code != ours.code:
+        return (
+            f"has subsea {theirs.version} with other code (build {theirs.code[:8]}, expected "
+            f"{ours.code[:8]})"
+        )
     what = ""
     if theirs.scenario != ours.scenario:
         what = f"another scenario {theirs.title!r}"
@@ -58,8 +65,8 @@ def difference(theirs: Identity, ours: Identity) -> str:
         what = "other repertoires of its fishes"
     elif theirs.sea != ours.sea:
         what = (
-            "another sea, made of the same scenario: other fishes in number, other code, or a "
-            "processor that rounds otherwise"
+            "another sea, made of the same scenario: other fishes in number, other packages, or "
+            "a processor that rounds otherwise"
         )
     elif theirs.view != ours.view:
         what = "another theatre file or calibration, --display, --eye-distance or --comfort"

@@ -18,7 +18,8 @@ import zmq.auth
 from zmq.utils import z85
 
 from subsea.core.atomic_io import check_folder, replacing
-from subsea.core.errors import UserError
+from subsea.core.errors import UserError, unreadable
+from subsea.core.input_files import check_input
 from subsea.view.theatre.node_names import NAME
 
 PUBLIC, SECRET = ".key", ".key_secret"
@@ -46,8 +47,8 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
         for suffix in (PUBLIC, SECRET):
             if (folder / f"{name}{suffix}").exists():
                 raise UserError(
-                    f"{folder / name}{suffix}: is there already; remove it on every computer "
-                    "before making another"
+                    "exists; remove it on every computer before making another",
+                    file=folder / f"{name}{suffix}",
                 )
     for name in names:
         if names.count(name) > 1:
@@ -90,12 +91,15 @@ def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
 
 def _read(path: Path) -> tuple[bytes, bytes | None]:
     try:
+        check_input(path)
         public, secret = zmq.auth.load_certificate(path)
+    except UserError as fault:
+        if not isinstance(fault.__cause__, FileNotFoundError):
+            raise
+        hint = f"no such file; `subsea keys {path.parent} NAME...` makes keys"
+        raise UserError(hint, file=path) from fault
     except OSError as fault:
-        message = f"cannot read ({fault.strerror})"
-        if not path.exists():
-            message = f"cannot read (no such key); `subsea keys {path.parent} NAME...` makes them"
-        raise UserError(message, file=path) from fault
+        raise unreadable(path, fault) from fault
     except (ValueError, IndexError) as fault:  # a missing or empty line
         raise UserError("holds no key", file=path) from fault
     for key in (public, secret):
@@ -105,7 +109,7 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
 
 
 def _is_key(text: bytes) -> bool:
-    """Whether a text is 32 bytes in Z85; not all texts of 40 letters are."""
+    """True if a text is 32 bytes in Z85; not all texts of 40 letters are."""
     try:
         return len(z85.decode(text)) == 32
     except (ValueError, KeyError, struct.error):

@@ -8,13 +8,15 @@ import zmq
 from zmq.utils.monitor import parse_monitor_message
 
 from subsea.core.errors import UserError
+from subsea.dive.cluster.gate import Gate
 from subsea.dive.cluster.keys import Keys
 from subsea.view.theatre.node_names import parse_address
 
-HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 1000, 4000  # to notice a pulled cable
+PROBE_S, PROBES = 1, 4  # to notice a pulled cable
 LINGER_MS = 300  # for the last messages
 HANDSHAKE_MS = 5000
-BACKLOG = 2000  # unread messages of a node: eight seconds at 120 pictures a second
+UNREAD = 64  # messages of one node that the master has not read: it reads at each picture
+BACKLOG = 1000  # unread messages of a node: four seconds at 120 pictures a second
 
 AUTH = int(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
 PROTOCOL = int(zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
@@ -41,18 +43,26 @@ def endpoint(address: str, keys: Keys | None) -> str:
     return f"tcp://[{ip}]:{port}" if ip.version == 6 else f"tcp://{ip}:{port}"
 
 
-def listening(context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int) -> Any:
-    """The socket of the master; messages of more than `limit` bytes end a connection."""
+def listening(
+    context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int
+) -> tuple[Any, Gate]:
+    """The socket of the master and its gate; parts of more than `limit` bytes end a connection."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
+    socket.rcvhwm = UNREAD
     with _closed_if_not(socket, f"address {address}: cannot listen there"):
         # Raise when sending to a node that has gone or no longer reads.
         socket.router_mandatory = True
         if keys:
             socket.curve_server = True
             socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
-        socket.bind(where)
-    return socket
+        gate = Gate(socket, parse_address(address)[1])
+        try:
+            socket.bind(where)
+        except BaseException:
+            gate.close()
+            raise
+    return socket, gate
 
 
 def calling(
@@ -100,5 +110,9 @@ def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
     socket.maxmsgsize = limit
     socket.sndhwm = socket.rcvhwm = BACKLOG
     socket.handshake_ivl = HANDSHAKE_MS
-    socket.heartbeat_ivl, socket.heartbeat_timeout = HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS
+    # Not ZeroMQ's heartbeats: one after the loss of a connection whose messages are not all read
+    # ends the process (`!_io_error` in its stream_engine_base.cpp).
+    socket.tcp_keepalive, socket.tcp_maxrt = 1, 1000 * PROBE_S * PROBES
+    socket.tcp_keepalive_idle = socket.tcp_keepalive_intvl = PROBE_S
+    socket.tcp_keepalive_cnt = PROBES
     return socket

@@ -3,9 +3,11 @@
 import math
 import secrets
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import zmq
@@ -13,14 +15,15 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster import link
+from subsea.dive.cluster.gate import Connection
 from subsea.dive.cluster.identity import difference, identity_of
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.messages import (
     SMALL,
     Diverged,
     FromMaster,
-    FromNode,
     Hello,
+    PictureDrawn,
     Refused,
     Swap,
     WorldState,
@@ -43,7 +46,12 @@ NUDGE_S = 0.02  # interval at which late nodes are probed
 NEAR = 30  # most pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
 SOON_S = 60.0  # a node that diverges twice within this time is refused
-AT_ONCE = 1000  # most messages read at a time, so that a flood does not stop the dive
+MAX_REFUSALS = 5  # reported of a node within SOON_S
+READ_S = 0.005  # longest time of reading messages, so that a flood does not stop the dive
+MAX_PARTS = 3  # parts of a message that are kept; valid ones have two
+STATE_S = 1.0  # shortest time between two states sent to a node
+MAX_ASKED, WITHIN_S = 20, 10.0  # requests of a node within this time, then it is put out ...
+PUT_OUT_S = 10.0  # ... for this time
 
 
 @dataclass
@@ -52,6 +60,11 @@ class _Node:
 
     name: str
     route: bytes | None = None  # its connection; None: not connected
+    connection: Connection | None = None  # the same for the gate
+    asks: bool = False  # True if it needs the state
+    sent_s: float = -math.inf  # when the state was sent
+    asked_s: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_ASKED))
+    out_until_s: float = 0.0  # end of the time for which it was put out
     in_step: bool = False  # whether the master waits for it
     drawn: int = 0  # number of its last picture ...
     drawn_s: float = 0.0  # ... and when it was drawn
@@ -59,7 +72,9 @@ class _Node:
     diverged_s: float = -SOON_S
     came: bool = False  # whether it has been in step before
     refusal: str = ""  # why a node of its name was refused ...
-    refused_s: float = 0.0  # ... and when that was reported
+    refused_s: deque[float] = field(  # ... and when that was reported
+        default_factory=lambda: deque([-math.inf] * MAX_REFUSALS, MAX_REFUSALS)
+    )
     waits: WaitStatistics = field(default_factory=WaitStatistics)
 
 
@@ -96,12 +111,14 @@ class Master:
             if keys:
                 self._authenticator = ThreadAuthenticator(self._context)
                 self._authenticator.start()
-                self._authenticator.configure_curve_callback(credentials_provider=_KnownKeys(keys))
-            self._socket = link.listening(self._context, address, keys, SMALL)
+                known = set(keys.others.values())
+                self._authenticator.configure_curve_callback(
+                    credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
+                )
+            self._socket, self._gate = link.listening(self._context, address, keys, SMALL)
         except BaseException:
             self._leave()
             raise
-        self._failures = link.failures(self._socket)
 
     def picture(self, ticks: Iterable[Helm | Rail], alpha: float) -> None:
         """Send the next picture to all nodes and step its ticks here.
@@ -166,79 +183,115 @@ class Master:
 
     def close(self) -> None:
         """Close all connections."""
-        self._failures.close(0)
-        self._socket.disable_monitor()
+        self._gate.close()
         self._socket.close()
         self._leave()
 
     def _hear(self, wait_s: float) -> None:
         """Handle messages of nodes, waiting up to `wait_s` for the first."""
-        while link.failed(self._failures):
-            self._report_refused("a connection without a key that is known, or none of subsea's")
-        if not self._socket.poll(math.ceil(1000.0 * wait_s)):
-            return
-        asking: dict[str, _Node] = {}
-        for _ in range(AT_ONCE):
-            try:
-                frames = self._socket.recv_multipart(zmq.NOBLOCK, copy=False)
-            except zmq.Again:
-                break
-            try:
-                if len(frames) != 2:
-                    raise UserError("what was received is no message of subsea")
-                message = from_node(frames[1].bytes)
-            except UserError as fault:
-                self._report_refused(str(fault))
-                self._reply(frames[0].bytes, Refused(str(fault)[:200]))
-                continue
-            node = self._answer(frames[0].bytes, message, frames[1])
-            if node:
-                asking[node.name] = node
-        if asking:
-            state = encode(WorldState(self._dive, self._number, snapshot.take(self.world)))
-            for node in asking.values():
-                self._send(node, state)
+        for reason, times in self._gate.reports().items():
+            self._report_refused(reason, times)
+        if self._socket.poll(math.ceil(1000.0 * wait_s)):
+            end = time.monotonic() + READ_S
+            while time.monotonic() < end and (parts := self._receive()):
+                self._handle(parts)
+        self._send_states()
 
-    def _answer(self, route: bytes, message: FromNode, frame: Any) -> _Node | None:
-        """Handle one message; return the node if it needs the state."""
+    def _receive(self) -> list[Any]:
+        """The first parts of the next message; empty if there is none."""
+        try:
+            parts = [self._socket.recv(zmq.NOBLOCK, copy=False)]
+        except zmq.Again:
+            return []
+        more = parts[0].more
+        while more:
+            part = self._socket.recv(copy=False)
+            more = part.more
+            if len(parts) < MAX_PARTS:
+                parts.append(part)
+        return parts
+
+    def _handle(self, parts: list[Any]) -> None:
+        """Handle one message: its route and its content."""
+        route, connection = parts[0].bytes, parts[-1].get(zmq.SRCFD)
+        try:
+            if len(parts) != 2:
+                raise UserError("the message received is not one of subsea")
+            message = from_node(parts[1].bytes)
+        except UserError as fault:
+            self._gate.fault(connection)
+            self._report_refused(str(fault))
+            self._reply(route, Refused(str(fault)[:200]))
+            return
         if isinstance(message, Hello):
-            return self._welcome(route, message, frame)
-        node = next((node for node in self._present() if node.route == route), None)
-        if node is None:
-            return None  # a message of a dropped connection
+            self._welcome(route, message, parts[1])
+        elif node := next((node for node in self._present() if node.route == route), None):
+            self._answer(node, message)  # not of a dropped connection
+
+    def _answer(self, node: _Node, message: PictureDrawn | Diverged) -> None:
         if isinstance(message, Diverged):
-            return self._resynchronize(node, message.tick)
+            self._resynchronize(node, message.tick)
+            return
         now = time.monotonic()
         node.drawn, node.drawn_s = min(message.number, self._number), now
-        if not node.in_step and self._number - node.drawn <= NEAR and now >= node.not_before_s:
+        near = not node.asks and self._number - node.drawn <= NEAR
+        if not node.in_step and near and now >= node.not_before_s:
             node.waits.rejoined += node.came
             self._tell(f"node {node.name}: is in step{' again' * node.came}")
             node.in_step = node.came = True
-        return None
 
-    def _welcome(self, route: bytes, hello: Hello, frame: Any) -> _Node | None:
+    def _ask(self, node: _Node) -> None:
+        """Note that a node needs the state; put it out if it asks too often."""
+        now = time.monotonic()
+        node.asked_s.append(now)
+        node.asks, node.in_step = True, False
+        if len(node.asked_s) == MAX_ASKED and now - node.asked_s[0] < WITHIN_S:
+            self._put_out(node, f"came or asked for the state {MAX_ASKED} times in {WITHIN_S:g} s")
+
+    def _put_out(self, node: _Node, reason: str) -> None:
+        """Drop a node and ignore it for a while."""
+        node.out_until_s = time.monotonic() + PUT_OUT_S
+        self._drop(node, f"{reason}: put out for {PUT_OUT_S:g} s")
+
+    def _send_states(self) -> None:
+        """Send the state to the nodes that need it."""
+        now = time.monotonic()
+        asking = [node for node in self._present() if node.asks and now - node.sent_s > STATE_S]
+        if not asking:
+            return
+        state = encode(WorldState(self._dive, self._number, snapshot.take(self.world)))
+        for node in asking:
+            node.asks, node.sent_s = False, now
+            self._send(node, state)
+
+    def _welcome(self, route: bytes, hello: Hello, frame: Any) -> None:
         reason = self._objection(hello, frame)
         if reason:
             self._refuse(hello.node, reason)
             self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
-            return None
+            return
         node = self._nodes[hello.node]
+        if time.monotonic() < node.out_until_s:
+            return
         if node.route == route and hello.dive == self._dive:
-            return None  # the master was only silent for a while
+            return  # the master was only silent for a while
         if node.route not in (None, route):
             reason = f"another computer has come as node {node.name}"
             self._reply(node.route, Refused(reason))
             self._drop(node, reason)
-        node.route, node.in_step = route, False
-        return node
+        node.route, node.connection = route, self._gate.keep(frame.get(zmq.SRCFD))
+        self._ask(node)
 
     def _refuse(self, name: str, reason: str) -> None:
-        """Report a refused node, at most once in `SOON_S`, as it may try again and again."""
-        now = time.monotonic()
+        """Report a refused node now and then, as it may try again and again."""
         if name not in self._nodes:
             self._report_refused(f"node {name}: {reason}")
-        elif (node := self._nodes[name]).refusal != reason or now - node.refused_s > SOON_S:
-            node.refusal, node.refused_s = reason, now
+            return
+        node, now = self._nodes[name], time.monotonic()
+        repeated = reason == node.refusal and now - node.refused_s[-1] <= SOON_S
+        if not repeated and now - node.refused_s[0] > SOON_S:
+            node.refusal = reason
+            node.refused_s.append(now)
             self._tell(f"node {name}: {reason}: refused")
 
     def _objection(self, hello: Hello, frame: Any) -> str:
@@ -249,22 +302,19 @@ class Master:
             return "has the key of another node"
         return difference(hello.identity, self._identity)
 
-    def _resynchronize(self, node: _Node, tick: int) -> _Node | None:
+    def _resynchronize(self, node: _Node, tick: int) -> None:
         """Send the state again to a node whose world differs; refuse it the second time."""
         now = time.monotonic()
         node.waits.diverged += 1
-        node.in_step = False
         if now - node.diverged_s < SOON_S:
-            reason = (
-                f"its world differed from the master's again at tick {tick}; its processor or its "
-                "packages compute otherwise"
-            )
+            reason = f"its world differed from the master's again at tick {tick}; its processor or "
+            reason += "its packages compute otherwise"
             self._reply(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
-            self._drop(node, reason)
-            return None
+            self._put_out(node, reason)
+            return
         node.diverged_s = now
         self._tell(f"node {node.name}: its world differs at tick {tick}; it fetches the state")
-        return node
+        self._ask(node)
 
     def _present(self) -> list[_Node]:
         return [node for node in self._nodes.values() if node.route is not None]
@@ -294,28 +344,19 @@ class Master:
             self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
 
     def _drop(self, node: _Node, reason: str) -> None:
-        node.route, node.in_step = None, False
+        if node.connection:
+            self._gate.end(node.connection)
+        node.route, node.in_step, node.asks = None, False, False
         node.waits.dropped += 1
         self._tell(f"node {node.name}: {reason}; going on without it")
 
-    def _report_refused(self, reason: str) -> None:
-        """Report a refused message the 1st, 10th, 100th time, so that the log is not flooded."""
-        self._refusals += 1
-        if str(self._refusals).strip("0") == "1":
+    def _report_refused(self, reason: str, times: int = 1) -> None:
+        """Report refusals at the 1st, 10th, 100th in all, so that the log is not flooded."""
+        before, self._refusals = self._refusals, self._refusals + times
+        if len(str(self._refusals)) > len(str(before)) or not before:
             self._tell(f"refused: {reason} ({self._refusals} so far)")
 
     def _leave(self) -> None:
         if self._authenticator:
             self._authenticator.stop()
         self._context.term()
-
-
-class _KnownKeys:
-    """The known public keys, for the ZeroMQ authenticator."""
-
-    def __init__(self, keys: Keys) -> None:
-        self._public = set(keys.others.values())
-
-    def callback(self, domain: str, key: bytes) -> bool:
-        """Whether a key in Z85 is known; called by the authenticator."""
-        return key in self._public

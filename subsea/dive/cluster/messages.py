@@ -11,11 +11,12 @@ from typing import Annotated, TypeVar
 import msgspec
 import numpy as np
 
+from subsea import __version__
 from subsea.core.errors import UserError
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
-PROTOCOL = 3
+PROTOCOL = 4
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
 MAX_HELMS = 16  # ticks in a picture
@@ -40,6 +41,7 @@ class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Data that must be equal on computers that show one dive: see `dive/cluster/identity.py`."""
 
     version: Name  # of subsea
+    code: Name  # hash of the sources of a tick
     title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, for messages
     scenario: Hash
     seed: Count
@@ -154,10 +156,13 @@ def _rail_row(rail: Rail) -> RailRow:
 
 def _decode(data: bytes, decoder: msgspec.msgpack.Decoder[T]) -> T:
     if data[: len(MAGIC) - 1] != MAGIC[:-1] or len(data) < len(MAGIC):
-        raise UserError("what was received is no message of subsea")
+        raise UserError("the message received is not one of subsea")
     if data[len(MAGIC) - 1] != PROTOCOL:
-        raise UserError(f"speaks protocol {data[len(MAGIC) - 1]}, expected {PROTOCOL}")
+        raise UserError(
+            f"speaks protocol {data[len(MAGIC) - 1]}, expected {PROTOCOL}: it has another version "
+            f"of subsea than {__version__}"
+        )
     try:
         return decoder.decode(data[len(MAGIC) :])
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
-        raise UserError(f"what was received is no message of subsea ({fault})") from fault
+        raise UserError(f"the message received is not one of subsea ({fault})") from fault

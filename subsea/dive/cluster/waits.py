@@ -30,19 +30,14 @@ class WaitStatistics:
 
     def words(self) -> str:
         """One line with the number of pictures, the wait times and the events."""
-        mean, late = (0.0, 0.0)
-        if self.frames:
-            mean, late = self.total_s / self.frames, float(np.percentile(self.recent_s, 95))
+        mean = self.total_s / max(self.frames, 1)
+        late = float(np.percentile(self.recent_s, 95)) if self.frames else 0.0
         line = (
             f"{self.frames} picture{'s' * (self.frames != 1)}, "
             f"waited for {1e3 * mean:.1f} ms on average, "
             f"p95 {1e3 * late:.1f} ms, at most {1e3 * self.longest_s:.1f} ms"
         )
-        for count, what in (
-            (self.late, "late"),
-            (self.dropped, "dropped"),
-            (self.rejoined, "rejoined"),
-            (self.diverged, "diverged"),
-        ):
+        for what in ("late", "dropped", "rejoined", "diverged"):
+            count = getattr(self, what)
             line += f"; {what} {'once' if count == 1 else f'{count} times'}" if count else ""
         return line

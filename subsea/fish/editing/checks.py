@@ -4,20 +4,24 @@
 """
 
 from enum import IntEnum
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from subsea.biomechanics.body import KINDS, TRIANGLES, UNITS, Body, Floats, build_body
-from subsea.biomechanics.body_frame import body_frame
-from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, Muscles, SwimPlan
-from subsea.biomechanics.controllers import (
-    S_MAX,
-    ease,
-    muscle_lengths,
-    swim_contraction,
-    turn_contraction,
+from subsea.biomechanics.body import (
+    KINDS,
+    LOWER_TAIL,
+    TRIANGLES,
+    UNITS,
+    UPPER_TAIL,
+    Body,
+    Floats,
+    build_body,
 )
+from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.controllers import S_MAX, ease, swim_contraction, turn_contraction
+from subsea.biomechanics.gait import contraction_step, headings, straightness, sweep
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S
 from subsea.biomechanics.stability import longest_step
@@ -26,7 +30,7 @@ from subsea.fish.surface import SurfacePlan, along
 
 
 class Severity(IntEnum):
-    """How serious a finding is."""
+    """Severity of a finding."""
 
     GOOD = 0
     WARNING = 1  # it works, but not well
@@ -42,10 +46,11 @@ class FishFinding(NamedTuple):
 
 GOOD, WARNING, FAULT = Severity
 AFLOAT = (0.7, 1.4)  # mass over mass of the displaced water
+NEUTRAL = 0.1  # deviation of this from 1 that counts as neutrally buoyant
 LEAST_STEP = 1.05  # longest stable step over the step of the simulation
 OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # usual height of rings over that of the outline
 REAR = 0.02  # body lengths from the fins back to the centre of mass
-PER_BEAT = 0.35  # body lengths in fast swimming: docs/biomechanics.md
+PER_BEAT = 0.35  # body lengths in fast swimming: docs/developers/biomechanics-figures.md
 DRIFT_DEG, ASIDE = 1.0, 0.02  # in the measured beats
 BEATS, MEASURED = 40, 10  # of a test swim; the last ones are measured
 SWEEP = (0.12, 0.3)  # of the tail, body lengths
@@ -58,22 +63,26 @@ NODE_PLACES = (
 )
 
 
+_good, _warning, _fault = (partial(FishFinding, severity) for severity in Severity)
+
+
+def _judge(passed: bool, good: str, bad: str) -> FishFinding:
+    """A good finding if `passed`, else a warning."""
+    return _good(good) if passed else _warning(bad)
+
+
 def static_checks(species: Species) -> list[FishFinding]:
     """Check shape, scaffold, buoyancy and material."""
-    findings = _shape(species.surface)
+    findings = [_shape(species.surface)]
     if species.body:
         body = build_body(species.body)
-        findings += [
-            *check_faces(body),
-            *_rings(species),
-            *_buoyancy(species),
-            *_material(species, body),
-        ]
+        findings += [check_faces(body), _rings(species.body, species.surface)]
+        findings += [*_buoyancy(species.body, displaced_cm3(species)), _material(body)]
     return findings
 
 
 def displaced_cm3(species: Species) -> float:
-    """Return the volume of the drawn body without fins at model length, cm³."""
+    """Volume of the drawn body without fins at model length, cm³."""
     surface = species.surface
     x = np.linspace(0.0, surface.tail.begin, 200)
     tall = np.clip(along(surface.back, x) - along(surface.belly, x), 0.0, None)
@@ -81,125 +90,98 @@ def displaced_cm3(species: Species) -> float:
     return float(np.trapezoid(0.5 * np.pi * tall * wide, x)) * species.length_cm**3
 
 
-def _shape(surface: SurfacePlan) -> list[FishFinding]:
+def _shape(surface: SurfacePlan) -> FishFinding:
     x = np.linspace(0.01, surface.tail.begin, 120)
     width = along(surface.width, x)
     if (width <= 0.0).any():
         at = float(x[int(np.argmin(width))])
-        return [
-            FishFinding(
-                FAULT, f"The body has no width at {at:.2f}: raise the line in the top view."
-            )
-        ]
-    for name in ("dorsal", "ventral"):
-        fin = getattr(surface, name)
-        sign = 1.0 if name == "dorsal" else -1.0
-        ridge = surface.back if name == "dorsal" else surface.belly
+        return _fault(f"The body has no width at {at:.2f}: raise the line in the top view.")
+    for name, fin, ridge, sign in (
+        ("dorsal", surface.dorsal, surface.back, 1.0),
+        ("ventral", surface.ventral, surface.belly, -1.0),
+    ):
         if fin:
             edge = np.array(fin.edge)
             above = sign * (edge[:, 1] - along(ridge, edge[:, 0]))
             if (above < 0.005).all():
-                return [
-                    FishFinding(
-                        WARNING, f"The {name} fin lies inside the body: drag its edge outward."
-                    )
-                ]
-    return [FishFinding(GOOD, "The outline is whole: back above belly, and width all along.")]
+                return _warning(f"The {name} fin lies inside the body: drag its edge outward.")
+    return _good("The outline is whole: back above belly, and width all along.")
 
 
-def check_faces(body: Body) -> list[FishFinding]:
+def check_faces(body: Body) -> FishFinding:
     """Check for hull faces that look inward, as after a ring passed another."""
     a, b, c = (body.rest[TRIANGLES[:, k]] for k in range(3))
-    middle = (a + b + c) / 3
-    outward = middle * (0.0, 1.0, 1.0)
+    outward = (a + b + c) / 3 * (0.0, 1.0, 1.0)
     facing = (np.cross(b - a, c - a) * outward).sum(axis=1)
     wrong = np.flatnonzero(facing < -1e-6)
     if len(wrong):
         place = NODE_PLACES[int(TRIANGLES[wrong[0]].min())]
-        return [
-            FishFinding(
-                FAULT,
-                f"The scaffold is folded behind {place}: its faces look inward. "
-                "Make the rings there more alike, or move them apart.",
-            )
-        ]
-    return [FishFinding(GOOD, "No ring is inverted: all 78 faces of the scaffold look outward.")]
+        return _fault(
+            f"The scaffold is folded behind {place}: its faces look inward. "
+            "Make the rings there more alike, or move them apart."
+        )
+    return _good("No ring is inverted: all 78 faces of the scaffold look outward.")
 
 
-def _rings(species: Species) -> list[FishFinding]:
-    body, surface = species.body, species.surface
-    assert body
+def _rings(body: BodyPlan, surface: SurfacePlan) -> FishFinding:
     at = np.array(body.stations[1:6]) / body.length
     half = np.minimum(along(surface.back, at), -along(surface.belly, at)) * body.length
     over = np.array(body.half_heights) / np.maximum(half, 1e-6) / OUTSIDE
-    if (over > 1.0).any():
-        ring = int(over.argmax())
-        return [
-            FishFinding(
-                WARNING,
-                f"Ring {ring + 1} stands out of the body: "
-                f"{body.half_heights[ring]:.2f} cm against {half[ring]:.2f} cm. "
-                "Lower it in the side view.",
-            )
-        ]
-    return [FishFinding(GOOD, "The scaffold lies inside the outline, as far as fishes' do.")]
+    ring = int(over.argmax())
+    return _judge(
+        over[ring] <= 1.0,
+        "The scaffold lies inside the outline, as far as fishes' do.",
+        f"Ring {ring + 1} stands out of the body: {body.half_heights[ring]:.2f} cm against "
+        f"{half[ring]:.2f} cm. Lower it in the side view.",
+    )
 
 
-def _buoyancy(species: Species) -> list[FishFinding]:
-    body = species.body
-    assert body
-    water = displaced_cm3(species)
+def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
     share = body.mass / water
     dense = body.mass / body.hull_volume
     masses = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
-    findings = []
-    if AFLOAT[0] <= share <= AFLOAT[1]:
-        findings.append(FishFinding(GOOD, f"About neutrally buoyant: {masses}."))
-    else:
-        way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
-        findings.append(
-            FishFinding(
-                WARNING, f"Too {way}. There are {masses}; Neutral, in tab Body, sets its masses."
-            )
+    other = "lighter" if share < 1.0 else "heavier"
+    off = f"{abs(share - 1.0):.0%} {other} than the water it displaces"
+    remedy = "Neutral, in tab Body, sets its masses."
+    near = abs(share - 1.0) <= NEUTRAL
+    way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
+    findings = [
+        _judge(
+            AFLOAT[0] <= share <= AFLOAT[1],
+            f"About neutrally buoyant: {masses}." if near else f"It is {off}: {masses}. {remedy}",
+            f"Too {way}. There are {masses}; {remedy}",
         )
+    ]
     low, high = DENSITIES
     if dense < 1.5 * low or dense > high / 1.5:
         findings.append(
-            FishFinding(
-                WARNING,
+            _warning(
                 f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
-                f"{low:g} to {high:g}.",
+                f"{low:g} to {high:g}."
             )
         )
     heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
     behind = (heart - body.stations[2]) / body.length
     if behind < REAR:
         findings.append(
-            FishFinding(
-                WARNING,
-                "Its weight lies too far forward: the fins push on ring 2, and the centre "
-                f"of mass should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
-                "Move mass to ring 3.",
+            _warning(
+                "Its weight lies too far forward: the fins push on ring 2, and the centre of mass "
+                f"should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
+                "Move mass to ring 3."
             )
         )
     return findings
 
 
-def _material(species: Species, body: Body) -> list[FishFinding]:
+def _material(body: Body) -> FishFinding:
     limit, node = longest_step(body)
-    spare = limit / STEP
-    if spare < LEAST_STEP:
-        return [
-            FishFinding(
-                WARNING,
-                f"The step of the simulation is only {100 * (spare - 1):.0f}% below the "
-                f"longest that the body bears. Make {NODE_PLACES[node]} heavier, or the units "
-                "softer.",
-            )
-        ]
-    return [
-        FishFinding(GOOD, f"Stable: it bears steps {100 * (spare - 1):.0f}% longer than are taken.")
-    ]
+    percent = f"{100 * (limit / STEP - 1):.0f}%"
+    return _judge(
+        limit / STEP >= LEAST_STEP,
+        f"Stable: it bears steps {percent} longer than are taken.",
+        f"The step of the simulation is only {percent} below the longest that the body bears. "
+        f"Make {NODE_PLACES[node]} heavier, or the units softer.",
+    )
 
 
 class SwimTrial(NamedTuple):
@@ -218,7 +200,7 @@ class SwimTrial(NamedTuple):
 
 
 def beat_of(swim: SwimPlan, amplitude: float = 1.0) -> Floats:
-    """Return the contractions (6 T, 12) of a beat from phase 0."""
+    """Contractions (6 T, 12) of a beat from phase 0."""
     steps = swim.ticks_per_beat * STEPS_PER_TICK
     return swim_contraction(swim, 2 * np.pi * np.arange(steps) / steps, amplitude)
 
@@ -226,104 +208,86 @@ def beat_of(swim: SwimPlan, amplitude: float = 1.0) -> Floats:
 def try_swimming(muscles: Muscles) -> SwimTrial:
     """Swim fast from rest; then turn sharply at medium speed."""
     plan, swim, _ = muscles
-    body = build_body(plan)
+    body, beat, ticks = build_body(plan), beat_of(swim), swim.ticks_per_beat
     with np.errstate(all="ignore"):  # a body that loses its shape may end in NaN
-        frames, state = _from_rest(body, beat_of(swim), BEATS)
-        measured = frames[-MEASURED * swim.ticks_per_beat - 1 :]
-        sound = is_sound(state)
+        frames, state = _from_rest(body, beat, BEATS)
+        measured = frames[-MEASURED * ticks - 1 :]
         strain, worst = _strain(body, frames, state)
-        per_beat = float(np.linalg.norm((measured[-1] - measured[0]).mean(axis=0))) / MEASURED
-        drift, aside = _straight(measured, swim.ticks_per_beat)
-        beat_s = swim.ticks_per_beat * TICK_S
-        step = float(np.abs(np.diff(muscle_lengths(body, beat_of(swim)), axis=0)).max())
+        way = float(np.linalg.norm((measured[-1] - measured[0]).mean(axis=0)))
+        per_beat = way / MEASURED / plan.length
+        drift, aside = straightness(measured, ticks)
         return SwimTrial(
-            sound,
-            strain,
-            worst,
-            per_beat / plan.length / beat_s,
-            per_beat / plan.length,
-            drift,
-            aside / plan.length,
-            _sweep(measured[-swim.ticks_per_beat - 1 :]) / plan.length,
-            _turned(body, muscles),
-            step,
+            sound=is_sound(state),
+            strain=strain,
+            worst=worst,
+            speed_bl_s=per_beat / (ticks * TICK_S),
+            per_beat=per_beat,
+            drift_deg=drift,
+            aside=aside / plan.length,
+            sweep=sweep(measured[-ticks - 1 :], [UPPER_TAIL, LOWER_TAIL]) / plan.length,
+            turned_deg=_turned(body, muscles),
+            step_cm=contraction_step(body, beat),
         )
 
 
 def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[FishFinding]:
     """Judge a test swim."""
     low, high = STRAIN_LIMITS
-    stretch = f"units keep within {swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length"
     if not swim.sound:
         return [
-            FishFinding(
-                FAULT,
-                f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its "
-                "length at rest. Contract the muscles less, or make the ring there wider.",
+            _fault(
+                f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its length at "
+                "rest. Contract the muscles less, or make the ring there wider."
             )
         ]
-    findings = [FishFinding(GOOD, f"It keeps its shape in fast swimming: {stretch}.")]
     speed = f"{swim.speed_bl_s:.2f} body lengths a second, {swim.per_beat:.2f} a beat"
-    if swim.per_beat < PER_BEAT:
-        findings.append(
-            FishFinding(
-                WARNING,
-                f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds "
-                "better controllers.",
-            )
-        )
-    else:
-        findings.append(FishFinding(GOOD, f"It swims {speed}."))
-    if swim.drift_deg > DRIFT_DEG or swim.aside > ASIDE:
-        findings.append(
-            FishFinding(
-                WARNING,
-                f"It drifts by {swim.drift_deg:.1f}° in {MEASURED} beats: it has not "
-                "settled. Raise the viscosity a little.",
-            )
-        )
-    else:
-        findings.append(FishFinding(GOOD, f"It swims straight: {swim.drift_deg:.2f}° of drift."))
+    findings = [
+        _good(
+            "It keeps its shape in fast swimming: units keep within "
+            f"{swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length."
+        ),
+        _judge(
+            swim.per_beat >= PER_BEAT,
+            f"It swims {speed}.",
+            f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds better "
+            "controllers.",
+        ),
+        _judge(
+            swim.drift_deg <= DRIFT_DEG and swim.aside <= ASIDE,
+            f"It swims straight: {swim.drift_deg:.2f}° of drift.",
+            f"It drifts by {swim.drift_deg:.1f}° in {MEASURED} beats: it has not settled. Raise "
+            "the viscosity a little.",
+        ),
+    ]
     if not SWEEP[0] <= swim.sweep <= SWEEP[1]:
         much = "little" if swim.sweep < SWEEP[0] else "far"
         findings.append(
-            FishFinding(
-                WARNING,
-                f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2.",
+            _warning(
+                f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2."
             )
         )
     asked = muscles.turn.sharp
-    if not np.isfinite(swim.turned_deg):
-        findings.append(
-            FishFinding(
-                FAULT, "It loses its shape in a sharp turn. Contract the turning muscles less."
-            )
-        )
-    elif abs(swim.turned_deg - asked) > TURN_OFF_DEG:
-        findings.append(
-            FishFinding(
-                WARNING,
-                f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°. Learn "
-                "fits the steering map to this body.",
-            )
-        )
+    turns = f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°."
+    if np.isfinite(swim.turned_deg):
+        near = abs(swim.turned_deg - asked) <= TURN_OFF_DEG
+        fit = f"{turns} Learn fits the steering map to this body."
+        findings.append(_judge(near, turns, fit))
     else:
         findings.append(
-            FishFinding(GOOD, f"A sharp turn of {asked:.0f}° turns it by {swim.turned_deg:.0f}°.")
+            _fault("It loses its shape in a sharp turn. Contract the turning muscles less.")
         )
     if swim.step_cm > S_MAX * 1.01:
         findings.append(
-            FishFinding(
-                WARNING,
-                f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the "
-                f"{S_MAX:g} cm that muscles can. Contract less, or take more ticks a beat.",
+            _warning(
+                f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the {S_MAX:g} "
+                "cm that muscles can. Contract less, or take more ticks a beat."
             )
         )
     return findings
 
 
 def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]:
-    """Return nodes (T, 23, 3) by tick; the amplitude rises during the first beat."""
+    """Nodes (T, 23, 3) by tick; the amplitude rises during the first beat."""
     state = at_rest(body)
     first = simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
     rest = simulate(body, state, np.tile(beat, (beats - 1, 1)))
@@ -331,7 +295,7 @@ def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]
 
 
 def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, float], str]:
-    """Return the extremes, and the unit that came nearest to a limit."""
+    """Extremes of the strain, and the unit that came nearest to a limit."""
     i, j = UNITS.T
     ratio = np.linalg.norm(frames[:, j] - frames[:, i], axis=2) / body.length
     least, most = ratio.min(axis=0), ratio.max(axis=0)
@@ -345,29 +309,8 @@ def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, 
     return (float(state.watch[0]), float(state.watch[1])), f"a {UNIT_NAMES[KINDS[unit]]} {between}"
 
 
-def _straight(frames: Floats, ticks: int) -> tuple[float, float]:
-    """Return the angle between first and last beat, degrees, and the distance off the line, cm."""
-    centres = frames[::ticks].mean(axis=1)
-    ways = np.diff(centres, axis=0)
-    cos = ways[0] @ ways[-1] / max(float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[-1])), 1e-12)
-    line = centres[-1] - centres[0]
-    line = line / max(float(np.linalg.norm(line)), 1e-12)
-    off = centres - centres[0]
-    aside = np.linalg.norm(off - np.outer(off @ line, line), axis=1).max()
-    return float(np.degrees(np.arccos(np.clip(cos, -1.0, 1.0)))), float(aside)
-
-
-def _sweep(frames: Floats) -> float:
-    """Return the peak-to-peak sweep of the tail in a beat, cm."""
-    way = frames[-1].mean(axis=0) - frames[0].mean(axis=0)
-    way = way / max(float(np.linalg.norm(way)), 1e-12)
-    aside = np.cross((0.0, 1.0, 0.0), way)
-    across = frames[:, 21:].mean(axis=1) @ aside
-    return float(np.ptp(across - np.linspace(0.0, across[-1] - across[0], len(across))))
-
-
 def _turned(body: Body, muscles: Muscles) -> float:
-    """Return the change of the mean heading by a sharp turn to the left, degrees."""
+    """Change of the mean heading by a sharp turn to the left, degrees."""
     _, swim, turn = muscles
     beat = beat_of(swim, swim.medium)
     frames, state = _from_rest(body, beat, BEATS)
@@ -376,7 +319,6 @@ def _turned(body: Body, muscles: Muscles) -> float:
     after = simulate(body, state, np.tile(beat, (4, 1)))
     if not is_sound(state):
         return float("nan")
-    forward = body_frame(np.concatenate([before, bent, after]))[1][:, :, 0]
-    heading = np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0])))
+    heading = headings(np.concatenate([before, bent, after]))
     count = swim.ticks_per_beat
     return float(heading[-count:].mean() - heading[:count].mean())

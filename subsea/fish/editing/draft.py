@@ -1,7 +1,6 @@
-"""A species file being edited: immutable drafts, each of which loads.
+"""Edit a species file as immutable drafts.
 
-A `SpeciesDraft` holds the tables of the file beside the species that they make. Every edit returns
-another draft or raises EditError, so a saved file always loads and is what was shown.
+Every edit returns another valid draft or raises EditError, so a saved file always loads.
 """
 
 import tomllib
@@ -15,6 +14,7 @@ from msgspec import structs
 
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.core.toml_edit import edit_toml
 from subsea.core.toml_files import load_toml
 from subsea.core.validation import convert
@@ -41,7 +41,7 @@ class SpeciesDraft:
 
 
 def read_draft(path: Path) -> SpeciesDraft:
-    """Read a species file; a faulty one is a one-line UserError."""
+    """Read a species file; UserError for a faulty one."""
     species = load_toml(path, Species)
     text = path.read_bytes().decode("utf-8")  # keeps CRLF line ends
     sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
@@ -63,13 +63,13 @@ def copy_draft(source: SpeciesDraft, key: str, name: str) -> SpeciesDraft:
 
 
 def with_sheet_path(draft: SpeciesDraft) -> Species:
-    """Return the species with the absolute path of its picture, as `load_species` does."""
+    """The species with the absolute path of its picture, as `load_species` returns it."""
     sheet = str(draft.sheet) if draft.sheet and draft.species.skin.sheet else None
     return structs.replace(draft.species, skin=structs.replace(draft.species.skin, sheet=sheet))
 
 
 def value_at(draft: SpeciesDraft, path: KeyPath) -> Any:
-    """Return the value of the file at a path."""
+    """The value of the file at a path."""
     here: Any = draft.content
     for step in path:
         here = here[step]
@@ -125,22 +125,22 @@ def clip_height(x: float) -> float:
 
 
 def to_toml(draft: SpeciesDraft) -> str:
-    """Return the text of the file, with only the changed values replaced."""
+    """The text of the file, with only the changed values replaced."""
     return edit_toml(draft.text, tomllib.loads(draft.text), draft.content)
 
 
 def changed_on_disk(path: Path, known: SpeciesDraft | None) -> bool:
-    """Whether the file differs from the `known` draft, which was read or written last."""
+    """True if the file differs from the draft that was read or written last."""
     try:
-        return path.read_bytes() != (known.text.encode("utf-8") if known else None)
-    except OSError:
+        return read_input(path) != (known.text.encode("utf-8") if known else None)
+    except UserError:
         return False  # nothing to lose, or saving reports the fault
 
 
 def save_draft(draft: SpeciesDraft, path: Path) -> None:
-    """Write the species file atomically; UserError on failure.
+    """Write the species file atomically, and the picture of a copied species if it is missing.
 
-    The picture of a copied species is copied too, unless there is one already.
+    UserError on failure.
     """
     text = to_toml(draft)
     if draft.sheet and (name := draft.species.skin.sheet):

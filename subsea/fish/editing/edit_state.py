@@ -25,7 +25,7 @@ class EditState:
 
     @property
     def dragging(self) -> bool:
-        """Whether a drag is in progress."""
+        """True if a drag is in progress."""
         return self._dragged is not None
 
     def drag(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> None:
@@ -48,15 +48,17 @@ class EditState:
 
     def undo(self) -> None:
         """Go back by one edit, a drag in progress first."""
-        self.commit()
-        self.selected = None  # the point may not exist then
+        self._deselect()
         self.history.undo()
 
     def redo(self) -> None:
         """Go forward by one edit."""
-        self.commit()
-        self.selected = None
+        self._deselect()
         self.history.redo()
+
+    def _deselect(self) -> None:
+        self.commit()
+        self.selected = None  # the point may not exist in the other draft
 
     def _tried(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> SpeciesDraft | None:
         try:

@@ -1,7 +1,7 @@
-"""Points of the side and top view that can be dragged, and where a drag leads.
+"""Handles of the side and top view, and edits by dragging them.
 
-Places are (distance behind the snout, height or half-width) in body lengths in both views, also
-for the scaffold, which the file keeps in cm.
+Points are (distance behind the snout, height or half-width) in body lengths, also those of the
+scaffold, which the file has in cm.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,31 +47,27 @@ class DragHandle(NamedTuple):
 
 
 def handles(draft: SpeciesDraft, view: View) -> list[DragHandle]:
-    """Return the points of a view that can be dragged, the scaffold's first."""
+    """The points of a view that can be dragged, the scaffold's first."""
     surface, found = draft.content["surface"], _ring_handles(draft, view)
+
+    def add_line(*keys: str, mirrored: bool = False) -> None:
+        path = ("surface", *keys)
+        points = enumerate(value_at(draft, path))
+        found.extend(DragHandle((*path, k), tuple(p), mirrored) for k, p in points)
+
     if view == "top":
-        found += [
-            DragHandle(("surface", "width", k), tuple(p), True)
-            for k, p in enumerate(surface["width"])
-        ]
-        if wing := surface.get("wing"):
-            found += [
-                DragHandle(("surface", "wing", "outline", k), tuple(p), True)
-                for k, p in enumerate(wing["outline"])
-            ]
+        add_line("width", mirrored=True)
+        if surface.get("wing"):
+            add_line("wing", "outline", mirrored=True)
         return found
-    for name in CURVES[:2]:
-        found += [DragHandle(("surface", name, k), tuple(p)) for k, p in enumerate(surface[name])]
-    for name in FINS:
+    for name in RIDGES:
+        add_line(name)
+    for ridge, name in RIDGES.items():
         if fin := surface.get(name):
-            ridge = draft.content["surface"]["back" if name == "dorsal" else "belly"]
             for k, x in enumerate(fin["base"]):
-                y = float(along(ridge, np.array([x]))[0])
+                y = float(along(surface[ridge], np.array([x]))[0])
                 found.append(DragHandle(("surface", name, "base", k), (x, y)))
-            found += [
-                DragHandle(("surface", name, "edge", k), tuple(p))
-                for k, p in enumerate(fin["edge"])
-            ]
+            add_line(name, "edge")
     tail = surface["tail"]
     found.append(DragHandle(("surface", "tail", "begin"), (tail["begin"], 0.0)))
     middle, radius = tail_heights(draft)
@@ -108,7 +104,7 @@ def _ring_handles(draft: SpeciesDraft, view: View) -> list[DragHandle]:
 
 
 def tail_heights(draft: SpeciesDraft) -> tuple[float, float]:
-    """Return middle and half height of the tail's edge, body lengths."""
+    """Middle and half height of the tail's edge, body lengths."""
     surface = draft.species.surface
     edge = surface.tail.edge_at(np.array([-1.0, 1.0]))
     top, bottom = (
@@ -121,10 +117,10 @@ def tail_heights(draft: SpeciesDraft) -> tuple[float, float]:
 def drag_handle(
     draft: SpeciesDraft, view: View, path: KeyPath, to: tuple[float, float], soft: bool = False
 ) -> SpeciesDraft:
-    """Drag a point to a place, or as far toward it as the species stays valid.
+    """Drag a point, between its neighbours, to a place or as far as the species stays valid.
 
-    The point stays between its neighbours. The draft itself is returned if the point cannot move.
-    With `soft` the neighbours on back, belly or width follow by a Gaussian of their distance.
+    The same draft is returned if the point cannot move. With `soft` the neighbours on back, belly
+    or width follow by a Gaussian of their distance.
     """
     after = _drag_alone(draft, view, path, to)
     name, k = path[1], path[-1]
@@ -144,10 +140,9 @@ def _drag_alone(
     draft: SpeciesDraft, view: View, path: KeyPath, to: tuple[float, float]
 ) -> SpeciesDraft:
     """Drag a point without its neighbours."""
-    start = next(handle.at for handle in handles(draft, view) if handle.path == path)
-    if path[:2] != ("surface", "eye") and any(
-        s.mirrored for s in handles(draft, view) if s.path == path
-    ):
+    handle = next(one for one in handles(draft, view) if one.path == path)
+    start = handle.at
+    if handle.mirrored:
         to = to[0], abs(to[1])
     if to == start:
         return draft
@@ -171,8 +166,9 @@ def _drag_alone(
 def _setter(
     draft: SpeciesDraft, view: View, path: KeyPath
 ) -> Callable[[float, float], SpeciesDraft]:
-    """Return the function that puts a point at a place; it may raise EditError."""
+    """The function that puts a point at a place; it may raise EditError."""
     surface = draft.content["surface"]
+    part = path[:2]
 
     def shape(x: float, y: float) -> SpeciesDraft:
         curve = value_at(draft, path[:-1])
@@ -207,44 +203,31 @@ def _setter(
         return with_value(draft, path, [round_length(share), clip_share(x)])
 
     def root(x: float, y: float) -> SpeciesDraft:
-        fin = path[:2]
-        return with_values(draft, {(*fin, "at"): clip_share(x), (*fin, "height"): clip_height(y)})
+        return with_values(draft, {(*part, "at"): clip_share(x), (*part, "height"): clip_height(y)})
 
     def tip(x: float, y: float) -> SpeciesDraft:
-        fin = path[:2]
-        plan = value_at(draft, fin)
+        plan = value_at(draft, part)
         dx, dy = x - plan["at"], plan["height"] - y
-        droop = float(np.degrees(np.arctan2(dy, max(dx, 1e-6))))
+        droop = round(np.clip(float(np.degrees(np.arctan2(dy, max(dx, 1e-6)))), -90, 90), 1)
         length = clip_share(max(float(np.hypot(dx, dy)), 0.01))
-        return with_values(
-            draft,
-            {(*fin, "length"): length, (*fin, "droop"): round(np.clip(droop, -90, 90), 1)},
-        )
-
-    def eye(x: float, y: float) -> SpeciesDraft:
-        return with_values(
-            draft,
-            {("surface", "eye", "at"): clip_share(x), ("surface", "eye", "height"): clip_height(y)},
-        )
+        return with_values(draft, {(*part, "length"): length, (*part, "droop"): droop})
 
     def ring(x: float, y: float) -> SpeciesDraft:
         return _with_ring(draft, view, int(path[2]), x, y)
 
     if path[0] == "body":
         return ring
-    if path[1] == "eye":
-        return eye
+    if path[1] == "eye" or path[2] == "at":
+        return root
     if path[1:] == ("tail", "begin") or path[2] == "base":
         return base
     if path[1] == "tail":
         return tail_edge
-    if path[2] == "at":
-        return root
     return tip if path[2] == "length" else shape
 
 
 def _moved_fin(draft: SpeciesDraft, name: str, ridge: list[Any]) -> dict[KeyPath, Any]:
-    """Return the free edge of the fin on a ridge, moved with the ridge."""
+    """The free edge of the fin on a ridge, moved with the ridge."""
     fin = draft.content["surface"].get(RIDGES.get(name, ""))
     if not fin:
         return {}

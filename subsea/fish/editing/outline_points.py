@@ -1,7 +1,6 @@
 """Adding and removing points of outlines."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -25,11 +24,11 @@ def add_point(
 ) -> tuple[SpeciesDraft, KeyPath]:
     """Add a point to the nearest line of a view; return its path too.
 
-    EditError if a point of the line is too close already. Both sides of the top view count as one.
+    EditError if a point of the line is too close already.
     """
-    at = (at[0], abs(at[1])) if view == "top" else at
     path = nearest_line(draft, view, at)[0]
-    _, k, place = _distance(dict(_lines(draft, view))[path], at)
+    at = (at[0], abs(at[1])) if view == "top" else at
+    _, k, place = _distance(_lines(draft, view)[path], at)
     name = path[1]
     curve = list(value_at(draft, path))
     if name in CURVES:
@@ -56,16 +55,19 @@ def add_point(
 
 
 def nearest_line(draft: SpeciesDraft, view: View, at: tuple[float, float]) -> tuple[KeyPath, float]:
-    """Return the line of a view nearest to a place, and its distance, body lengths."""
+    """The line of a view nearest to a point, and its distance, body lengths.
+
+    Both sides of the top view count as one.
+    """
     at = (at[0], abs(at[1])) if view == "top" else at
-    found = [(path, _distance(points, at)[0]) for path, points in _lines(draft, view)]
+    found = [(path, _distance(points, at)[0]) for path, points in _lines(draft, view).items()]
     return min(found, key=lambda pair: pair[1])
 
 
 def remove_point(draft: SpeciesDraft, path: KeyPath) -> SpeciesDraft:
     """Remove a point of a line; EditError if the line needs it."""
     name = str(path[1])
-    if path[0] != "surface" or not isinstance(path[-1], int) or path[2] == "base":
+    if not _on_outline(path):
         raise EditError("Only points of outlines can be taken away: a scaffold has five rings.")
     curve = value_at(draft, path[:-1])
     if len(curve) <= FEWEST[name]:
@@ -73,30 +75,27 @@ def remove_point(draft: SpeciesDraft, path: KeyPath) -> SpeciesDraft:
     return with_value(draft, path[:-1], [p for k, p in enumerate(curve) if k != path[-1]])
 
 
-def _lines(draft: SpeciesDraft, view: View) -> list[tuple[KeyPath, list[tuple[float, float]]]]:
-    """Return the lines of a view that take more points."""
+def _on_outline(path: KeyPath) -> bool:
+    return path[0] == "surface" and isinstance(path[-1], int) and path[2] != "base"
+
+
+def _lines(draft: SpeciesDraft, view: View) -> dict[KeyPath, list[tuple[float, float]]]:
+    """The lines of a view to which points can be added."""
     groups: dict[KeyPath, list[tuple[float, float]]] = {}
     for handle in handles(draft, view):
-        if (
-            handle.path[0] == "surface"
-            and isinstance(handle.path[-1], int)
-            and handle.path[2] != "base"
-        ):
+        if _on_outline(handle.path):
             groups.setdefault(handle.path[:-1], []).append(handle.at)
-    return list(groups.items())
+    return groups
 
 
 def _distance(
     points: Sequence[tuple[float, float]], at: tuple[float, float]
 ) -> tuple[float, int, tuple[float, float]]:
-    """Return the distance from a line, the index of its nearest piece, and the foot on that."""
-    best = (np.inf, 0, points[0])
-    p = np.asarray(at)
-    for k, (a, b) in enumerate(pairwise(points)):
-        start, way = np.asarray(a), np.subtract(b, a)
-        t = float(np.clip((p - start) @ way / max(way @ way, 1e-12), 0.0, 1.0))
-        foot = start + t * way
-        far = float(np.linalg.norm(p - foot))
-        if far < best[0]:
-            best = (far, k, (float(foot[0]), float(foot[1])))
-    return best
+    """Distance from a line, index of its nearest piece, and the foot on that piece."""
+    line = np.asarray(points)
+    start, way = line[:-1], np.diff(line, axis=0)
+    t = ((at - start) * way).sum(axis=1) / np.maximum((way * way).sum(axis=1), 1e-12)
+    feet = start + np.clip(t, 0.0, 1.0)[:, None] * way
+    far = np.linalg.norm(at - feet, axis=1)
+    k = int(far.argmin())
+    return float(far[k]), k, (float(feet[k, 0]), float(feet[k, 1]))

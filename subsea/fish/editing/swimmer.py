@@ -1,7 +1,7 @@
 """A swimming fish for previews: simulated with its own controllers, or moved by its spine.
 
-It keeps swimming while it is edited, and restarts if it loses its shape. It is shown in axes that
-move along with it, averaged over a beat, so it neither sways nor yaws in place.
+It keeps swimming while it is edited, and restarts if it loses its shape. The view follows it,
+averaged over a beat.
 """
 
 from collections import deque
@@ -18,8 +18,14 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
 from subsea.core.arrays import Array
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species
-from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, carried, flapped, spines
-from subsea.fish.surface import SurfacePlan, along, fitted, rest_control_points, rest_surface
+from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, bend_points, flap_wings, pose_spine
+from subsea.fish.surface import (
+    SurfacePlan,
+    along,
+    fit_control_points,
+    rest_control_points,
+    rest_surface,
+)
 
 Mode = Literal["rest", "slow", "medium", "fast", "left", "right"]
 MODES: tuple[Mode, ...] = get_args(Mode)
@@ -42,7 +48,7 @@ class Swimmer:
         self.reshape(species)
 
     def reshape(self, species: Species) -> None:
-        """Continue as another species, from rest if its scaffold has another length."""
+        """Continue as another species, from rest if the length of its scaffold differs."""
         self._muscles, self._spine, self._surface = species.muscles, species.spine, species.surface
         if self._muscles:
             body = build_body(self._muscles.body)
@@ -57,7 +63,7 @@ class Swimmer:
         self._now = self._then = self._points()
 
     def advance(self, elapsed_s: float) -> Array:
-        """Return control points (426, 3) later, cm, in axes ahead, up and right of the fish."""
+        """Swim on; return control points (426, 3), cm, in axes ahead, up and right of the fish."""
         self._left_s = min(self._left_s + elapsed_s, MOST_TICKS * TICK_S)
         while self._left_s >= TICK_S:
             self._left_s -= TICK_S
@@ -69,12 +75,12 @@ class Swimmer:
 
     @property
     def can_turn(self) -> bool:
-        """Whether it can turn here: a fish that is moved by its spine swims straight on."""
+        """True if it can turn; a spine-driven fish swims straight here."""
         return self._muscles is not None
 
     @property
     def moving(self) -> bool:
-        """Whether the next frame differs."""
+        """True if the next frame differs."""
         return self.mode != "rest" or self._amplitude > STILL or abs(self._bend) > STILL
 
     def _begin(self, body: Body) -> None:
@@ -92,7 +98,7 @@ class Swimmer:
             self._phase += 1.0 / self._gait(self._spine).ticks_per_beat
 
     def _goal(self) -> tuple[float, float]:
-        """Return target amplitude and bend."""
+        """Target amplitude and bend."""
         if self.mode == "rest":
             return 0.0, 0.0
         if self._spine:
@@ -134,7 +140,7 @@ class Swimmer:
         return by_spine(self._spine, self._surface, self._phase, self._amplitude)
 
     def _frame(self) -> tuple[Array, Array]:
-        """Return origin and axes (columns ahead, up, right), averaged over the last beat."""
+        """Origin and axes (columns ahead, up, right), averaged over the last beat."""
         origins = np.array([one for one, _ in self._beat])
         middle = origins.mean(axis=0)
         if len(origins) > 1:  # from the middle of the beat to now
@@ -146,15 +152,15 @@ class Swimmer:
 
 
 def by_spine(plan: SpinePlan, surface: SurfacePlan, beat: float, amplitude: float) -> Array:
-    """Return control points (426, 3), cm, of a spine-driven fish that swims straight (KS II)."""
+    """Control points (426, 3), cm, of a spine-driven fish that swims straight (KS II)."""
     rest = rest_surface(surface)
     at = np.array([beat])
     tall = along(surface.back, MIDDLES) - along(surface.belly, MIDDLES)
     heavy = along(surface.width, MIDDLES) * tall
-    spine = spines(plan, at, amplitude, np.zeros((1, len(MIDDLES))), heavy)
+    spine = pose_spine(plan, at, amplitude, np.zeros((1, len(MIDDLES))), heavy)
     body = rest
     if plan.wings and surface.wing:
-        body = flapped(plan.wings, rest, surface.wing.span, at, amplitude)
-    points = fitted(carried(spine, body))[0] * plan.length
+        body = flap_wings(plan.wings, rest, surface.wing.span, at, amplitude)
+    points = fit_control_points(bend_points(spine, body))[0] * plan.length
     points[:, 0] += (0.5 - plan.centre) * plan.length  # origin in the middle of the fish
     return np.asarray(points)

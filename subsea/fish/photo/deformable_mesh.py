@@ -5,18 +5,18 @@ between neighbours resist stretching (tension), second differences resist bendin
 nodes climb the gradient of the picture. The mouse pulls a node by a spring, an anchor holds one.
 Motion is overdamped: γ dx/dt is the sum of the forces, by explicit Euler steps.
 
-Tu's mesh is a regular grid at rest. Here rest lengths and second differences are those of the shape
-that the mesh was made with, so a fish placed in the right shape keeps it. A.2 as printed drives
-nodes apart; its sign is reversed here, so that springs resist.
+Tu's mesh is a regular grid at rest; here any shape may be the rest shape. The sign of A.2, which
+as printed drives nodes apart, is reversed.
 
-The body is one mesh. The dorsal and the ventral fin are meshes of two rows: the root lies on the
-border of the body and passes its forces on to it, the edge is free.
+The body is one mesh. Dorsal and ventral fin are meshes of two rows: a root on the border of the
+body, which takes its forces, and a free edge. Needs the extra `skin` (OpenCV).
 
-All arrays may be changed between two steps: pixels, x to the right and y down, float64.
+Arrays may be changed between two steps: pixels, x to the right and y down, float64.
 """
 
 from typing import Any, NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,9 +70,14 @@ class FishMeshes(NamedTuple):
         """All meshes by the names of their parts."""
         return {BODY: self.body} | {name: fin.mesh for name, fin in self.fins.items()}
 
+    @property
+    def length(self) -> float:
+        """Distance from the snout to the end of the tail in the middle row, pixels."""
+        return float(np.hypot(*(self.body.nodes[4, 0] - self.body.nodes[4, -1])))
+
 
 class EdgeField(NamedTuple):
-    """The potential by which a picture attracts nodes."""
+    """The potential of a picture that attracts nodes."""
 
     height: Array  # (h, w) float32: G_σ * ‖∇I‖, compressed to 0..1, times σ
     slope: Array  # (h, w, 2) float32: its gradient, x and y, at most about 0.6
@@ -97,10 +102,10 @@ def make_mesh(nodes: Array) -> DeformableMesh:
 
 
 def make_fin(body: DeformableMesh, row: int, places: Array, edge: Array) -> FinMesh:
-    """Make a fin with `edge` (k, 2), rooted at `places` (k,) along a row of the body.
+    """Make a fin with `edge` (k, 2), rooted at node indices `places` (k,) along a row of the body.
 
-    Places count nodes: 2.5 is halfway between the third and the fourth. The picture attracts only
-    the edge, and no longer the nodes of the body under the fin.
+    Indices may be fractions. The picture attracts only the edge, and no longer the nodes of the
+    body under the fin.
     """
     n = body.nodes.shape[1]
     places = np.clip(places, 0.0, n - 1.0)
@@ -117,10 +122,10 @@ def set_rest_shape(meshes: FishMeshes) -> None:
         _rest(one)
 
 
-def transform(meshes: FishMeshes, matrix: Array, about: Array, shift: Array) -> None:
-    """Turn, scale or mirror the whole meshes by `matrix` (2, 2) about a place, then shift it.
+def transform(meshes: FishMeshes, matrix: Array, about: Array, shift: Array | float) -> None:
+    """Apply `matrix` (2, 2) about a point, then a shift, to meshes and rest shapes.
 
-    Rest shapes are transformed too; anchors and mouse targets stay.
+    Anchors and mouse targets stay.
     """
     matrix = np.asarray(matrix, np.float64)
     scale = np.sqrt(abs(np.linalg.det(matrix)))
@@ -144,10 +149,9 @@ def copy_meshes(meshes: FishMeshes) -> FishMeshes:
 
 
 def edge_field(picture: NDArray[Any], sigma: float) -> EdgeField:
-    """Return the edge field of a picture (h, w) or (h, w, channels) of any type.
+    """The edge field of a picture (h, w) or (h, w, channels) of any type.
 
-    P = G_σ * ‖∇I‖ (Tu appendix A); with several channels ‖∇I‖ is over all of them, so that an edge
-    between two colours of one brightness counts. P is compressed to P / (P + P₀), where P₀ is a
+    P = G_σ * ‖∇I‖ over all channels (Tu appendix A), compressed to P / (P + P₀), where P₀ is a
     quarter of its maximum, so that faint edges count beside strong ones.
     """
     channels = np.atleast_3d(np.asarray(picture, np.float32))
@@ -155,35 +159,21 @@ def edge_field(picture: NDArray[Any], sigma: float) -> EdgeField:
     steep = np.zeros(channels.shape[:2], np.float32)
     for slope in slopes:
         steep += (slope * slope).sum(axis=2)
-    high = gaussian_blur(np.sqrt(steep), sigma)
+    size = 2 * max(1, round(3.0 * sigma)) + 1
+    high = cv2.GaussianBlur(np.sqrt(steep), (size, size), sigma, borderType=cv2.BORDER_REPLICATE)
     half = max(HALF * float(high.max()), 1e-6)
     height = np.float32(sigma) * high / (high + np.float32(half))
     down, right = np.gradient(height)
     return EdgeField(height, np.ascontiguousarray(np.stack([right, down], axis=2), np.float32))
 
 
-def gaussian_blur(values: Array, sigma: float) -> Array:
-    """Blur values (h, w) by a Gaussian of `sigma` pixels, with repeated borders."""
-    reach = max(1, round(3.0 * sigma))
-    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2).astype(np.float32)
-    weight /= weight.sum()
-    for axis in (0, 1):
-        around = [(0, 0), (0, 0)]
-        around[axis] = (reach, reach)
-        wide = np.pad(values, around, "edge")
-        count = values.shape[axis]
-        out = np.zeros(values.shape, np.float32)
-        for k, w in enumerate(weight):
-            out += w * (wide[k : k + count] if axis == 0 else wide[:, k : k + count])
-        values = out
-    return np.asarray(values)
-
-
 def forces(
     meshes: FishMeshes, picture: EdgeField | None, params: MeshParameters = DEFAULT
 ) -> dict[str, Array]:
-    """Return the forces (m, n, 2) on the nodes of each part; those of roots are on the body."""
-    out = {name: _forces(one, _seen(picture), params) for name, one in meshes.parts.items()}
+    """The forces (m, n, 2) on the nodes of each part; those on roots act on the body."""
+    if picture is None:
+        picture = EdgeField(np.zeros((1, 1), np.float32), np.zeros((1, 1, 2), np.float32))
+    out = {name: _forces(one, picture, params) for name, one in meshes.parts.items()}
     for name, one in meshes.fins.items():
         out[BODY][one.row] += one.root_weights.T @ out[name][0]
         out[name][0] = 0.0
@@ -196,10 +186,7 @@ def step(
     params: MeshParameters = DEFAULT,
     times: int = 1,
 ) -> float:
-    """Make some steps; return the largest motion of a node in the last, in pixels.
-
-    Without a picture the meshes only relax.
-    """
+    """Make some steps; return the largest motion of a node in the last, pixels."""
     moved = 0.0
     for _ in range(times):
         moved = 0.0
@@ -213,7 +200,7 @@ def step(
 
 
 def attach_fins(meshes: FishMeshes) -> None:
-    """Place the roots of the fins on the body, after its nodes were moved."""
+    """Move the roots of the fins with the body."""
     for one in meshes.fins.values():
         one.mesh.nodes[0] = one.root_weights @ meshes.body.nodes[one.row]
 
@@ -225,25 +212,11 @@ def relax(
     still: float = 0.01,
     most: int = 3000,
 ) -> int | None:
-    """Step until no node moves by `still` pixels; return the number of steps.
-
-    None if `most` were not enough, for example where two outlines pull at one node.
-    """
+    """Step until no node moves by `still` pixels; return the steps, None after `most`."""
     for done in range(10, most + 1, 10):
         if step(meshes, picture, params, 10) < still:
             return done
     return None
-
-
-def energy(
-    meshes: FishMeshes, picture: EdgeField | None, params: MeshParameters = DEFAULT
-) -> float:
-    """Return the potential energy of all forces, pixels²."""
-    return sum(_energy(one, _seen(picture), params) for one in meshes.parts.values())
-
-
-def _seen(picture: EdgeField | None) -> EdgeField:
-    return picture or EdgeField(np.zeros((1, 1), np.float32), np.zeros((1, 1, 2), np.float32))
 
 
 def _rest(one: DeformableMesh) -> None:
@@ -315,38 +288,3 @@ def _forces(mesh: Any, field: Any, params: Any) -> Any:
                     here = _sampled(field.slope[:, :, axis], nodes[k, j, 0], nodes[k, j, 1])
                     out[k, j, axis] += params.picture * mesh.edge_weight[k, j] * here
     return out
-
-
-@kernel
-def _energy(mesh: Any, field: Any, params: Any) -> float:
-    nodes = mesh.nodes
-    m, n, _ = nodes.shape
-    total = 0.0
-    for k in range(m):
-        for j in range(n):
-            for turn in range(2):
-                k1, j1 = (k, j + 1) if turn == 0 else (k + 1, j)
-                if k1 < m and j1 < n:
-                    rest = mesh.along[k, j] if turn == 0 else mesh.across[k, j]
-                    dx = nodes[k1, j1, 0] - nodes[k, j, 0]
-                    dy = nodes[k1, j1, 1] - nodes[k, j, 1]
-                    total += 0.5 * params.tension * (np.sqrt(dx * dx + dy * dy) - rest) ** 2
-            for axis in range(2):
-                if 0 < j < n - 1:
-                    bent = nodes[k, j + 1, axis] - 2.0 * nodes[k, j, axis] + nodes[k, j - 1, axis]
-                    total += 0.5 * params.rigidity * (bent - mesh.bend_along[k, j, axis]) ** 2
-                if 0 < k < m - 1:
-                    bent = nodes[k + 1, j, axis] - 2.0 * nodes[k, j, axis] + nodes[k - 1, j, axis]
-                    total += 0.5 * params.rigidity * (bent - mesh.bend_across[k, j, axis]) ** 2
-                if not np.isnan(mesh.anchors[k, j, axis]):
-                    total += (
-                        0.5 * params.anchor * (mesh.anchors[k, j, axis] - nodes[k, j, axis]) ** 2
-                    )
-                if not np.isnan(mesh.mouse[k, j, axis]):
-                    total += 0.5 * params.mouse * (mesh.mouse[k, j, axis] - nodes[k, j, axis]) ** 2
-            total -= (
-                params.picture
-                * mesh.edge_weight[k, j]
-                * _sampled(field.height, nodes[k, j, 0], nodes[k, j, 1])
-            )
-    return total

@@ -9,18 +9,17 @@ import numpy as np
 from subsea.core.arrays import Array, Bytes
 
 PATCH = 96  # pixels each way of the searched square
-GRAIN = 9.0  # pixels there of the radius of an eye
-PUPILS = 3.5, 4.5, 5.5, 6.5, 7.5  # their radii there, pixels
-FAR = 2.6  # radii of an eye from where it is expected, at most
+GRAIN = 9.0  # radius of an eye in that square, pixels
+PUPILS = 3.5, 4.5, 5.5, 6.5, 7.5  # radii of pupils in that square, pixels
+FAR = 2.6  # greatest distance from the expected position, radii of an eye
 DIRECTIONS = 16
-WEAKEST = 0.2  # of all directions may be as dark as the disc: a lid, a band through the eye
+WEAKEST = 0.2  # fraction of directions that may be dark: a lid, a band through the eye
 
 
 def eye_near(colour: Bytes, place: Array, radius: float) -> tuple[Array, float]:
-    """Return the likeliest eye near a place of a photograph (h, w, 3), and its contrast.
+    """Return the likeliest eye near a point of a photograph (h, w, 3), and its contrast, 0 to 1.
 
-    That is how much paler its ring is than its disc nearly all around, 0 to 1. `radius` is that
-    of an eye in pixels.
+    The contrast is the brightness of its ring less that of its disc. `radius` is in pixels.
     """
     scale = radius / GRAIN
     middle = (PATCH - 1) / 2

@@ -1,8 +1,7 @@
 """Fit deformable meshes to the fish in a photograph automatically (Tu §5.2.1).
 
-Meshes in the shape of the species are turned, scaled and mirrored until they cover the segmented
-fish best; segmentation and alignment alternate. Then the meshes snap to the outline: first of the
-segmented fish, at last of the photograph near it. Needs the extra `skin` (OpenCV).
+Segmentation and alignment of the species' shape alternate. Then the meshes snap to the outline of
+the segmented fish, and to edges of the photograph near it. Needs the extra `skin` (OpenCV).
 """
 
 from collections.abc import Iterator
@@ -40,64 +39,75 @@ from subsea.fish.photo.side_view import (
 )
 from subsea.fish.surface import SurfacePlan
 
-ALIKE = 128  # pixels of the longer side, where shapes are compared
+COMPARE_SIDE = 128  # pixels of the longer side for comparing shapes
 UNIT = 200.0  # pixels of a body length of the shape that is compared
-SOFT = 2.5  # pixels by which both are blurred
-TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # that are tried first
-STEEP = 0.04  # loss of likeness at a tilt of a right angle: fishes are upright
-FLATTER = 0.25  # loss of likeness for each logarithm of flatter or deeper than the species
-SMALLEST, LARGEST = 0.003, 0.75  # shares of the picture that a fish may fill
-SURE = 0.955  # likeness above which no other guess is tried
-LIKELY = 0.95, 0.6  # sizes of fishes in pictures, of the largest that has room
-BLANK = 1.0  # deviation of the colours, of 255, below which there is nothing in a picture
-EYE = 0.25  # weight of the contrast of an eye against the likeness of shapes
-PLAIN = 0.12  # least contrast of an eye
-OFF = 2.2  # radii from where it is expected, at most
-HOLDING = 1.0  # λ of the anchors that hold the border meanwhile
-POOR = 0.55  # likeness below which no fish was found
-ROUNDS = 2  # of segmenting again, from a known rough place
-# Body lengths inside (outside) a silhouette from which on all (nothing) is fish, by stage.
+BLUR = 2.5  # pixels by which both shapes are blurred
+TILTS = np.radians([-60, -40, -20, 0, 20, 40, 60])  # starts of the search
+TILT_COST = 0.04  # loss of likeness at a tilt of 90°: fishes are upright
+DEPTH_COST = 0.25  # loss of likeness for the squared log of flatter or deeper than the species
+SMALLEST, LARGEST = 0.003, 0.75  # fractions of the picture that a fish may fill
+GOOD_LIKENESS = 0.955  # above it no other guess is tried
+GUESS_SIZES = 0.95, 0.6  # of the largest fish that has room
+BLANK = 1.0  # deviation of the colours, of 255, below which a picture is empty
+EYE_WEIGHT = 0.25  # of the contrast of an eye against the likeness of shapes
+EYE_CONTRAST = 0.12  # least contrast of an eye
+EYE_OFFSET = 2.2  # greatest distance of an eye from its expected position, radii
+BORDER_ANCHOR = 1.0  # λ of the anchors that hold the border meanwhile
+LEAST_LIKENESS = 0.55  # below it no fish was found
+ROUNDS = 2  # of segmenting again from a rough position
+# Body lengths inside which all, and outside which nothing is fish, by stage.
 WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
-AFAR = 0.03, 0.015, 0.008  # widths of the smoothing in body lengths, one after the other
-NEAR = 0.008  # the photograph's edges count this near to the segmented fish
-CLOSE = 0.005  # and smoothed so much
+COARSE_BLURS = 0.03, 0.015, 0.008  # body lengths, one after the other
+EDGE_RANGE = 0.008  # body lengths from the segmented fish in which the photograph's edges count
+EDGE_BLUR = 0.005  # of these edges, body lengths
 
 
 class FishFit(NamedTuple):
-    """A fish in a photograph."""
+    """A fish that was found in a photograph."""
 
     meshes: FishMeshes  # over the photograph
-    mask: Bools  # (h, w) of the photograph: the segmented fish
-    likeness: float  # of the species' shape to that, 0 to 1
+    mask: Bools  # (h, w) the segmented fish
+    likeness: float  # of the species' shape to the mask, 0 to 1
 
 
 def find_fish(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> FishFit:
     """Find the fish in a photograph and fit meshes to its outline; UserError if none is found.
 
-    Which way it heads follows from its shape and its eye; `flip` takes the other one.
+    Its heading follows from shape and eye; `flip` reverses it.
     """
     colour, share = downscale(photograph)
     if photograph.opacity is None:
-        mask, matrix, likeness = _told(colour, plan)
+        mask, matrix, likeness = _segment(colour, plan)
     else:
         size = colour.shape[1::-1]
         opacity = cv2.resize(photograph.opacity, size, interpolation=cv2.INTER_AREA)
         mask = largest_region(opacity > 127)
         matrix, likeness = align_shape(plan, mask)
-    if likeness < POOR:
+    if likeness < LEAST_LIKENESS:
         raise UserError(
             "no fish of this shape found; lay the mesh by hand, without --auto,"
             " or cut the fish out: clear pixels around it are taken for the background",
             file=photograph.path,
         )
     ways = [(matrix, likeness), align_shape(plan, mask, not _heads_right(matrix))]
-    plain = [like + EYE * _eye(photograph, plan, one, share)[1] for one, like in ways]
-    matrix, likeness = ways[int(plain[1] > plain[0]) ^ int(flip)]
+    scores = []
+    for one, score in ways:
+        place = to_picture(one, np.array([plan.eye.at, plan.eye.height]))
+        radius = plan.eye.radius * float(np.hypot(*one[:, 0]))
+        _, contrast = eye_near(photograph.colour, (place + 0.5) / share - 0.5, radius / share)
+        scores.append(score + EYE_WEIGHT * contrast)
+    matrix, likeness = ways[int(scores[1] > scores[0]) ^ int(flip)]
     if photograph.opacity is None:
-        mask, matrix, likeness = _closer(colour, plan, mask, matrix, likeness)
+        right = _heads_right(matrix)
+        for _ in range(ROUNDS):
+            new = grab_cut(colour, _shape_trimap(plan, matrix, mask.shape, CLOSER))
+            if not new.any():
+                break
+            mask = new
+            matrix, likeness = align_shape(plan, mask, right)
     meshes = make_fish_meshes(plan, matrix)
     snap_to_outline(meshes, colour, mask)
-    # Middles of pixels are at whole numbers, in the small picture and the large one.
+    # Pixel centres are at whole numbers in both the small and the large picture.
     middle = np.full(2, 0.5 / share - 0.5)
     transform(meshes, np.eye(2) / share, np.zeros(2), middle)
     align_eye(meshes, photograph, plan)
@@ -105,9 +115,9 @@ def find_fish(photograph: Photograph, plan: SurfacePlan, flip: bool = False) -> 
 
 
 def align_eye(meshes: FishMeshes, photograph: Photograph, plan: SurfacePlan) -> None:
-    """Let the inside of the meshes follow the eye in a photograph, if a plain one is near.
+    """Deform the inside of the meshes so that the eye in the photograph is the species' eye.
 
-    So it comes to lie where the species has its eye, which bulges; the border stays.
+    The border stays. Nothing moves without an eye of enough contrast nearby.
     """
     body, rest = meshes.body, side_view(plan).body
     column = float(np.interp(plan.eye.at, rest[4, :15, 0], np.arange(15)))
@@ -117,9 +127,9 @@ def align_eye(meshes: FishMeshes, photograph: Photograph, plan: SurfacePlan) -> 
     k, s = min(int(row), len(heights) - 2), row - min(int(row), len(heights) - 2)
     upper, lower = ((1.0 - t) * body.nodes[i, j] + t * body.nodes[i, j + 1] for i in (k, k + 1))
     here = (1.0 - s) * upper + s * lower
-    radius = plan.eye.radius * float(np.hypot(*(body.nodes[4, 0] - body.nodes[4, -1])))
-    there, plain = eye_near(photograph.colour, here, radius)
-    if plain < PLAIN or np.hypot(*(there - here)) > OFF * radius:
+    radius = plan.eye.radius * meshes.length
+    there, contrast = eye_near(photograph.colour, here, radius)
+    if contrast < EYE_CONTRAST or np.hypot(*(there - here)) > EYE_OFFSET * radius:
         return
     held = np.zeros(body.edge_weight.shape, bool)
     held[[0, -1]] = held[:, [0, -1]] = True
@@ -127,18 +137,9 @@ def align_eye(meshes: FishMeshes, photograph: Photograph, plan: SurfacePlan) -> 
     inside = [(a, b) for a in (k, k + 1) for b in (j, j + 1) if not held[a, b]]
     for at in inside:
         body.anchors[at] = body.nodes[at] + there - here
-    relax(meshes, None, DEFAULT._replace(anchor=HOLDING), still=0.01, most=600)
+    relax(meshes, None, DEFAULT._replace(anchor=BORDER_ANCHOR), still=0.01, most=600)
     body.anchors[:] = np.nan
     set_rest_shape(meshes)
-
-
-def _eye(
-    photograph: Photograph, plan: SurfacePlan, matrix: Array, share: float
-) -> tuple[Array, float]:
-    """The eye, and how plain it is, if the species lies so in the small picture."""
-    place = to_picture(matrix, np.array([plan.eye.at, plan.eye.height]))
-    radius = plan.eye.radius * float(np.hypot(*matrix[:, 0]))
-    return eye_near(photograph.colour, (place + 0.5) / share - 0.5, radius / share)
 
 
 def _heads_right(matrix: Array) -> bool:
@@ -146,21 +147,19 @@ def _heads_right(matrix: Array) -> bool:
 
 
 def segment_under(photograph: Photograph, meshes: FishMeshes) -> Bools:
-    """Segment the fish (h, w) under meshes, which were placed by hand or by `found`.
-
-    It ends near them: the meshes are believed.
-    """
+    """Segment the fish (h, w) near meshes that fit it well."""
     colour, share = downscale(photograph)
     inside = mesh_mask(meshes, photograph.colour.shape)
     size = colour.shape[1::-1]
     there = cv2.resize(inside.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
-    length = float(np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, -1]))) * share
-    mask = grab_cut(colour, _about(there, length, *HELD)) if there.any() else there
+    mask = there
+    if there.any():
+        mask = grab_cut(colour, _trimap(there, share * meshes.length, *HELD))
     return _enlarged(mask, photograph) if mask.any() else inside
 
 
 def _enlarged(mask: Bools, photograph: Photograph) -> Bools:
-    """A mask of the small picture at the photograph's size; its opacity knows better."""
+    """A mask of the small picture at the photograph's size, or the photograph's own opacity."""
     if photograph.opacity is not None:
         return np.asarray(photograph.opacity > 127)
     size = photograph.colour.shape[1::-1]
@@ -168,12 +167,12 @@ def _enlarged(mask: Bools, photograph: Photograph) -> Bools:
     return np.asarray(large > 0.5)
 
 
-def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
-    """Segment a small picture; return mask, place of the species, and likeness."""
+def _segment(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
+    """Segment a small picture; return mask, matrix of the species, and likeness."""
     best: tuple[Bools, Array, float] = (np.zeros(colour.shape[:2], bool), np.eye(3)[:2], 0.0)
     blank = colour.std(axis=(0, 1)).max() < BLANK
-    for guess in () if blank else (*initial_masks(colour), *_likely(colour, plan)):
-        if best[2] > SURE:
+    for guess in () if blank else (*initial_masks(colour), *_centred_guesses(colour, plan)):
+        if best[2] > GOOD_LIKENESS:
             break
         for _ in range(1 + ROUNDS):
             mask = grab_cut(colour, guess)
@@ -183,55 +182,41 @@ def _told(colour: Bytes, plan: SurfacePlan) -> tuple[Bools, Array, float]:
             likeness -= _cut_off(mask)
             if likeness > best[2]:
                 best = mask, matrix, likeness
-            guess = _shaped(plan, matrix, mask.shape, WIDE)
+            guess = _shape_trimap(plan, matrix, mask.shape, WIDE)
     return best
 
 
-def _closer(
-    colour: Bytes, plan: SurfacePlan, mask: Bools, matrix: Array, likeness: float
-) -> tuple[Bools, Array, float]:
-    """Segment again, from a known rough place and heading."""
-    right = _heads_right(matrix)
-    for _ in range(ROUNDS):
-        closer = grab_cut(colour, _shaped(plan, matrix, mask.shape, CLOSER))
-        if not closer.any():
-            break
-        mask = closer
-        matrix, likeness = align_shape(plan, mask, right)
-    return mask, matrix, likeness
-
-
 def _cut_off(mask: Bools) -> float:
-    """Return the share of a mask's outline that lies on the picture's border."""
-    k = 1 + max(1, round(0.01 * min(mask.shape)))  # the border that `guesses` leaves out
+    """The fraction of a mask's outline that lies on the picture's border."""
+    k = 1 + max(1, round(0.01 * min(mask.shape)))  # the border that `initial_masks` leaves out
     rim = np.concatenate([mask[k], mask[-k - 1], mask[:, k], mask[:, -k - 1]])
     return float(rim.sum()) / max(1, int(_border(mask).sum()))
 
 
-def _likely(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
-    """The shape of the species in the middle of the picture, heading either way, large or not."""
+def _centred_guesses(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
+    """GrabCut labels of the species in the middle of the picture, in several sizes, both ways."""
     height, width = colour.shape[:2]
     middle = np.array([width / 2, height / 2])
-    for size in LIKELY:
+    for size in GUESS_SIZES:
         for mirror in (1.0, -1.0):
             matrix = centred_matrix(width, height, plan)
             matrix[:, 2] -= middle
             matrix = np.diag([mirror * size, size]) @ matrix
             matrix[:, 2] += middle
-            yield _shaped(plan, matrix, colour.shape, WIDE)
+            yield _shape_trimap(plan, matrix, colour.shape, WIDE)
 
 
-def _shaped(
+def _shape_trimap(
     plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], reach: tuple[float, float]
 ) -> Bytes:
-    """The guess that the species lies so."""
-    return _about(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
+    """GrabCut labels of the species' shape."""
+    return _trimap(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
 
 
-def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
-    """Return GrabCut labels for a fish at a rough place.
+def _trimap(inside: Bools, length: float, core: float, halo: float) -> Bytes:
+    """GrabCut labels for a rough mask: sure fish from `core` body lengths inside it on.
 
-    All is fish `core` body lengths within, and nothing `halo` body lengths without.
+    Sure background begins `halo` body lengths outside.
     """
     here = inside.astype(np.uint8)
     deep = cv2.distanceTransform(here, cv2.DIST_L2, 5)
@@ -243,7 +228,7 @@ def _about(inside: Bools, length: float, core: float, halo: float) -> Bytes:
 
 
 def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bools:
-    """Return the pixels (h, w) that the species covers in its own shape."""
+    """The pixels (h, w) that the species covers in its own shape."""
     out = np.zeros(shape[:2], np.uint8)
     rest = side_view(plan)
     body = subdivide(rest.body)
@@ -262,10 +247,10 @@ def align_shape(
     plan: SurfacePlan, mask: Bools, heads_right: bool | None = None
 ) -> tuple[Array, float]:
     """Return the matrix (2, 3) that fits the species best to a mask, and their likeness."""
-    share = min(1.0, ALIKE / max(mask.shape))
+    share = min(1.0, COMPARE_SIDE / max(mask.shape))
     size = round(mask.shape[1] * share), round(mask.shape[0] * share)
     there = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
-    there = np.asarray(cv2.GaussianBlur(there, (0, 0), SOFT))
+    there = np.asarray(cv2.GaussianBlur(there, (0, 0), BLUR))
     shape = _Shape(plan)
     y, x = np.nonzero(there > 0.5)
     if len(x) < 10:
@@ -280,22 +265,19 @@ def align_shape(
         tries = []
         for tilt in {*TILTS.tolist(), float(axis)}:
             start = np.array([*middle, zoom, 0.0, tilt])
-            tries.append(_climbed(shape, there, start, right, 1))
+            tries.append(_hill_climb(shape, there, start, right, 1))
         tries.sort(key=lambda one: -one[0])
         for _, values in tries[:3]:
-            best = max(
-                best, (*_climbed(shape, there, values, right, 5), right), key=lambda one: one[0]
-            )
+            found = (*_hill_climb(shape, there, values, right, 5), right)
+            best = max(best, found, key=lambda one: one[0])
     likeness, values, right = best
-    matrix = shape.matrix(values, right)
-    # From pixels of the comparison to those of the mask.
-    matrix = matrix / share
+    matrix = shape.matrix(values, right) / share  # in pixels of the mask
     matrix[:, 2] += 0.5 / share - 0.5
     return matrix, likeness
 
 
 class _Shape:
-    """The silhouette of a species as a soft picture."""
+    """The silhouette of a species as a blurred picture."""
 
     def __init__(self, plan: SurfacePlan) -> None:
         own = np.array([[UNIT, 0.0, 0.15 * UNIT], [0.0, -UNIT, 0.65 * UNIT]])
@@ -308,12 +290,12 @@ class _Shape:
         self.picture = self.plain
 
     def soften(self, zoom: float) -> None:
-        """Blur the picture as much as one is that has `zoom` as the logarithm of its size."""
-        blur = SOFT * UNIT / float(np.exp(zoom))
+        """Blur the picture as it would be blurred at a log size of `zoom`."""
+        blur = BLUR * UNIT / float(np.exp(zoom))
         self.picture = np.asarray(cv2.GaussianBlur(self.plain, (0, 0), blur))
 
     def matrix(self, values: Array, heads_right: bool) -> Array:
-        """From body lengths to pixels: middle x and y, logarithms of size and depth, tilt."""
+        """Body lengths to pixels; values are middle x and y, log size, log depth, tilt."""
         x, y, zoom, deep, tilt = values
         cos, sin = np.cos(tilt), np.sin(tilt)
         size = np.exp(zoom) * np.array([np.exp(-0.5 * deep), np.exp(0.5 * deep)])
@@ -322,21 +304,21 @@ class _Shape:
         return np.column_stack([turn, np.array([x, y]) - turn @ self.middle])
 
     def likeness(self, there: Array, values: Array, heads_right: bool) -> float:
-        """Twice what both have in common over what they have together (Dice)."""
+        """Dice coefficient with another picture, less costs of tilt and depth."""
         matrix = self.matrix(values, heads_right)
         onto = matrix[:, :2] @ self.back[:2]
         onto[:, 2] += matrix[:, 2]
         here = cv2.warpAffine(self.picture, onto, there.shape[::-1], flags=cv2.INTER_LINEAR)
-        # Parts beyond the picture count too: fishes are seen whole.
+        # Parts beyond the picture count too: the whole fish must be visible.
         own = self.area * float(np.exp(2.0 * values[2]))
         both = 2.0 * float(np.minimum(here, there).sum()) / (own + float(there.sum()))
-        return both - STEEP * (values[4] / (0.5 * np.pi)) ** 2 - FLATTER * values[3] ** 2
+        return both - TILT_COST * (values[4] / (0.5 * np.pi)) ** 2 - DEPTH_COST * values[3] ** 2
 
 
-def _climbed(
+def _hill_climb(
     shape: _Shape, there: Array, values: Array, heads_right: bool, rounds: int
 ) -> tuple[float, Array]:
-    """Values from which no small change of one leads higher, and their likeness."""
+    """The likeness at a local maximum, and its values."""
     steps = np.array([4.0, 4.0, 0.12, 0.12, 0.15])
     best = shape.likeness(there, values, heads_right)
     for _ in range(rounds):
@@ -357,41 +339,32 @@ def _climbed(
 
 
 def snap_to_outline(meshes: FishMeshes, colour: Bytes, mask: Bools) -> None:
-    """Let meshes that lie about right take hold of the outline of a fish in a picture (h, w, 3).
+    """Snap roughly placed meshes to the outline of a fish in a picture (h, w, 3).
 
     ``mask`` (h, w) is the segmented fish.
     """
-    body = meshes.body.nodes
-    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
-    for width in AFAR:
+    length = meshes.length
+    for width in COARSE_BLURS:
         relax(meshes, edge_field(mask, max(width * length, 1.0)), still=0.02, most=600)
         set_rest_shape(meshes)
     outline = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     off = cv2.distanceTransform(1 - outline, cv2.DIST_L2, 5)
-    near = np.exp(-0.5 * (off / max(NEAR * length, 1.5)) ** 2).astype(np.float32)
-    seen = edge_field(colour, max(CLOSE * length, 1.0))
-    height = seen.height * near
+    near = np.exp(-0.5 * (off / max(EDGE_RANGE * length, 1.5)) ** 2).astype(np.float32)
+    height = edge_field(colour, max(EDGE_BLUR * length, 1.0)).height * near
     down, right = np.gradient(height)
-    relax(
-        meshes,
-        EdgeField(height, np.dstack([right, down]).astype(np.float32)),
-        DEFAULT,
-        0.02,
-        600,
-    )
+    field = EdgeField(height, np.dstack([right, down]).astype(np.float32))
+    relax(meshes, field, still=0.02, most=600)
 
 
 def outline_error(meshes: FishMeshes, mask: Bools) -> float:
-    """Mean distance of the outlines of meshes and of a mask (h, w), both ways, body lengths."""
+    """Symmetric mean distance of the outlines of meshes and a mask (h, w), body lengths."""
     first, second = _border(mesh_mask(meshes, mask.shape)), _border(mask)
     if not first.any() or not second.any():
         return np.inf
     far = [
         cv2.distanceTransform((~one).astype(np.uint8), cv2.DIST_L2, 5) for one in (first, second)
     ]
-    body = meshes.body.nodes
-    length = float(np.hypot(*(body[4, 0] - body[4, -1])))
-    return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / length)
+    return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / meshes.length)
 
 
 def _border(mask: Bools) -> Bools:

@@ -1,11 +1,8 @@
-"""From a photograph under deformable meshes to the sheet that a species wears (Tu §5.2).
+"""Make a skin sheet from a photograph under deformable meshes (Tu §5.2).
 
-The meshes say which place of the photograph each place of the flank and of the fins is: colours are
-taken from there. What lies behind the fish is removed first, and the fish's own colours go on
-beyond its outline, so that neither its edge nor a coarse mipmap shows the water that it swam in.
-What a photograph from the side does not show, the paired fins, is painted in the colours that it
-has. The sheet is one flank; the other one is drawn as its mirror image.
-
+The meshes map flank and fins to the photograph. The background is replaced by the fish's own
+colours first, so that neither edges nor coarse mipmaps show it. Paired fins, which a side view
+does not show, are painted in the photograph's colours. Both flanks use the same texels.
 Needs the extra `skin` (OpenCV).
 """
 
@@ -24,91 +21,93 @@ from subsea.fish.species import Colour, SkinPlan, Species
 from subsea.fish.surface import FIN_V, SurfacePlan
 from subsea.geometry.spline import basis_at, dense, greville, through
 
-RIM = 0.006  # body lengths inside the outline where the background still shines through
-NEAR = 0.035  # nearer to it the segmented fish counts, farther inside the meshes alone
+RIM = 0.006  # body lengths inside the outline that the background still tints
+NEAR = 0.035  # body lengths from the outline within which the segmentation counts
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 TIERS = 10  # levels from belly to back whose brightness is compared
-EVENED = 0.8  # of what a back is brighter than the belly
-STEEPEST = 2.0
+EVENED = 0.8  # fraction of the shading that is removed
+STEEPEST = 2.0  # limit of its log ratio
 WEB = 0.04  # body lengths behind its root over which the tail becomes a fin
-FINE_MESH = 8  # times as many places as nodes, of the meshes that colours are taken through
+FINE_MESH = 8  # subdivisions of the meshes that colours are sampled through
 
 
 class _Source(NamedTuple):
-    """The photograph about the fish, without what lies behind it."""
+    """The part of the photograph around the fish, without background."""
 
-    picture: Array  # (h, w, 4) linear light, and whether it is the fish
-    corner: Array  # (2,) its place in the photograph
+    picture: Array  # (h, w, 4) linear light, and opacity: 1 on the fish
+    corner: Array  # (2,) its upper left corner in the photograph
 
 
 class _Flank(NamedTuple):
-    """The body's part of a sheet."""
+    """The body region of a sheet."""
 
     picture: Array  # (h, w, 4) linear light and opacity
     level: Array  # (h, w) from belly to back, 0 to 1
     trunk: Bools  # (h, w) the body without its tail
-    low: Array  # (2,) the place of its lower left corner, body lengths
-    size: Array  # (2,) texels in a body length
-    steep: float  # strength of the light from above in it
+    low: Array  # (2,) lower left corner, body lengths
+    size: Array  # (2,) texels per body length
+    steep: float  # log ratio of the shading by light from above
 
 
 def lift_sheet(
     colour: Bytes, meshes: FishMeshes, species: Species, fish: Bools | None = None
 ) -> Bytes:
-    """The sheet (640, 1024, 4) of a species, bottom row first, from a photograph (h, w, 3).
+    """Make the sheet (640, 1024, 4), bottom row first, from a photograph (h, w, 3).
 
-    ``fish`` (h, w) is the segmented fish: near the outline only its colours are used, and fins have
-    gaps where it has. Without it the meshes alone decide.
+    ``fish`` (h, w) is the segmented fish: near the outline only its colours are used, and its gaps
+    are gaps in the fins. Without it the meshes alone count.
     """
     surface, skin = species.surface, species.skin
     rest = side_view(surface)
     source = _source(colour, meshes, surface, fish)
     planes = np.zeros((4, *sheet_layout.SIZE[::-1]), np.float32)
     flank, tail = _lift_flank(source, meshes, rest, surface, skin)
-    sheet_layout.framed(planes, sheet_layout.BODY)[:] = flank.picture.transpose(2, 0, 1)
+    sheet_layout.crop(planes, sheet_layout.BODY)[:] = flank.picture.transpose(2, 0, 1)
     typical = [tail]
     for name, frame, plan, look, ridge in (
         (VENTRAL, sheet_layout.VENTRAL, surface.ventral, skin.ventral, surface.belly),
         (DORSAL, sheet_layout.DORSAL, surface.dorsal, skin.dorsal, surface.back),
     ):
         if plan and look:
-            part = sheet_layout.framed(planes, frame)
+            part = sheet_layout.crop(planes, frame)
             made, tone = _lift_fin(
                 source, flank, meshes.fins[name].mesh, rest.fins[name],
-                np.dstack(sheet_layout.fin_places(plan, ridge, *_shares(part.shape[1:]))),
+                np.dstack(sheet_layout.fin_points(plan, ridge, *_fractions(part.shape[1:]))),
                 look.opacity, float(name == DORSAL),
             )  # fmt: skip
             part[:] = made.transpose(2, 0, 1)
             typical.append(tone)
-    sheet = raster.encoded(planes)
+    sheet = raster.srgb_texels(planes)
     fins = next((tone for tone in typical[::-1] if tone), None)
-    plain = structs.replace(species, skin=_plain(skin, flank, fins))
+    plain = structs.replace(species, skin=_plain_skin(skin, flank, fins))
     painted = paint.paint(plain).transpose(2, 0, 1)
     for frame in (sheet_layout.PECTORAL, sheet_layout.PELVIC):
-        sheet_layout.framed(sheet.transpose(2, 0, 1), frame)[:] = sheet_layout.framed(
-            painted, frame
-        )
+        sheet_layout.crop(sheet.transpose(2, 0, 1), frame)[:] = sheet_layout.crop(painted, frame)
     return sheet
 
 
 def _source(colour: Bytes, meshes: FishMeshes, surface: SurfacePlan, fish: Bools | None) -> _Source:
-    """The part of a photograph that the meshes lie in, the fish's own colours all over it."""
+    """The part of a photograph around the meshes, filled with the fish's own colours."""
     length = (
         float(np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, 14]))) / surface.tail.begin
     )
     window, corner = _around(colour, meshes, length)
     within = mesh_mask(meshes, colour.shape)[window]
     there = within if fish is None else fish[window]
-    light = pull_push(_linear(colour[window]), _sure(within, there, length).astype(np.float32))
-    opaque = cv2.GaussianBlur(np.asarray(there | _deep(within, length), np.float32), (0, 0), 1.0)
+    deep = _distance_inside(within) > NEAR * length  # there only the meshes count
+    sure = _distance_inside(within & (there | deep)) > RIM * length
+    table = raster.from_srgb(np.arange(256) / 255.0).astype(np.float32)
+    own = (sure if sure.any() else within).astype(np.float32)
+    light = pull_push(table[colour[window]], own)
+    opaque = cv2.GaussianBlur(np.asarray(there | deep, np.float32), (0, 0), 1.0)
     return _Source(np.dstack([light, opaque]), corner)
 
 
 def _lift_flank(
     source: _Source, meshes: FishMeshes, rest: SideView, surface: SurfacePlan, skin: SkinPlan
 ) -> tuple[_Flank, Colour | None]:
-    """Body and tail, and the typical colour of the latter."""
-    height, width = sheet_layout.framed(
+    """Return body and tail, and the median colour of the tail."""
+    height, width = sheet_layout.crop(
         np.empty((4, *sheet_layout.SIZE[::-1])), sheet_layout.BODY
     ).shape[1:]
     front, rear = sheet_layout.borders(surface)
@@ -120,18 +119,18 @@ def _lift_flank(
         texels, subdivide(meshes.body.nodes, FINE_MESH) - source.corner, (height, width)
     )
     inside = np.isfinite(places[..., 0])
-    picture = _looked_up(source.picture, places)
+    picture = _sample(source.picture, places)
     picture[..., :3] = pull_push(picture[..., :3], inside.astype(np.float32))
     s = front + (np.arange(width) + 0.5) / size[0]
     trunk = inside & (s < tail)
     level = _level(trunk)
-    steep = _lit_from_above(picture[..., :3], level)
-    picture[..., :3] *= _evened(steep, level)[..., None]
-    web = _smooth((s - tail) / WEB)  # 0 on the body, 1 on the fin
-    clear = (1.0 - skin.tail.opacity) * _smooth((s - tail) / (1.0 - tail))
+    steep = _shading(picture[..., :3], level)
+    picture[..., :3] *= _shading_gain(steep, level)[..., None]
+    web = raster.smooth_unit((s - tail) / WEB)  # 0 on the body, 1 on the fin
+    clear = (1.0 - skin.tail.opacity) * raster.smooth_unit((s - tail) / (1.0 - tail))
     picture[..., 3] = 1.0 + web * (np.where(inside, picture[..., 3], 1.0) * (1.0 - clear) - 1.0)
-    typical = _typical(picture[..., :3], inside & (s > tail + WEB))
-    return _Flank(picture, level, trunk, low, size, steep), typical
+    tone = _median_colour(picture[..., :3], inside & (s > tail + WEB))
+    return _Flank(picture, level, trunk, low, size, steep), tone
 
 
 def _lift_fin(
@@ -143,28 +142,30 @@ def _lift_fin(
     opacity: float,
     level: float,
 ) -> tuple[Array, Colour | None]:
-    """A fin (h, w, 4) whose texels lie at `places` (h, w, 2) on the fish, and its typical colour.
+    """A fin (h, w, 4) with texels at `places` (h, w, 2) on the fish, and its median colour.
 
-    What of it lies within the body has the body's colours.
+    Within the body it has the body's colours.
     """
-    share, up = _shares(places.shape[:2])
-    rise = _risen(rest, share, up)
+    share, up = _fractions(places.shape[:2])
+    # 0 at the body, 1 at the edge; negative within the body and where the fin does not show.
+    left = np.interp(share, greville(FIN_V), rest.leaves)
+    rise = np.asarray((up - left) / np.maximum(1.0 - left, 1e-3)).clip(-1.0, 1.0)
     weights = dense(basis_at(FIN_V, share), FIN_V)
     root, edge = (weights @ through(row) - source.corner for row in fin.nodes)
-    beyond = _looked_up(source.picture, root + np.maximum(rise, 0.0)[..., None] * (edge - root))
-    beyond[..., :3] *= _evened(flank.steep, np.float32(level))
-    within = _looked_up(flank.picture, (places - flank.low) * flank.size - 0.5)
+    beyond = _sample(source.picture, root + np.maximum(rise, 0.0)[..., None] * (edge - root))
+    beyond[..., :3] *= _shading_gain(flank.steep, np.float32(level))
+    within = _sample(flank.picture, (places - flank.low) * flank.size - 0.5)
     out = rise > 0.0
     picture = np.where(out[..., None], beyond, within)
     seen = ~out | (picture[..., 3] > 0.5)
     picture[..., :3] = pull_push(picture[..., :3], seen.astype(np.float32))
-    clear = (1.0 - opacity) * _smooth(rise)
+    clear = (1.0 - opacity) * raster.smooth_unit(rise)
     picture[..., 3] = np.where(out, picture[..., 3] * (1.0 - clear), 1.0)
-    return picture, _typical(picture[..., :3], seen & (rise > 0.2))
+    return picture, _median_colour(picture[..., :3], seen & (rise > 0.2))
 
 
-def _shares(shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Shares of a fin's frame (h, w): along its base (w,), and from its root to its edge (h, 1)."""
+def _fractions(shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Fractions of a fin's region (h, w): along its base (w,), and from root to edge (h, 1)."""
     height, width = shape
     return (np.arange(width) + 0.5) / width, ((np.arange(height) + 0.5) / height)[:, None]
 
@@ -178,10 +179,7 @@ def mesh_mask(meshes: FishMeshes, shape: tuple[int, ...]) -> Bools:
 
 
 def pull_push(values: Array, share: Array) -> Array:
-    """Values (h, w, k) where `share` (h, w) is 1; elsewhere those around go on, ever more blurred.
-
-    By a pyramid of means, as mipmaps are made (push and pull).
-    """
+    """Fill values (h, w, k) where `share` (h, w) is 0 from those around (pull-push pyramid)."""
     values = np.asarray(values, np.float32)
     levels = [(values * share[..., None], np.asarray(share, np.float32))]
     while min(levels[-1][1].shape) > 1 and not levels[-1][1].min() > 0.0:
@@ -199,9 +197,9 @@ def pull_push(values: Array, share: Array) -> Array:
 
 
 def rasterize(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
-    """Values (h, w, k) on texels under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
+    """Values (h, w, k) under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
 
-    Linear on its triangles; nan outside.
+    Linear on its triangles; NaN outside.
     """
     out = np.full((*shape, values.shape[2]), np.nan, np.float32)
     _draw(np.ascontiguousarray(corners), np.ascontiguousarray(values, np.float64), out)
@@ -237,7 +235,7 @@ def _draw(corners: Any, values: Any, out: Any) -> None:
 
 
 def _around(colour: Bytes, meshes: FishMeshes, length: float) -> tuple[tuple[slice, slice], Array]:
-    """The part of a photograph that the meshes lie in, and its corner."""
+    """The window of a photograph around the meshes, and its upper left corner."""
     every = np.concatenate(mesh_outlines(meshes))
     margin = 0.1 * length
     low = np.maximum(np.floor(every.min(axis=0) - margin), 0).astype(int)
@@ -247,25 +245,13 @@ def _around(colour: Bytes, meshes: FishMeshes, length: float) -> tuple[tuple[sli
     return (slice(low[1], high[1]), slice(low[0], high[0])), low.astype(float)
 
 
-def _sure(within: Bools, there: Bools, length: float) -> Bools:
-    """Return where colours are the fish's own: inside the meshes, away from outlines."""
-    inner = _far_inside(within & (there | _deep(within, length)))
-    sure = inner > RIM * length
-    return np.asarray(sure if sure.any() else within)
-
-
-def _deep(within: Bools, length: float) -> Bools:
-    """Return where only the meshes count, farther than `NEAR` inside them."""
-    return np.asarray(_far_inside(within) > NEAR * length)
-
-
-def _far_inside(mask: Bools) -> Array:
-    """Distance (h, w) to the nearest pixel outside a mask; what lies beyond the picture is none."""
+def _distance_inside(mask: Bools) -> Array:
+    """Distance (h, w) to the nearest pixel outside a mask, ignoring the picture's border."""
     return np.asarray(cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5))
 
 
-def _looked_up(picture: Array, places: Array) -> Array:
-    """Values (h, w, k) of a picture at places (h, w, 2), pixels; 0 where these are nan."""
+def _sample(picture: Array, places: Array) -> Array:
+    """Values (h, w, k) of a picture at places (h, w, 2), pixels; 0 where these are NaN."""
     x, y = np.nan_to_num(places.astype(np.float32), nan=-9.0).transpose(2, 0, 1)
     found = cv2.remap(
         np.asarray(picture, np.float32),
@@ -277,28 +263,15 @@ def _looked_up(picture: Array, places: Array) -> Array:
     return np.asarray(found)
 
 
-def _risen(rest: SideViewFin, share: Array, up: Array) -> Array:
-    """Return the height of texels (h, w) of a fin: 0 at the body, 1 at its edge.
-
-    Negative within the body, and all along where the fin does not show.
-    """
-    at = greville(FIN_V)
-    left = np.interp(share, at, rest.leaves)
-    return np.asarray((up - left) / np.maximum(1.0 - left, 1e-3)).clip(-1.0, 1.0)
-
-
-def _typical(light: Array, where: Bools) -> Colour | None:
-    """The median colour (linear light) of those places."""
+def _median_colour(light: Array, where: Bools) -> Colour | None:
+    """The median colour of masked texels; None without any."""
     if not where.any():
         return None
     return tuple(float(c) for c in np.median(light[where], axis=0).clip(0.0, 1.0))  # type: ignore[return-value]
 
 
 def _level(trunk: Bools) -> Array:
-    """Return the height of texels (h, w), belly 0 to back 1; on the tail as at its root.
-
-    ``trunk`` is where the body without its tail is.
-    """
+    """Height of texels (h, w), belly 0 to back 1; on the tail as at its root."""
     rows = np.arange(len(trunk))[:, None]
     count = trunk.sum(axis=0)
     known = np.flatnonzero(count)
@@ -308,11 +281,11 @@ def _level(trunk: Bools) -> Array:
     return np.asarray(((rows - first) / count).clip(0.0, 1.0), np.float32)
 
 
-def _lit_from_above(light: Array, level: Array) -> float:
-    """Return the log ratio of back to belly brightness; 0 if the belly is brighter.
+def _shading(light: Array, level: Array) -> float:
+    """Log ratio of back to belly brightness; 0 if the belly is brighter.
 
-    Fishes are pale below, so that the light from above leaves them even. Where the belly of a
-    photograph is the darker one, that light is in it, and it would fall on the fish twice.
+    Fishes are countershaded. A darker belly in a photograph is shading by light from above, which
+    would be applied twice.
     """
     tall = np.log(np.maximum(light @ LUMINANCE, 1e-3))
     inner = (level > 0.05) & (level < 0.95)
@@ -322,16 +295,17 @@ def _lit_from_above(light: Array, level: Array) -> float:
     return float(np.clip(slope, 0.0, STEEPEST))
 
 
-def _evened(steep: float, level: Array | np.float32) -> Array:
-    """Return the factor of colours at a level."""
+def _shading_gain(steep: float, level: Array | np.float32) -> Array:
+    """The factor for colours at a level that removes the shading."""
     return np.exp(np.float32(-EVENED * steep) * (level - np.float32(0.5)))
 
 
-def _plain(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
-    """Return a plain skin in the photograph's colours, for parts that it does not show."""
+def _plain_skin(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
+    """A plain skin in the photograph's colours, for parts that it does not show."""
     light, level = flank.picture[..., :3], flank.level
     tones = {
-        name: _typical(light, flank.trunk & (level >= low) & (level <= high)) or getattr(skin, name)
+        name: _median_colour(light, flank.trunk & (level >= low) & (level <= high))
+        or getattr(skin, name)
         for name, low, high in (("belly", 0, 0.25), ("flank", 0.25, 0.75), ("back", 0.75, 1))
     }
     paddles = skin.paddles and structs.replace(
@@ -340,15 +314,3 @@ def _plain(skin: SkinPlan, flank: _Flank, fins: Colour | None) -> SkinPlan:
     return structs.replace(
         skin, **tones, stripes=None, cape=None, patches=[], spots=None, paddles=paddles
     )
-
-
-def _linear(colour: Bytes) -> Array:
-    """Linear light (h, w, 3), 0 to 1, of sRGB."""
-    value = np.arange(256) / 255.0
-    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    return table.astype(np.float32)[colour]
-
-
-def _smooth(t: Array) -> Array:
-    t = np.clip(t, 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))

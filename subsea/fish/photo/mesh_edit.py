@@ -1,6 +1,6 @@
-"""Editing meshes over a photograph; most functions return changed copies.
+"""Editing meshes over a photograph: pixels, x to the right and y down.
 
-Places are pixels of the photograph, x to the right and y down.
+Functions return changed copies, except `pull_node` and `set_mouse_target`.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ from subsea.fish.photo.side_view import SideView
 from subsea.fish.surface import EyePlan
 
 SAFETY = 0.9  # of the longest stable step
-MOUSE_GAIN = 4.0  # strength of the mouse, relative to the default, while it drags alone
-MARGIN = 0.06  # between meshes and transform box, share of its height
-KNOB = 0.25  # height of the rotation knob above the box, share of its height
+MOUSE_GAIN = 4.0  # strength of the mouse relative to the default, without a picture
+MARGIN = 0.06  # between meshes and transform box, of its height
+KNOB = 0.25  # height of the rotation knob above the box, of its height
 LEAST_SCALE = 0.05  # of one edit
 
 
@@ -46,7 +46,7 @@ class MeshSnapshot:
 
 
 class TransformBox(NamedTuple):
-    """A rectangle around all meshes, along the fish, with grips to move, turn and scale them."""
+    """A rectangle around all meshes, aligned with the fish, with grips to transform them."""
 
     corners: Array  # (4, 2) front and rear of the back, rear and front of the belly
     sides: Array  # (4, 2) middles of back, tail, belly and snout
@@ -57,36 +57,34 @@ class TransformBox(NamedTuple):
 
 
 def border_nodes(meshes: FishMeshes, parts: tuple[str, ...]) -> list[MeshNode]:
-    """Return the nodes of parts on an outline: not inner ones, nor roots of fins."""
+    """The nodes of parts on an outline: not inner ones, nor roots of fins."""
     found = []
-    for name, one in meshes.parts.items():
-        m, n, _ = one.nodes.shape
-        if name not in parts:
-            continue
+    for name in parts:
         if name == BODY:
+            m, n, _ = meshes.body.nodes.shape
             found += [MeshNode(name, k, j) for k in (0, m - 1) for j in range(n)]
             found += [MeshNode(name, k, j) for k in range(1, m - 1) for j in (0, n - 1)]
-        else:
-            found += [MeshNode(name, m - 1, j) for j in range(n)]
+        elif name in meshes.fins:
+            found += [MeshNode(name, 1, j) for j in range(meshes.parts[name].nodes.shape[1])]
     return found
 
 
 def inner_nodes(meshes: FishMeshes, parts: tuple[str, ...]) -> list[MeshNode]:
-    """Return the inner nodes of the body, if that is among the parts."""
+    """The inner nodes of the body, if that is among the parts."""
     m, n, _ = meshes.body.nodes.shape
-    both = [MeshNode(BODY, k, j) for k in range(1, m - 1) for j in range(1, n - 1)]
-    return both if BODY in parts else []
+    inner = [MeshNode(BODY, k, j) for k in range(1, m - 1) for j in range(1, n - 1)]
+    return inner if BODY in parts else []
 
 
 def node_places(meshes: FishMeshes, nodes: list[MeshNode]) -> Array:
-    """Return the places (n, 2) of nodes."""
-    all_of = meshes.parts
-    where = [all_of[node.part].nodes[node.row, node.column] for node in nodes]
+    """The positions (n, 2) of nodes."""
+    parts = meshes.parts
+    where = [parts[node.part].nodes[node.row, node.column] for node in nodes]
     return np.array(where, float).reshape(-1, 2)
 
 
 def eye_outline(meshes: FishMeshes, rest: SideView, at: EyePlan) -> Array:
-    """Return the outline (25, 2) of the eye of the species in the photograph."""
+    """The outline (25, 2) of the species' eye in the photograph."""
     around = np.linspace(0.0, 2.0 * np.pi, 25)
     spot = np.array([at.at, at.height]) + at.radius * np.stack([np.cos(around), np.sin(around)], 1)
     row = rest.body[len(rest.body) // 2, :, 0]
@@ -102,14 +100,14 @@ def eye_outline(meshes: FishMeshes, rest: SideView, at: EyePlan) -> Array:
 
 
 def is_anchored(meshes: FishMeshes, node: MeshNode) -> bool:
-    """Whether a node is anchored."""
+    """True if a node is anchored."""
     return not np.isnan(meshes.parts[node.part].anchors[node.row, node.column, 0])
 
 
 def with_anchor(
     meshes: FishMeshes, node: MeshNode, place: tuple[float, float] | None
 ) -> FishMeshes:
-    """Anchor a node at a place, or free it."""
+    """Anchor a node at a place; None frees it."""
     other = copy_meshes(meshes)
     other.parts[node.part].anchors[node.row, node.column] = np.nan if place is None else place
     return other
@@ -124,7 +122,7 @@ def without_anchors(meshes: FishMeshes) -> FishMeshes:
 
 
 def anchored_nodes(meshes: FishMeshes) -> list[MeshNode]:
-    """Return all anchored nodes."""
+    """All anchored nodes."""
     return [
         MeshNode(name, int(k), int(j))
         for name, one in meshes.parts.items()
@@ -154,10 +152,7 @@ def pull_node(
     params: MeshParameters,
     times: int,
 ) -> None:
-    """Pull a node in place for some steps, without the picture; `held` nodes stay.
-
-    The anchor of the node moves with it.
-    """
+    """Pull a node and its anchor in place for some steps; `held` nodes stay."""
     before = {name: one.nodes.copy() for name, one in meshes.parts.items()}
     set_mouse_target(meshes, node, to)
     firm = stable_parameters(params._replace(mouse=MOUSE_GAIN * MeshParameters().mouse))
@@ -170,7 +165,7 @@ def pull_node(
 
 
 def set_mouse_target(meshes: FishMeshes, node: MeshNode, to: tuple[float, float] | None) -> None:
-    """Set, in place, where the mouse pulls a node to; None releases it."""
+    """Set in place where the mouse pulls a node and its anchor; None releases it."""
     one = meshes.parts[node.part]
     one.mouse[node.row, node.column] = np.nan if to is None else to
     if to is not None and is_anchored(meshes, node):
@@ -185,7 +180,7 @@ def with_rest_shape(meshes: FishMeshes) -> FishMeshes:
 
 
 def transform_box(meshes: FishMeshes) -> TransformBox:
-    """Return the transform box of the meshes."""
+    """The transform box of the meshes."""
     body = meshes.body.nodes
     middle_row = body[len(body) // 2]
     ahead = middle_row[0] - middle_row[-1]
@@ -208,41 +203,22 @@ def transform_box(meshes: FishMeshes) -> TransformBox:
 
 
 def is_inside(box: TransformBox, place: tuple[float, float]) -> bool:
-    """Return whether a place lies in the box."""
+    """True if a place lies in the box."""
     off = np.asarray(place) - box.middle
     half = np.abs((box.corners - box.middle) @ np.stack([box.ahead, box.up], 1))
     return bool(abs(off @ box.ahead) <= half[0, 0] and abs(off @ box.up) <= half[0, 1])
 
 
-def translate(meshes: FishMeshes, shift: Array) -> FishMeshes:
-    """Shift all meshes."""
-    return _transformed(meshes, np.eye(2), np.zeros(2), shift)
-
-
 def rotate(meshes: FishMeshes, about: Array, angle: float) -> FishMeshes:
     """Turn all meshes by `angle`, rad, from x to y."""
     c, s = np.cos(angle), np.sin(angle)
-    return _transformed(meshes, np.array([[c, -s], [s, c]]), about, np.zeros(2))
-
-
-def scale(meshes: FishMeshes, about: Array, times: float) -> FishMeshes:
-    """Scale all meshes."""
-    return _transformed(meshes, np.eye(2) * max(times, LEAST_SCALE), about, np.zeros(2))
-
-
-def stretch(meshes: FishMeshes, about: Array, way: Array, times: float) -> FishMeshes:
-    """Scale all meshes along a unit vector."""
-    return _transformed(
-        meshes, np.eye(2) + (max(times, LEAST_SCALE) - 1.0) * np.outer(way, way), about, np.zeros(2)
-    )
+    return _transformed(meshes, np.array([[c, -s], [s, c]]), about)
 
 
 def flip(meshes: FishMeshes) -> FishMeshes:
     """Mirror the fish in place, so that it heads the other way."""
-    shown = transform_box(meshes)
-    return _transformed(
-        meshes, np.eye(2) - 2.0 * np.outer(shown.ahead, shown.ahead), shown.middle, np.zeros(2)
-    )
+    box = transform_box(meshes)
+    return _transformed(meshes, np.eye(2) - 2.0 * np.outer(box.ahead, box.ahead), box.middle)
 
 
 def drag_grip(
@@ -253,28 +229,24 @@ def drag_grip(
     Grips 0 to 3 are the corners, which scale, 4 to 7 the sides, which stretch, 8 the knob, which
     turns, 9 the middle, which moves.
     """
-    if grip < 4:
-        about = box.corners[(grip + 2) % 4]
-        out = (box.corners[grip] - about) / _length(box.corners[grip] - about)
-        whole = _length(box.corners[grip] - about)
-        return scale(start, about, float((to - about) @ out) / whole)
     if grip < 8:
-        side = grip - 4
-        about = box.sides[(side + 2) % 4]
-        whole = _length(box.sides[side] - about)
-        way = (box.sides[side] - about) / whole
-        return stretch(start, about, way, float((to - about) @ way) / whole)
+        grips = (box.corners, box.sides)[grip // 4]
+        about = grips[(grip + 2) % 4]
+        way = grips[grip % 4] - about
+        whole = max(float(np.hypot(*way)), 1e-9)
+        way = way / whole
+        times = max(float((to - about) @ way) / whole, LEAST_SCALE)
+        stretched = np.eye(2) + (times - 1.0) * np.outer(way, way)
+        return _transformed(start, np.eye(2) * times if grip < 4 else stretched, about)
     if grip == 8:
         angles = [np.arctan2(*(place - box.middle)[::-1]) for place in (begin, to)]
         return rotate(start, box.middle, float(angles[1] - angles[0]))
-    return translate(start, to - begin)
+    return _transformed(start, np.eye(2), np.zeros(2), to - begin)
 
 
-def _transformed(meshes: FishMeshes, matrix: Array, about: Array, shift: Array) -> FishMeshes:
+def _transformed(
+    meshes: FishMeshes, matrix: Array, about: Array, shift: Array | float = 0.0
+) -> FishMeshes:
     other = copy_meshes(meshes)
     transform(other, matrix, about, shift)
     return other
-
-
-def _length(vector: Array) -> float:
-    return max(float(np.hypot(*vector)), 1e-9)

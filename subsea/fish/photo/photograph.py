@@ -12,39 +12,40 @@ import numpy as np
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from subsea.core.arrays import Array, Bools, Bytes
-from subsea.core.errors import UserError
+from subsea.core.errors import UserError, unreadable
+from subsea.core.input_files import check_input
 
 FORMATS = "JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "PPM", "AVIF", "JPEG2000"
 MOST_BYTES = 200 << 20
 MOST_PIXELS = 150_000_000
 LEAST = 96  # pixels of the longer side
-WORK = 1600  # pixels of the longer side that are kept: a sheet is 1024 texels wide
-TOLD_APART = 400  # the same, for segmentation
-CLEAR = 0.005  # a share of clear pixels from which on the opacity shows the fish
-BAND = 0.06  # of the shorter side: a border that is mostly background
-COLOURS = 6  # of the background, as a first guess
+WORK = 1600  # longest side of a loaded photograph, pixels: a sheet is 1024 texels wide
+SEGMENT_SIDE = 400  # the same, for segmentation
+CLEAR = 0.005  # fraction of clear pixels from which on the opacity shows the fish
+BAND = 0.06  # width of the border that is mostly background, of the shorter side
+COLOURS = 6  # colour clusters of the background
 ROUNDS = 3  # of GrabCut
 
 
 class Photograph(NamedTuple):
-    """Pixels, the upper left one first."""
+    """Pixels, top row first."""
 
     path: Path
     colour: Bytes  # (h, w, 3) sRGB
-    opacity: Bytes | None  # (h, w); None where the file has none or all is opaque
+    opacity: Bytes | None  # (h, w); None if opaque
 
 
 def read_photograph(path: Path) -> Photograph:
-    """The photograph, upright as its camera was held, its longer side at most `WORK` pixels.
+    """Read a photograph upright, scaled down to at most `WORK` pixels on its longer side.
 
-    A file that is not a picture, damaged, too large or too small is a UserError.
+    UserError for a file that is not a picture, damaged, too large or too small.
     """
+    size = check_input(path)
     try:
-        size = path.stat().st_size
         if size > MOST_BYTES:
             raise UserError(f"{size >> 20} MiB, expected at most {MOST_BYTES >> 20} MiB", file=path)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of sizes, which are looked at here; of odd tags
+            warnings.simplefilter("ignore")  # sizes are checked below; odd tags do not matter
             with Image.open(path, formats=FORMATS) as image:
                 return _decoded(path, image)
     except UnidentifiedImageError as fault:
@@ -56,10 +57,10 @@ def read_photograph(path: Path) -> Photograph:
         raise UserError("too large for this computer's memory", file=path) from fault
     except OSError as fault:
         if fault.errno:
-            raise UserError(f"cannot read ({fault.strerror})", file=path) from fault
+            raise unreadable(path, fault) from fault
         raise UserError(f"damaged or cut off ({fault})", file=path) from fault
     except (ValueError, TypeError, SyntaxError, EOFError, IndexError, KeyError) as fault:
-        # Pillow's readers raise any of these at files that are not as they should be.
+        # Pillow's readers raise any of these for damaged files.
         raise UserError(f"damaged ({fault})", file=path) from fault
 
 
@@ -75,14 +76,14 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
         raise UserError(
             f"{width}×{height} pixels, expected a longer side of {LEAST} or more", file=path
         )
-    image.draft("RGB", (WORK, WORK))  # a huge JPEG need not be decoded whole
+    image.draft("RGB", (WORK, WORK))  # a huge JPEG need not be decoded completely
     ImageOps.exif_transpose(image, in_place=True)
     upright = image
     if upright.mode in ("P", "PA", "LA", "La", "RGBa") or "transparency" in upright.info:
         upright = upright.convert("RGBA")
     elif upright.mode == "1":
         upright = upright.convert("L")
-    # Made small before it is anything else: a huge one would take gigabytes.
+    # Scale down before other conversions: a huge picture would take gigabytes.
     white = _white(upright) if upright.mode.startswith("I") or upright.mode == "F" else None
     if upright.mode.startswith("I;16"):  # Pillow cannot shrink these
         upright = upright.convert("I")
@@ -97,42 +98,39 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
 
 
 def _white(image: Image.Image) -> float:
-    """Return the white level of greys of 16 bits or of fractions."""
+    """The white level of 16-bit or floating-point greys."""
     if image.mode.startswith("I;16"):
         return 65535.0
-    most = float(np.fmax.reduce(np.asarray(image), axis=None))  # of what is a number
+    most = float(np.fmax.reduce(np.asarray(image), axis=None))  # ignores NaN
     if not most > 0.0:
         return 1.0
     return next((white for white in (1.0, 255.0, 65535.0) if most <= white), most)
 
 
 def _eight_bits(image: Image.Image, white: float) -> Image.Image:
-    """Greys of 16 bits or of fractions in the usual steps."""
+    """Convert 16-bit or floating-point greys to eight bits."""
     values = np.nan_to_num(np.asarray(image, np.float64))
     grey = (255.0 * np.clip(values / white, 0.0, 1.0)).round().astype(np.uint8)
     return Image.fromarray(grey).convert("RGB")
 
 
-def downscale(photograph: Photograph, side: int = TOLD_APART) -> tuple[Bytes, float]:
-    """The colours at a longer side of at most `side` pixels, and that over the photograph's."""
+def downscale(photograph: Photograph) -> tuple[Bytes, float]:
+    """The colours scaled down for segmentation, and the scale."""
     colour = photograph.colour
     height, width = colour.shape[:2]
-    share = min(1.0, side / max(height, width))
+    share = min(1.0, SEGMENT_SIDE / max(height, width))
     size = max(1, round(width * share)), max(1, round(height * share))
     return np.asarray(cv2.resize(colour, size, interpolation=cv2.INTER_AREA), np.uint8), share
 
 
 def initial_masks(colour: Bytes) -> list[Bytes]:
-    """Return first guesses of the fish as GrabCut labels, the likeliest first.
-
-    What differs from the colours along the border; what lies in the middle.
-    """
+    """GrabCut labels of first guesses: salient pixels, then the middle of the picture."""
     height, width = colour.shape[:2]
     y, x = np.mgrid[:height, :width].astype(np.float32)
     off = np.hypot((x - width / 2) / (0.42 * width), (y - height / 2) / (0.36 * height))
     middle = off < 1.0
-    strange = _strangeness(colour) * np.exp(-0.5 * off**2)
-    level = strange / max(float(strange.max()), 1e-6) * 255.0
+    salient = _saliency(colour) * np.exp(-0.5 * off**2)
+    level = salient / max(float(salient.max()), 1e-6) * 255.0
     threshold, _ = cv2.threshold(level.astype(np.uint8), 0, 255, cv2.THRESH_OTSU)
     edge = max(1, round(0.01 * min(height, width)))
     out = []
@@ -143,8 +141,8 @@ def initial_masks(colour: Bytes) -> list[Bytes]:
     return out
 
 
-def _strangeness(colour: Bytes) -> Array:
-    """Return the distance of colours (h, w, 3) from the border's, in deviations."""
+def _saliency(colour: Bytes) -> Array:
+    """Distance of colours (h, w, 3) from those of the border, in standard deviations."""
     lab = np.asarray(cv2.cvtColor(cv2.GaussianBlur(colour, (0, 0), 1.5), cv2.COLOR_RGB2LAB))
     lab = lab.astype(np.float32)
     height, width = lab.shape[:2]
@@ -172,7 +170,7 @@ def grab_cut(colour: Bytes, guess: Bytes) -> Bools:
     fish = (words == cv2.GC_FGD) | (words == cv2.GC_PR_FGD)
     if not fish.any() or fish.all():
         return np.zeros(fish.shape, bool)
-    cv2.setRNGSeed(1)  # its colours are clustered by chance
+    cv2.setRNGSeed(1)  # for the clustering of its colours
     smooth = cv2.bilateralFilter(colour, 5, 25, 3)
     try:
         cv2.grabCut(
@@ -184,7 +182,7 @@ def grab_cut(colour: Bytes, guess: Bytes) -> Bools:
 
 
 def largest_region(mask: Bools) -> Bools:
-    """The largest piece of a mask (h, w), without threads and holes."""
+    """The largest region of a mask (h, w), opened and without holes."""
     reach = max(1, round(0.004 * max(mask.shape)))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1,) * 2)
     opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, disc)

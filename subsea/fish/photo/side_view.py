@@ -1,7 +1,7 @@
-"""A fish at rest seen from its left, and the deformable meshes that stand for it in a picture.
+"""A fish at rest seen from its left, and its deformable meshes in a picture.
 
-Places on a fish are (distance from the snout, height) in body lengths, places in a picture pixels,
-x to the right and y down. A matrix (2, 3) takes the first to the second.
+Points on a fish are (distance from the snout, height) in body lengths, points in a picture pixels,
+x to the right and y down. A matrix (2, 3) maps the first to the second.
 """
 
 from typing import NamedTuple
@@ -21,42 +21,42 @@ from subsea.fish.surface import (
     U,
     V,
     along,
+    points_along,
     rest_surface,
-    travelled,
 )
 from subsea.geometry.spline import basis_at, dense, greville, through
 
-FINER = 4  # times as many places as nodes, where a mesh is looked at closely
-SHOWS = 0.006  # body lengths by which the edge of a fin stands out where it is drawn
+FINER = 4  # default subdivision of a mesh
+SHOWS = 0.006  # body lengths from which on the edge of a fin stands out of the body
 
 
 class SideViewFin(NamedTuple):
-    """A dorsal or ventral fin; its twelve stations are at shares `greville(12)` of its base."""
+    """A dorsal or ventral fin with twelve stations, at fractions `greville(12)` of its base."""
 
     row: int  # of the body that it is rooted on
-    places: Array  # (12,) along that row, in nodes, where it leaves the body
-    root: Array  # (12, 2) there
-    leaves: Array  # (12,) the share of the way from its row in the body to its edge, there
+    places: Array  # (12,) node indices along that row where it leaves the body
+    root: Array  # (12, 2) these points
+    leaves: Array  # (12,) their fraction of the way from the sunk row to the edge
     edge: Array  # (12, 2)
-    shows: NDArray[np.bool_]  # (12,) whether it stands out there, or runs within the body
+    shows: NDArray[np.bool_]  # (12,) whether it stands out of the body
 
 
 class SideView(NamedTuple):
-    """Nodes of the flank and its fins, which lie where the drawn surface lies at rest."""
+    """Nodes of the drawn surface at rest: the flank and its fins."""
 
     body: Array  # (9, 21, 2): rows from the back to the belly, columns from the snout
     fins: dict[str, SideViewFin]
 
 
 def side_view(plan: SurfacePlan) -> SideView:
-    """The side of a fish; one with wings has none, which is a UserError."""
+    """The side of a fish; UserError for one with wings."""
     if plan.wing:
         raise UserError("a body with wings needs a photograph from above, which is not supported")
     half = rest_surface(plan)[RIGHT].reshape(U, V, 3)
     even = np.linspace(1.0, -1.0, U)[:, None]
     middle, reach = (half[0, :, 1] + half[-1, :, 1]) / 2, (half[0, :, 1] - half[-1, :, 1]) / 2
     control = np.stack([half[..., 0], middle + even * reach], axis=2)
-    # Across the body these are control points: the nodes lie where the surface passes them.
+    # Across the body these are control points; the nodes lie on the surface.
     body = np.tensordot(dense(basis_at(U, greville(U)), U), control, 1)
     fins = {}
     for name, row, one, ridge in (
@@ -69,18 +69,18 @@ def side_view(plan: SurfacePlan) -> SideView:
 
 
 def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> SideViewFin:
-    """A fin, from where the way from its sunk root to its edge crosses the ridge."""
+    """A fin, from where its way from the sunk root to the edge crosses the ridge."""
     share = greville(FIN_V)
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
     sunk = np.stack([base, SUNK * along(ridge, base)], axis=1)
-    edge = travelled(plan.edge, share)
+    edge = points_along(plan.edge, share)
     up = np.linspace(0.0, 1.0, 129)[:, None]
     x = sunk[:, 0] + up * (edge[:, 0] - sunk[:, 0])
     y = sunk[:, 1] + up * (edge[:, 1] - sunk[:, 1])
     out = np.abs(y) - np.abs(along(ridge, x))
     shows = out[-1] > SHOWS
     left = np.where(shows, np.argmax(out > 0.0, axis=0), len(up) - 1)
-    # Roots follow one another, as the nodes do whose springs they share.
+    # Roots keep the order of the nodes whose springs they share.
     root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(FIN_V)], base))
     places = np.interp(root_x, line[:, 0], np.arange(V))
     root = np.stack([np.interp(places, np.arange(V), axis) for axis in line.T], axis=1)
@@ -88,10 +88,9 @@ def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> SideViewFin
 
 
 def make_fish_meshes(plan: SurfacePlan, matrix: Array) -> FishMeshes:
-    """Meshes in a picture, at rest in the species' own shape. They feel what can be an outline.
+    """Meshes in a picture, at rest in the species' shape; only outlines attract the picture.
 
-    That is neither the back under a fin nor the belly where pelvic fins hang down, nor where the
-    edge of a fin runs within the body.
+    The back under a fin, the belly at pelvic fins and fin edges inside the body are not outlines.
     """
     rest = side_view(plan)
     body = make_mesh(to_picture(matrix, rest.body))
@@ -111,12 +110,12 @@ def make_fish_meshes(plan: SurfacePlan, matrix: Array) -> FishMeshes:
 
 
 def to_picture(matrix: Array, places: Array) -> Array:
-    """Places (…, 2) on a fish at rest, in the picture."""
+    """Map points (…, 2) on a fish at rest to the picture."""
     return np.asarray(places @ np.asarray(matrix)[:, :2].T + np.asarray(matrix)[:, 2])
 
 
 def centred_matrix(width: float, height: float, plan: SurfacePlan) -> Array:
-    """The matrix of a fish that heads left in the middle of a picture and fills most of it."""
+    """The matrix of a fish that heads left and fills most of a picture."""
     rest = side_view(plan)
     every = np.concatenate([rest.body.reshape(-1, 2), *(one.edge for one in rest.fins.values())])
     low, high = every.min(axis=0), every.max(axis=0)
@@ -131,10 +130,7 @@ def centred_matrix(width: float, height: float, plan: SurfacePlan) -> Array:
 
 
 def subdivide(nodes: Array, times: int = FINER) -> Array:
-    """A mesh (m, n, 2) with `times` as many places between nodes each way, by smooth curves.
-
-    They meet the nodes, as the drawn surface meets those it is made from.
-    """
+    """Subdivide a mesh (m, n, 2) `times` each way by smooth curves through the nodes."""
     for axis in (0, 1):
         count = nodes.shape[axis]
         if count < 3:
@@ -148,7 +144,7 @@ def subdivide(nodes: Array, times: int = FINER) -> Array:
 
 
 def mesh_outlines(meshes: FishMeshes, times: int = FINER) -> list[Array]:
-    """Closed outlines (k, 2) of all meshes, which overlap where a fin is rooted."""
+    """Closed outlines (k, 2) of all meshes; they overlap at the roots of fins."""
     out = []
     for name, one in meshes.parts.items():
         nodes = subdivide(one.nodes, times)

@@ -9,20 +9,26 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bytes, Ints
 from subsea.core.disk_cache import cached
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheets
-from subsea.fish.mesh import DETAILS, VERTEX_ATTRIBUTES, VERTEX_FORMAT, Mesh, fish_mesh, outfit
+from subsea.fish.mesh import (
+    DETAILS,
+    VERTEX_ATTRIBUTES,
+    VERTEX_FORMAT,
+    Mesh,
+    fish_mesh,
+    species_vertices,
+)
 from subsea.fish.species import CourtshipColours, Species
 from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.render.fish import speck as fish_speck
 from subsea.render.fish.speck import COARSEST, Speck, places, speck
 from subsea.render.gl.id_buffer import FISH, object_id
-from subsea.render.gl.mipmaps import kept_texture, mipmapped
+from subsea.render.gl.mipmaps import cached_texture, mipmapped
 from subsea.render.gl.owner import GpuOwner, replace_data
 from subsea.render.gl.programs import variant_array
 from subsea.render.gl.shaders import program, required_defines, set_uniforms
@@ -30,7 +36,7 @@ from subsea.render.gl.shaders import program, required_defines, set_uniforms
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
 # Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
-SPECK, OWN_MARKS = ("SPECK",), ("OWN_MARKS",)
+SPECK, OWN_IDS = ("SPECK",), ("OWN_IDS",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the uniform block
@@ -51,9 +57,7 @@ INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i
 class FishRenderer(GpuOwner):
     """Draws instances from a table of control points, a mesh per level and an atlas of skins."""
 
-    def __init__(
-        self, context: Any, scene: RenderScene, skins: list[NDArray[np.uint8]] | None = None
-    ) -> None:
+    def __init__(self, context: Any, scene: RenderScene, skins: list[Bytes] | None = None) -> None:
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
         self._context = context
@@ -72,14 +76,16 @@ class FishRenderer(GpuOwner):
         self._looks = self.own(context.buffer(looks.tobytes()))
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
-        self._vertices = self.own(_table(context, cached(outfits, scene.species, self._meshes)))
+        self._vertices = self.own(
+            _table(context, cached(level_vertices, scene.species, self._meshes))
+        )
         self._shape = shape = speck()
         self._places = self.own(_table(context, speck_places(scene.species, shape)))
-        buffers = [self.own(context.buffer(part.tobytes())) for part in (vertices, triangles)]
+        buffers = self.own_buffers(context, vertices, triangles)
         self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
         self._speck_triangles = len(shape.triangles)
         listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
-        buffers = [self.own(context.buffer(part.tobytes())) for part in (shape.vertices, listed)]
+        buffers = self.own_buffers(context, shape.vertices, listed)
         layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
         self._content[True] = [(buffers[0], *layout)], buffers[1]
         self._arrays: dict[Any, Any] = {}
@@ -100,13 +106,13 @@ class FishRenderer(GpuOwner):
             texels[..., :3] = packet.live_points
             self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
 
-    def dress(
+    def update(
         self, species: tuple[Species, ...], length_cm: tuple[float, ...],
-        skins: list[NDArray[np.uint8]] | None = None,
+        skins: list[Bytes] | None = None,
     ) -> None:  # fmt: skip
         """Replace the shapes, and the skins if given, of all species."""
         self._looks.write(_looks(species, length_cm).tobytes())
-        self._vertices.write(outfits(species, self._meshes).tobytes())
+        self._vertices.write(level_vertices(species, self._meshes).tobytes())
         self._places.write(speck_places(species, self._shape).tobytes())
         if skins is not None:
             self._skins.write(_side_by_side(skins))
@@ -132,9 +138,9 @@ class FishRenderer(GpuOwner):
             "u_places": PLACES_UNIT,
         }
         batches = packet.batches[number]
-        defines = required_defines(uniforms, as_ids) + OWN_MARKS * as_ids
+        defines = required_defines(uniforms, as_ids) + OWN_IDS * as_ids
         for compiled in {*self._cold, *(self._program(batch, defines) for batch in batches)}:
-            set_uniforms(compiled, **units, **uniforms, u_mark=object_id(FISH))
+            set_uniforms(compiled, **units, **uniforms, u_object_id=object_id(FISH))
         while self._cold:
             compiled, nothing = self._cold.popitem()
             self._render(compiled, nothing, 1, 0, 1)
@@ -195,11 +201,8 @@ class FishRenderer(GpuOwner):
         array.render(vertices=3 * triangles, first=3 * first, instances=count)
 
 
-def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
-    """Vertices and triangles of all levels, and the first triangle of each level.
-
-    A triangle without area follows at the end.
-    """
+def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:
+    """Vertices, triangles (the last without area) and first triangles of all levels."""
     starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     first = np.cumsum([0] + [len(those) for those in triangles])[:-1]
@@ -210,12 +213,12 @@ def joined(meshes: list[Mesh]) -> tuple[Array, NDArray[np.int32], list[int]]:
     )
 
 
-def outfits(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
+def level_vertices(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
     """Data that differ between species at the vertices of all levels, (species, n, 4) float32."""
     return np.array(
         [
             np.concatenate(
-                [outfit(one.surface, *pair) for pair in zip(meshes, DETAILS, strict=True)]
+                [species_vertices(one.surface, *pair) for pair in zip(meshes, DETAILS, strict=True)]
             )
             for one in species
         ],
@@ -261,21 +264,19 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
     return np.array([*rows, *frames()], "f4")
 
 
-def _atlas(
-    context: Any, species: tuple[Species, ...], skins: list[NDArray[np.uint8]] | None
-) -> Any:
+def _atlas(context: Any, species: tuple[Species, ...], skins: list[Bytes] | None) -> Any:
     """Make the atlas, a mipmapped sRGB texture; cached on disk if no skin comes from a file."""
     if skins is None and not any(one.skin.sheet for one in species):
-        return kept_texture(context, COARSEST, True, _painted, species)
+        return cached_texture(context, COARSEST, True, _painted, species)
     skins = sheets(species) if skins is None else skins
     return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
 
 
-def _painted(species: tuple[Species, ...]) -> NDArray[np.uint8]:
+def _painted(species: tuple[Species, ...]) -> Bytes:
     return _side_by_side(paint.paint_all(species))
 
 
-def _side_by_side(skins: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+def _side_by_side(skins: list[Bytes]) -> Bytes:
     """The atlas of skins, each with a gutter around it."""
     columns = _columns(len(skins))
     picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
@@ -298,10 +299,7 @@ def _table(context: Any, texels: Array) -> Any:
 def look(
     species: Species, length_cm: float, place: tuple[float, float, float, float]
 ) -> list[tuple[float, ...]]:
-    """The constants of a species, row by row as in `fishes.glsl`.
-
-    `length_cm` is that of the recorded fish, `place` the `cell` of its skin on the atlas.
-    """
+    """Constants of a species of recorded length, as in `fishes.glsl`; `place` is its `cell`."""
     surface, skin = species.surface, species.skin
     top = sheet_layout.half_height(surface)
     front, rear = sheet_layout.borders(surface)

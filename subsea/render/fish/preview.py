@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 from msgspec import structs
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bytes
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
@@ -64,7 +63,7 @@ class Orbit:
 class FishPreview(GpuOwner):
     """A fish on the GPU, and the texture that it is drawn into."""
 
-    def __init__(self, context: Any, species: Species, sheet: NDArray[np.uint8]) -> None:
+    def __init__(self, context: Any, species: Species, sheet: Bytes) -> None:
         """Upload a fish with a skin `sheet`, as `fish.paint` makes it."""
         super().__init__()
         self._context = context
@@ -78,21 +77,19 @@ class FishPreview(GpuOwner):
             terrain_half_width_cm=1.0,
             water=WATER,
         )
-        self._fishes: FishRenderer = self.own(FishRenderer(context, scene, [sheet]))
+        self._fishes = self.own(FishRenderer(context, scene, [sheet]))
         even = np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16)
         self._light = self.own(mipmapped(context, even))
         self._resolve: ResolvePass | None = None
-        self._sized: list[Any] = []
+        self._sized = self.own(GpuOwner())
         self.size = (0, 0)
         self.texture: Any = None  # the picture, bottom row first
 
-    def dress(self, species: Species, sheet: NDArray[np.uint8] | None = None) -> None:
+    def update(self, species: Species, sheet: Bytes | None = None) -> None:
         """Replace the shape, and the skin sheet if given."""
         self._measure(species)
-        self._fishes.dress(
-            (_without_variation(species),),
-            (species.length_cm,),
-            None if sheet is None else [sheet],
+        self._fishes.update(
+            (_without_variation(species),), (species.length_cm,), None if sheet is None else [sheet]
         )
 
     def draw(
@@ -133,19 +130,14 @@ class FishPreview(GpuOwner):
         self._light.use(1)
         self._fishes.draw(packet, 0, uniforms_of(packet, view, WATER))
         assert self._resolve
-        self._resolve.draw(self._target.picture(), self._shown, size, 0)
+        self._resolve.draw(self._target.resolved(), self._target.framebuffers[0, 0], size, 0)
         context.detect_framebuffer(0).use()
         return self.texture
 
-    def read_pixels(self) -> NDArray[np.uint8]:
+    def read_pixels(self) -> Bytes:
         """The last picture (h, w, 3), top row first."""
-        data = self._shown.read(components=3, alignment=1)
+        data = self._target.framebuffers[0, 0].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(*self.size[::-1], 3)[::-1]
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        self._release_sized()
-        super().release()
 
     def _view(self, orbit: Orbit, size: tuple[int, int]) -> View:
         across = ROOM * DRAWN_CM * max(1.0, self._tall * size[0] / size[1]) / orbit.zoom
@@ -183,24 +175,16 @@ class FishPreview(GpuOwner):
         self.middle = np.array([snout - 0.5 * length, length * (low + high) / 2, 0.0])  # body axes
 
     def _resize(self, size: tuple[int, int]) -> None:
-        self._release_sized()
-        self._target = RenderTarget(self._context, size, min(SAMPLES, self._context.max_samples))
-        self.texture = self._context.texture(size, 4)
-        self._shown = self._context.framebuffer([self.texture])
-        self._sized = [self._target, self._shown, self.texture]
+        self._sized.release()
+        samples = min(SAMPLES, self._context.max_samples)
+        self._target = self._sized.own(RenderTarget(self._context, size, samples, [size]))
+        self.texture = self._target.pictures[0, 0]
         patches = display_rig("mono", size).patches
         if self._resolve is None:
             self._resolve = self.own(ResolvePass(self._context, patches))
         else:
             self._resolve.arrange(patches)
         self.size = size
-
-    def _release_sized(self) -> None:
-        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
-        self._context.detect_framebuffer(0).use()
-        for held in self._sized:
-            held.release()
-        self._sized = []
 
 
 def _without_variation(species: Species) -> Species:

@@ -50,7 +50,6 @@ class SoftShadowRenderer(GpuOwner):
     """Draws one quad for each shadow."""
 
     def __init__(self, context: Any, scene: RenderScene) -> None:
-        """Take the lengths of species and the sand from the scene."""
         super().__init__()
         self._lengths = np.array(scene.recorded_length_cm, np.float64)
         self._sand = Sand(scene.terrain, float(scene.terrain_half_width_cm))
@@ -79,12 +78,7 @@ class SoftShadowRenderer(GpuOwner):
 
 @kernel
 def cast(
-    instances: Array,
-    lengths: Array,
-    sand: Sand,
-    eye: Array,
-    vessel: Array,
-    out: Array,
+    instances: Array, lengths: Array, sand: Sand, eye: Array, vessel: Array, out: Array
 ) -> int:
     """Write the shadows into `out` (m, COLUMNS) and return their number.
 

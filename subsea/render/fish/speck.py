@@ -7,9 +7,8 @@ coarsest mipmap of the skin, so that it does not flicker.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.fish import sheet_layout
 from subsea.fish.mesh import ABSENT
 from subsea.fish.surface import (
@@ -42,7 +41,7 @@ class Speck(NamedTuple):
     points: Ints  # (n,) the control point of each vertex
     roots: Ints  # (n,) for the edge of a fin the point at its root, else the same
     normals: Array  # (n, 3) in body axes; on fins of either side
-    thin: NDArray[np.bool_]  # (n,) True for vertices of fins
+    thin: Bools  # (n,) True for vertices of fins
     fin: Ints  # (n,) 1 on the dorsal and 2 on the ventral fin, which a species may lack; else 0
     triangles: Ints  # (m, 3) int32, both sides of fins
 
@@ -106,7 +105,7 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
     rest = rest_control_points(plan, 1.0, 0.0)[shape.points]
     height = rest[:, 1]
     if plan.wing:
-        height = sheet_layout.unfolded(
+        height = sheet_layout.unfold(
             plan, rest[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0)
         )
     front, rear = sheet_layout.borders(plan)

@@ -1,9 +1,9 @@
 """Identity and depth of the thing at each pixel: identity and range maps (Tu §6.7).
 
 The triangles of a picture are drawn again by the same vertex shaders, and by fragment shaders
-compiled with `MARKS` (`shaders/show.glsl`). A pixel shows the nearest thing that covers its middle
-and hides at least half of what lies behind it. Haze hides nothing. Shadows and light shafts are not
-things, and specks of plankton and marine snow are too soft to separate from the water.
+compiled with `OBJECT_IDS` (`shaders/show.glsl`). A pixel shows the nearest thing that covers its
+middle and hides at least half of what lies behind it. Haze hides nothing. Shadows and light shafts
+are not things, and specks of plankton and marine snow are too soft to separate from the water.
 """
 
 from typing import Any, NamedTuple
@@ -42,11 +42,7 @@ class IdBuffer(GpuOwner):
     """The framebuffer that object ids and depths are drawn into."""
 
     def __init__(self, context: Any, size: tuple[int, int]) -> None:
-        """Make it `size` (width, height) pixels large.
-
-        Raises:
-            UserError: The GPU cannot hold it.
-        """
+        """Make it `size` (width, height) pixels large; UserError if the GPU cannot hold it."""
         super().__init__()
         self.size = size
         try:

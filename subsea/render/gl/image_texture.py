@@ -3,13 +3,14 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from subsea.core.arrays import Bytes
 
 
 class ImageTexture:
     """A picture on the GPU; `glo` is its OpenGL name, which panels need."""
 
-    def __init__(self, context: Any, pixels: NDArray[np.uint8]) -> None:
+    def __init__(self, context: Any, pixels: Bytes) -> None:
         """Upload pixels (h, w, 3 or 4), top row first, halved until the GPU can hold them."""
         most = context.info["GL_MAX_TEXTURE_SIZE"]
         while max(pixels.shape[:2]) > most:

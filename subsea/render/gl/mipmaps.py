@@ -32,7 +32,7 @@ def mipmapped(context: Any, texels: Texels, last: int = ALL, srgb: bool = False)
     return texture
 
 
-def kept_texture(
+def cached_texture(
     context: Any,
     last: int,
     srgb: bool,

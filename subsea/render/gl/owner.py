@@ -1,19 +1,26 @@
 """Ownership of OpenGL objects: an owner releases all objects that it made."""
 
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
 
 
 class GpuOwner:
     """Base class of everything that holds OpenGL objects."""
 
     def __init__(self) -> None:
-        """Own nothing yet."""
         self._owned: list[Any] = []
 
-    def own(self, made: Any) -> Any:
+    def own(self, made: T) -> T:
         """Register `made`, anything with a method `release`, as owned, and return it."""
         self._owned.append(made)
         return made
+
+    def own_buffers(self, context: Any, *parts: Any) -> list[Any]:
+        """Upload arrays to buffers, one each."""
+        return [self.own(context.buffer(np.ascontiguousarray(part))) for part in parts]
 
     def release(self) -> None:
         """Release every owned object, the last one first."""

@@ -15,10 +15,7 @@ class ProgramVariants(GpuOwner):
     def __init__(
         self, context: Any, name: str, ids: int | Callable[[], Array] | None = None
     ) -> None:
-        """Compile the plain variant of `shaders/NAME`.
-
-        `ids` is the kind of everything that is drawn, or returns the object id of each vertex.
-        """
+        """Compile `shaders/NAME`; `ids` is a kind, or returns the object id of each vertex."""
         super().__init__()
         self.context, self._name, self._ids = context, name, ids
         self._programs: dict[tuple[str, ...], Any] = {(): self.own(program(context, name))}
@@ -36,21 +33,21 @@ class ProgramVariants(GpuOwner):
         if defines := required_defines(uniforms, as_ids):
             array = self._twin(array, defines)
             if isinstance(self._ids, int):
-                uniforms["u_mark"] = object_id(self._ids)
+                uniforms["u_object_id"] = object_id(self._ids)
         set_uniforms(array.program, **uniforms)
         return array
 
     def _twin(self, array: Any, defines: tuple[str, ...]) -> Any:
         per_vertex = callable(self._ids)
         if defines not in self._programs:
-            own = {"OWN_MARKS": 1} if per_vertex else {}
+            own = {"OWN_IDS": 1} if per_vertex else {}
             compiled = program(self.context, self._name, **dict.fromkeys(defines, 1), **own)
             self._programs[defines] = self.own(compiled)
         if (array, defines) not in self._arrays:
             content, indices = self._contents[array]
-            if callable(self._ids) and "MARKS" in defines:
+            if callable(self._ids) and "OBJECT_IDS" in defines:
                 ids = self.own(self.context.buffer(self._ids().astype("f4")))
-                content = [*content, (ids, "1f4", "a_mark")]
+                content = [*content, (ids, "1f4", "a_object_id")]
             twin = variant_array(self.context, self._programs[defines], content, indices)
             self._arrays[array, defines] = self.own(twin)
         return self._arrays[array, defines]

@@ -19,11 +19,11 @@ def program(context: Any, name: str, **constants: int) -> Any:
 
 
 def required_defines(uniforms: dict[str, Any], as_ids: bool = False) -> tuple[str, ...]:
-    """The defines that select a program variant: MARKS to draw object ids, LIT with lamps on.
+    """The defines that select a program variant: OBJECT_IDS to draw object ids, LIT with lamps on.
 
     Separate variants, because a software renderer would walk every branch for every pixel.
     """
-    return ("MARKS",) if as_ids else ("LIT",) if "u_lamps" in uniforms else ()
+    return ("OBJECT_IDS",) if as_ids else ("LIT",) if "u_lamps" in uniforms else ()
 
 
 def source(name: str, **constants: int) -> str:

@@ -128,7 +128,7 @@ class StaticBatch(GpuOwner):
                 self._absent &= self._ranges[..., 2] != first
         self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
         if self._starts[-1]:
-            data = _gathered(self._triangles, np.concatenate(ranges))
+            data = gather(self._triangles, np.concatenate(ranges))
             replace_data(self._indices, data)
 
     def recall(self, level: Ints | None = None) -> Ints:
@@ -212,7 +212,7 @@ def _levels(
 
 
 @kernel
-def _gathered(triangles: Ints, ranges: Ints) -> Ints:
+def gather(triangles: Ints, ranges: Ints) -> Ints:
     """The triangles (m, 3) of all `ranges` (k, 3), one after another."""
     out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
     place = 0
@@ -224,29 +224,14 @@ def _gathered(triangles: Ints, ranges: Ints) -> Ints:
     return out
 
 
-@kernel
-def bounding_sphere(vertices: Array) -> tuple[Array, float]:
-    """Centre (3,) and radius of a sphere about vertices (n, 3 or more), from their bounding box."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for i in range(len(vertices)):
-        for axis in range(3):
-            low[axis] = min(low[axis], vertices[i, axis])
-            high[axis] = max(high[axis], vertices[i, axis])
-    centre = 0.5 * (low + high)
-    square = 0.0
-    for i in range(len(vertices)):
-        x, y, z = (
-            vertices[i, 0] - centre[0], vertices[i, 1] - centre[1], vertices[i, 2] - centre[2],
-        )  # fmt: skip
-        square = max(square, x * x + y * y + z * z)
-    return centre, np.sqrt(square)
-
-
 def bounding_spheres(items: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:
-    """The bounding spheres (k, 4) of items at their finest level: centre, radius."""
-    spheres = np.zeros((len(items), 4))
-    for k, levels in enumerate(items):
-        spheres[k, :3], spheres[k, 3] = bounding_sphere(levels[0].vertices)
+    """Spheres (k, 4) about items at their finest level: centre (of the bounding box), radius."""
+    spheres = np.full((len(items), 4), np.nan)
+    for sphere, levels in zip(spheres, items, strict=True):
+        places = levels[0].vertices[:, :3].astype(np.float64)
+        if len(places):
+            sphere[:3] = 0.5 * (places.min(axis=0) + places.max(axis=0))
+            sphere[3] = np.sqrt(((places - sphere[:3]) ** 2).sum(axis=1).max())
     return spheres
 
 
@@ -256,10 +241,7 @@ def _ranges(
     flat: list[StaticMesh | LazyMesh],
     lists: list[Ints],
 ) -> Ints:
-    """First triangle, end and first vertex (k, levels, 3) of every item at every level.
-
-    `flat` are all meshes and `lists` all lists of triangles, each once, in buffer order.
-    """
+    """First triangle, end and first vertex (k, levels, 3); `flat` and `lists` in buffer order."""
     vertices = np.cumsum([0] + [mesh.number for mesh in flat])
     triangles = np.cumsum([0] + [len(part) for part in lists])
     vertex = dict(zip(map(id, flat), vertices, strict=False))

@@ -1,13 +1,14 @@
 """Tileable textures: noise, caustics, waves and the relief of stone."""
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.render.gl.mipmaps import ALL, Texels, kept_texture
+from subsea.core.arrays import Array, Ints
+from subsea.render.gl.mipmaps import ALL, Texels, cached_texture
 
 SIZE = 256
 WIND = 0.6  # rad, main direction of the waves
@@ -97,13 +98,13 @@ def ripples(seed: int, size: int = SIZE) -> list[Array]:
     return [both[0] / mean, both[1] / mean]
 
 
-def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
+def relief(seed: int, size: int = SIZE) -> list[Array]:
     """Relief of encrusted stone in four tileable layers (size, size).
 
     Height with mean 0; its slopes along x and y, per texel times `size`; nearness of the middle of
     a polyp, 0 to 1.
     """
-    polyps = np.clip(1.0 - 1.4 * nearest_of_cells(seed, size, cells), 0.0, 1.0)
+    polyps = np.clip(1.0 - 1.4 * cell_distance(seed, size, 24), 0.0, 1.0)
     rough = tileable_noise(seed + 1, size, 1.9)
     cracks = np.minimum(np.abs(tileable_noise(seed + 2, size, 2.2)), 0.45)
     grown = np.clip(0.9 * tileable_noise(seed + 3, size, 2.2) - 0.1, 0.0, 1.0)  # where polyps are
@@ -115,21 +116,32 @@ def relief(seed: int, size: int = SIZE, cells: int = 24) -> list[Array]:
     return [height, slope_x, slope_y, polyps]
 
 
-def nearest_of_cells(seed: int, size: int, cells: int) -> Array:
-    """Distance (size, size), in cells, to the nearest of one random point in each cell (Worley)."""
+def nearest_of_cells(seed: int, size: int, cells: int) -> tuple[Array, Array, Ints]:
+    """Offsets along x and y from the nearest of one random point per cell, and its index (Worley).
+
+    All are (size, size); offsets are in cells.
+    """
     rng = np.random.default_rng([seed, 0x33])
-    points = rng.uniform(0.1, 0.9, (cells, cells, 2))
+    points = rng.uniform(0.1, 0.9, (cells * cells, 2))
     at = (np.arange(size) + 0.5) * cells / size
     cell = at.astype(int)
-    nearest = np.full((size, size), np.inf)
-    for down in (-1, 0, 1):
-        for right in (-1, 0, 1):
-            row, column = cell + down, cell + right
-            point = points[(row % cells)[:, None], (column % cells)[None, :]]
-            y = (row[:, None] + point[..., 1]) - at[:, None]
-            x = (column[None, :] + point[..., 0]) - at[None, :]
-            nearest = np.minimum(nearest, np.hypot(x, y))
-    return nearest
+    nearest, owner = np.full((size, size), np.inf), np.zeros((size, size), np.int64)
+    way_x, way_y = np.zeros((size, size)), np.zeros((size, size))
+    for down, right in product((-1, 0, 1), repeat=2):
+        row, column = cell + down, cell + right
+        which = (row % cells)[:, None] * cells + (column % cells)[None, :]
+        y = (at - row)[:, None] - points[which, 1]
+        x = (at - column)[None, :] - points[which, 0]
+        away = x * x + y * y
+        closer = away < nearest
+        nearest[closer], owner[closer] = away[closer], which[closer]
+        way_x[closer], way_y[closer] = x[closer], y[closer]
+    return way_x, way_y, owner
+
+
+def cell_distance(seed: int, size: int, cells: int) -> Array:
+    """Distance (size, size) from the nearest of one random point per cell, in cells."""
+    return np.hypot(*nearest_of_cells(seed, size, cells)[:2])
 
 
 def halves(layers: list[Array]) -> Texels:
@@ -155,7 +167,7 @@ def noise(seed: int) -> Texels:
 
 def repeating(context: Any, make: Callable[[int], Texels], seed: int) -> Any:
     """A repeating texture of `make(seed)`, cached on disk."""
-    texture = kept_texture(context, ALL, False, make, seed)
+    texture = cached_texture(context, ALL, False, make, seed)
     # Trilinear filtering would show little and take a sixth of the time of a picture.
     texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture

@@ -22,7 +22,6 @@ class LineRenderer(GpuOwner):
     """Draws the lines of a packet, one instance each."""
 
     def __init__(self, context: Any) -> None:
-        """Compile the shaders."""
         super().__init__()
         self._program = self.own(program(context, "lines"))
         self._buffer = self.own(context.buffer(reserve=4 * COLUMNS))

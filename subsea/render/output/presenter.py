@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from subsea.render.gl.owner import GpuOwner
-from subsea.render.gl.shaders import program
+from subsea.render.gl.shaders import program, set_uniforms
 
 
 class Presenter(GpuOwner):
@@ -14,19 +14,20 @@ class Presenter(GpuOwner):
     made and used while that window is current.
     """
 
-    def __init__(self, context: Any, page: Callable[[int], object] = lambda number: None) -> None:
-        """Use the context of the window; `page` selects a buffer of a window that has two."""
+    def __init__(
+        self, context: Any, page: Callable[[int], object] = lambda number: None, pages: int = 1
+    ) -> None:
+        """Use the context of the window; `page` selects one of its `pages` buffers."""
         super().__init__()
         self._context = context
-        self._page = page
+        self._page, self._pages = page, pages
         compiled = self.own(program(context, "present"))
         self._triangle = self.own(context.vertex_array(compiled, []))
+        self._shade = self.own(program(context, "shade"))
+        self._shaded = self.own(context.vertex_array(self._shade, []))
 
     def show(self, pages: Sequence[Any], size: tuple[int, int]) -> None:
-        """Fill the window of `size` pixels with one texture, or one for each eye.
-
-        Nothing makes one context wait for another: the textures must be finished.
-        """
+        """Fill the window of `size` pixels with a finished texture, or one for each eye."""
         context = self._context
         context.screen.use()
         context.viewport = (0, 0, *size)
@@ -39,3 +40,17 @@ class Presenter(GpuOwner):
             seen.repeat_x = seen.repeat_y = False
             seen.use(0)
             self._triangle.render(vertices=3)
+
+    def darken(self, shade: tuple[float, float, float, float], size: tuple[int, int]) -> None:
+        """Blend a colour with opacity over all buffers of the window of `size` pixels."""
+        context = self._context
+        context.screen.use()
+        context.viewport = (0, 0, *size)
+        context.disable(context.DEPTH_TEST | context.CULL_FACE)
+        context.enable(context.BLEND)
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        set_uniforms(self._shade, u_shade=shade)
+        for number in range(self._pages):
+            self._page(number)
+            self._shaded.render(vertices=3)
+        context.disable(context.BLEND)

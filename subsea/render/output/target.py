@@ -1,12 +1,13 @@
 """The canvas in linear light, and the pass that resolves its patches to eight bits."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.render.gl.owner import GpuOwner
 from subsea.render.gl.shaders import program, set_uniforms
 from subsea.render.output.quality import Quality
@@ -20,45 +21,63 @@ NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
 
 
 class RenderTarget(GpuOwner):
-    """A half-float texture with depth, optionally multisampled."""
+    """A half-float canvas with depth, optionally multisampled, and the pictures made of it."""
 
-    def __init__(self, context: Any, size: tuple[int, int], samples: int) -> None:
-        """Make all of it, or release what was made and raise moderngl.Error."""
+    def __init__(
+        self,
+        context: Any,
+        size: tuple[int, int],
+        samples: int,
+        outputs: Sequence[tuple[int, int]],
+        pages: int = 1,
+    ) -> None:
+        """Make it, with a picture for each page of each output; moderngl.Error leaves nothing."""
         super().__init__()
+        # Textures of eight bits by output and page, and their framebuffers.
+        self.pictures: dict[tuple[int, int], Any] = {}
+        self.framebuffers: dict[tuple[int, int], Any] = {}
         self.size = size
         self._context = context
         self._samples = samples
         try:
-            self._picture = self.own(context.texture(size, 4, dtype="f2"))
-            self._picture.repeat_x = self._picture.repeat_y = False
-            self._flat = self.own(context.framebuffer([self._picture]))
-            colour = self._picture
+            self._canvas = self.own(context.texture(size, 4, dtype="f2"))
+            self._canvas.repeat_x = self._canvas.repeat_y = False
+            self._flat = self.own(context.framebuffer([self._canvas]))
+            colour = self._canvas
             if samples:
                 colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
             depth = self.own(context.depth_renderbuffer(size, samples=samples))
             self.framebuffer = self.own(context.framebuffer([colour], depth))
+            for key in product(range(len(outputs)), range(pages)):
+                self.pictures[key] = self.own(context.texture(outputs[key[0]], 4))
+                self.framebuffers[key] = self.own(context.framebuffer([self.pictures[key]]))
         except moderngl.Error:
             self.release()
             raise
 
-    def picture(self) -> Any:
-        """The finished picture as a texture, with samples resolved."""
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
+        self._context.detect_framebuffer(0).use()
+        super().release()
+
+    def resolved(self) -> Any:
+        """The canvas as a texture, with samples resolved."""
         if self._samples:
             self._context.copy_framebuffer(self._flat, self.framebuffer)
-        return self._picture
+        return self._canvas
 
 
 class ResolvePass(GpuOwner):
     """Draws the patches of a rig from a linear canvas to eight-bit outputs."""
 
     def __init__(self, context: Any, patches: Sequence[DisplayPatch], smooth: bool = False) -> None:
-        """Prepare these patches; `smooth` smooths edges where a patch shows one eye."""
+        """`smooth` smooths edges where a patch shows one eye."""
         super().__init__()
         self._context = context
         self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
-        self._meshes: list[Any] = []  # (vertices, triangles, arrays by constants) of warps
-        self._masks: list[Any] = []
+        self._held = self.own(GpuOwner())  # of these patches
         self._smooth = smooth
         self.arrange(patches)
 
@@ -68,11 +87,13 @@ class ResolvePass(GpuOwner):
 
     def arrange(self, patches: Sequence[DisplayPatch]) -> None:
         """Replace the patches."""
-        self._release_patches()
+        self._held.release()
         self.patches = tuple(patches)
-        for patch in self.patches:
-            self._meshes.append(None if patch.warp is None else self._mesh(patch.warp))
-            self._masks.append(None if patch.mask is None else self._mask(patch.mask))
+        # Of warps: vertices, triangles, and arrays by constants.
+        self._meshes = [patch.warp and self._mesh(patch.warp) for patch in self.patches]
+        self._masks: list[Any] = [
+            None if p.mask is None else self._mask(p.mask) for p in self.patches
+        ]
         for number in range(len(self.patches)):
             self._array(number, True)
 
@@ -113,15 +134,7 @@ class ResolvePass(GpuOwner):
         canvas.use(0)
         if self._masks[number] is not None:
             self._masks[number].use(MASK_UNIT)
-        if patch.warp is None:
-            array.render(vertices=3)
-        else:
-            array.render()
-
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        self._release_patches()
-        super().release()
+        array.render(vertices=3 if patch.warp is None else -1)
 
     def _array(self, number: int, linear: bool) -> tuple[Any, Any]:
         """The program of a patch, compiled when first needed, and its vertex array."""
@@ -136,34 +149,27 @@ class ResolvePass(GpuOwner):
             self._programs[key] = self.own(program(self._context, "resolve", **constants))
             if not mesh:
                 self._plain[key] = self.own(self._context.vertex_array(self._programs[key], []))
-        if self._meshes[number] is None:
+        held = self._meshes[number]
+        if held is None:
             return self._programs[key], self._plain[key]
-        vertices, triangles, arrays = self._meshes[number]
+        vertices, triangles, arrays = held
         if key not in arrays:
-            arrays[key] = self._context.vertex_array(
-                self._programs[key], [(vertices, "2f 4f", "in_place", "in_seen")], triangles
-            )
+            content = [(vertices, "2f 4f", "in_place", "in_seen")]
+            array = self._context.vertex_array(self._programs[key], content, triangles)
+            arrays[key] = self._held.own(array)
         return self._programs[key], arrays[key]
 
     def _mesh(self, warp: Warp) -> tuple[Any, Any, dict[tuple[int, ...], Any]]:
-        vertices = self._context.buffer(np.ascontiguousarray(warp.vertices, "f4").tobytes())
-        triangles = self._context.buffer(np.ascontiguousarray(warp.triangles, "i4").tobytes())
+        parts = warp.vertices.astype("f4"), warp.triangles.astype("i4")
+        vertices, triangles = self._held.own_buffers(self._context, *parts)
         return vertices, triangles, {}
 
-    def _mask(self, mask: NDArray[np.floating[Any]]) -> Any:
+    def _mask(self, mask: Array) -> Any:
         height, width = mask.shape[:2]
         data = np.ascontiguousarray(mask[::-1], "f2").tobytes()
-        texture = self._context.texture((width, height), 4, data, dtype="f2")
+        texture = self._held.own(self._context.texture((width, height), 4, data, dtype="f2"))
         texture.repeat_x = texture.repeat_y = False
         return texture
-
-    def _release_patches(self) -> None:
-        for vertices, triangles, arrays in filter(None, self._meshes):
-            for held in (*arrays.values(), triangles, vertices):
-                held.release()
-        for mask in filter(None, self._masks):
-            mask.release()
-        self._meshes, self._masks = [], []
 
 
 def _shown(patch: DisplayPatch) -> tuple[float, float]:

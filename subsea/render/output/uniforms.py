@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.frame.packet import Packet
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
@@ -44,6 +44,6 @@ def _lamps(packet: Packet) -> dict[str, Any]:
     return {"u_lamps": places, "u_beams": ways}
 
 
-def _columns(matrix: NDArray[np.floating[Any]]) -> bytes:
+def _columns(matrix: Array) -> bytes:
     """A matrix in OpenGL's column-major order."""
     return np.ascontiguousarray(matrix.T, dtype="f4").tobytes()

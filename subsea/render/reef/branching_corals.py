@@ -88,43 +88,30 @@ def soft(rng: Rng, level: int) -> CoralMesh:
         + 0.13 * unit(rng.normal(size=(bunches, per, 3))) * rng.uniform(0.5, 1.2, (bunches, per, 1))
     ).reshape(-1, 3)
     size = rng.uniform(0.042, 0.075, len(heads))
-    wood = together(trunk, boughs, twigs) if level == 0 else together(trunk, boughs)
-    if level < 2:
-        stem = (
-            wood.tubes(3, 6, False, sway=0.7, pale=1.5, dark=0.5)
-            if level == 0
-            else wood.tubes(2, 4, False, sway=0.7, pale=1.5)
-        )
-        heads, size = (heads, size) if level == 0 else (heads[::2], 1.4 * size[::2])
+    if level == 0:
+        stem = together(trunk, boughs, twigs).tubes(3, 6, False, sway=0.7, pale=1.5, dark=0.5)
     else:
-        stem = together(trunk, boughs.taken(np.arange(0, 11, level - 1))).tubes(
-            2, 3, False, sway=0.7, pale=1.5
-        )
-        step = 9 if level == 2 else 25
-        heads, size = heads[::step], (2.7 if level == 2 else 4.2) * size[::step]
+        few = boughs.taken(np.arange(0, 11, max(level - 1, 1)))
+        sides = 4 if level == 1 else 3
+        stem = together(trunk, few).tubes(2, sides, False, sway=0.7, pale=1.5)
+    step, larger = ((1, 1.0), (2, 1.4), (9, 2.7), (25, 4.2))[level]
+    heads, size = heads[::step], larger * size[::step]
     # Spindles that stand out from their bunch.
     out = unit(unit(heads - np.array([0.0, 0.0, 0.6])) + 0.5 * rng.normal(size=heads.shape))
     along = size[:, None] * np.array([-0.9, 0.25, 1.5])
     path = heads[:, None] + along[..., None] * out[:, None]
     radius = size[:, None] * np.array([0.0, 0.75, 0.0])
-    tip = np.broadcast_to(np.array([0.8, 0.9, 1.0]), radius.shape)
     bulbs = tubes(
-        path,
-        radius,
-        4 if level < 2 else 3,
-        tip=tip,
-        light=thicket_light(path, 0.45),
-        sway=0.7 * out_share(path),
-    )
+        path, radius, 4 if level < 2 else 3, tip=np.array([0.8, 0.9, 1.0]),
+        light=thicket_light(path, 0.45), sway=0.7 * out_share(path),
+    )  # fmt: skip
     return joined(stem, bulbs)
 
 
 def fan(rng: Rng, level: int) -> CoralMesh:
     """A flat fan of twigs that fork repeatedly in one plane, across the current."""
-    start, angle = (
-        np.array([[-0.02, -0.05], [0.0, -0.05], [0.02, -0.05]]),
-        np.array([-0.75, 0.05, 0.7]),
-    )
+    start = np.array([[-0.02, -0.05], [0.0, -0.05], [0.02, -0.05]])
+    angle = np.array([-0.75, 0.05, 0.7])
     length, number, found = 0.26, 3, []
     widths = (0.04, 0.032, 0.026, 0.022, 0.019, 0.017, 0.015, 0.014, 0.013)
     lean = rng.normal(0.0, 0.12)
@@ -132,47 +119,31 @@ def fan(rng: Rng, level: int) -> CoralMesh:
         way = np.stack([np.sin(angle), np.cos(angle)], axis=1)
         run = length * rng.uniform(0.75, 1.25, number)[:, None]
         end = start + run * way
-        found.append(
-            np.column_stack(
-                [
-                    start,
-                    end,
-                    np.full(number, width),
-                    np.full(number, widths[min(order + 1, 8)]),
-                    np.full(number, order),
-                ]
-            )
-        )
-        inside = np.hypot(end[:, 0] - lean, (end[:, 1] - 0.85) / 0.95) < 0.9 + 0.07 * rng.normal(
-            size=number
-        )
+        same = np.tile([width, widths[min(order + 1, 8)], order], (number, 1))
+        found.append(np.column_stack([start, end, same]))
+        rough = 0.9 + 0.07 * rng.normal(size=number)
+        inside = np.hypot(end[:, 0] - lean, (end[:, 1] - 0.85) / 0.95) < rough
         fork = 1 + (rng.uniform(size=number) < (1.0 if order < 2 else 0.62))
         keep = inside | (order < 4)
         start, angle, fork = end[keep], angle[keep], fork[keep]
         spread = (0.42 if order < 3 else 0.34) * rng.uniform(0.6, 1.4, len(angle))
         side = np.where(rng.uniform(size=len(angle)) < 0.5, -1.0, 1.0)
         start = np.concatenate([start, start[fork == 2]])
-        angle = np.concatenate(
-            [
-                angle + side * np.where(fork == 2, spread, 0.4 * spread),
-                (angle - side * spread)[fork == 2],
-            ]
-        )
-        angle = 0.93 * angle
+        bent = angle + side * np.where(fork == 2, spread, 0.4 * spread)
+        angle = 0.93 * np.concatenate([bent, (angle - side * spread)[fork == 2]])
         number, length = len(angle), 0.86 * length if order < 3 else 0.93 * length
     rows = np.concatenate(found)
     orders = (9, 7, 5, 4)[level]
     rows = rows[rows[:, 6] < orders]
     if level:  # thicker, because fewer
         rows[:, 4:6] *= (1.0, 1.4, 2.4, 3.4)[level]
-    sides, rings = 3, 2
-    share = np.linspace(0.0, 1.0, rings)[None, :, None]
+    share = np.array([0.0, 1.0])[None, :, None]
     flat = rows[:, None, 0:2] + share * (rows[:, None, 2:4] - rows[:, None, 0:2])
     warp = 0.09 * np.sin(2.2 * flat[..., 0] + rng.uniform(0, 6)) * flat[..., 1]
     path = np.stack([flat[..., 0], warp, flat[..., 1]], axis=-1)
     radius = rows[:, 4:5] + share[..., 0] * (rows[:, 5:6] - rows[:, 4:5])
     tip = np.clip((path[..., 2] - 0.2) / 1.2, 0.0, 1.0)
-    return tubes(path, radius, sides, tip=tip, light=0.75 + 0.25 * tip, sway=out_share(path))
+    return tubes(path, radius, 3, tip=tip, light=0.75 + 0.25 * tip, sway=out_share(path))
 
 
 def rubble(rng: Rng, level: int) -> CoralMesh:

@@ -16,7 +16,7 @@ from subsea.render.gl.mipmaps import Texels
 from subsea.render.gl.owner import GpuOwner
 from subsea.render.gl.programs import ProgramVariants
 from subsea.render.gl.static_batch import LazyMesh, StaticBatch, StaticMesh, bounding_spheres
-from subsea.render.gl.textures import halves, nearest_of_cells, repeating, tileable_noise
+from subsea.render.gl.textures import cell_distance, halves, repeating, tileable_noise
 from subsea.render.reef.coral_mesh import CoralMesh, unit
 from subsea.render.reef.coral_shapes import LEVELS, forms
 from subsea.state import Reef
@@ -138,38 +138,23 @@ class CoralRenderer(GpuOwner):
     """Draws the growths in sight, and their shadows."""
 
     def __init__(
-        self,
-        context: Any,
-        reef: Reef,
-        growths: list[list[LazyMesh]],
-        reach_cm: float,
-        sand: Ground,
+        self, context: Any, reef: Reef, growths: list[list[LazyMesh]], reach_cm: float, sand: Ground
     ) -> None:
-        """Upload the `growths` that `bake` made of a reef.
-
-        `reach_cm` is how far one sees, `sand` is the ground as it is drawn.
-        """
+        """Upload the `growths` of `bake`; `reach_cm` is the visibility, `sand` the drawn ground."""
         super().__init__()
         # Mounds are always drawn: other growths stand on them.
         self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
         self._grain = self.own(repeating(context, grained, 6))
         programs = ProgramVariants(context, "coral", lambda: object_id(CORAL, self._batch.owners))
-        self._batch: StaticBatch = self.own(
-            StaticBatch(
-                programs,
-                LAYOUT,
-                ATTRIBUTES,
-                growths,
-                reach_cm,
-                THRESHOLDS_PX,
-                cached(spheres, reef),
-            )
+        balls = cached(spheres, reef)
+        self._batch = self.own(
+            StaticBatch(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
         )
         # Growths on mounds do not darken sand, and the shadow of rubble is negligible.
         gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
         shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0) & (reef.kind != RUBBLE))
         self._shaded = self._own[shaded]
-        self._shadows: StaticBatch = self.own(
+        self._shadows = self.own(
             StaticBatch(
                 ProgramVariants(context, "shadow"), "3f4 1f4", "a_position a_dark",
                 [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
@@ -283,10 +268,9 @@ def shadow(growth: Reef, sand: Ground) -> StaticMesh:
     vertices = np.stack([x, y, sand(x, y), dark + 0.0 * x], axis=-1).reshape(-1, 4)
     c = SECTORS + 1
     a = (np.arange(2)[:, None] * c + np.arange(SECTORS)).ravel()
-    cells = [np.stack([a, a + c + 1, a + 1], 1), np.stack([a, a + c, a + c + 1], 1)]
-    cells.append(
-        np.stack([0 * a[1 : SECTORS - 1], a[1 : SECTORS - 1], a[2:SECTORS]], 1)
-    )  # the middle
+    rim = a[1 : SECTORS - 1]
+    cells = [np.stack(abc, 1) for abc in ((a, a + c + 1, a + 1), (a, a + c, a + c + 1))]
+    cells.append(np.stack([0 * rim, rim, rim + 1], 1))  # the middle
     return StaticMesh(vertices.astype(np.float32), np.concatenate(cells))
 
 
@@ -308,17 +292,18 @@ def grained(seed: int) -> Texels:
     return halves(grain(seed))
 
 
-def grain(seed: int, size: int = 256) -> list[Array]:
-    """Surface texture in three tileable layers (size, size): ridges, polyps, pores."""
+def grain(seed: int) -> list[Array]:
+    """Surface texture in three tileable layers (256, 256): ridges, polyps, pores."""
+    size = 256
     k = np.fft.fftfreq(size) * size
     wave = np.hypot(k[:, None], k[None, :])
     rng = np.random.default_rng([seed, 0x9A])
     band = np.exp(-(((wave - 8.0) / 1.6) ** 2)) * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
     winding = np.fft.ifft2(band).real
     ridges = np.abs(winding / winding.std())
-    polyps = np.clip(1.0 - 1.5 * nearest_of_cells(seed, size, 26), 0.0, 1.0) ** 0.8
+    polyps = np.clip(1.0 - 1.5 * cell_distance(seed, size, 26), 0.0, 1.0) ** 0.8
     pores = tileable_noise(seed + 1, size, 1.0) - 1.3 * np.clip(
-        1.0 - 2.2 * nearest_of_cells(seed + 2, size, 40), 0.0, 1.0
+        1.0 - 2.2 * cell_distance(seed + 2, size, 40), 0.0, 1.0
     )
     layers = [np.clip(ridges, 0.0, 1.2) - 0.7, polyps - polyps.mean(), 0.4 * pores]
     return [layer - layer.mean() for layer in layers] + [np.zeros((size, size))]

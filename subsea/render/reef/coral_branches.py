@@ -43,17 +43,11 @@ class Branches(NamedTuple):
         Branches of the last order get paler from the share `pale` of their length on; `dark` is
         the light in the middle of the growth, `sway` the share of the full sway at its outside.
         """
-        share: Array = np.broadcast_to(np.linspace(0.0, 1.0, rings), (len(self.length), rings))
+        share = np.tile(np.linspace(0.0, 1.0, rings), (len(self.length), 1))
         path = self.at(share)
-        radius: Array = thicker * (
-            self.radius[:, :1] + share * (self.radius[:, 1:] - self.radius[:, :1])
-        )
-        if cap:
-            path, radius = capped(path, radius)
-            share = np.concatenate([share, np.ones((len(share), 2))], axis=1)
-        else:
-            path, radius = pointed(path, radius)
-            share = np.concatenate([share, np.ones((len(share), 1))], axis=1)
+        radius: Array = thicker * (self.radius[:, :1] + share * np.diff(self.radius))
+        path, radius = capped(path, radius) if cap else pointed(path, radius)
+        share = np.pad(share, ((0, 0), (0, path.shape[1] - rings)), constant_values=1.0)
         last = (self.order == self.order.max())[:, None]
         tip = np.where(last, np.clip((share - pale) / (1.0 - pale), 0.0, 1.0) ** 1.5, 0.0)
         light = thicket_light(path, dark)

@@ -43,10 +43,7 @@ def skin(
     sway: Array | float = 0.0,
     along: Array | None = None,
 ) -> CoralMesh:
-    """The surface over points (b, r, c, 3); other arguments broadcast to (b, r, c).
-
-    Rings of radius 0 close it.
-    """
+    """The closed surface over points (b, r, c, 3); other arguments broadcast to (b, r, c)."""
     b, r, c, _ = place.shape
     around = np.empty_like(place)
     around[:, :, 1:-1] = place[:, :, 2:] - place[:, :, :-2]
@@ -87,15 +84,14 @@ def tubes(
     sides: int,
     *,
     way: Array | None = None,
-    flat: float = 1.0,
     tip: Array | float = 0.0,
     light: Array | float = 1.0,
     sway: Array | float = 0.0,
 ) -> CoralMesh:
     """Tubes along paths (b, r, 3) with radii (b, r), open where the last radius is not 0.
 
-    `way` (b, r, 3) is the direction of the axis, if not that of the path; `flat` scales the tubes
-    along y. Values per ring are (b, r).
+    `way` (b, r, 3) is the direction of the axis, if not that of the path. Other values broadcast to
+    (b, r).
     """
     way = unit(np.gradient(path, axis=1) if way is None else way)
     whole = way.sum(axis=1)
@@ -107,26 +103,22 @@ def tubes(
     turn = np.linspace(0.0, 2 * np.pi, sides + 1)
     ring = np.cos(turn)[:, None] * side[:, :, None] + np.sin(turn)[:, None] * other[:, :, None]
     ring = radius[:, :, None, None] * ring
-    ring[..., 1] *= flat
     tip, light, sway = (np.asarray(x)[..., None] if np.ndim(x) else x for x in (tip, light, sway))
     return skin(path[:, :, None] + ring, tip=tip, light=light, sway=sway)
 
 
-def capped(path: Array, radius: Array, share: float = 0.8) -> tuple[Array, Array]:
+def capped(path: Array, radius: Array) -> tuple[Array, Array]:
     """Paths and radii with round ends: two more rings each, the last of radius 0."""
     end = unit(path[:, -1:] - path[:, -2:-1]) * radius[:, -1:, None]
-    path = np.concatenate([path, path[:, -1:] + 0.6 * end * share, path[:, -1:] + end * share], 1)
+    path = np.concatenate([path, path[:, -1:] + 0.6 * end * 0.8, path[:, -1:] + end * 0.8], 1)
     last = radius[:, -1:]
     return path, np.concatenate([radius, 0.72 * last, 0.0 * last], axis=1)
 
 
-def turned(
-    reach: Array, height: Array, **given: Array | float
-) -> CoralMesh:  # fmt: skip
-    """A surface of revolution about z: distances from the axis and heights, both (r, c)."""
+def turned(reach: Array, height: Array, **given: Array | float) -> CoralMesh:
+    """A surface of revolution about z: radii and heights (r, c); other values broadcast to that."""
     turn = np.linspace(0.0, 2 * np.pi, reach.shape[1])
     place = np.stack([reach * np.cos(turn), reach * np.sin(turn), height], axis=-1)
-    given = {key: np.asarray(x)[None] if np.ndim(x) >= 2 else x for key, x in given.items()}
     return skin(place[None], **given)  # type: ignore[arg-type]
 
 
@@ -135,14 +127,13 @@ def plates(
 ) -> CoralMesh:
     """Thin two-sided plates with upper sides (b, r, c, 3), from the foot to the rim.
 
-    They are `thick` at the foot and sharp at the rim. Other values are (b, r, c).
+    They are `thick` at the foot and sharp at the rim. Other values broadcast to (b, r, c).
     """
     top = top[:, :, ::-1]
     b, r, c, _ = top.shape
     down = thick * np.linspace(1.0, 0.0, r)[:, None, None] ** 0.5
-    face = skin(np.concatenate([top, top[:, :, :1]], axis=2)).normal.reshape(b, r, c + 1, 3)[
-        :, :, 1:-2
-    ]
+    closed = skin(np.concatenate([top, top[:, :, :1]], axis=2))
+    face = closed.normal.reshape(b, r, c + 1, 3)[:, :, 1:-2]
     face = np.concatenate([face[:, :, :1], face, face[:, :, -1:]], axis=2)
     under = top - down * unit(face)
     place = np.concatenate([top, under[:, :, ::-1], top[:, :, :1]], axis=2)

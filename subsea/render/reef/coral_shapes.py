@@ -43,7 +43,7 @@ def lump(kind: str, mesh: CoralMesh) -> CoralMesh:
     rise = height[:, None] * (1.0 + 0.25 * (ragged - 1.0))
     rise[1] += 0.4 * top * (ragged[::-1] - 0.8)
     dark = 0.7 if kind == "table" else 0.35
-    light = np.interp(share, [0.0, 0.55, 1.0], [dark, 0.85, 0.8])[:, None] + 0.0 * reach
+    light = np.interp(share, [0.0, 0.55, 1.0], [dark, 0.85, 0.8])[:, None]
     tip = np.interp(share, [0.0, 0.55, 1.0], [0.1, 0.6, 0.5])[:, None] * ragged
     out = turned(reach, np.maximum(rise, 0.0), tip=tip, light=light)
     return out._replace(place=out.place * (1.0, flat, 1.0))

@@ -50,12 +50,7 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     rise = rise + np.where(
         h[:, None] > -0.2, tilt[0] * x + tilt[1] * y + 0.1 * reach**2 + wave, 0.0
     )
-    mesh = turned(
-        reach,
-        rise + z,
-        light=np.repeat(light[:, None], columns + 1, 1),
-        tip=np.repeat(pale[:, None], columns + 1, 1),
-    )
+    mesh = turned(reach, rise + z, light=light[:, None], tip=pale[:, None])
     shift = np.append(off, 0.0) * np.clip(mesh.place[:, 2:] / z, 0.0, 1.0)
     mesh = mesh._replace(place=mesh.place + shift)
     number = (150, 40, 0, 0)[level]
@@ -73,9 +68,7 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     lean = np.stack([0.5 * np.cos(way) * out, 0.5 * np.sin(way) * out, np.ones(number)], axis=1)
     path = base[:, None] + np.array([-0.02, 1.0])[:, None] * (high[:, None] * lean)[:, None]
     size = 0.026 * fine.uniform(0.8, 1.3, (number, 1)) * np.array([1.0, 0.0])
-    twigs = tubes(
-        path, size, 3, tip=np.tile([0.15, 1.0], (number, 1)), light=np.tile([0.7, 1.0], (number, 1))
-    )
+    twigs = tubes(path, size, 3, tip=np.array([0.15, 1.0]), light=np.array([0.7, 1.0]))
     return joined(mesh, twigs)
 
 
@@ -117,8 +110,8 @@ def lettuce(rng: Rng, level: int) -> CoralMesh:
     reach = foot + (rim - foot) * out**1.3 + 0.04 * fold * out
     height = (0.95 - 0.6 * far + 0.1 * noise + 0.06 * fold) * (out - 0.3 * out**2) - 0.05
     top = np.stack([reach * np.cos(turn), reach * np.sin(turn), height], axis=-1)
-    pale = np.clip((out - 0.7) / 0.3, 0.0, 1.0) + 0.0 * reach
-    return plates(top, 0.06, tip=pale, light=0.22 + 0.78 * out**1.5 + 0 * reach)
+    pale = np.clip((out - 0.7) / 0.3, 0.0, 1.0)
+    return plates(top, 0.06, tip=pale, light=0.22 + 0.78 * out**1.5)
 
 
 def leather(rng: Rng, level: int) -> CoralMesh:
@@ -137,10 +130,8 @@ def leather(rng: Rng, level: int) -> CoralMesh:
     oval = 1.0 + 0.14 * np.cos(2 * turn + rng.uniform(0, 6)) + 0.08 * np.cos(3 * turn)
     reach = r[:, None] * (1.0 + rim * (oval - 1.0) - 0.12 * rim**2 * np.abs(fold))
     height = h[:, None] + 0.15 * rim**2 * fold
-    return turned(
-        reach, height, light=np.repeat(light[:, None], columns + 1, 1),
-        tip=rim * (h[:, None] > 0.57) + 0 * reach, sway=0.35 * h[:, None] + 0 * reach,
-    )  # fmt: skip
+    tip, sway = rim * (h[:, None] > 0.57), 0.35 * h[:, None]
+    return turned(reach, height, light=light[:, None], tip=tip, sway=sway)
 
 
 def mound(rng: Rng, level: int, variant: int = 0) -> CoralMesh:

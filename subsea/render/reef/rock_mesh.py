@@ -112,10 +112,7 @@ def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[StaticMesh]:
 
 
 def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
-    """Distances to the drawn stone on a grid, the grid's corner and cell size, cm.
-
-    Far from the surface only the sign is correct.
-    """
+    """Distances to the drawn stone (signs if far) on a grid, its corner and its cell size, cm."""
     low, high = box_of(blocks)
     thin = (high - low).min()
     axis_x, axis_y = (np.linspace(low[k], high[k], 9) for k in (0, 1))

@@ -66,7 +66,7 @@ class RockRenderer(GpuOwner):
     """Draws the pieces of formations in sight."""
 
     def __init__(self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]]) -> None:
-        """Upload the `pieces` of a scene's formations."""
+        """`stone` are the `pieces` of the scene."""
         super().__init__()
         self._context = context
         self._batch: StaticBatch | None = None
@@ -78,16 +78,10 @@ class RockRenderer(GpuOwner):
             return object_ids(scene.pillars, scene.rocks, np.concatenate(places).astype(np.float64))
 
         self._relief = self.own(repeating(context, roughness, 5))
-        self._batch = self.own(
-            StaticBatch(
-                ProgramVariants(context, "solid", ids),
-                "3f4 3f4 4f4 3f4",
-                "a_position a_normal a_light a_cover",
-                stone,
-                IN_SIGHT * scene.water.visibility_cm,
-                LEVELS_PX,
-            )
-        )
+        layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
+        programs = ProgramVariants(context, "solid", ids)
+        reach_cm = IN_SIGHT * scene.water.visibility_cm
+        self._batch = self.own(StaticBatch(programs, *layout, stone, reach_cm, LEVELS_PX))
 
     @property
     def batches(self) -> tuple[StaticBatch, ...]:

@@ -4,9 +4,8 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import LEAF_TEXELS, Packet
 from subsea.render.gl.id_buffer import SEAWEED
 from subsea.render.gl.owner import GpuOwner, replace_data
@@ -28,38 +27,35 @@ class SeaweedRenderer(GpuOwner):
     """Draws fronds as instances of two ribbons; a texture holds the leaves, a row each."""
 
     def __init__(self, context: Any) -> None:
-        """Make the ribbons; leaves come with each packet."""
         super().__init__()
         self._context = context
         self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED))
         self._ribbons = []
         for size in (FINE, COARSE):
-            places, triangles = ribbon(*size)
-            buffers = [self.own(context.buffer(part.tobytes())) for part in (places, triangles)]
+            mesh = ribbon(*size)
+            places, triangles = self.own_buffers(context, *mesh)
             fronds = self.own(context.buffer(reserve=8, dynamic=True))
-            layout = [(buffers[0], "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
-            array = self._programs.array(layout, buffers[1])
-            self._ribbons.append((array, len(triangles), fronds))
+            layout = [(places, "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
+            array = self._programs.array(layout, triangles)
+            self._ribbons.append((array, len(mesh[1]), fronds))
         self._starts = [[0], [0]]  # of the fronds of each view, and the end
-        self._rows = 0
-        self._leaves = self._texture(64)
+        self._sized = self.own(GpuOwner())
+        self._reserve(64)
 
-    def _texture(self, rows: int) -> Any:
-        texture = self._context.texture((LEAF_TEXELS, rows), 4, dtype="f4")
-        texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self._rows = rows
-        return texture
+    def _reserve(self, rows: int) -> None:
+        """Make a larger texture."""
+        self._sized.release()
+        self._leaves = self._sized.own(self._context.texture((LEAF_TEXELS, rows), 4, dtype="f4"))
+        self._leaves.filter = moderngl.NEAREST, moderngl.NEAREST
 
     def upload(self, packet: Packet) -> None:
         """Upload the leaves in sight, and the fronds on them."""
         number = len(packet.leaves)
-        if number > self._rows:
-            self._leaves.release()
-            self._leaves = self._texture(2 * number)
+        if number > self._leaves.height:
+            self._reserve(2 * number)
         if number:
-            self._leaves.write(
-                np.ascontiguousarray(packet.leaves, "f4"), viewport=(0, 0, LEAF_TEXELS, number)
-            )
+            texels = np.ascontiguousarray(packet.leaves, "f4")
+            self._leaves.write(texels, viewport=(0, 0, LEAF_TEXELS, number))
         ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
         for level, (first, end) in enumerate(ends):
             fronds = fronds_of(packet.leaves[first:end], level)
@@ -91,11 +87,6 @@ class SeaweedRenderer(GpuOwner):
                 total += triangles * (end - first)
         return total
 
-    def release(self) -> None:
-        """Free every OpenGL object."""
-        self._leaves.release()
-        super().release()
-
 
 def fronds_of(leaves: Array, level: int) -> Array:
     """Leaf and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
@@ -110,7 +101,7 @@ def fronds_of(leaves: Array, level: int) -> Array:
     return np.concatenate(parts).astype(np.float32)
 
 
-def ribbon(along: int, across: int) -> tuple[Array, NDArray[np.integer[Any]]]:
+def ribbon(along: int, across: int) -> tuple[Array, Ints]:
     """Vertices (n, 2), [0, 1] along a leaf and [-1, 1] across, and triangles (m, 3)."""
     t, u = np.meshgrid(np.linspace(0, 1, along), np.linspace(-1, 1, across), indexing="ij")
     k, j = (a.ravel() for a in np.meshgrid(range(along - 1), range(across - 1), indexing="ij"))

@@ -23,7 +23,7 @@ def _hollow(
     path: Array, radius: Array, sides: int, deep: int, thick: float, **given: Any
 ) -> CoralMesh:
     """Tubes with walls `thick` times the radius, hollow by `deep` rings."""
-    b, r = radius.shape
+    r = radius.shape[1]
     back = np.arange(r - 1, r - 1 - deep, -1)
     way = unit(np.gradient(path, axis=1))
     rings = np.concatenate([np.arange(r), [r - 1], back, back[-1:]])
@@ -32,10 +32,9 @@ def _hollow(
     rim = radius[:, -1:, None] * lift[:, None] * way[:, -1:]
     light = np.concatenate([np.linspace(0.45, 1.0, r), [1.0], np.linspace(0.6, 0.1, deep), [0.05]])
     tip = np.concatenate([np.linspace(-0.6, 0.6, r), [1.0], np.linspace(0.6, 0.0, deep), [0.0]])
-    return tubes(
-        path[:, rings] + rim, radius[:, rings] * inner, sides, way=way[:, rings],
-        light=np.tile(light, (b, 1)), tip=np.tile(np.clip(tip, 0.0, 1.0), (b, 1)),
-    )  # fmt: skip
+    tip = np.clip(tip, 0.0, 1.0)
+    path, radius = path[:, rings] + rim, radius[:, rings] * inner
+    return tubes(path, radius, sides, way=way[:, rings], light=light, tip=tip)
 
 
 def pipes(rng: Rng, level: int) -> CoralMesh:
@@ -81,16 +80,11 @@ def barrel(rng: Rng, level: int) -> CoralMesh:
     dive = np.linspace(0.02, 0.75, rings)[:, None]
     inside = np.concatenate([inside[:-1] * (1.0 - 0.25 * dive[:-1]), 0.0 * inside[-1:]])
     down = (high[-1:] - 1.3 * dive)[:rings]
-    light = np.concatenate([0.35 + 0.65 * s**0.6, 0.75 * (1.0 - dive) ** 2.2 + 0.04]) + 0 * turn
-    tip = np.concatenate(
-        [np.clip(ribs * (0.4 + 0.4 * s), 0, 1), np.linspace(1.0, 0.1, rings)[:, None] + 0 * turn]
-    )
-    return turned(
-        np.concatenate([outer, inside]),
-        np.concatenate([high, down]),
-        light=light,
-        tip=np.clip(tip, 0, 1),
-    )
+    light = np.concatenate([0.35 + 0.65 * s**0.6, 0.75 * (1.0 - dive) ** 2.2 + 0.04])
+    rib_tips = np.clip(ribs * (0.4 + 0.4 * s), 0, 1)
+    tip = np.concatenate([rib_tips, np.linspace(1.0, 0.1, rings)[:, None] + 0 * turn])
+    reach, height = np.concatenate([outer, inside]), np.concatenate([high, down])
+    return turned(reach, height, light=light, tip=tip)
 
 
 def anemone(rng: Rng, level: int) -> CoralMesh:
@@ -123,18 +117,10 @@ def anemone(rng: Rng, level: int) -> CoralMesh:
     ) + 0 * path[..., 0]
     path, radius = capped(path, radius) if level == 0 else pointed(path, radius)
     s = np.concatenate([s[0, :, 0], np.ones(path.shape[1] - rings)])
-    tip = np.broadcast_to(np.clip((s - 0.62) / 0.3, 0.0, 1.0), radius.shape)
-    light = np.broadcast_to(0.2 + 0.8 * s**0.8, radius.shape)
-    crown = tubes(
-        path,
-        radius,
-        4 if level == 0 else 3,
-        tip=tip,
-        light=light,
-        sway=np.broadcast_to(s**1.3, radius.shape),
-    )
+    tip, light = np.clip((s - 0.62) / 0.3, 0.0, 1.0), 0.2 + 0.8 * s**0.8
+    crown = tubes(path, radius, 4 if level == 0 else 3, tip=tip, light=light, sway=s**1.3)
     columns = (16, 12, 8, 6)[level]
     r = np.array([0.42, 0.36, 0.5, 0.3, 0.0])[:, None] + np.zeros(columns + 1)
     h = np.array([-0.05, 0.06, 0.19, 0.19, 0.14])[:, None] + np.zeros(columns + 1)
-    foot = turned(r, h, light=np.array([0.35, 0.5, 0.5, 0.3, 0.3])[:, None] + 0 * r)
+    foot = turned(r, h, light=np.array([0.35, 0.5, 0.5, 0.3, 0.3])[:, None])
     return joined(foot, crown)

@@ -21,7 +21,6 @@ class BubbleRenderer(GpuOwner):
     """Draws the bubbles of the vents in sight; the shader moves them by the time alone."""
 
     def __init__(self, context: Any, scene: RenderScene) -> None:
-        """Put the vents of a scene on the sand as drawn."""
         super().__init__()
         x, y = scene.vents[:, 0], scene.vents[:, 1]
         feet = drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)

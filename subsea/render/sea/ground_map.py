@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bytes
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
 from subsea.habitat.stone_shade import (
@@ -33,7 +32,7 @@ UP = np.array([[0.0, 0.0, 1.0]])
 class GroundMap(NamedTuple):
     """The map and its place; its edge extends outward."""
 
-    light: NDArray[np.uint8]  # (rows, columns, 4): sun, sky, rubble, unused; 255 is 1
+    light: Bytes  # (rows, columns, 4): sun, sky, rubble, unused; 255 is 1
     corner: Array  # (2,) cm, lowest x and y
     size: Array  # (2,) cm
 

@@ -23,19 +23,13 @@ class HookRenderer(GpuOwner):
     """Draws the hook of a packet."""
 
     def __init__(self, context: Any) -> None:
-        """Upload the mesh."""
         super().__init__()
-        vertices, triangles = shape()
-        self._count = triangles.size
+        mesh = shape()
+        self._count = len(mesh[1])
         self._programs = self.own(ProgramVariants(context, "hook", HOOK))
-        buffers = [
-            self.own(context.buffer(part.tobytes()))
-            for part in (vertices.astype("f4"), triangles.astype("i4"))
-        ]
-        self._array = self._programs.array(
-            [(buffers[0], "3f4 3f4 1f4 1f4", "a_middle", "a_normal", "a_radius", "a_kind")],
-            buffers[1],
-        )
+        vertices, triangles = self.own_buffers(context, mesh[0].astype("f4"), mesh[1].astype("i4"))
+        names = "a_middle", "a_normal", "a_radius", "a_kind"
+        self._array = self._programs.array([(vertices, "3f4 3f4 1f4 1f4", *names)], triangles)
 
     def draw(
         self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
@@ -46,7 +40,7 @@ class HookRenderer(GpuOwner):
         place = tuple(float(x) for x in packet.hook)
         own = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
         self._programs.ready(self._array, as_ids, **uniforms, **own).render(moderngl.TRIANGLES)
-        return self._count // 3
+        return self._count
 
 
 def shape() -> tuple[Array, Ints]:

@@ -16,7 +16,6 @@ class LightShaftRenderer(GpuOwner):
     """Draws the map, which every shader that includes `optics.glsl` reads."""
 
     def __init__(self, context: Any, quality: Quality) -> None:
-        """Make an empty map, without shafts until the first `draw`."""
         super().__init__()
         self._context = context
         self._map = self.own(context.texture(SIZE, 1, dtype="f2"))

@@ -21,7 +21,6 @@ class ParticleRenderer(GpuOwner):
     """Draws points."""
 
     def __init__(self, context: Any, scene: RenderScene) -> None:
-        """Scatter the snow; plankton comes with each packet."""
         super().__init__()
         places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")
         snow = self.own(context.buffer(places.tobytes()))

@@ -1,13 +1,10 @@
 """Tileable textures of sand: ripple marks, and litter of shells and coral."""
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
 from subsea.render.gl.mipmaps import Texels
-from subsea.render.gl.textures import in_bytes, tileable_noise
+from subsea.render.gl.textures import in_bytes, nearest_of_cells, tileable_noise
 
 SIZE, FINE_SIZE = 384, 256
 RIPPLES = 12  # mean number of ripples across a texture
@@ -40,16 +37,13 @@ def ripples(seed: int, size: int = SIZE) -> list[Array]:
     return [*_slopes(height), _even(height), grain]
 
 
-def litter(seed: int, size: int = FINE_SIZE) -> list[Array]:
-    """Chips of shell and coral: slopes along x and y, tone, and frequency, both 0 to 1.
-
-    The frequency is 0 between chips.
-    """
-    x, y, which = _nearest(seed, size, CELLS)
+def litter(seed: int) -> list[Array]:
+    """Chips of shell and coral: slopes along x and y, tone, and frequency (0 between chips)."""
+    x, y, which = nearest_of_cells(seed, FINE_SIZE, CELLS)
     rng = np.random.default_rng([seed, 0x11])
     tone, common, turn, long, wide = rng.uniform(size=(5, CELLS * CELLS))[:, which]
     # Chips at random angles, some long, with irregular outlines.
-    rough = [0.09 * tileable_noise(seed + k, size, 1.5) for k in (1, 2)]
+    rough = [0.09 * tileable_noise(seed + k, FINE_SIZE, 1.5) for k in (1, 2)]
     c, s = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     u = (c * x + s * y + rough[0]) * (1.0 + 1.4 * long)
     v = c * y - s * x + rough[1]
@@ -78,24 +72,3 @@ def _slopes(height: Array) -> tuple[Array, Array]:
 
 def _even(values: Array) -> Array:
     return np.asarray((values - values.mean()) / values.std())
-
-
-def _nearest(seed: int, size: int, cells: int) -> tuple[Array, Array, NDArray[np.integer[Any]]]:
-    """Offset (size, size) from the nearest of one random point per cell, and its index (Worley)."""
-    rng = np.random.default_rng([seed, 0x33])
-    points = rng.uniform(0.1, 0.9, (cells * cells, 2))
-    at = (np.arange(size) + 0.5) * cells / size
-    cell = at.astype(int)
-    nearest, owner = np.full((size, size), np.inf), np.zeros((size, size), np.int64)
-    way_x, way_y = np.zeros((size, size)), np.zeros((size, size))
-    for down in (-1, 0, 1):
-        for right in (-1, 0, 1):
-            row, column = cell + down, cell + right
-            which = (row % cells)[:, None] * cells + (column % cells)[None, :]
-            y = (at - row)[:, None] - points[which, 1]
-            x = (at - column)[None, :] - points[which, 0]
-            away = x * x + y * y
-            closer = away < nearest
-            nearest[closer], owner[closer] = away[closer], which[closer]
-            way_x[closer], way_y[closer] = x[closer], y[closer]
-    return way_x, way_y, owner

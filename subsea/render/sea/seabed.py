@@ -29,15 +29,11 @@ class SeabedRenderer(GpuOwner):
     def __init__(self, context: Any, scene: RenderScene, ground: ground_map.GroundMap) -> None:
         """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
         super().__init__()
+        programs = ProgramVariants(context, "seabed", SEABED)
+        items = tiles(*surface(scene.terrain, scene.terrain_half_width_cm))
+        reach_cm = IN_SIGHT * scene.water.visibility_cm
         self._batch = self.own(
-            StaticBatch(
-                ProgramVariants(context, "seabed", SEABED),
-                "3f4 2f4",
-                "a_position a_slope",
-                tiles(*surface(scene.terrain, scene.terrain_half_width_cm)),
-                IN_SIGHT * scene.water.visibility_cm,
-                LEVELS_PX,
-            )
+            StaticBatch(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
         )
         self._textures = {
             GROUND_UNIT: self.own(ground_map.upload(context, ground)),
@@ -90,10 +86,7 @@ def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array
 
 
 def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
-    """Positions (m, m, 3) in cm and slopes (m, m, 2) along x and y, apron included.
-
-    The apron makes the number of cells on a side a multiple of CELLS.
-    """
+    """Positions (m, m, 3), cm, and slopes (m, m, 2) with an apron; m - 1 divides by CELLS."""
     before = CELLS
     after = CELLS + (1 - len(heights)) % CELLS
     axis = np.concatenate(

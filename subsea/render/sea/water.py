@@ -29,7 +29,6 @@ class WaterRenderer(GpuOwner):
     """Draws the background on a grid, and the surface on a disc."""
 
     def __init__(self, context: Any, scene: RenderScene) -> None:
-        """Compile the shaders; the surface mirrors the sand of the scene."""
         super().__init__()
         self._context = context
         self._background = self.own(ProgramVariants(context, "water"))
@@ -38,8 +37,8 @@ class WaterRenderer(GpuOwner):
         self._surface = self.own(ProgramVariants(context, "surface", SURFACE))
         self._floor = float(np.mean(scene.terrain))
         self._ripples = self.own(repeating(context, rippled, 3))
-        buffers = [self.own(context.buffer(part.tobytes())) for part in disc(RINGS, SECTORS)]
-        self._disc = self._surface.array([(buffers[0], "2f4", "a_place")], buffers[1])
+        places, triangles = self.own_buffers(context, *disc(RINGS, SECTORS))
+        self._disc = self._surface.array([(places, "2f4", "a_place")], triangles)
 
     def adapt(self, quality: Quality) -> None:
         """Use a grid as fine as the light shafts of this quality."""
@@ -49,8 +48,8 @@ class WaterRenderer(GpuOwner):
         """Fill the pixels that nothing covers; returns the number of triangles."""
         cells = cells_for(view, self._cells)
         if cells not in self._grids:
-            triangles = self.own(self._context.buffer(grid(*cells).tobytes()))
-            self._grids[cells] = self._background.array([], triangles)
+            triangles = self.own_buffers(self._context, grid(*cells))
+            self._grids[cells] = self._background.array([], *triangles)
         background = self._background.ready(self._grids[cells], False, **uniforms, u_cells=cells)
         background.render(moderngl.TRIANGLES)
         self._context.enable(moderngl.BLEND)

@@ -19,7 +19,7 @@ from subsea.fish.editing.draft import SpeciesDraft, with_sheet_path
 from subsea.fish.editing.handles import Box
 from subsea.fish.paint import paint
 from subsea.ui.fish_builder.views import textured_view
-from subsea.ui.gui import QUIET, colour
+from subsea.ui.gui import colour, wrapped_text
 
 Picture = NDArray[np.uint8]
 
@@ -74,12 +74,6 @@ def draw_findings(findings: list[FishFinding] | None, muscular: bool) -> None:
         canvas.add_text((x - box.x / 2, y - box.y / 2), colour((0.0, 0.08, 0.12)), badge)
         imgui.pop_font()
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 1.6 * size)
-        imgui.push_text_wrap_pos(0.0)
         imgui.text_wrapped(text)
-        imgui.pop_text_wrap_pos()
     if not muscular:
-        imgui.push_text_wrap_pos(0.0)
-        imgui.text_colored(
-            (*QUIET, 1.0), "Its spine moves this fish: there are no masses and no muscles to try."
-        )
-        imgui.pop_text_wrap_pos()
+        wrapped_text("Its spine moves this fish: there are no masses and no muscles to try.")

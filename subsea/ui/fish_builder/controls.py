@@ -8,6 +8,7 @@ from subsea.fish.editing.edit_state import EditState
 from subsea.fish.editing.swimmer import MODES
 from subsea.ui.fish_builder.tracing import PhotoOverlay
 from subsea.ui.fish_builder.views import OutlineViews
+from subsea.ui.gui import button
 from subsea.ui.preview_panel import PreviewPanel
 from subsea.ui.tool_window import ToolWindow
 
@@ -31,10 +32,8 @@ def draw_view_options(
     if imgui.button("Add point" if not views.adding else "Click on a line…"):
         views.adding = not views.adding
     imgui.same_line()
-    imgui.begin_disabled(editing.selected is None)
-    if imgui.button("Take away"):
+    if button("Take away", editing.selected is not None):
         remove_point()
-    imgui.end_disabled()
     imgui.same_line()
     if imgui.button("Fit"):
         views.fit()

@@ -1,17 +1,21 @@
-"""Learning and recording of an edited species as processes, and a first dive with it."""
+"""Learning and recording of an edited species as processes, a first dive with it, and the pane."""
 
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from subsea.fish.species import repertoire_file, species_names
+from imgui_bundle import imgui
+
+from subsea.fish.species import repertoire_file, species_file, species_names
 from subsea.ui.fish_builder.processes import CommandProcess
+from subsea.ui.gui import button, wrapped_text
 
 SEA, SHOAL = "peaceful", "fish.1"  # the shoal that a new species replaces in its first dive
 TRIES = 300  # of a search for controllers, the default of the command
 FEWEST, MOST = 20, 3000
 USER_FAULT = 2  # exit code after a one-line error of the user
+JOBS_HELP = "Learn finds how to use its muscles. Record takes down its motion, for scenarios."
 
 
 class CaptureJobs:
@@ -27,7 +31,7 @@ class CaptureJobs:
 
     @property
     def running(self) -> bool:
-        """Whether a job runs."""
+        """True if a job runs."""
         return self._process is not None
 
     @property
@@ -70,8 +74,8 @@ class CaptureJobs:
         return kind, code
 
     def dive(self, key: str) -> None:
-        """Open a dive in which the species swims."""
-        words = ["dive", "--scenario", SEA, "--set", f"{SHOAL}.species={key}"]
+        """Open a dive in which the species swims, and follow one of its fishes."""
+        words = ["dive", "--scenario", SEA, "--set", f"{SHOAL}.species={key}", "--follow", key]
         self._dives.append(
             subprocess.Popen(
                 [sys.executable, "-m", "subsea", *words],
@@ -79,7 +83,7 @@ class CaptureJobs:
                 start_new_session=True,  # Ctrl-C in the terminal is for the builder
             )
         )
-        self.message = "A dive opens in a window of its own: look for your fish."
+        self.message = "A dive opens in a window of its own, and follows your fish."
 
     def close(self) -> None:
         """Stop the job; dives go on."""
@@ -92,7 +96,7 @@ class CaptureJobs:
 
 
 def recorded(key: str) -> bool:
-    """Whether a species has a repertoire."""
+    """True if a species has a repertoire."""
     return key in species_names() and repertoire_file(key).is_file()
 
 
@@ -108,3 +112,42 @@ def _describe_end(kind: str, key: str, process: CommandProcess, code: int) -> st
     if code == 1 and kind == "learn":
         return "Nothing better was found; the file is as it was. More tries may find something."
     return f"That failed: {process.last or f'exit code {code}'}"
+
+
+def draw_jobs(
+    jobs: CaptureJobs,
+    key: str,
+    can_dive: bool,
+    starters: dict[str, Callable[[], None] | None],
+    text_height: float,
+) -> None:
+    """Draw the buttons `starters` by name (None: disabled), the progress and the results.
+
+    `key` names the species for a dive.
+    """
+    for name, start in starters.items():
+        if button(name, not jobs.running and start is not None) and start is not None:
+            start()
+        imgui.same_line()
+    if jobs.running:
+        if imgui.button("Stop"):
+            jobs.stop()
+        imgui.same_line()
+        imgui.progress_bar(jobs.progress, (-1.0, 0.0), jobs.doing)
+    else:
+        if button("Dive with it", can_dive):
+            jobs.dive(key)
+        imgui.same_line()
+        imgui.set_next_item_width(-6.0 * text_height)
+        changed, tries = imgui.drag_int("tries to learn", jobs.tries, 2.0, FEWEST, MOST)
+        jobs.tries = tries if changed else jobs.tries
+    wrapped_text(jobs.message or JOBS_HELP)
+
+
+def is_known(path: Path | None) -> bool:
+    """True if commands find this file by its name, not another species."""
+    return (
+        path is not None
+        and path.stem in species_names()
+        and species_file(path.stem).resolve() == path.resolve()
+    )

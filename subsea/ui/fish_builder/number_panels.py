@@ -17,8 +17,9 @@ from subsea.fish.editing.draft import KeyPath, SpeciesDraft, value_at, with_valu
 from subsea.fish.editing.edit_state import EditState
 from subsea.fish.editing.handles import FINS, PAIRED_FINS, DragHandle, View, drag_handle, handles
 from subsea.fish.editing.proportions import with_fin, with_length, with_mass
+from subsea.fish.raster import from_srgb, to_srgb
 from subsea.ui.fish_builder.views import RINGS
-from subsea.ui.gui import GLASS, QUIET
+from subsea.ui.gui import CLAMP, GLASS, QUIET, wrapped_text
 
 KINDS = ("pacifist", "prey", "predator")
 KIND_WORDS = "pacifist: harmless, courts", "prey: flees and schools", "predator: hunts"
@@ -31,7 +32,6 @@ class NumberPanels:
     """Tabs of numbers; `hovered` is the ring whose row is under the pointer."""
 
     def __init__(self) -> None:
-        """Open the first tab."""
         self.show = ""  # the tab to open in the next frame
         self.hovered: KeyPath | None = None
         self._text: dict[KeyPath, str] = {}  # being typed
@@ -50,10 +50,10 @@ class NumberPanels:
                 if muscular or panel not in (self._body, self._motion):
                     panel(editing)
                 else:
-                    _note(
-                        "Its spine moves this fish, not muscles: how it swings is written in the "
-                        "table [spine] of its file, which docs/spine.md explains and this window "
-                        "leaves as it is. Its outline, fins, colours and names can be changed here."
+                    wrapped_text(
+                        "Its spine moves this fish, not muscles. Its motion is in the table "
+                        "[spine] of its file (docs/reference/spine-table.md), which stays as it "
+                        "is. Outline, fins, colours and names can be changed here."
                     )
                 imgui.end_child()
                 imgui.end_tab_item()
@@ -64,7 +64,6 @@ class NumberPanels:
         return imgui.TabItemFlags_.set_selected.value if self.show == name else 0
 
     def _shape(self, editing: EditState) -> None:
-        """Draw the selected point, fins, eye and skin."""
         imgui.separator_text("Chosen point")
         path = editing.selected
         sides: tuple[View, ...] = ("side", "top")
@@ -97,15 +96,10 @@ class NumberPanels:
         _choice(editing, ("surface", "coupling"), "skin hangs by", COUPLINGS, COUPLINGS)
 
     def _body(self, editing: EditState) -> None:
-        """Draw stations, half-widths, half-heights and masses, then the units."""
         draft = editing.present
         body = draft.content["body"]
         imgui.separator_text("Scaffold, cm, and grams on each node")
-        columns = ("", "behind", "wide", "high", "mass")
-        if imgui.begin_table("##rings", len(columns), imgui.TableFlags_.sizing_stretch_same.value):
-            for name in columns:
-                imgui.table_setup_column(name)
-            imgui.table_headers_row()
+        if _begin_table("##rings", "", "behind", "wide", "high", "mass"):
             for row, name in enumerate(ROWS):
                 imgui.table_next_row()
                 imgui.table_next_column()
@@ -160,7 +154,6 @@ class NumberPanels:
         _cell(editing, ("body", "masses", row), 0.02)
 
     def _motion(self, editing: EditState) -> None:
-        """Draw the swim and the turn controller."""
         imgui.separator_text("Swimming")
         _number(editing, ("swim", "ticks_per_beat"), "ticks a beat", 4, 60, 0.1, whole=True)
         for k, part in enumerate(("anterior", "posterior")):
@@ -174,11 +167,7 @@ class NumberPanels:
         _number(editing, ("turn", "sharp"), "sharp turn, degrees", 1.0, 90.0, 0.5, "%.1f")
         _number(editing, ("turn", "amplitude"), "beat in it, over fast", 0.0, 1.0, 0.005)
         imgui.separator_text("Steering map")
-        columns = ("angle", "anterior", "posterior", "bend", "hold", "restore")
-        if imgui.begin_table("##map", len(columns), imgui.TableFlags_.sizing_stretch_same.value):
-            for name in columns:
-                imgui.table_setup_column(name)
-            imgui.table_headers_row()
+        if _begin_table("##map", "angle", "anterior", "posterior", "bend", "hold", "restore"):
             for row in range(len(editing.present.content["turn"]["steering"])):
                 at: KeyPath = ("turn", "steering", row)
                 imgui.table_next_row()
@@ -192,29 +181,31 @@ class NumberPanels:
             imgui.end_table()
 
     def _colours(self, editing: EditState) -> None:
-        """Draw the colours of the skin, then how it shines."""
         skin = editing.present.content["skin"]
         if "sheet" in skin:
-            _note("A picture dresses this species: subsea skin makes it. What is painted instead:")
+            wrapped_text(
+                "This species has a skin from a photograph. Without it, these colours are painted:"
+            )
             if imgui.button("Take the picture off"):
                 editing.do(partial(with_value, path=("skin", "sheet"), value=None))
-        _note("Click a colour to change it.")
+        wrapped_text("Click a colour to change it.")
         for path in _coloured(skin):
-            value = [_encoded(x) for x in value_at(editing.present, ("skin", *path))]
+            value = to_srgb(np.array(value_at(editing.present, ("skin", *path)))).tolist()
             flags = imgui.ColorEditFlags_.float.value | imgui.ColorEditFlags_.no_inputs.value
             changed, new = imgui.color_edit3(_colour_name(path), value, flags)
             if changed:
-                linear = [round(_decoded(x), 4) for x in new]
+                linear = from_srgb(np.array(new)).round(4).tolist()
                 at: KeyPath = ("skin", *path)
                 editing.drag(partial(with_value, path=at, value=linear))
             _commit_after(editing)
-        imgui.separator_text("How it shines")
+        imgui.separator_text("Shine")
         for key in ("gloss", "silver", "scales", "rays", "blotches", "clear_back", "pupil"):
             _number(editing, ("skin", key), key.replace("_", " "), 0.0, 1.0, 0.005)
-        _note("Stripes, patches and spots are written in the file: docs/species.md.")
+        wrapped_text(
+            "Stripes, patches and spots are written in the file: docs/reference/species.md."
+        )
 
     def _names(self, editing: EditState) -> None:
-        """Draw names, kind and size."""
         for key, words in (("name", "name"), ("scientific_name", "scientific name")):
             path: KeyPath = (key,)
             value = self._text.get(path, str(editing.present.content[key]))
@@ -232,7 +223,6 @@ class NumberPanels:
 
 
 def _handle(editing: EditState, view: View, handle: DragHandle, axes: tuple[int, ...]) -> None:
-    """Draw the coordinates of a point along some axes of a view."""
     for axis in axes:
         words = "behind the snout" if axis == 0 else "aside" if view == "top" else "up"
         imgui.set_next_item_width(7.0 * imgui.get_font_size())
@@ -245,10 +235,14 @@ def _handle(editing: EditState, view: View, handle: DragHandle, axes: tuple[int,
         _commit_after(editing)
 
 
-def _note(words: str) -> None:
-    imgui.push_text_wrap_pos(0.0)
-    imgui.text_colored((*QUIET, 1.0), words)
-    imgui.pop_text_wrap_pos()
+def _begin_table(name: str, *columns: str) -> bool:
+    """Begin a table with a row of headers; returns True if it is visible."""
+    visible = imgui.begin_table(name, len(columns), imgui.TableFlags_.sizing_stretch_same.value)
+    if visible:
+        for column in columns:
+            imgui.table_setup_column(column)
+        imgui.table_headers_row()
+    return bool(visible)
 
 
 def _commit_after(editing: EditState) -> None:
@@ -269,13 +263,11 @@ def _number(
     editing: EditState, path: KeyPath, words: str, low: float, high: float, step: float,
     form: str = "%.4g", whole: bool = False,
 ) -> None:  # fmt: skip
-    """Draw a number to drag, or to type after a double click."""
     imgui.set_next_item_width(7.0 * imgui.get_font_size())
     _drag(editing, path, words, low, high, step, "%.0f" if whole else form, whole)
 
 
 def _cell(editing: EditState, path: KeyPath, step: float) -> None:
-    """Draw a number of a table."""
     imgui.set_next_item_width(-1.0)
     name = ".".join(map(str, path))
     _drag(editing, path, f"##{name}", 0.0, 1e4, step, "%.3f", False)
@@ -286,8 +278,7 @@ def _drag(
     whole: bool,
 ) -> None:  # fmt: skip
     value = _value(editing.present, path)
-    clamp = imgui.SliderFlags_.always_clamp.value
-    changed, new = imgui.drag_float(words, float(value), step, low, high, form, clamp)
+    changed, new = imgui.drag_float(words, float(value), step, low, high, form, CLAMP)
     if changed:
         short: float = round(new) if whole else float(f"{new:.4g}")
         if short != value:
@@ -330,13 +321,3 @@ def _colour_name(path: KeyPath) -> str:
     steps = [str(step + 1) if isinstance(step, int) else step for step in path]
     words = " ".join(step for step in steps if step != "colour").replace("patches", "patch")
     return words.replace("display of", "courting, from").replace("display to", "courting, to")
-
-
-def _encoded(x: float) -> float:
-    """Convert linear light to sRGB."""
-    return float(12.92 * x if x <= 0.0031308 else 1.055 * np.power(x, 1 / 2.4) - 0.055)
-
-
-def _decoded(x: float) -> float:
-    """Convert sRGB to linear light."""
-    return float(x / 12.92 if x <= 0.04045 else np.power((x + 0.055) / 1.055, 2.4))

@@ -1,13 +1,12 @@
 """A photograph behind the side view, to trace its outline."""
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
-from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.fish.editing.handles import Box
 from subsea.render.gl.image_texture import ImageTexture
 
@@ -53,9 +52,8 @@ class PhotoOverlay:
 
 
 def read_photo(path: Path) -> NDArray[Any]:
-    """Return the pixels of a photograph; UserError if it is none, or without OpenCV."""
-    if find_spec("cv2") is None:
-        raise UserError("photographs need OpenCV: install subsea[skin]")
+    """Return the pixels of a photograph; UserError for another file, or without OpenCV."""
+    require("skin", "the photograph")
     from subsea.fish.photo.photograph import read_photograph
 
     return read_photograph(path).colour

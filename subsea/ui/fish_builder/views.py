@@ -18,14 +18,12 @@ from subsea.fish.editing.handles import Box, DragHandle, View, drag_handle, hand
 from subsea.fish.editing.outline_points import add_point, nearest_line
 from subsea.fish.sheet_layout import BODY, borders, half_height
 from subsea.fish.species import Species
-from subsea.fish.surface import PaddlePlan, along, travelled
-from subsea.ui.gui import INK, MARK, QUIET
+from subsea.fish.surface import PaddlePlan, along, points_along
+from subsea.ui.gui import INK, MARK, QUIET, Rgb
 from subsea.ui.viewport2d import Viewport2D
 
-Ink = tuple[float, float, float]
-
 BOX = -0.05, -0.3, 1.06, 0.3  # of both views at first, body lengths
-RINGS: tuple[Ink, ...] = (
+RINGS: tuple[Rgb, ...] = (
     (1.0, 0.45, 0.42), (1.0, 0.72, 0.30), (0.62, 0.86, 0.36), (0.35, 0.80, 0.95),
     (0.72, 0.58, 1.0), (1.0, 0.58, 0.86),
 )  # fmt: skip
@@ -38,7 +36,6 @@ class OutlineViews:
     """Both views, and the editing of points in them."""
 
     def __init__(self) -> None:
-        """Fit the fish; show everything."""
         self.side, self.top = Viewport2D(BOX, up=True), Viewport2D(BOX, up=True)
         self.outline, self.scaffold = True, True  # shown, and can be dragged
         self.soft = False  # neighbours follow a dragged point
@@ -118,7 +115,6 @@ class OutlineViews:
     def _edit_points(
         self, canvas: Viewport2D, view: View, editing: EditState, points: list[DragHandle]
     ) -> None:
-        """Drag, add and select points."""
         twice = canvas.clicked and imgui.is_mouse_double_clicked(0)
         if canvas.clicked and (self.adding or (twice and self._near_line(canvas, view, editing))):
             self._add(canvas, view, editing)
@@ -179,7 +175,7 @@ def outlines(species: Species) -> dict[str, Array]:
     ):
         if plan:
             free, root = (
-                travelled(plan.edge, np.linspace(0.0, 1.0, 40)),
+                points_along(plan.edge, np.linspace(0.0, 1.0, 40)),
                 np.linspace(*plan.base, 20),
             )
             shapes[f"side {name} fin"] = _closed(
@@ -260,16 +256,17 @@ def _draw_points(canvas: Viewport2D, points: list[DragHandle], editing: EditStat
     """Draw the points; mark the selected and the hovered one."""
     plain = [handle for handle in points if handle.path[0] != "body"]
     for handle in plain:
-        twins = [handle.at, (handle.at[0], -handle.at[1])] if handle.mirrored else [handle.at]
         special = handle.path[-1] in ("begin", "at", "length") or handle.path[2:3] == ("base",)
-        canvas.dots(twins, FIN_INK if special else INK, 3.2, 0.95)
+        canvas.dots(_twins(handle), FIN_INK if special else INK, 3.2, 0.95)
     for path, radius in ((editing.selected, 7.0), (editing.hovered, 6.0)):
         for handle in points:
             if handle.path == path:
-                twins = (
-                    [handle.at, (handle.at[0], -handle.at[1])] if handle.mirrored else [handle.at]
-                )
-                canvas.dots(twins, MARK, radius, ring=True)
+                canvas.dots(_twins(handle), MARK, radius, ring=True)
+
+
+def _twins(handle: DragHandle) -> list[tuple[float, float]]:
+    """Return the place of a point, and its mirror image if it has one."""
+    return [handle.at, (handle.at[0], -handle.at[1])] if handle.mirrored else [handle.at]
 
 
 def textured_view(species: Species, sheet: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Box]:

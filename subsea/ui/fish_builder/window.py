@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 
 from subsea.biomechanics.body import MUSCLES
 from subsea.core.errors import UserError
+from subsea.core.undo import History
 from subsea.fish.editing.checks import FishFinding
 from subsea.fish.editing.draft import (
     EditError,
@@ -37,8 +38,7 @@ from subsea.ui.fish_builder.assessment import (
     draw_findings,
 )
 from subsea.ui.fish_builder.controls import draw_preview, draw_view_options, room
-from subsea.ui.fish_builder.jobs import CaptureJobs, recorded
-from subsea.ui.fish_builder.jobs_pane import draw_jobs, is_known
+from subsea.ui.fish_builder.jobs import CaptureJobs, draw_jobs, is_known, recorded
 from subsea.ui.fish_builder.number_panels import NumberPanels
 from subsea.ui.fish_builder.tracing import PhotoOverlay, read_photo
 from subsea.ui.fish_builder.views import OutlineViews, textured_view
@@ -47,7 +47,7 @@ from subsea.ui.preview_panel import PreviewPanel
 from subsea.ui.tool_window import ToolWindow, run_tool
 
 TITLE = "subsea build"
-WITHOUT = "a species is a text file: docs/species.md"
+WITHOUT = "a species is a text file: docs/reference/species.md"
 START = "fusilier"  # the source of a new species, unless another is chosen
 VIEWS_WIDTH, SIDE_HEIGHT = 0.62, 0.54  # shares of the window
 PREVIEW_HEIGHT = 0.36
@@ -98,19 +98,9 @@ class FishBuilder:
         self._backdrop = ImageTexture(window.context, backdrop)
 
     @property
-    def unsaved(self) -> bool:
-        """Whether the draft differs from the file."""
-        return self.editing.history.unsaved
-
-    @property
-    def may_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return self.editing.history.may_undo
-
-    @property
-    def may_redo(self) -> bool:
-        """Whether there is something to redo."""
-        return self.editing.history.may_redo
+    def history(self) -> History[SpeciesDraft]:
+        """Undo history, which knows what is saved."""
+        return self.editing.history
 
     def undo(self) -> None:
         """Go back by one edit."""
@@ -144,13 +134,13 @@ class FishBuilder:
         assert self.path
         self._file = found = read_draft(self.path)
         self.editing.do(lambda _: found)
-        self.editing.history.saved()
+        self.history.saved()
 
     def _write(self) -> bool:
         assert self.path
         save_draft(self.editing.present, self.path)
         self._file = read_draft(self.path)
-        self.editing.history.saved()
+        self.history.saved()
         self.window.show_message(f"saved as {self.path}")
         if self.recorded and not self.jobs.running:
             self.jobs.message = (
@@ -274,7 +264,7 @@ class FishBuilder:
 
     def _job_starters(self) -> dict[str, Callable[[], None] | None]:
         """Return what the buttons of jobs do, by name; unsaved work is saved first."""
-        saved = self.path is not None and not self.unsaved
+        saved = self.path is not None and not self.history.unsaved
 
         def start(act: Callable[[], None]) -> None:
             self.window.defer(act if saved else partial(self._save_then, act))
@@ -312,7 +302,7 @@ class FishBuilder:
             if to_toml(with_values(self._file, values)) == found.text:
                 self._file = found  # only controllers have changed there
             if self.editing.present.content == found.content:
-                self.editing.history.saved()
+                self.history.saved()
 
     @property
     def _key(self) -> str:
@@ -320,7 +310,7 @@ class FishBuilder:
         return self.path.stem if self.path else ""
 
     def _ask_for_new(self) -> None:
-        if self.unsaved:
+        if self.history.unsaved:
             self.window.ask(
                 "There is unsaved work.",
                 {

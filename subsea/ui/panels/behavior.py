@@ -14,14 +14,13 @@ from subsea.dive.mental_chart import SPAN, Chart
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext
-from subsea.ui.gui import GLASS, INK, LIT, MARK, QUIET, colour
+from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, button, colour
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S, World
 
 WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters
 DIRECTIONS = ("left", "right", "ahead", "back", "up", "down")  # columns of `minds.preference`
 WARM = (0.98, 0.70, 0.45)  # warnings
-CLAMP = imgui.SliderFlags_.always_clamp.value
 LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
@@ -67,7 +66,6 @@ class ChartState:
     """The chart of the chosen fish."""
 
     def __init__(self) -> None:
-        """Start without a fish."""
         self.world: World | None = None
         self.chart = Chart(-1)
 
@@ -205,11 +203,9 @@ def _nature(context: PanelContext) -> None:
             context.changed()
     imgui.pop_item_width()
     before = Nature(**msgspec.structs.asdict(world.scenario.nature))
-    imgui.begin_disabled(world.nature == before)
-    if imgui.button("As in the scenario"):
+    if button("As in the scenario", world.nature != before):
         world.nature = before
         context.changed()
-    imgui.end_disabled()
 
 
 def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:

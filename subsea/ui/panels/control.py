@@ -18,7 +18,6 @@ class StageTimes:
     """Smoothed times of the stages of a tick."""
 
     def __init__(self) -> None:
-        """Empty."""
         self.ms: dict[str, float] = {}
 
     def follow(self, stages_s: dict[str, float]) -> None:
@@ -30,17 +29,16 @@ class StageTimes:
 
 def panel(context: PanelContext) -> None:
     """Draw the panel, and control the dive."""
-    _drawn(context)
+    _diagrams(context)
     imgui.separator()
-    _pictures(context)
+    _recording(context)
     imgui.separator()
     _camera(context)
     imgui.separator()
     _speed(context)
 
 
-def _drawn(context: PanelContext) -> None:
-    """Diagrams, wireframe and lights."""
+def _diagrams(context: PanelContext) -> None:
     dive, line = context.dive, imgui.get_font_size()
     for number, (name, meaning) in enumerate(DIAGRAMS.items()):
         if number % 3:
@@ -55,8 +53,7 @@ def _drawn(context: PanelContext) -> None:
         dive.run_command("lights")
 
 
-def _pictures(context: PanelContext) -> None:
-    """Save a picture, or a film."""
+def _recording(context: PanelContext) -> None:
     if imgui.button("take a picture"):
         context.dive.run_command("picture")
     imgui.same_line()
@@ -65,7 +62,6 @@ def _pictures(context: PanelContext) -> None:
 
 
 def _camera(context: PanelContext) -> None:
-    """The camera's pose, also as a waypoint of a tour."""
     dive = context.dive
     front_view = dive.picture.front_view
     if front_view is None:

@@ -1,12 +1,13 @@
 """Input fields for scenario tables, with the limits of the file format."""
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 from imgui_bundle import imgui
 from msgspec import inspect
+
+from subsea.ui.gui import CLAMP
 
 T = TypeVar("T", bound=msgspec.Struct)
 
@@ -75,8 +76,7 @@ def real(
 ) -> Edit:
     """A number to drag, by `per_point` a pointer unit, or to type."""
     _narrow()
-    clamp = imgui.SliderFlags_.always_clamp.value
-    _, entered = imgui.drag_float(name, value, per_point, low, high, form, clamp)
+    _, entered = imgui.drag_float(name, value, per_point, low, high, form, CLAMP)
     return Edit(_short(entered, value), imgui.is_item_deactivated_after_edit())
 
 
@@ -96,16 +96,28 @@ def _fields(kind: type[msgspec.Struct]) -> tuple[Any, ...]:
     return info.fields
 
 
-def _any(name: str, value: Any, kind: inspect.Type) -> Edit:
-    """Draw the field for a value of a type, if there is one."""
-    if isinstance(kind, inspect.Metadata):
-        return _any(name, value, kind.type)
-    if isinstance(kind, inspect.UnionType):
-        inner = next(one for one in kind.types if not isinstance(one, inspect.NoneType))
-        return _perhaps(name, value, inner)
-    for known, field in FIELDS:
-        if isinstance(kind, known):
-            return field(name, value, kind)
+def _any(name: str, value: Any, kind: Any) -> Edit:
+    """Draw the field for a value of a type; nested lists and tables can only be edited in files."""
+    match kind:
+        case inspect.Metadata():
+            return _any(name, value, kind.type)
+        case inspect.UnionType():
+            inner = next(one for one in kind.types if not isinstance(one, inspect.NoneType))
+            return _perhaps(name, value, inner)
+        case inspect.BoolType():
+            changed, value = imgui.checkbox(name, value)
+            return Edit(value, changed)
+        case inspect.IntType():
+            low, high = _limits(kind)
+            return whole(name, value, int(low), int(high))
+        case inspect.FloatType():
+            low, high = _limits(kind)
+            step = 0.004 if high <= 5 else 0.02 if high <= 20 else 1.0
+            return real(name, value, low, high, step)
+        case inspect.LiteralType():
+            return choice(name, value, [str(word) for word in kind.values])
+        case inspect.TupleType():
+            return _tuple(name, value, kind)
     return Edit(value, False)
 
 
@@ -123,22 +135,22 @@ def _perhaps(name: str, value: Any, kind: Any) -> Edit:
 
 def _least(kind: Any) -> Any:
     """A first value of a type."""
-    if isinstance(kind, inspect.Metadata):
-        return _least(kind.type)
-    if isinstance(kind, inspect.TupleType):
-        return tuple(_least(one) for one in kind.item_types)
-    if isinstance(kind, inspect.LiteralType):
-        return kind.values[0]
-    if isinstance(kind, inspect.BoolType):
-        return True
-    if isinstance(kind, inspect.FloatType):
-        low, high = _limits(kind)
-        return min(max(low, 0.0), high)
+    match kind:
+        case inspect.Metadata():
+            return _least(kind.type)
+        case inspect.TupleType():
+            return tuple(_least(one) for one in kind.item_types)
+        case inspect.LiteralType():
+            return kind.values[0]
+        case inspect.BoolType():
+            return True
+        case inspect.FloatType():
+            low, high = _limits(kind)
+            return min(max(low, 0.0), high)
     return 0
 
 
 def _limits(kind: Any) -> tuple[float, float]:
-    """Lowest and highest value of a number."""
     low = kind.ge if kind.ge is not None else kind.gt
     high = kind.le if kind.le is not None else kind.lt
     low, high = (-1e5 if low is None else low), (1e5 if high is None else high)
@@ -147,46 +159,13 @@ def _limits(kind: Any) -> tuple[float, float]:
     return low, high
 
 
-def _bool(name: str, value: bool, kind: Any) -> Edit:
-    changed, value = imgui.checkbox(name, value)
-    return Edit(value, changed)
-
-
-def _int(name: str, value: int, kind: Any) -> Edit:
-    low, high = _limits(kind)
-    return whole(name, value, int(low), int(high))
-
-
-def _float(name: str, value: float, kind: Any) -> Edit:
-    low, high = _limits(kind)
-    return real(name, value, low, high, 0.004 if high <= 5 else 0.02 if high <= 20 else 1.0)
-
-
-def _literal(name: str, value: str, kind: Any) -> Edit:
-    return choice(name, value, list(kind.values))
-
-
 def _tuple(name: str, value: tuple[float, ...], kind: Any) -> Edit:
     """Two or three numbers, side by side."""
-    low, high = _limits(_bare(kind.item_types[0]))
+    item = kind.item_types[0]
+    low, high = _limits(item.type if isinstance(item, inspect.Metadata) else item)
     _narrow()
     drag = imgui.drag_float2 if len(value) == 2 else imgui.drag_float3
-    clamp = imgui.SliderFlags_.always_clamp.value
     step = 0.004 if high <= 1 else 1.0
-    _, entered = drag(name, list(value), step, low, high, "%.4g", clamp)
+    _, entered = drag(name, list(value), step, low, high, "%.4g", CLAMP)
     new = tuple(_short(one, old) for one, old in zip(entered, value, strict=True))
     return Edit(new, imgui.is_item_deactivated_after_edit())
-
-
-def _bare(kind: Any) -> Any:
-    return kind.type if isinstance(kind, inspect.Metadata) else kind
-
-
-FIELDS: tuple[tuple[type, Callable[[str, Any, Any], Edit]], ...] = (
-    (inspect.BoolType, _bool),
-    (inspect.IntType, _int),
-    (inspect.FloatType, _float),
-    (inspect.LiteralType, _literal),
-    (inspect.TupleType, _tuple),
-)
-"""Fields by type; nested lists and tables can only be edited in files."""

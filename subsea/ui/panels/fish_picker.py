@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 from subsea.ui.context import PanelContext
 from subsea.world.world import World
 
+NUMBER = imgui.InputTextFlags_.enter_returns_true.value | imgui.InputTextFlags_.chars_decimal.value
+
 
 def choose_fish(context: PanelContext) -> int | None:
     """Draw fields to choose a fish; returns the chosen one or None."""
@@ -18,11 +20,13 @@ def choose_fish(context: PanelContext) -> int | None:
         imgui.set_item_tooltip(f"the {name} fish")
         imgui.same_line()
     imgui.set_next_item_width(4.5 * line)
-    entered, number = imgui.input_int(
-        "fish", -1 if fish is None else fish, 0, 0, imgui.InputTextFlags_.enter_returns_true.value
+    entered, text = imgui.input_text_with_hint(
+        "fish", "none", "" if fish is None else str(fish), NUMBER
     )
-    if entered and 0 <= number < len(fishes.alive) and fishes.alive[number]:
-        context.chosen = number
+    if entered and text.isdecimal() and (number := int(text)) < len(fishes.alive):
+        context.chosen = number if fishes.alive[number] else fish
+    elif entered and not text:
+        context.chosen = None
     if context.chosen is None:
         imgui.text_disabled("None is chosen: click one in the sea.")
         return None

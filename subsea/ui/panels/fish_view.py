@@ -5,12 +5,12 @@ from imgui_bundle import imgui
 from subsea.dive.options import RETINA_COLOURS
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
 from subsea.ui.context import PanelContext
+from subsea.ui.gui import CLAMP
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.view.retina import Gaze
 
 WIDE = 16.0  # of a slider, in heights of letters
 PLACES = (("the submarine", None), ("behind the fish", True), ("the fish's eyes", False))
-CLAMP = imgui.SliderFlags_.always_clamp.value
 
 
 def panel(context: PanelContext) -> None:
@@ -72,6 +72,6 @@ def _eyes(context: PanelContext) -> None:
         light = dive.world.state.minds.light[ride.by.fish]
         imgui.same_line()
         imgui.text_disabled(f"brightness {light:.0%}")
-    changed, _ = imgui.checkbox("its reins are in your hands", dive.steers_fish)
+    changed, _ = imgui.checkbox("steer this fish", dive.steers_fish)
     if changed:
         dive.run_command("reins")

@@ -1,5 +1,6 @@
 """Habits (Tu fig. 9.5): sex, kind and likings, of one fish or all of its species."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,11 @@ PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # pairs of columns of `minds.l
 INDENT = 7.0  # of choices, in heights of letters
 
 
+@dataclass
 class HabitsScope:
-    """Whether habits are set for one fish or all of its species."""
+    """True if habits are set for one fish or all of its species."""
 
-    def __init__(self) -> None:
-        """Start with one fish."""
-        self.all_of_species = False
+    all_of_species: bool = False
 
 
 def panel(context: PanelContext) -> None:
@@ -30,12 +30,12 @@ def panel(context: PanelContext) -> None:
     if fish is None:
         return
     world = context.dive.world
-    minds, whose = world.state.minds, context.state(HabitsScope)
+    minds, scope = world.state.minds, context.state(HabitsScope)
     name = world.species[world.state.fishes.species[fish]].name
     _row("of")
     for label, every in (("this fish alone", False), (f"all of {name}", True)):
-        if imgui.radio_button(label, whose.all_of_species == every):
-            whose.all_of_species = every
+        if imgui.radio_button(label, scope.all_of_species == every):
+            scope.all_of_species = every
         imgui.same_line()
     imgui.new_line()
     imgui.separator()

@@ -22,6 +22,7 @@ from subsea.scenario.schema import (
     Scenario,
 )
 from subsea.ui.context import PanelContext
+from subsea.ui.gui import INK, wrapped_text
 from subsea.ui.panels.fields import typed_whole
 from subsea.world.inventory import KINDS, Counts, counts, with_counts
 from subsea.world.to_scenario import to_scenario
@@ -37,9 +38,9 @@ class InitialisationState:
     base: Scenario | None = None  # scenario of these numbers
     counts: Counts | None = None
     names: list[str] = field(default_factory=list)  # of scenarios
-    wanted: str = ""  # the name or path to open
+    to_open: str = ""  # the name or path to open
     title: str = ""  # the name or path to save as
-    said: str = ""  # result of the last action
+    message: str = ""  # result of the last action
 
     def begin(self, scenario: Scenario, seed: int) -> Counts:
         """Start from the numbers of a scenario and the seed of its dive."""
@@ -51,48 +52,46 @@ class InitialisationState:
 def panel(context: PanelContext) -> None:
     """Numbers of everything, and the files of scenarios."""
     draft, dive = context.state(InitialisationState), context.dive
-    wanted = draft.counts
-    if wanted is None or draft.base is not dive.scenario:
-        wanted = draft.begin(dive.scenario, dive.world.state.seed)
+    numbers = draft.counts
+    if numbers is None or draft.base is not dive.scenario:
+        numbers = draft.begin(dive.scenario, dive.world.state.seed)
     imgui.text(dive.scenario.title)
     imgui.same_line()
     imgui.text_disabled(dive.source.name)
     if imgui.begin_table("numbers", 2):
         imgui.table_next_column()
-        _fishes(wanted)
+        _fishes(numbers)
         imgui.table_next_column()
-        _sea(wanted)
+        _sea(numbers)
         imgui.end_table()
-    if imgui.button("Start anew"):
-        context.later(partial(start_anew, context, wanted))
+    if imgui.button("Restart"):
+        context.later(partial(restart, context, numbers))
     imgui.same_line()
     if imgui.button("Revert"):
         draft.begin(dive.scenario, dive.world.state.seed)
     imgui.same_line()
-    imgui.text(f"{sum(wanted.fishes.values())} fishes in all")
+    imgui.text(f"{sum(numbers.fishes.values())} fishes in all")
     imgui.separator()
     _files(context, draft)
-    if draft.said:
-        imgui.push_text_wrap_pos(38.0 * imgui.get_font_size())
-        imgui.text_wrapped(draft.said)
-        imgui.pop_text_wrap_pos()
+    if draft.message:
+        wrapped_text(draft.message, INK, 38.0)
 
 
-def start_anew(context: PanelContext, wanted: Counts) -> bool:
+def restart(context: PanelContext, numbers: Counts) -> bool:
     """Start the dive with these numbers; False, with a note, if that is not possible."""
     draft, dive = context.state(InitialisationState), context.dive
-    scenario = with_counts(present(context), wanted)
+    scenario = with_counts(present(context), numbers)
     try:
         with locate_errors(scenario, "the numbers"):
             check_scenario(scenario)
     except UserError as fault:
-        draft.said = str(fault)
-        dive.note(draft.said)
+        draft.message = str(fault)
+        dive.note(draft.message)
         return False
     if not dive.open_world(scenario, dive.source):
-        draft.said = "That dive cannot begin."
+        draft.message = "That dive cannot begin."
         return False
-    draft.said = ""
+    draft.message = ""
     return True
 
 
@@ -102,10 +101,10 @@ def open_file(context: PanelContext, name: str) -> bool:
     try:
         scenario, path = storage.opened(name)
     except UserError as fault:
-        draft.said = str(fault)
-        dive.note(draft.said)
+        draft.message = str(fault)
+        dive.note(draft.message)
         return False
-    draft.said, known = "", storage.held(path)
+    draft.message, known = "", storage.held(path)
     if not dive.open_world(scenario, path):
         return False
     dive.known = known
@@ -119,12 +118,12 @@ def save(context: PanelContext, name: str = "") -> Path | None:
         path = storage.place_named(name.strip()) if name else storage.place_of(dive.source)
         storage.save(present(context), path, dive.source, dive.known)
     except UserError as fault:
-        draft.said = str(fault)
-        dive.note(draft.said)
+        draft.message = str(fault)
+        dive.note(draft.message)
         return None
     dive.source, dive.known = path, storage.held(path)
-    draft.names, draft.said = scenario_names(), f"saved as {path}"
-    dive.note(draft.said)
+    draft.names, draft.message = scenario_names(), f"saved as {path}"
+    dive.note(draft.message)
     return path
 
 
@@ -134,25 +133,23 @@ def present(context: PanelContext) -> Scenario:
     return replace(to_scenario(world), seed=world.state.seed)
 
 
-def _fishes(wanted: Counts) -> None:
-    """A field for each species."""
-    for species, number in wanted.fishes.items():
-        wanted.fishes[species] = _number(species.replace("_", " "), number, MAX_FISHES)
+def _fishes(numbers: Counts) -> None:
+    for species, number in numbers.fishes.items():
+        numbers.fishes[species] = _number(species.replace("_", " "), number, MAX_FISHES)
 
 
-def _sea(wanted: Counts) -> None:
-    """Fields for plankton, seaweed, pillars and the seed."""
-    wanted.plankton = _number("plankton", wanted.plankton, MAX_PLANKTON, 100)
+def _sea(numbers: Counts) -> None:
+    numbers.plankton = _number("plankton", numbers.plankton, MAX_PLANKTON, 100)
     for kind in KINDS:
-        wanted.clusters[kind] = _number(f"##{kind}", wanted.clusters[kind], MAX_SEAWEED)
+        numbers.clusters[kind] = _number(f"##{kind}", numbers.clusters[kind], MAX_SEAWEED)
         imgui.same_line()
-        wanted.leaves[kind] = _number(f"{kind} × leaves", wanted.leaves[kind], MAX_LEAVES, low=1)
+        numbers.leaves[kind] = _number(f"{kind} × leaves", numbers.leaves[kind], MAX_LEAVES, low=1)
         imgui.set_item_tooltip("clusters of seaweed, and the leaves of each")
-    wanted.pillars = _number("pillars", wanted.pillars, MAX_SOLIDS)
-    wanted.seed = _number("seed", wanted.seed, MAX_SEED, wide=SEED)
+    numbers.pillars = _number("pillars", numbers.pillars, MAX_SOLIDS)
+    numbers.seed = _number("seed", numbers.seed, MAX_SEED, wide=SEED)
     imgui.same_line()
     if imgui.button("Dice"):
-        wanted.seed = random.randrange(1_000_000)
+        numbers.seed = random.randrange(1_000_000)
     imgui.set_item_tooltip("another seed: other places, sizes and whims")
 
 
@@ -164,7 +161,6 @@ def _number(
 
 
 def _files(context: PanelContext, draft: InitialisationState) -> None:
-    """Open a scenario, save this one."""
     line = imgui.get_font_size()
     imgui.set_next_item_width(NAME * line)
     chosen = imgui.begin_combo("##there", "scenarios", imgui.ComboFlags_.height_large.value)
@@ -174,10 +170,10 @@ def _files(context: PanelContext, draft: InitialisationState) -> None:
                 context.later(partial(open_file, context, name))
         imgui.end_combo()
     imgui.same_line()
-    draft.wanted, entered = _line("##wanted", "or the path of a file", draft.wanted)
+    draft.to_open, entered = _line("##wanted", "or the path of a file", draft.to_open)
     imgui.same_line()
-    if (imgui.button("Open") or entered) and draft.wanted.strip():
-        context.later(partial(open_file, context, draft.wanted.strip()))
+    if (imgui.button("Open") or entered) and draft.to_open.strip():
+        context.later(partial(open_file, context, draft.to_open.strip()))
     if imgui.button("Save"):
         context.later(partial(save, context))
     imgui.set_item_tooltip(str(storage.place_of(context.dive.source)))

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -12,34 +12,23 @@ from msgspec.structs import replace
 from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
 from subsea.ui.context import PanelContext
-from subsea.ui.gui import MARK, QUIET, colour
+from subsea.ui.gui import CLAMP, MARK, QUIET, button, colour
 from subsea.ui.panels.fish_picker import choose_fish
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
 STRONGEST_CM_S = 60.0  # largest value here
 SOME_CM_S = 6.0  # default of a current that is switched on
-LOG = imgui.SliderFlags_.logarithmic.value | imgui.SliderFlags_.always_clamp.value
+LOG = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
-class FactorSlider(NamedTuple):
-    """A factor of `state.Physics`."""
-
-    name: str
-    label: str
-    low: float
-    high: float
-    meaning: str
-
-
-SLIDERS = (
-    FactorSlider("unit_mass", "unit mass", 0.1, 10.0, "factor on the mass of every node"),
-    FactorSlider("viscosity", "viscosity", 0.01, 100.0, "factor on the viscosity of every spring"),
-    FactorSlider("stiffness", "stiffness", 0.01, 100.0, "factor on the spring constants"),
-    FactorSlider(
-        "water_viscosity", "water viscosity", 0.01, 100.0, "factor on what the water does"
-    ),
-    FactorSlider("time_step", "time step", 0.05, 50.0, "factor on the solver's 5.5 ms"),
-)
+FACTORS = {
+    "unit_mass": (0.1, 10.0, "factor on the mass of every node"),
+    "viscosity": (0.01, 100.0, "factor on the viscosity of every spring"),
+    "stiffness": (0.01, 100.0, "factor on the spring constants"),
+    "water_viscosity": (0.01, 100.0, "factor on what the water does"),
+    "time_step": (0.05, 50.0, "factor on the solver's 5.5 ms"),
+}
+"""Range and meaning of the factors of `state.Physics`."""
 
 
 @dataclass
@@ -59,7 +48,6 @@ def panel(context: PanelContext) -> None:
 
 
 def _simulated(context: PanelContext) -> None:
-    """Set the number of simulated fishes, and whether the chosen one is simulated."""
     dive = context.dive
     world, line = dive.world, imgui.get_font_size()
     live = np.flatnonzero(world.state.fishes.live)
@@ -99,16 +87,15 @@ def simulate(context: PanelContext, most: int) -> bool:
 
 
 def _factors(context: PanelContext) -> None:
-    """A slider for each factor, and a reset."""
     world, line = context.dive.world, imgui.get_font_size()
     before = physics = world.physics
-    for slider in SLIDERS:
+    for name, (low, high, meaning) in FACTORS.items():
         imgui.set_next_item_width(WIDE * line)
-        value = getattr(physics, slider.name)
-        moved, value = imgui.slider_float(slider.label, value, slider.low, slider.high, "%.3g", LOG)
-        imgui.set_item_tooltip(slider.meaning)
+        value, label = getattr(physics, name), name.replace("_", " ")
+        moved, value = imgui.slider_float(label, value, low, high, "%.3g", LOG)
+        imgui.set_item_tooltip(meaning)
         if moved:
-            factor: dict[str, Any] = {slider.name: float(f"{value:.3g}")}
+            factor: dict[str, Any] = {name: float(f"{value:.3g}")}
             physics = physics._replace(**factor)
     imgui.set_next_item_width(WIDE * line)
     moved, number = imgui.slider_int("iterations", physics.iterations, 1, 60)
@@ -120,10 +107,9 @@ def _factors(context: PanelContext) -> None:
     if moved:
         physics = physics._replace(hydrodynamics=on)
     imgui.same_line()
-    imgui.begin_disabled(physics == Physics(fish=physics.fish))
-    if imgui.button("Defaults"):
-        physics = Physics(fish=physics.fish)
-    imgui.end_disabled()
+    defaults = Physics(fish=physics.fish)
+    if button("Defaults", physics != defaults):
+        physics = defaults
     if physics != before:
         world.physics = physics
         context.changed()
@@ -136,7 +122,6 @@ def _factors(context: PanelContext) -> None:
 
 
 def _current(context: PanelContext) -> None:
-    """Direction and strength of the current, and a switch."""
     world, still, line = context.dive.world, context.state(SavedCurrent), imgui.get_font_size()
     x, y = world.current_cm_s
     on = bool(x or y)
@@ -150,9 +135,8 @@ def _current(context: PanelContext) -> None:
     imgui.begin_group()
     _, on = imgui.checkbox("current", on)
     imgui.set_next_item_width(0.7 * WIDE * line)
-    clamp = imgui.SliderFlags_.always_clamp.value
     moved, wanted = imgui.slider_float(
-        "strength", strength, 0.0, max(STRONGEST_CM_S, strength), "%.1f cm/s", clamp
+        "strength", strength, 0.0, max(STRONGEST_CM_S, strength), "%.1f cm/s", CLAMP
     )
     strength = max(float(f"{wanted:.3g}"), 0.1) if moved else strength
     imgui.text_disabled(f"toward {round(-math.degrees(angle)) % 360:03d}° by the compass")

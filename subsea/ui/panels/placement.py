@@ -19,7 +19,7 @@ from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
 from subsea.ui.context import PanelContext
-from subsea.ui.gui import GLASS, MARK, colour
+from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields
 from subsea.view.unproject import FrontView
 from subsea.world import placement
@@ -45,7 +45,7 @@ class PlacementState:
     trial: Scenario | None = None  # scenario if the drag ended now
     fault: str = ""  # error of the trial
     rest_s: float = 0.0  # time left after the wheel has turned
-    said: str = ""  # error of the last change
+    message: str = ""  # error of the last change
     seen: tuple[Scenario, Sea, list[Handle]] | None = None  # cache of `things`
     frame: int = 0  # of the last drawing
 
@@ -83,11 +83,9 @@ def panel(context: PanelContext) -> None:
     _list(placing, scenario, things)
     _buttons(context, placing)
     _numbers(context, placing, scenario, sea)
-    said = placing.fault or placing.said
-    if said:
-        imgui.push_text_wrap_pos(WIDE * 1.4 * imgui.get_font_size())
-        imgui.text_colored((*REFUSED, 1.0), said)
-        imgui.pop_text_wrap_pos()
+    message = placing.fault or placing.message
+    if message:
+        wrapped_text(message, REFUSED, 1.4 * WIDE)
     front_view = dive.picture.front_view
     if front_view is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
@@ -140,18 +138,17 @@ def undo(context: PanelContext, forth: bool = False) -> bool:
 
 def _enter(context: PanelContext, scenario: Scenario) -> bool:
     placing, dive = context.state(PlacementState), context.dive
-    placing.said = ""
+    placing.message = ""
     try:
         placement.check_placed(scenario, str(dive.source), dive.world.state.seed)
     except UserError as fault:
-        placing.said = str(fault)
-        dive.note(placing.said)
+        placing.message = str(fault)
+        dive.note(placing.message)
         return False
     return dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
 
 
 def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> None:
-    """The list of things, to choose one."""
     line = imgui.get_font_size()
     if imgui.begin_list_box("##things", (WIDE * line, ROWS * line)):
         for thing in things:
@@ -173,10 +170,8 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
                 context.later(partial(_add, context, kind))
         imgui.end_popup()
     imgui.same_line()
-    imgui.begin_disabled(chosen is None)
-    if imgui.button("Remove") and chosen is not None:
+    if button("Remove", chosen is not None) and chosen is not None:
         context.later(partial(_remove, context, *chosen))
-    imgui.end_disabled()
     typing = imgui.get_io().want_text_input
     ctrl = imgui.Key.mod_ctrl.value
     for words, letter, key, forth, may in (
@@ -184,9 +179,7 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
         ("Redo", "Y", imgui.Key.y, True, history.may_redo),
     ):
         imgui.same_line()
-        imgui.begin_disabled(not may)
-        pressed = imgui.button(words)
-        imgui.end_disabled()
+        pressed = button(words, may)
         imgui.set_item_tooltip(f"Ctrl+{letter}")
         if (pressed or (imgui.is_key_chord_pressed(ctrl | key.value) and not typing)) and may:
             context.later(partial(undo, context, forth))
@@ -196,7 +189,6 @@ def _buttons(context: PanelContext, placing: PlacementState) -> None:
 
 
 def _add(context: PanelContext, kind: str) -> None:
-    """Add a thing before the submarine."""
     dive, placing = context.dive, context.state(PlacementState)
     front_view, sea = dive.picture.front_view, dive.world.state.sea
     submarine = dive.world.state.submarine
@@ -220,8 +212,8 @@ def _remove(context: PanelContext, kind: str, number: int) -> None:
             try:
                 rest = placement.removed(dive.scenario, thing)
             except UserError as fault:
-                placing.said = str(fault)
-                dive.note(placing.said)
+                placing.message = str(fault)
+                dive.note(placing.message)
                 return
             if apply_placement(context, rest):
                 placing.chosen = None
@@ -229,7 +221,6 @@ def _remove(context: PanelContext, kind: str, number: int) -> None:
 
 
 def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario, sea: Sea) -> None:
-    """Fields for the numbers of the chosen thing."""
     if placing.chosen is None:
         return
     kind, number = placing.chosen
@@ -264,7 +255,7 @@ def _drag(
         if imgui.is_mouse_clicked(0) and over is not None:
             placing.chosen, context.dragging = (over.kind, over.number), True
             placing.held, placing.begun = placement.grip(over, *front_view.ray(*pointer)), pointer
-            placing.said = ""
+            placing.message = ""
         _turn_wheel(context, placing, things)
     held = placing.held
     if held is None:
@@ -308,8 +299,8 @@ def _turn_wheel(context: PanelContext, placing: PlacementState, things: list[Han
 def _drop(context: PanelContext, placing: PlacementState) -> None:
     """Apply the trial, or report its error."""
     if placing.fault:
-        placing.said = placing.fault
-        context.dive.note(placing.said)
+        placing.message = placing.fault
+        context.dive.note(placing.message)
         placing.reset_trial()
     elif placing.trial is not None:
         context.later(partial(apply_placement, context, placing.trial))

@@ -4,6 +4,7 @@ from imgui_bundle import imgui
 
 from subsea.dive.timeline import RATES
 from subsea.ui.context import PanelContext
+from subsea.ui.gui import CLAMP
 from subsea.world.world import TICK_S
 
 WIDE = 24.0  # of the slider, in heights of letters
@@ -30,9 +31,7 @@ def panel(context: PanelContext) -> None:
     imgui.set_next_item_width(WIDE * line)
     back = (time.tick - time.latest) * TICK_S
     reach = (time.earliest - time.latest) * TICK_S
-    moved, back = imgui.slider_float(
-        "##back", back, min(reach, -TICK_S), 0.0, "%.1f s", imgui.SliderFlags_.always_clamp.value
-    )
+    moved, back = imgui.slider_float("##back", back, min(reach, -TICK_S), 0.0, "%.1f s", CLAMP)
     if moved:
         time.stand_at(time.latest + round(back / TICK_S))
     imgui.text(f"tick {time.tick}, {minutes(time.tick)}")

@@ -141,7 +141,7 @@ class SkinDocument:
 
     @property
     def fish_known(self) -> bool:
-        """Whether the fish was separated from the background."""
+        """True if the fish was separated from the background."""
         return self._mask is not None
 
     @property

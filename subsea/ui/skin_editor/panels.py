@@ -10,6 +10,7 @@ from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL
 from subsea.fish.species import species_names
 from subsea.render.gl.image_texture import ImageTexture
+from subsea.ui.gui import CLAMP, button
 from subsea.ui.preview_panel import PreviewPanel
 from subsea.ui.skin_editor.document import MeshSliders, SkinDocument
 from subsea.ui.skin_editor.photo_canvas import MODES, PhotoCanvas
@@ -72,7 +73,7 @@ class PreviewOptions:
 def draw_preview(
     preview: PreviewPanel, options: PreviewOptions, scale: float, elapsed_s: float
 ) -> bool:
-    """Draw the fish; return whether it shall show another sheet."""
+    """Draw the fish; return True if it should show another sheet."""
     room = imgui.get_content_region_avail()
     size = room.x, room.y - imgui.get_frame_height_with_spacing()
     preview.draw(size, scale, elapsed_s if options.swims else 0.0)
@@ -99,13 +100,11 @@ def draw_mesh(
             if imgui.selectable(name.replace("_", " "), name == document.name)[0]:
                 defer(lambda name=name: actions.choose(name))  # type: ignore[misc]
         imgui.end_combo()
-    imgui.begin_disabled(searching)
-    if imgui.button("Place"):
+    if button("Place", not searching):
         defer(actions.find)
     imgui.set_item_tooltip("Find the fish, and lay the mesh over it.")
-    imgui.end_disabled()
     imgui.same_line()
-    if imgui.button("Anew"):
+    if imgui.button("Reset"):
         defer(actions.reset)
     imgui.set_item_tooltip("Lay the mesh across the picture in its own shape.")
     imgui.same_line()
@@ -117,11 +116,9 @@ def draw_mesh(
         document.relax(not document.relaxing)
     imgui.set_item_tooltip("Let the mesh snap to the edges, and come to rest.")
     imgui.same_line()
-    imgui.begin_disabled(not mesh_edit.anchored_nodes(document.meshes))
-    if imgui.button("Lift anchors"):
+    if button("Lift anchors", bool(mesh_edit.anchored_nodes(document.meshes))):
         document.meshes = mesh_edit.without_anchors(document.meshes)
         document.record()
-    imgui.end_disabled()
     if document.error is not None:
         imgui.text(f"outline: {100.0 * document.error:.1f} % of the length off the fish")
         imgui.set_item_tooltip("Mean distance to the outline of the fish that was found.")
@@ -137,16 +134,15 @@ def draw_mesh(
 
 
 def _draw_sliders(document: SkinDocument) -> None:
-    clamp = imgui.SliderFlags_.always_clamp.value
     for key, label, low, high, tip in (
-        ("tension", "tension", 0.0, 1.0, "How much the mesh resists stretching."),
-        ("rigidity", "rigidity", 0.0, 0.6, "How much it resists bending."),
-        ("picture", "pull of edges", 0.0, 20.0, "How much edges attract its border."),
+        ("tension", "tension", 0.0, 1.0, "Resistance to stretching."),
+        ("rigidity", "rigidity", 0.0, 0.6, "Resistance to bending."),
+        ("picture", "pull of edges", 0.0, 20.0, "Attraction of its border by edges."),
         ("smoothing", "smoothing", 0.7, 12.0, "σ: from how far away edges attract."),
-        ("reach", "reach of the hand", 0.03, 1.0, "How far around the hand the mesh follows."),
+        ("reach", "reach", 0.03, 1.0, "Distance from the pointer up to which the mesh follows."),
     ):  # fmt: skip
         value: Any = getattr(document.sliders, key)
-        _, value = imgui.slider_float(label, value, low, high, "%.2f", clamp)
+        _, value = imgui.slider_float(label, value, low, high, "%.2f", CLAMP)
         imgui.set_item_tooltip(tip)
         document.sliders = document.sliders._replace(**{key: value})
     imgui.align_text_to_frame_padding()

@@ -72,7 +72,7 @@ class PhotoCanvas:
 
     @property
     def dragging(self) -> bool:
-        """Whether a drag is in progress."""
+        """True if a drag is in progress."""
         return self._start is not None
 
     def _edges(self, field: EdgeField) -> ImageTexture:
@@ -199,7 +199,6 @@ class PhotoCanvas:
         return drag.dragged
 
     def _draw_meshes(self, meshes: FishMeshes) -> None:
-        """Draw lines of all meshes, and smooth outlines."""
         view = self.view
         for name, one in meshes.parts.items():
             alpha = 1.0 if name in self.parts else FAINT

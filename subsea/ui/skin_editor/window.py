@@ -10,7 +10,8 @@ from imgui_bundle import imgui
 
 from subsea.core.arrays import Bools, Bytes
 from subsea.core.errors import UserError
-from subsea.fish.color_sheet import wear, write
+from subsea.core.undo import History
+from subsea.fish.color_sheet import assign_sheet, write
 from subsea.fish.editing.draft import copy_draft, read_draft, save_draft
 from subsea.fish.photo.dress import check_mesh, check_sheet, load_mesh, save_mesh
 from subsea.fish.photo.fitting import FishFit, find_fish
@@ -57,12 +58,14 @@ class SkinEditor:
         flip: bool = False,
         mesh: Path | None = None,
         out: Path | None = None,
+        force: bool = False,
     ) -> None:
         """Load the meshes of the file `mesh` if it exists, else look for the fish.
 
         Saving writes the sheet to `out`, or assigns it to the species, and the meshes to `mesh`.
+        With `force` it replaces a file that is not a picture.
         """
-        self.window, self.out = window, out
+        self.window, self.out, self.force = window, out, force
         self.mesh_file = mesh or photograph.path.with_suffix(".json")
         self._saves_mesh = mesh is not None
         self._naming: NameDialog | None = None
@@ -81,28 +84,20 @@ class SkinEditor:
             self.find(flip)
 
     @property
-    def unsaved(self) -> bool:
-        """Whether the meshes differ from the saved ones."""
-        return self.document.history.unsaved
-
-    @property
-    def may_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return self.document.history.may_undo and not self.canvas.dragging
-
-    @property
-    def may_redo(self) -> bool:
-        """Whether there is something to redo."""
-        return self.document.history.may_redo and not self.canvas.dragging
+    def history(self) -> History[MeshSnapshot]:
+        """Undo history, which knows what is saved."""
+        return self.document.history
 
     def undo(self) -> None:
         """Go back by one edit."""
-        self.document.relax(False)
-        self._show(self.document.history.undo())
+        if not self.canvas.dragging:
+            self.document.relax(False)
+            self._show(self.history.undo())
 
     def redo(self) -> None:
         """Go forward by one edit."""
-        self._show(self.document.history.redo())
+        if not self.canvas.dragging:
+            self._show(self.history.redo())
 
     def save(self) -> bool:
         """Write the sheet, and assign it to the species; a shipped one is copied first."""
@@ -116,7 +111,7 @@ class SkinEditor:
         document.relax(False)
         if self._saves_mesh:
             self.save_mesh()
-        check_sheet(document.photograph.path, document.name, self.out)
+        check_sheet(document.photograph.path, document.name, self.out, self.force)
         if self.working:
             document.sheet_outdated, self._lifting = False, None
             meshes = document.to_photo(document.meshes)
@@ -127,7 +122,7 @@ class SkinEditor:
             write(self.out, document.sheet)
             self.window.show_message(f"{self.out}: the sheet")
         else:
-            wear(species_file(document.name), document.sheet)
+            assign_sheet(species_file(document.name), document.sheet)
             self.window.show_message(
                 f"{document.species.name} wears it from now on: dive, and look for it."
             )
@@ -152,12 +147,12 @@ class SkinEditor:
 
     @property
     def searching(self) -> bool:
-        """Whether a search for the fish runs."""
+        """True if a search for the fish runs."""
         return self.document.search is not None
 
     @property
     def working(self) -> bool:
-        """Whether the sheet is not up to date."""
+        """True if the sheet is not up to date."""
         return self.document.sheet_outdated or self._lifting is not None
 
     def find(self, flip: bool = False) -> None:
@@ -230,7 +225,7 @@ class SkinEditor:
         document, path = self.document, own_species_file(key)
         for file in (path, path.with_suffix(".png")):
             if file.exists():
-                raise UserError(f"{file}: exists already, expected another name")
+                raise UserError("exists; choose another name", file=file)
         save_draft(copy_draft(read_draft(species_file(document.name)), key, title), path)
         source = repertoire_file(document.name)
         if source.is_file():
@@ -325,7 +320,12 @@ class SkinEditor:
 
 
 def edit_skin(
-    photo: Path, name: str | None, out: Path | None, flip: bool, mesh: Path | None
+    photo: Path,
+    name: str | None,
+    out: Path | None,
+    flip: bool,
+    mesh: Path | None,
+    force: bool = False,
 ) -> int:
     """Open the skin editor until it is closed; exit code 0.
 
@@ -338,10 +338,10 @@ def edit_skin(
     if mesh is not None and mesh.exists():
         load_mesh(mesh, photograph, species)
     if out is not None or not is_shipped(name):  # else it gets a name of its own
-        check_sheet(photo, name, out)
+        check_sheet(photo, name, out, force)
     return run_tool(
         f"subsea skin  {photo.name}",
-        lambda window: SkinEditor(window, photograph, name, flip, mesh, out),
+        lambda window: SkinEditor(window, photograph, name, flip, mesh, out, force),
         "`subsea skin PHOTO --species NAME --auto` works",
     )
 

@@ -10,7 +10,8 @@ from typing import BinaryIO
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
-from subsea.core.errors import UserError
+from subsea.core.errors import UserError, unreadable
+from subsea.core.input_files import check_input
 
 Fetch = Callable[[str, int], bytes | None]  # path, most bytes -> content
 
@@ -19,36 +20,40 @@ MAX_DIRECTORY = 2**20  # bytes of the directory, which `zipfile` reads first
 MAX_XML = 2**20
 
 _END = b"PK\x05\x06"  # signature of the record at the end of an archive
+# NotImplementedError: zipfile does not know the compression.
+_DAMAGED = (zipfile.BadZipFile, NotImplementedError, struct.error, ValueError)
 _END_64 = b"PK\x06\x07"  # signature in archives of more than 4 GB or 65,535 files
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Fetch]:
-    """A function for the files of the archive `path`, None for one that is not in it.
+def open_archive(path: Path) -> Iterator[Fetch]:
+    """Open a zip archive; yields a function that reads a file of it, None if it is absent.
 
-    Paths are compared without capitals, and with either slash. Faults of the archive, here and
-    later, are UserErrors of one line.
+    Paths ignore case and the kind of slash. Faults of the archive, here and later, are UserErrors.
     """
+    check_input(path)
     with ExitStack() as stack:
         try:
             file = stack.enter_context(path.open("rb"))
             _check_length(file, path)
             archive = stack.enter_context(zipfile.ZipFile(file))
         except OSError as fault:
-            raise UserError(f"cannot read ({fault.strerror or line(fault)})", file=path) from fault
-        except (zipfile.BadZipFile, NotImplementedError, struct.error, ValueError) as fault:
-            raise UserError(f"not a readable zip archive ({line(fault)})", file=path) from fault
-        known = {plain(one.filename): one for one in archive.infolist()}
+            raise unreadable(path, fault) from fault
+        except _DAMAGED as fault:
+            raise UserError(
+                f"not a readable zip archive ({first_line(fault)})", file=path
+            ) from fault
+        known = {normalized(one.filename): one for one in archive.infolist()}
 
         def fetch(name: str, most: int) -> bytes | None:
-            one = known.get(plain(name))
+            one = known.get(normalized(name))
             return None if one is None else _inflated(archive, one, most, f"{path}: {name[:80]!r}")
 
         yield fetch
 
 
-def parsed_xml(data: bytes, where: str) -> Element:
-    """The root of a document; names of elements and attributes have no capitals any more.
+def parse_xml(data: bytes, where: str) -> Element:
+    """The root of a document, with names of elements and attributes in lower case.
 
     A document type, and with it any entity, is refused.
     """
@@ -69,15 +74,15 @@ def parsed_xml(data: bytes, where: str) -> Element:
         parser.Parse(data, True)
         return builder.close()
     except (expat.ExpatError, LookupError, ValueError) as fault:
-        raise UserError(f"not readable XML ({line(fault)})", file=where) from fault
+        raise UserError(f"not readable XML ({first_line(fault)})", file=where) from fault
 
 
-def plain(name: str) -> str:
+def normalized(name: str) -> str:
     """Normalize a path for comparison: lower case, forward slashes, no leading ./"""
     return name.strip().replace("\\", "/").removeprefix("./").lower()
 
 
-def line(fault: BaseException) -> str:
+def first_line(fault: BaseException) -> str:
     """The first line of an error."""
     return str(fault).partition("\n")[0][:200] or type(fault).__name__
 
@@ -102,17 +107,8 @@ def _inflated(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int, where: 
     try:
         with archive.open(one) as file:
             data = file.read(most + 1)  # the size in its header may be false
-    except (
-        zipfile.BadZipFile,
-        NotImplementedError,
-        RuntimeError,
-        EOFError,
-        OSError,
-        ValueError,
-        struct.error,
-        zlib.error,
-    ) as fault:
-        raise UserError(f"cannot be unpacked ({line(fault)})", file=where) from fault
+    except (*_DAMAGED, RuntimeError, EOFError, OSError, zlib.error) as fault:
+        raise UserError(f"cannot be unpacked ({first_line(fault)})", file=where) from fault
     if len(data) > most:
         raise UserError(f"larger than {most / 2**20:.0f} MB, expected a smaller file", file=where)
     return data

@@ -1,16 +1,15 @@
-"""Blending: where projectors light the same part of a screen they share its light.
+"""Edge blending of projectors that light the same part of a screen.
 
 At every point of the screen the shares of all projectors add up to one. A projector's share falls
-smoothly to nothing toward those of its edges that lie within another one's picture.
+smoothly to zero toward those of its edges that lie within another one's picture.
 """
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.view.theatre.screens import Screen, places_on, points_on
 
 WITHIN = 1e-6  # of a screen: tolerance at its edges
@@ -26,23 +25,17 @@ class Projector(NamedTuple):
     black: float  # share of its white that it shines when dark
 
 
-def shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
-    """The share (n,) of the light at places (n, 2) of its screen from projector `number`.
-
-    The places are shares of its own screen.
-    """
+def light_shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+    """The share (n,) of the light that projector `number` gives to places (n, 2) of its screen."""
     points = points_on(projectors[number].screen, places)
-    weights = np.stack(
-        [
-            _weight(projectors, other, places_on(one.screen, points) if other != number else places)
-            for other, one in enumerate(projectors)
-        ]
-    )
+    seen = [places_on(one.screen, points) for one in projectors]
+    seen[number] = places
+    weights = np.stack([_blend_weight(projectors, k, own) for k, own in enumerate(seen)])
     total = weights.sum(axis=0)
     return np.where(total > 0.0, weights[number] / np.where(total > 0.0, total, 1.0), 1.0)
 
 
-def depth(projectors: Sequence[Projector], number: int, places: Array) -> NDArray[np.int_]:
+def overlap_count(projectors: Sequence[Projector], number: int, places: Array) -> Ints:
     """The number (n,) of projectors that light places (n, 2) of projector `number`'s screen."""
     points = points_on(projectors[number].screen, places)
     return np.sum(
@@ -50,16 +43,16 @@ def depth(projectors: Sequence[Projector], number: int, places: Array) -> NDArra
     )
 
 
-def mask_of(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> Array:
     """Factors and offsets (n, 4) at places (n, 2) of the screen of projector `number`.
 
-    They act on the values that go to the projector: value · factor + added. Where fewer projectors
-    shine than elsewhere, those that do are lifted to the black of the places where most do.
+    The projector gets value · factor + offset. Where fewer projectors shine than elsewhere, their
+    black is raised to that of the places where most do.
     """
     one = projectors[number]
-    light = shares(projectors, number, places)
-    here = depth(projectors, number, places)
-    most = max(_deepest(projectors), int(here.max(initial=1)))
+    light = light_shares(projectors, number, places)
+    here = overlap_count(projectors, number, places)
+    most = max(_most_overlap(projectors), int(here.max(initial=1)))
     lifted = one.black * (most - here) / np.maximum(here, 1)
     added = lifted ** (1.0 / one.gamma)
     # Exact for black and white; with a raised black level grey is slightly too dark.
@@ -67,40 +60,35 @@ def mask_of(projectors: Sequence[Projector], number: int, places: Array) -> Arra
     return np.column_stack([factor, factor, factor, added])
 
 
-def _weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:
+def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:
     """The weight of a projector at places (n, 2) of its screen; 0 beyond its edges."""
     s, t = places.T
     weight = _within(places).astype(np.float64)
-    for blended, inside in zip(_blended(projectors, number), (s, 1 - s, t, 1 - t), strict=True):
+    edges = _blended_edges(projectors, number)
+    for blended, inside in zip(edges, (s, 1 - s, t, 1 - t), strict=True):
         if blended:
             weight *= np.square(np.clip(np.nan_to_num(inside), LEAST, 1.0))
     return weight
 
 
-def _blended(projectors: Sequence[Projector], number: int) -> tuple[bool, ...]:
-    """Whether a projector's left, right, lower and upper edge lie within another's picture."""
+def _blended_edges(projectors: Sequence[Projector], number: int) -> tuple[bool, ...]:
+    """True for each edge (left, right, lower, upper) that lies within another's picture."""
     one = projectors[number].screen
     zero, whole = np.zeros_like(EDGE), np.ones_like(EDGE)
     edges = (zero, EDGE), (whole, EDGE), (EDGE, zero), (EDGE, whole)
-    found = []
-    for edge in edges:
-        points = points_on(one, np.column_stack(edge))
-        found.append(
-            any(
-                bool(_within(places_on(other.screen, points), -1e-3).any())
-                for k, other in enumerate(projectors)
-                if k != number
-            )
-        )
-    return tuple(found)
+    others = [other.screen for k, other in enumerate(projectors) if k != number]
+    points = [points_on(one, np.column_stack(edge)) for edge in edges]
+    return tuple(
+        any(bool(_within(places_on(other, own), -1e-3).any()) for other in others) for own in points
+    )
 
 
-def _deepest(projectors: Sequence[Projector]) -> int:
+def _most_overlap(projectors: Sequence[Projector]) -> int:
     """The largest number of projectors that light one place."""
     steps = np.stack(np.meshgrid(EDGE, EDGE), axis=-1).reshape(-1, 2)
-    return max(int(depth(projectors, k, steps).max()) for k in range(len(projectors)))
+    return max(int(overlap_count(projectors, k, steps).max()) for k in range(len(projectors)))
 
 
-def _within(places: Array, beyond: float = WITHIN) -> NDArray[np.bool_]:
+def _within(places: Array, beyond: float = WITHIN) -> Bools:
     with np.errstate(invalid="ignore"):
         return np.asarray(((places >= -beyond) & (places <= 1.0 + beyond)).all(axis=1))

@@ -6,34 +6,26 @@ to 1 and x from -a to a, a the aspect ratio of the projector; u and v from 0 to 
 lower left. A node of negative brightness is not used. The columns of a polar mesh close to a ring.
 """
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
 from subsea.view.rig import Warp
-from subsea.view.theatre.limited_read import numbered_lines, whole
-from subsea.view.theatre.warp import checked, mesh, painted
+from subsea.view.theatre.numbered_lines import numbered_lines
+from subsea.view.theatre.warp import mesh, rasterized, validated
 
-MAX_BYTES = 32 * 2**20
 POLAR, RECTANGULAR = 1, 2
 MASK_SIDE = 512  # pixels of the longer side: brightness is smooth
-
-
-def read_bourke(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float32]]:
-    """Read the warp and the brightness for a projector of `size` pixels; else a UserError.
-
-    Brightness is a mask (height, width, 4), upper row first: factors on red, green and blue code
-    values, and zero.
-    """
-    return parse_bourke(whole(path, MAX_BYTES), size, str(path))
 
 
 def parse_bourke(
     data: bytes, size: tuple[int, int], where: str
 ) -> tuple[Warp, NDArray[np.float32]]:
-    """As `read_bourke`, from bytes; `where` names them in errors."""
+    """The warp and the brightness for a projector of `size` pixels, from a file's bytes.
+
+    Brightness is a mask (height, width, 4), upper row first: factors on red, green and blue code
+    values, and zero. A UserError names `where`.
+    """
     lines = list(numbered_lines(data, where))
     try:
         (kind,), (columns, rows) = ([int(word) for word in words] for _, words in lines[:2])
@@ -68,8 +60,8 @@ def parse_bourke(
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     triangles = triangles[used[triangles].all(axis=1)]
     whole_mesh = mesh(places, np.stack([u, v], axis=1), triangles)
-    warp = checked(whole_mesh, where)
+    warp = validated(whole_mesh, where)
     wide, high = (max(round(MASK_SIDE * side / max(size)), 1) for side in size)
     mask = np.zeros((high, wide, 4), np.float32)
-    mask[..., :3] = painted(whole_mesh, np.clip(brightness, 0.0, 1.0), (wide, high))[..., None]
+    mask[..., :3] = rasterized(whole_mesh, np.clip(brightness, 0.0, 1.0), (wide, high))[..., None]
     return warp, mask

@@ -11,9 +11,9 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError, unknown
 from subsea.core.toml_files import error_at
-from subsea.view.rig import Projection, Rect, Warp
+from subsea.view.rig import Projection, Rect, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.view.theatre.blend import Projector, mask_of
+from subsea.view.theatre.blend import Projector, blend_mask
 from subsea.view.theatre.mpcdi import MpcdiRegion, read_mpcdi
 from subsea.view.theatre.mpcdi import mask as calibrated_mask
 from subsea.view.theatre.screens import (
@@ -33,15 +33,14 @@ from subsea.view.theatre.theatre_file import (
     ScreenTable,
     Theatre,
     Window,
-    overlap,
     viewport,
 )
-from subsea.view.theatre.warp import divided, painted, straight, within
+from subsea.view.theatre.warp import cropped, identity, rasterized, subdivided
 from subsea.view.theatre.warp_files import read_warp
 
 COARSER = 4  # pixels of a projector a side for one of its blending mask
-PIECE = math.radians(1.0)  # of a curved screen: seen straight between its edges ...
-TALL = 8  # ... in so many pieces upwards
+PIECE = math.radians(1.0)  # of a curved screen, which counts as flat within it
+TALL = 8  # pieces of its height
 
 
 @dataclass(frozen=True)
@@ -54,10 +53,10 @@ class ProjectorChannel:
     distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
     gamma: float
     black: float
-    screen: Screen | None = None  # None: of those that show all round
+    screen: Screen | None = None  # None for panoramas, domes and the like
     shape: Projection = Projection.FLAT
     surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
-    warp: Warp | None = None  # what of the screen each point of the picture shows
+    warp: Warp | None = None  # from the picture to the screen
     mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
     blend: bool = False
     key: str = ""  # of its table in the theatre file, such as channel[0]
@@ -66,7 +65,7 @@ class ProjectorChannel:
 def usable_channels(
     theatre: Theatre, path: Path
 ) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
-    """The channels that work, and an error for each thing in the file `path` that does not.
+    """The channels that work, and an error for each fault in the file `path`.
 
     Raises the first error if no channel works.
     """
@@ -75,7 +74,7 @@ def usable_channels(
     for k, channel in enumerate(theatre.channel):
         key = f"channel[{k}]"
         try:
-            found.append(_alone(_of_channel(theatre, channel, path.parent, key), found))
+            found.append(_check_free(_file_channel(theatre, channel, path.parent, key), found))
         except UserError as fault:
             faults.append(error_at(path, key, f"channel {channel.name!r}: {fault}"))
     for k, archive in enumerate(theatre.mpcdi):
@@ -90,22 +89,22 @@ def usable_channels(
             if archive.buffer not in (None, region.buffer):
                 continue
             try:
-                found.append(_alone(_of_region(theatre, archive, region, key), found))
+                found.append(_check_free(_mpcdi_channel(theatre, archive, region, key), found))
             except UserError as fault:
                 where = f"{archive.file}: region {region.name!r}"
                 faults.append(error_at(path, key, f"{where}: {fault}"))
     if not found:
         raise faults[0] if faults else UserError("no channel is left", file=path)
-    return tuple(_blended(found)), tuple(faults)
+    return tuple(_with_masks(found)), tuple(faults)
 
 
-def mesh_of(lighted: ProjectorChannel) -> tuple[Array, Ints]:
-    """Places (n, 2) and what of the screen they show (n, 2), as columns (n, 4), and triangles."""
-    assert lighted.screen is not None  # what shows all round has no mesh
-    grid = grid_of(lighted.screen)
+def screen_mesh(lighted: ProjectorChannel) -> tuple[Array, Ints]:
+    """Vertices (n, 4), x and y in the picture and s and t on the screen, and triangles."""
+    assert lighted.screen is not None  # a surround projection has no mesh
+    grid = screen_grid(lighted.screen)
     up, across = grid.shape[0] - 1, grid.shape[1] - 1
     if lighted.warp is not None:
-        warp = divided(lighted.warp, across, up)
+        warp = subdivided(lighted.warp, across, up)
         return warp.vertices[:, :4].astype(np.float64), warp.triangles
     k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
     low = np.stack([k, k + 1, k + across + 2], axis=1)
@@ -114,8 +113,8 @@ def mesh_of(lighted: ProjectorChannel) -> tuple[Array, Ints]:
     return np.hstack([places, places]), np.concatenate([low, high]).astype(np.int32)
 
 
-def grid_of(screen: Screen) -> Array:
-    """Places (rows, columns, 2) on a screen, so near that it is as good as flat between them."""
+def screen_grid(screen: Screen) -> Array:
+    """Places (rows, columns, 2) on a screen, between which it is almost flat."""
     across, up = 1, 1
     if not isinstance(screen, Flat):
         across, up = math.ceil((screen.right - screen.left) / PIECE), TALL
@@ -123,20 +122,20 @@ def grid_of(screen: Screen) -> Array:
     return np.stack([x, y], axis=-1)
 
 
-def _alone(new: ProjectorChannel, found: Sequence[ProjectorChannel]) -> ProjectorChannel:
-    """The new one, if none of the others fills its place; else a UserError."""
+def _check_free(new: ProjectorChannel, found: Sequence[ProjectorChannel]) -> ProjectorChannel:
+    """Return the new channel; a UserError if it overlaps another in its window."""
     for other in found:
         if other.window == new.window and overlap(other.place, new.place):
             raise UserError(f"lies on {other.name!r} in its window; expected places side by side")
     return new
 
 
-def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> ProjectorChannel:
+def _file_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> ProjectorChannel:
     names = [window.name for window in theatre.window]
     number = names.index(channel.window)
     window = theatre.window[number]
     x, y, width, height = viewport(channel, window)
-    lighted = _lit(theatre, channel, channel.name, number, (x, y, width, height), None)
+    lighted = _channel_on(theatre, channel, channel.name, number, (x, y, width, height), None)
     if channel.blend and lighted.screen is None:
         kind = lighted.shape.name.lower()
         raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
@@ -147,7 +146,7 @@ def _of_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> P
     return replace(lighted, warp=warp, mask=mask)
 
 
-def _of_region(
+def _mpcdi_channel(
     theatre: Theatre, archive: Archive, region: MpcdiRegion, key: str
 ) -> ProjectorChannel:
     """A region of an archive: the part of the screen that is its place in the buffer.
@@ -168,25 +167,25 @@ def _of_region(
             heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
             left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
         )  # fmt: skip
-        if (far := _far(theatre, archive)) is not None:
+        if (far := _screen_distance(theatre, archive)) is not None:
             own = msgspec.structs.replace(own, distance_cm=far)
         lit = ScreenTable(angles=own, gamma=archive.gamma, black=archive.black)
-        lighted = _lit(theatre, lit, region.name, number, place, None)
+        lighted = _channel_on(theatre, lit, region.name, number, place, None)
     elif not any(getattr(archive, kind) for kind in SCREENS):
         raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
     else:
-        lighted = _lit(theatre, archive, region.name, number, place, region.place)
+        lighted = _channel_on(theatre, archive, region.name, number, place, region.place)
     warp = region.warp
     if lighted.shape == Projection.PANORAMA:
         raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
     if lighted.screen is None:
-        warp = within(warp or straight(), region.place)
+        warp = cropped(warp or identity(), region.place)
     seen = calibrated_mask(region, archive.gamma, place[2:])
     return replace(lighted, warp=warp, mask=seen, key=key)
 
 
-def _far(theatre: Theatre, archive: Archive) -> float | None:
-    """How far away an archive's screen is in real centimetres, None if it has none."""
+def _screen_distance(theatre: Theatre, archive: Archive) -> float | None:
+    """Distance of an archive's screen in real centimetres, None if it has none."""
     wide = archive.panorama or archive.dome or archive.equirectangular
     if wide is not None:
         return wide.distance_cm
@@ -194,15 +193,15 @@ def _far(theatre: Theatre, archive: Archive) -> float | None:
     return None if flat is None else distance_to(screen_of(flat, np.array(theatre.eye_cm), 1.0))
 
 
-def _lit(
+def _channel_on(
     theatre: Theatre,
     lit: ScreenTable,
     name: str,
     number: int,
-    place: tuple[int, int, int, int],
+    place: Rect,
     part: tuple[float, float, float, float] | None,
 ) -> ProjectorChannel:
-    """What a channel or a region lights: `place` from the window's upper left corner."""
+    """The channel on the screen `lit`; `place` counts from the window's upper left corner."""
     x, y, width, height = place
     window: Window = theatre.window[number]
     common = ProjectorChannel(
@@ -224,12 +223,13 @@ def _lit(
     assert flat is not None  # one of six, as `ScreenTable` has checked
     screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
     screen = screen if part is None else part_of(screen, part)
-    frustum_of(screen, np.zeros(3), points_on(screen, grid_of(screen).reshape(-1, 2)))  # whether
+    # Raises a UserError if no view takes it in.
+    frustum_of(screen, np.zeros(3), points_on(screen, screen_grid(screen).reshape(-1, 2)))
     return replace(common, screen=screen, distance_cm=distance_to(screen))
 
 
-def _blended(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
-    """The channels with their masks, where they ask for one and another lights the same place."""
+def _with_masks(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
+    """The channels, those to blend with their masks."""
     together = [one for one in found if one.blend and one.screen is not None]
     lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
     for one in found:
@@ -241,15 +241,17 @@ def _blended(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
         places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
         if one.warp is not None:
             shown = one.warp.vertices[:, 2:4].T.astype(np.float64)
-            places = np.stack([painted(one.warp, values, size).ravel() for values in shown], axis=1)
-        mask = mask_of(lamps, together.index(one), places).reshape(size[1], size[0], 4)
+            places = np.stack(
+                [rasterized(one.warp, values, size).ravel() for values in shown], axis=1
+            )
+        mask = blend_mask(lamps, together.index(one), places).reshape(size[1], size[0], 4)
         if one.mask is not None:  # the mesh's own brightness
             mask = mask * _resized(one.mask, size)
         yield replace(one, mask=mask.astype(np.float32))
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:
-    """The nearest of a mask's values for another size; what is added is taken from the other."""
+    """A mask at another size, by its nearest values; the last column becomes 1."""
     rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
     columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
     found = mask[rows][:, columns].copy()

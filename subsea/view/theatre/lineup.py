@@ -1,13 +1,13 @@
 """Test patterns on all channels, to line up projectors."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.core.arrays import Bytes
 from subsea.view.rig import CUBES, CameraRig, Rect
-from subsea.view.surround import COLUMNS, FACES, MARGIN_PX, ROWS
+from subsea.view.surround import COLUMNS, FACES, ROWS, inner
 from subsea.view.theatre.test_pattern import pattern
 
-Picture = NDArray[np.uint8]
+Picture = Bytes
 
 
 def lineup(rig: CameraRig) -> Picture:
@@ -26,13 +26,7 @@ def lineup(rig: CameraRig) -> Picture:
                 wide, high = source[2] // COLUMNS, source[3] // ROWS
                 for face, word in enumerate(FACES):
                     x, y = source[0] + face % COLUMNS * wide, source[1] + face // COLUMNS * high
-                    square = (
-                        x + MARGIN_PX,
-                        y + MARGIN_PX,
-                        wide - 2 * MARGIN_PX,
-                        high - 2 * MARGIN_PX,
-                    )
-                    _paste(canvas, square, patch.channel + 1, f"{word} {eye}".strip())
+                    _paste(canvas, inner((x, y, wide, high)), patch.channel + 1, f"{word} {eye}")
             else:
                 _paste(canvas, source, patch.channel + 1, eye)
     return canvas
@@ -40,13 +34,8 @@ def lineup(rig: CameraRig) -> Picture:
 
 def _eyes(rig: CameraRig, channel: int) -> list[Rect]:
     """The source rectangles of a channel on the canvas: one, or one for each eye."""
-    sources = [
-        source
-        for patch in rig.patches
-        if patch.channel == channel
-        for source in (patch.left, patch.right)
-    ]
-    return list(dict.fromkeys(sources))
+    patches = [patch for patch in rig.patches if patch.channel == channel]
+    return list(dict.fromkeys(source for patch in patches for source in (patch.left, patch.right)))
 
 
 def _paste(canvas: Picture, place: Rect, number: int, word: str) -> None:

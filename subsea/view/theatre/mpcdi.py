@@ -1,6 +1,6 @@
 """MPCDI archives: the projectors of a theatre as a calibration program has measured them.
 
-What is known of the format (VESA MPCDI 1.0 and 2.0), and where from:
+The format (VESA MPCDI 1.0 and 2.0) and the sources of these statements:
 
 - A zip archive with ``mpcdi.xml`` (also seen: ``mpacs.xml``); all other files are found by path
   from there. The root ``MPCDI`` has ``profile``: 2d (media), 3d (simulation), a3 (advanced 3-D) or
@@ -11,7 +11,7 @@ What is known of the format (VESA MPCDI 1.0 and 2.0), and where from:
 - ``x y xsize ysize`` of a region are shares of its buffer from the lower left corner; the region
   is cut from the picture and then warped (PyMPCDI: MpacsWarp2DShader.py; nDisplay:
   CalcProfile2DScreen). Some programs write u and v as shares of the whole buffer instead
-  (mpcdi-viewer, of a measured archive): told by u and v that fill just the region's place.
+  (mpcdi-viewer, of a measured archive), which then fill just the region's place.
 - The warp of 2d and 3d is a PFM grid over the projector, at the middles of its cells: u and v from
   the lower left; NaN where no picture is (mpcdi-viewer: shaders.ts; PyMPCDI: PfmMesh2D.py). Its
   lowest row comes first (mpcdiPfmIO.cpp). In a3 and sl it holds points in space.
@@ -33,11 +33,11 @@ from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
 from subsea.view.rig import Warp
-from subsea.view.theatre.archives import MAX_XML, Fetch, opened, parsed_xml
+from subsea.view.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
 from subsea.view.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.view.theatre.png import MAX_BYTES as MAX_PICTURE
 from subsea.view.theatre.png import MAX_SIDE, parse_png, stretched
-from subsea.view.theatre.warp import checked, from_grid, only_points
+from subsea.view.theatre.warp import from_grid, validated, without_invalid
 from subsea.view.theatre.warp_files import sources_of
 
 Rect = tuple[float, float, float, float]
@@ -50,7 +50,7 @@ AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may mi
 
 
 class ViewAngles(NamedTuple):
-    """Where a view of the 3d profile looks, in degrees."""
+    """Direction and field of a view of the 3d profile, in degrees."""
 
     yaw_deg: float  # to the right
     pitch_deg: float  # then up
@@ -86,20 +86,20 @@ class MpcdiArchive(NamedTuple):
 
 def read_mpcdi(path: Path) -> MpcdiArchive:
     """Read the projectors of an archive; a UserError if none can be used."""
-    with opened(path) as fetch:
+    with open_archive(path) as fetch:
         for name in ("mpcdi.xml", "mpacs.xml"):
             if (xml := fetch(name, MAX_XML)) is not None:
-                return _archive(parsed_xml(xml, f"{path}: {name}"), fetch, str(path))
+                return _archive(parse_xml(xml, f"{path}: {name}"), fetch, str(path))
     raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
 
 
 def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
     """Factors on red, green and blue code values, and a black level that is added: (h, w, 4).
 
-    It is as large as the larger map, but no wider and no higher than `most` pixels.
-    Light is code^gamma. By the standard light L becomes A·L + B, with A = a (1 - b) and B = b. Here
-    a code value c becomes f·c + k, with k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black
-    and for white, and for all between where there is no beta map. k is the mean of three colours.
+    As large as the larger map, but at most `most` pixels. Light is code^gamma. By the standard
+    light L becomes A·L + B, with A = a (1 - b) and B = b. Here a code value c becomes f·c + k, with
+    k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black and white, and for all values where
+    there is no beta map. k is the mean of three colours.
     """
     maps = [one for one in (region.alpha, region.beta) if one is not None]
     if not maps:
@@ -230,14 +230,14 @@ def _with_warp(
         return region
     at = f"{at}: {path[:80]!r}"
     numbers = parse_pfm(_fetched(fetch, path, MAX_BYTES, at), at)
-    sources = only_points(sources_of(numbers, at))
+    sources = without_invalid(sources_of(numbers, at))
     left, low, right, high = _edges(region.place)
     points = sources[~np.isnan(sources[..., 0])]
     if len(points) and (left, low, right, high) != (0, 0, 1, 1):
         edges = np.concatenate([points.min(axis=0), points.max(axis=0)])
         if (np.abs(edges - [left, low, right, high]) < AGREES).all():  # shares of the buffer
             sources = (sources - [left, low]) / [right - left, high - low]
-    return region._replace(warp=checked(from_grid(sources, region.size), at))
+    return region._replace(warp=validated(from_grid(sources, region.size), at))
 
 
 def _with_alpha(

@@ -3,31 +3,24 @@
 ``v x y z`` is a point on the projector, ``vt u v`` one of the picture that is shown, ``f`` a
 polygon of both. As in SGCT (src/sgct/correction/obj.cpp) and in Sparck's MeshWarp, x and y run from
 -1 on the left and below to 1; a mesh with neither x nor y below -0.5 is taken as one from 0 to 1,
-as other tools write it. z is of no account. u and v run from 0, on the left and below, to 1.
+as other tools write it. z is ignored. u and v run from 0, on the left and below, to 1.
 """
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 
 from subsea.core.errors import UserError
 from subsea.view.rig import Warp
-from subsea.view.theatre.limited_read import numbered_lines, whole
-from subsea.view.theatre.warp import checked, mesh
+from subsea.view.theatre.numbered_lines import numbered_lines
+from subsea.view.theatre.warp import mesh, validated
 
-MAX_BYTES = 32 * 2**20
-# What an OBJ file may hold besides: normals, parameters, groups, smoothing, lines, materials.
+# Other statements of OBJ files: normals, parameters, groups, smoothing, lines, materials.
 IGNORED = ("vn", "vp", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod")
 
 
-def read_obj(path: Path) -> Warp:
-    """Read a warp; a UserError names the file, and the line or how much of it is wrong."""
-    return parse_obj(whole(path, MAX_BYTES), str(path))
-
-
 def parse_obj(data: bytes, where: str) -> Warp:
-    """As `read_obj`, from bytes; `where` names them in errors."""
+    """A warp from a file's bytes; a UserError names `where`, and the line or how much is wrong."""
     points: list[list[float]] = []
     shown: list[list[float]] = []
     corners: list[tuple[int, int]] = []  # of all faces: indices of a point and its source
@@ -46,7 +39,7 @@ def parse_obj(data: bytes, where: str) -> Warp:
             rest = range(first + 1, len(corners))
             triangles.extend((first, i, j) for i, j in itertools.pairwise(rest))
         elif kind not in IGNORED:
-            raise UserError(f"{at}: {kind[:20]!r} is no word of an OBJ file")
+            raise UserError(f"{at}: {kind[:20]!r} is not a keyword of OBJ files")
     if not triangles:
         raise UserError("an empty mesh, expected 'v', 'vt' and 'f' lines", file=where)
     used, numbers = np.unique(np.array(corners), axis=0, return_inverse=True)
@@ -54,7 +47,7 @@ def parse_obj(data: bytes, where: str) -> Warp:
     if places.min() < -0.5:
         places = (places + 1) / 2
     faces = numbers.reshape(-1)[np.array(triangles)]
-    return checked(mesh(places, np.array(shown)[used[:, 1]], faces), where)
+    return validated(mesh(places, np.array(shown)[used[:, 1]], faces), where)
 
 
 def _numbers(words: list[str], names: tuple[str, ...], at: str) -> list[float]:

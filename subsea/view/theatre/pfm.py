@@ -8,13 +8,11 @@ here.
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
-from subsea.view.theatre.limited_read import whole
 
 MAX_POINTS = 2**23  # a projector of 4096 by 2048 pixels, a point for each
 MAX_BYTES = 12 * MAX_POINTS + 256
@@ -22,13 +20,8 @@ MAX_BYTES = 12 * MAX_POINTS + 256
 _HEADER = re.compile(rb"(P[Ff])\s+(\d{1,9})\s+(\d{1,9})\s+([-+.\deE]{1,40})(\s)")
 
 
-def read_pfm(path: Path) -> NDArray[np.float32]:
-    """Read the numbers (height, width, 3 or 1), upper row first; else a UserError."""
-    return parse_pfm(whole(path, MAX_BYTES), str(path))
-
-
 def parse_pfm(data: bytes, where: str) -> NDArray[np.float32]:
-    """As `read_pfm`, from bytes; `where` names them in errors. Numbers may be NaN or infinite."""
+    """The numbers (height, width, 3 or 1) of a file, upper row first; a UserError names `where`."""
     header = _HEADER.match(data[:256])
     if not header:
         raise UserError("not a PFM file, expected 'PF', width, height and scale", file=where)

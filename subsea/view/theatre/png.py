@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from subsea.core.errors import UserError
-from subsea.view.theatre.archives import line
+from subsea.view.theatre.archives import first_line
 
 MAX_SIDE = 2**14  # pixels
 MAX_PIXELS = 2**24  # 4096 by 4096
@@ -40,7 +40,7 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
             else:
                 return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
     except Exception as fault:  # Pillow raises nearly anything for a damaged file
-        raise UserError(f"not a readable PNG picture ({line(fault)})", file=where) from fault
+        raise UserError(f"not a readable PNG picture ({first_line(fault)})", file=where) from fault
     grey = np.clip(grey, 0.0, 1.0)
     return np.broadcast_to(grey[..., None], (*grey.shape, 3))  # a third of the memory
 

@@ -48,10 +48,7 @@ class Frustum(NamedTuple):
 
 
 def screen_of(table: Plane | Cylinder | Angles, eye: Array, scale: float) -> Screen:
-    """The screen that a table describes, as seen from `eye` (3,), in centimetres of the sea.
-
-    What cannot be a screen is a UserError.
-    """
+    """The screen of a table, seen from `eye` (3,), in cm of the sea; else a UserError."""
     if isinstance(table, Cylinder):
         if not 0.0 < table.right_deg - table.left_deg <= 360.0:
             raise UserError("`cylinder`: expected `left_deg` less than `right_deg`, within a turn")
@@ -80,7 +77,7 @@ def screen_of(table: Plane | Cylinder | Angles, eye: Array, scale: float) -> Scr
         raise UserError("`plane`: two corners are one point, expected three apart")
     if abs(along @ up) > SQUARE * width * height:
         raise UserError("`plane`: the corners make no right angle at `lower_left`")
-    # No more than a hundredth of it is taken away: a frustum has right angles.
+    # Make it exactly perpendicular; this changes it by a hundredth at most.
     return Flat(corner, along, up - (up @ along) / width**2 * along)
 
 
@@ -130,10 +127,7 @@ def points_on(screen: Screen, places: Array) -> Array:
 
 
 def places_on(screen: Screen, rays: Array) -> Array:
-    """Where rays (n, 3) from the middle of the eyes meet a screen or what continues it, (n, 2).
-
-    NaN for those that never do.
-    """
+    """Places (n, 2) where rays (n, 3) from the eyes meet a screen or its extension; else NaN."""
     rays = np.asarray(rays, np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         if isinstance(screen, Flat):
@@ -175,8 +169,7 @@ def distance_to(screen: Screen) -> float:
 def frustum_of(screen: Screen, eye: Array, points: Array) -> Frustum:
     """The off-axis frustum of an eye at `eye` (3,) that takes in `points` (n, 3) of a screen.
 
-    That of a flat screen is its own plane's: nothing of it is stretched. A curved screen has that
-    of its chord. An eye from which there is none is a UserError.
+    It is parallel to a flat screen, or to the chord of a curved one. A UserError if there is none.
     """
     if isinstance(screen, Flat):
         along, up = screen.along, screen.up
@@ -202,7 +195,7 @@ def frustum_of(screen: Screen, eye: Array, points: Array) -> Frustum:
 
 
 def seen_at(frustum: Frustum, eye: Array, points: Array) -> Array:
-    """Where points (n, 3) lie in the picture of a frustum, in shares of it, (n, 2)."""
+    """Positions (n, 2) of points (n, 3) in the picture of a frustum, in shares of it."""
     seen = (points - eye) @ frustum.axes.T
     slopes = seen[:, :2] / seen[:, 2:]
     left, right, bottom, top = frustum.edges

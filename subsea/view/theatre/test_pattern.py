@@ -4,15 +4,16 @@ import colorsys
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
+
+from subsea.core.arrays import Bytes
 
 WHITE, GREY, BLACK = (255, 255, 255), (130, 130, 130), (0, 0, 0)
 GOLDEN = 0.618034  # hue step between channels, in turns, so that all differ
 STEPS = 11  # of the grey ramp, with black and white
 
 
-def pattern(size: tuple[int, int], number: int, word: str = "") -> NDArray[np.uint8]:
+def pattern(size: tuple[int, int], number: int, word: str = "") -> Bytes:
     """The pattern of a channel: (h, w, 3), top row first; `size` is width, height in pixels.
 
     The outermost row and column of pixels are white: where they are missing, a picture is cut

@@ -12,6 +12,7 @@ import msgspec
 from subsea.core.errors import UserError, unknown
 from subsea.core.resources import named_or_file
 from subsea.core.toml_files import error_at, load_toml
+from subsea.view.rig import Rect, overlap
 from subsea.view.surround import ALL_ROUND
 from subsea.view.theatre.node_names import NAME, parse_address
 
@@ -23,7 +24,7 @@ FEWEST_PIXELS = 16  # a side of a window or of a part of one
 Pixels = Annotated[int, msgspec.Meta(ge=FEWEST_PIXELS, le=16384)]
 Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
 Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
-Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of what is all round: both eyes are within
+Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of surround screens, which hold both eyes
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
@@ -64,11 +65,11 @@ class Angles(_Table, frozen=True, kw_only=True):
     heading_deg: Angle = 0.0  # right positive
     pitch_deg: Angle = 0.0  # up positive
     roll_deg: Angle = 0.0  # clockwise positive
-    distance_cm: Positive = 300.0  # counts for two eyes only
+    distance_cm: Positive = 300.0  # only matters for two eyes
 
 
 class Panorama(_Table, frozen=True, kw_only=True):
-    """A cylinder that no projector bends: every column of pixels is an equal angle."""
+    """An uncalibrated cylinder: every column of pixels is an equal angle."""
 
     angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = ALL_ROUND.angle_deg
     distance_cm: Away = 300.0
@@ -145,7 +146,7 @@ class Archive(ScreenTable, frozen=True, kw_only=True):
     _needs_screen: ClassVar[bool] = False
 
     file: str
-    # Which window shows which region; None: each the window of its own name.
+    # Window of each region; None: the window of the same name.
     windows: dict[str, Name] | None = None
     buffer: str | None = None  # None: all of them
 
@@ -233,14 +234,9 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     return theatre, path
 
 
-def viewport(channel: Channel, window: Window) -> tuple[int, int, int, int]:
+def viewport(channel: Channel, window: Window) -> Rect:
     """The rectangle of a channel in its window: x, y from the upper left, width, height."""
     return channel.viewport or (0, 0, *window.size)
-
-
-def overlap(one: tuple[int, int, int, int], other: tuple[int, int, int, int]) -> bool:
-    """Whether two rectangles (x, y, width, height) share a pixel."""
-    return all(one[k] < other[k] + other[k + 2] and other[k] < one[k] + one[k + 2] for k in (0, 1))
 
 
 def _distinct(path: Path, kind: str, names: list[str]) -> None:

@@ -1,7 +1,7 @@
-"""Warps: which point of a picture lights which point of a projector, as a mesh of triangles.
+"""Warps: triangle meshes that map points of a projector to points of the picture it shows.
 
-A place is a pair of shares of the projector's picture, x to the right and y up, (0, 0) its lower
-left corner; a source is such a pair (u, v) of the picture that is shown.
+A place is a point (x, y) of the projector, a source a point (u, v) of the picture. Both are shares
+of width and height from the lower left corner.
 """
 
 import numpy as np
@@ -11,8 +11,8 @@ from subsea.core.errors import UserError
 from subsea.core.kernels import kernel
 from subsea.view.rig import Warp
 
-TOLERANCE_PX = 0.2  # by which a mesh may miss a point of the grid it was made from
-SLACK = 1e-3  # beyond 0 and 1, which is the rounding of other programs
+TOLERANCE_PX = 0.2  # largest error of a mesh at the points of its grid
+SLACK = 1e-3  # by which other programs' rounding may exceed 0 and 1
 FOLDED = 1e-3  # share of a mesh that may be folded over: a wrinkle at the rim of a measurement
 FARTHEST = 1e6  # of any coordinate
 _AREA = 1e-12  # of a triangle that lights nothing
@@ -29,12 +29,12 @@ def mesh(places: Array, sources: Array, triangles: Ints) -> Warp:
 def from_grid(sources: Array, size: tuple[int, int]) -> Warp:
     """The warp of sources (h, w, 2) at the middles of a projector's cells, upper row first.
 
-    Where a grid is smooth its mesh is coarse: no point is missed by more than a fifth of a pixel
-    of a picture of `size`. Cells that touch a point that is none (`only_points`) stay dark. The
-    outermost points are carried on by half a cell to the border.
+    Where the grid is smooth the mesh is coarse: its error is at most TOLERANCE_PX in a picture of
+    `size`. Cells with an invalid corner (`without_invalid`) stay dark. The outermost points are
+    extrapolated by half a cell to the border.
     """
-    grid, x = _to_the_border(only_points(sources), axis=1)
-    grid, y = _to_the_border(grid, axis=0)
+    grid, x = _extrapolated(without_invalid(sources), axis=1)
+    grid, y = _extrapolated(grid, axis=0)
     y = 1.0 - y
     blocks = _blocks(grid * np.array(size, np.float64), x, y, TOLERANCE_PX)
     left, top, right, bottom = blocks.T
@@ -48,27 +48,23 @@ def from_grid(sources: Array, size: tuple[int, int]) -> Warp:
     return mesh(places, grid.reshape(-1, 2)[used], triangles)
 
 
-def straight() -> Warp:
-    """The warp that shows a picture as it is."""
+def identity() -> Warp:
+    """The warp that changes nothing."""
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     return mesh(corners, corners, np.array([[0, 1, 2], [0, 2, 3]]))
 
 
-def within(warp: Warp, part: tuple[float, float, float, float]) -> Warp:
-    """The warp of a whole picture of which one shows a part: x, y, width, height in shares."""
+def cropped(warp: Warp, part: tuple[float, float, float, float]) -> Warp:
+    """The warp from the whole picture, if `warp` shows its part x, y, width, height."""
     x, y, width, height = part
     vertices = warp.vertices.copy()
     vertices[:, 2:] = vertices[:, 2:] * ([width, height] * 2) + ([x, y] * 2)
     return warp._replace(vertices=vertices)
 
 
-def only_points(sources: Array) -> Array:
-    """A grid (h, w, 2) of sources with NaN for those that say that there is none.
-
-    Programs write infinities for that, or numbers that are far from any picture, or more than one
-    (0, 0).
-    """
-    with np.errstate(invalid="ignore"):  # some NaN warn when they are made longer
+def without_invalid(sources: Array) -> Array:
+    """Sources (h, w, 2), NaN for infinite or far values and repeated (0, 0)."""
+    with np.errstate(invalid="ignore"):  # signalling NaN warn when converted
         grid = np.array(sources, np.float64)
     u, v = grid[..., 0], grid[..., 1]
     zero = (u == 0) & (v == 0)
@@ -77,13 +73,11 @@ def only_points(sources: Array) -> Array:
     return grid
 
 
-def checked(warp: Warp, where: str) -> Warp:
-    """The triangles that light something, cut where they leave the picture; else a UserError.
+def validated(warp: Warp, where: str) -> Warp:
+    """The triangles that light something, clipped to the picture; else a UserError at `where`.
 
-    An error tells how many points or triangles are wrong: points outside of the picture where
-    three quarters of the mesh are, triangles without area if most are, or triangles folded over.
-    A mesh that shows next to nothing of the picture is an error too.
-    `where` names the file.
+    Errors are a mesh with three quarters outside of the picture, one that is mostly without area
+    or folded over, and one that shows next to nothing of the picture.
     """
     vertices, triangles = warp
     used = np.unique(triangles)
@@ -98,7 +92,7 @@ def checked(warp: Warp, where: str) -> Warp:
     lit = areas > _AREA
     if 2 * lit.sum() < len(lit):
         raise UserError(f"{(~lit).sum()} of {len(lit)} triangles have no area", file=where)
-    vertices, triangles = _within_picture(vertices, triangles[lit])
+    vertices, triangles = _clipped(vertices, triangles[lit])
     if np.abs(_areas(vertices[:, :2], triangles)).sum() < areas.sum() / 4:
         out = ((points[:, 2:] < -SLACK) | (points[:, 2:] > 1 + SLACK)).any(axis=1)
         raise UserError(f"{out.sum()} of {count} points have u or v outside 0 to 1", file=where)
@@ -116,12 +110,8 @@ def checked(warp: Warp, where: str) -> Warp:
     return Warp(vertices, triangles)
 
 
-def divided(warp: Warp, across: int, up: int) -> Warp:
-    """The same warp with its triangles cut along equal columns and rows of the left eye's source.
-
-    What a mesh shows is linear in each triangle. A large one may not stand for a part of a curved
-    screen; one that lies within a column of a few degrees may.
-    """
+def subdivided(warp: Warp, across: int, up: int) -> Warp:
+    """The warp with triangles cut at columns and rows, small enough for a curved screen."""
     vertices, triangles = warp
     for column, pieces in ((2, across), (3, up)):
         for k in range(1, pieces):
@@ -136,35 +126,35 @@ def divided(warp: Warp, across: int, up: int) -> Warp:
 
 
 def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
-    """What places (k, 2) show, (k, 2), to the left eye or to the right; NaN where dark."""
+    """Sources (k, 2) at places (k, 2) for the left or right eye; NaN where dark."""
     shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
-    return _through(warp.vertices[:, :2], shown, warp.triangles, places)
+    return _carried(warp.vertices[:, :2], shown, warp.triangles, places)
 
 
 def is_mirrored(warp: Warp) -> bool:
-    """Whether it shows the picture as in a mirror, as no projector on a stand or ceiling does."""
+    """True if the picture is mirrored, as no projector on a stand or ceiling does."""
     places = _areas(warp.vertices[:, :2], warp.triangles)
     shown = _areas(warp.vertices[:, 2:4], warp.triangles)
     return bool(np.sum(np.sign(places) * shown) < 0)
 
 
 def describe_warp(warp: Warp) -> str:
-    """A few words: its size, how much of the projector it lights, and whether it mirrors."""
+    """Its size, the lit share of the projector, and whether it mirrors, for a message."""
     lit = min(np.abs(_areas(warp.vertices[:, :2], warp.triangles)).sum(), 1.0)
     mirrored = ", mirrored" if is_mirrored(warp) else ""
     count = len(warp.triangles)
     return f"a mesh of {count} triangle{'s' * (count != 1)}, {100 * lit:.0f}% lit{mirrored}"
 
 
-def painted(warp: Warp, values: Array, size: tuple[int, int]) -> Array:
+def rasterized(warp: Warp, values: Array, size: tuple[int, int]) -> Array:
     """Values (n,) of the vertices over all pixels (h, w), upper row first; 0 where dark."""
     picture = np.zeros((size[1], size[0]))
-    _paint(warp.vertices[:, :2].astype(np.float64), warp.triangles, values, picture)
+    _rasterize(warp.vertices[:, :2].astype(np.float64), warp.triangles, values, picture)
     return picture[::-1]
 
 
-def _to_the_border(grid: Array, axis: int) -> tuple[Array, Array]:
-    """The grid with a first and a last row more, on the borders, and where its rows are."""
+def _extrapolated(grid: Array, axis: int) -> tuple[Array, Array]:
+    """The grid with another first and last row, on the borders, and the positions of the rows."""
     rows = np.moveaxis(grid, axis, 0)
     count = len(rows)
     edges = []
@@ -210,7 +200,7 @@ def _blocks(grid: Array, x: Array, y: Array, tolerance: float) -> Ints:
 def _is_flat(
     grid: Array, x: Array, y: Array, left: int, top: int, right: int, bottom: int, tolerance: float
 ) -> bool:
-    """Whether all points of a block exist and lie on its two triangles, up to a tolerance."""
+    """True if all points of a block exist and lie on its two triangles, up to a tolerance."""
     a, b = grid[top, left], grid[bottom, left]
     c, d = grid[bottom, right], grid[top, right]
     for row in range(top, bottom + 1):
@@ -230,7 +220,7 @@ def _is_flat(
 
 
 @kernel
-def _paint(places: Array, triangles: Ints, values: Array, picture: Array) -> None:
+def _rasterize(places: Array, triangles: Ints, values: Array, picture: Array) -> None:
     """Interpolate values over the pixels (height, width), lower row first, by their middles."""
     height, width = picture.shape
     for k in range(len(triangles)):
@@ -263,8 +253,8 @@ def _areas(points: Array, triangles: Ints) -> Array:
     return np.asarray((across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]) / 2)
 
 
-def _within_picture(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
-    """The parts of triangles whose sources lie within 0 to 1; what is a little out is moved in."""
+def _clipped(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
+    """The parts of triangles whose sources lie in 0 to 1, up to SLACK."""
     shown = vertices[:, 2:]
     near = (shown > -SLACK) & (shown < 1 + SLACK)
     vertices = vertices.copy()
@@ -301,7 +291,7 @@ def _cut(vertices: Array, triangles: Ints, depth: Array) -> tuple[Array, Ints]:
     return vertices, np.concatenate(kept).astype(np.int32)
 
 
-def _through(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
+def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
     """Carry points (k, 2) by the triangles from their corners in `start` to those in `end`."""
     points = np.asarray(points, np.float64)
     from_, to = (side.astype(np.float64)[triangles] for side in (start, end))  # (m, 3, 2)

@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.errors import UserError
+from subsea.core.input_files import read_input
 from subsea.view.rig import Warp
-from subsea.view.theatre.bourke import read_bourke
-from subsea.view.theatre.obj import read_obj
-from subsea.view.theatre.pfm import read_pfm
-from subsea.view.theatre.warp import checked, from_grid
+from subsea.view.theatre import pfm
+from subsea.view.theatre.bourke import parse_bourke
+from subsea.view.theatre.obj import parse_obj
+from subsea.view.theatre.warp import from_grid, validated
 
-KINDS = (".obj", ".pfm", ".data")
+MAX_BYTES = {".obj": 32 * 2**20, ".pfm": pfm.MAX_BYTES, ".data": 32 * 2**20}
 
 
 def read_warp(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float32] | None]:
@@ -21,14 +22,15 @@ def read_warp(path: Path, size: tuple[int, int]) -> tuple[Warp, NDArray[np.float
     Known by its suffix: an OBJ mesh, a PFM grid of u and v, or Paul Bourke's ``.data``. Any fault
     is a UserError of one line.
     """
-    suffix = path.suffix.lower()
+    suffix, where = path.suffix.lower(), str(path)
+    if suffix not in MAX_BYTES:
+        raise UserError(f"expected a warp file that ends in {', '.join(MAX_BYTES)}", file=path)
+    data = read_input(path, MAX_BYTES[suffix])
     if suffix == ".obj":
-        return read_obj(path), None
+        return parse_obj(data, where), None
     if suffix == ".data":
-        return read_bourke(path, size)
-    if suffix == ".pfm":
-        return checked(from_grid(sources_of(read_pfm(path), str(path)), size), str(path)), None
-    raise UserError(f"expected a warp file that ends in {', '.join(KINDS)}", file=path)
+        return parse_bourke(data, size, where)
+    return validated(from_grid(sources_of(pfm.parse_pfm(data, where), where), size), where), None
 
 
 def sources_of(numbers: NDArray[np.float32], where: str) -> NDArray[np.float32]:

@@ -10,32 +10,22 @@ from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
 
 
-@pytest.mark.parametrize(
-    ("form", "files"),
-    [
-        (
-            "vat",
-            [
-                "fusilier_vat/fusilier_vat.png",
-                "fusilier_vat/fusilier_basecolor.png",
-                "fusilier_vat/fusilier.glb",
-                "fusilier_vat/fusilier-remap_info.json",
-            ],
-        ),
+def test_each_format_prints_a_line_for_each_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    vat = ["fusilier_vat.png", "fusilier_basecolor.png", "fusilier.glb", "fusilier-remap_info.json"]
+    for form, files in (
+        ("vat", [f"fusilier_vat/{name}" for name in vat]),
         ("usd", ["fusilier.usdc", "fusilier_basecolor.png"]),
         ("gltf", ["fusilier.glb"]),
         ("gltf --morph", ["fusilier.glb"]),
-    ],
-)
-def test_it_prints_a_line_for_each_file(
-    form: str, files: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "new"
-    wanted = f"export fusilier --to {form} --detail 3".split()
-    assert main([*wanted, "--out", str(out)]) == 0
-    told = [line.partition(": ")[0] for line in capsys.readouterr().out.splitlines()]
-    assert told == [str(out / name) for name in files]
-    assert {path for path in out.rglob("*") if path.is_file()} == {out / name for name in files}
+    ):
+        out = tmp_path / form
+        wanted = f"export fusilier --to {form} --detail 3".split()
+        assert main([*wanted, "--out", str(out)]) == 0
+        told = [line.partition(": ")[0] for line in capsys.readouterr().out.splitlines()]
+        assert told == [str(out / name) for name in files]
+        assert {path for path in out.rglob("*") if path.is_file()} == {out / one for one in files}
 
 
 def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
@@ -52,9 +42,8 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
     assert glb.stat().st_size < (tmp_path / "c" / "fusilier_vat" / "fusilier.glb").stat().st_size
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
+def test_wrong_commands_are_errors_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments, expected in (
         (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
         (["assets/species/fusilier.toml", "--to", "gltf"], "expected the name of a species"),
         (["my_fish.toml", "--to", "vat"], "my_fish.toml: expected the name of a species"),
@@ -65,14 +54,10 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
         (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
         (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
-    ],
-)
-def test_a_wrong_command_is_an_error_of_one_line(
-    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["export", *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert not out and err.count("\n") == 1 and expected in err
+    ):
+        assert main(["export", *arguments]) == 2
+        out, err = capsys.readouterr()
+        assert not out and err.count("\n") == 1 and expected in err
 
 
 def test_an_own_species_is_exported_by_name(
@@ -107,12 +92,12 @@ def test_an_interrupted_export_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("form", ["vat", "usd", "gltf"])
-def test_a_full_disk_leaves_nothing(form: str, tmp_path: Path) -> None:
+def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
     """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
-    arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
-    command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"
-    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
-    assert run.returncode == 2 and not run.stdout
-    assert run.stderr.count("\n") == 1 and "File too large" in run.stderr
-    assert not list(tmp_path.iterdir())
+    for form in ("vat", "usd", "gltf"):
+        arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
+        command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"
+        run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
+        assert run.returncode == 2 and not run.stdout
+        assert run.stderr.count("\n") == 1 and "File too large" in run.stderr
+        assert not list(tmp_path.iterdir())

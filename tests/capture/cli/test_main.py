@@ -1,10 +1,12 @@
 import json
+import shutil
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from capture.cli import record as record_command
 from capture.cli.main import main
 from capture.inspection import simulated
 from capture.recording import record
@@ -28,77 +30,112 @@ def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) ->
     assert len(read_repertoire(one).segments) == 7
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
+def test_wrong_commands_are_errors_of_one_line_with_code_2(
+    recorded: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for arguments, expected in (
         (["recrod"], "did you mean 'record'?"),
         (["record", "fusiler"], "did you mean 'fusilier'?"),
         (["record"], "name a species"),
         (["record", "fusilier", "--jobs", "0"], "whole number from 1"),
         (["record", "fusilier", "--jobs", "many"], "whole number from 1"),
         (["record", "--speed"], "--speed"),
+        (["record", "fusilier", "--all"], "'fusilier'"),
+        (["record", "fusilier", "--out", "/etc/passwd"], "/etc/passwd"),
+        (["record", "fusilier", "--out", "/etc/passwd/new"], "/etc/passwd/new"),
+        (["record", "fusilier", "--out", "/proc"], "/proc"),
         (["inspect"], "SPECIES"),
         (["inspect", "no/such.h5"], "no such file"),
         (["plot", "no/such.h5", "--out", "x"], "no such file"),
         (["plot", "no/such.h5"], "--out"),
+        (["plot", str(recorded), "--out", "/proc/plots"], "/proc/plots: cannot make the folder"),
+    ):
+        assert main(arguments) == 2
+        assert expected in one_line(capsys)
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "noun"),
+    [
+        ("record fusilier", "fusilier.h5", "a repertoire"),
+        ("plot RECORDED", "fusilier.png", "a PNG picture"),
+        ("mesh RECORDED fish.obj --fit", "fish_swim_fast_0003.obj", "a Wavefront OBJ mesh"),
+        ("learn fusilier", "", "a species"),
+        ("export fusilier --to gltf", "fusilier.glb", "a glTF file (.glb)"),
+        ("export fusilier --to vat", "fusilier_vat/fusilier_vat.png", "a PNG picture"),
+        ("export fusilier --to usd", "fusilier.usdc", "a USD stage (.usdc)"),
     ],
 )
-def test_a_wrong_command_is_an_error_of_one_line_with_code_2(
-    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+def test_a_file_of_another_kind_is_not_replaced(
+    recorded: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+    name: str,
+    noun: str,
 ) -> None:
-    assert main(arguments) == 2
-    assert expected in one_line(capsys)
+    obj = tmp_path / "fish.obj"
+    obj.write_text("v 0 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\n")
+    notes = tmp_path / "out" / name
+    notes.parent.mkdir(exist_ok=True, parents=True)
+    notes.write_text("my notes")
+    words = command.replace("RECORDED", str(recorded)).replace("fish.obj", str(obj)).split()
+    assert main([*words, "--out", str(tmp_path / "out")]) == 2
+    expected = f"{notes}: exists and is not {noun}; choose another name or give --force"
+    assert one_line(capsys) == f"subsea-capture: {expected}\n"
+    assert notes.read_text() == "my notes"
+    assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] in ([notes], [])
 
 
-@pytest.mark.parametrize("command", ["inspect", "plot"])
-def test_a_damaged_file_is_one_line(
-    command: str, recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_an_installed_package_is_not_written_into(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "damaged.h5"
-    extra = ["--out", str(tmp_path)] if command == "plot" else []
-    hdf5, truncated = b"\x89HDF\r\n\x1a\n" + bytes(64), recorded.read_bytes()[:20_000]
-    for contents in (b"", b"not HDF5 at all", hdf5, truncated):
-        path.write_bytes(contents)
-        assert main([command, str(path), *extra]) == 2
-        assert "damaged.h5" in one_line(capsys)
-    with h5py.File(path, "w") as file:
-        file["weather"] = [1.0, 2.0]
-    assert main([command, str(path), *extra]) == 2
-    assert "not a repertoire" in one_line(capsys)
+    monkeypatch.setattr(record, "make_segment", pytest.fail)  # the folder is checked first
+    monkeypatch.setattr(record_command, "resource_path", lambda name: tmp_path / name)
+    assert main(["record", "fusilier"]) == 2
+    assert "--out" in one_line(capsys)
+    assert not list(tmp_path.iterdir())
 
 
-def test_a_repertoire_of_a_newer_version_is_one_line_with_what_to_do(
-    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.fixture
+def copy(recorded: Path, tmp_path: Path) -> Path:
+    """A repertoire file of the fusilier to damage."""
+    return Path(shutil.copy(recorded, tmp_path / "copy.h5"))
+
+
+def test_damaged_and_newer_files_are_errors_of_one_line(
+    copy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "newer.h5"
-    path.write_bytes(recorded.read_bytes())
-    with h5py.File(path, "a") as file:
+    def fails(*words: str) -> None:
+        for command in (["inspect", str(copy)], ["plot", str(copy), "--out", str(tmp_path)]):
+            assert main(command) == 2
+            line = one_line(capsys)
+            assert all(word in line for word in ("copy.h5", *words))
+
+    with h5py.File(copy, "a") as file:
         file.attrs["version"] = 7
-    for command in (["inspect", str(path)], ["plot", str(path), "--out", str(tmp_path)]):
-        assert main(command) == 2
-        line = one_line(capsys)
-        assert f"version 7, this program reads version {VERSION}; update subsea" in line
+    fails(f"version 7, this program reads version {VERSION}; update subsea")
+    hdf5, truncated = b"\x89HDF\r\n\x1a\n" + bytes(64), copy.read_bytes()[:20_000]
+    for contents in (b"", b"not HDF5 at all", hdf5, truncated):
+        copy.write_bytes(contents)
+        fails()
+    with h5py.File(copy, "w") as file:
+        file["weather"] = [1.0, 2.0]
+    fails("not a repertoire")
 
 
-def test_an_unwritable_folder_is_an_error_before_plotting(
-    recorded: Path, capsys: pytest.CaptureFixture[str]
+def test_missing_plans_and_segments_are_reported(
+    copy: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["plot", str(recorded), "--out", "/proc/plots"]) == 2
-    assert "/proc/plots: cannot make the folder" in one_line(capsys)
-
-
-def test_a_provenance_without_plans_is_an_error_after_the_table(
-    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "orphan.h5"
-    path.write_bytes(recorded.read_bytes())
-    with h5py.File(path, "a") as file:
+    with h5py.File(copy, "a") as file:
         file.attrs["provenance"] = np.bytes_("{}")
-    assert main(["inspect", str(path)]) == 2
+    assert main(["inspect", str(copy)]) == 2
     out, err = capsys.readouterr()
-    assert "swim_fast" in out
-    assert "provenance" in err
-    assert err.count("\n") == 1
+    assert "swim_fast" in out and "provenance" in err and err.count("\n") == 1
+    with h5py.File(copy, "a") as file:
+        del file["segments/swim_slow"]
+    assert main(["inspect", str(copy)]) == 1
+    assert "no swim_slow" in capsys.readouterr().out
 
 
 @pytest.fixture
@@ -123,30 +160,17 @@ def test_inspect_shows_segments_and_measures(
 
 
 def test_a_fish_that_misses_a_target_is_code_1(
-    recorded: Path, quick: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    copy: Path, quick: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The same file, but its fish holds a bend of 30° for as long as one of 60°."""
-    path = tmp_path / "astray.h5"
-    path.write_bytes(recorded.read_bytes())
-    with h5py.File(path, "a") as file:
+    with h5py.File(copy, "a") as file:
         provenance = json.loads(file.attrs["provenance"])
         rows = provenance["turn"]["steering"]
         rows[0]["hold_ticks"] = rows[2]["hold_ticks"]
         file.attrs["provenance"] = np.bytes_(json.dumps(provenance).encode())
-    assert main(["inspect", str(path)]) == 1
+    assert main(["inspect", str(copy)]) == 1
     short = [line for line in capsys.readouterr().out.splitlines() if "FALLS SHORT" in line]
     assert [line.split(",")[0] for line in short] == ["turn of 30°", "turn of 30°"]
-
-
-def test_an_incomplete_repertoire_is_code_1(
-    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "gap.h5"
-    path.write_bytes(recorded.read_bytes())
-    with h5py.File(path, "a") as file:
-        del file["segments/swim_slow"]
-    assert main(["inspect", str(path)]) == 1
-    assert "no swim_slow" in capsys.readouterr().out
 
 
 def test_an_interrupted_recording_leaves_nothing(
@@ -169,7 +193,7 @@ def test_help_lists_commands_and_gives_examples(capsys: pytest.CaptureFixture[st
     assert main([]) == 0
     listed = capsys.readouterr().out
     for command in ("record", "learn", "inspect", "plot", "mesh", "export"):
-        assert f"    {command} " in listed
+        assert f"\n  {command} " in listed
         with pytest.raises(SystemExit) as done:
             main([command, "--help"])
         assert done.value.code == 0

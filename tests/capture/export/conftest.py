@@ -1,4 +1,4 @@
-"""What is exported of every species, and the Khronos glTF validator."""
+"""Exports of every species, and the Khronos glTF validator."""
 
 import json
 from collections.abc import Callable
@@ -16,7 +16,7 @@ VALIDATOR = Path(__file__).parents[3] / "tools" / "gltf-validator"
 
 @pytest.fixture(scope="session")
 def khronos() -> Callable[[Path], dict[str, Any]]:
-    """What the validator reports of a .glb or .gltf file.
+    """The validator's report on a .glb or .gltf file.
 
     `issues` has `numErrors`, `numWarnings`, … and `messages`; `info` says what the file holds.
     """

@@ -83,7 +83,7 @@ def test_the_mesh_is_whole(known: str, model: Model) -> None:
 
 
 def _pieces(triangles: np.ndarray) -> int:
-    """How many parts hang together."""
+    """Count connected parts."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -146,7 +146,7 @@ def _matrix(node: dict[str, Any]) -> np.ndarray:
 
 
 def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> np.ndarray:
-    """How far the vertices are from our playback, at all keys or `step` of the way to the next."""
+    """Distance of the vertices from playback, at all keys or `step` of the way to the next."""
     points = transform_points(clip.points, clip.position, clip.rotation)
     if step:
         points = (1 - step) * points[:-1] + step * points[1:]
@@ -162,7 +162,7 @@ def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> 
 
 
 def sound(report: dict[str, Any]) -> bool:
-    """Whether the validator of Khronos finds nothing to object to."""
+    """True if the validator of Khronos finds nothing to object to."""
     issues = report["issues"]
     return issues["numErrors"] == issues["numWarnings"] == 0
 

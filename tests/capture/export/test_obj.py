@@ -21,16 +21,13 @@ def write_obj(path: Path, vertices: np.ndarray) -> Path:
     return path
 
 
-def test_a_mesh_of_the_nodes_moves_as_the_nodes_do(repertoire: Repertoire, tmp_path: Path) -> None:
+def test_vertices_follow_the_nodes_and_nothing_else_changes(
+    repertoire: Repertoire, tmp_path: Path
+) -> None:
     mesh = bind_mesh(repertoire, write_obj(tmp_path / "fish.obj", repertoire.rest_nodes), False)
     for nodes in repertoire.segments["turn_left_sharp"].nodes[::20]:
         write_mesh(tmp_path / "bent.obj", mesh, nodes)
         np.testing.assert_allclose(read_mesh(tmp_path / "bent.obj")[1], nodes, atol=1e-4)
-
-
-def test_only_vertices_and_normals_change(repertoire: Repertoire, tmp_path: Path) -> None:
-    mesh = bind_mesh(repertoire, write_obj(tmp_path / "fish.obj", repertoire.rest_nodes), False)
-    write_mesh(tmp_path / "bent.obj", mesh, repertoire.segments["swim_slow"].nodes[0])
     text = (tmp_path / "bent.obj").read_text()
     assert text.startswith(HEAD)
     a, b, c = TRIANGLES[0] + 1
@@ -44,31 +41,22 @@ def test_fitting_brings_any_size_to_the_fish(repertoire: Repertoire) -> None:
     np.testing.assert_allclose(found, repertoire.rest_nodes, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_faulty_meshes_are_errors_of_one_line(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = tmp_path / "mesh.obj"
+    for text, message in (
         ("hello\n", "no vertices"),
         ("v 1 2\n", "line 1: expected `v x y z`"),
         ("v 1 2 three\n", "line 1: expected `v x y z`"),
         ("v 0 0 nan\n", "not finite"),
         ("v 900 0 0\nv 0 0 0\n", "--fit"),
-    ],
-)
-def test_a_faulty_mesh_is_an_error_of_one_line(
-    recorded: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    text: str,
-    message: str,
-) -> None:
-    mesh = tmp_path / "mesh.obj"
-    mesh.write_text(text)
-    assert main(["mesh", str(recorded), str(mesh), "--out", str(tmp_path / "out")]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "mesh.obj" in error
-    assert message in error
-    assert not (tmp_path / "out").exists()
+    ):
+        mesh.write_text(text)
+        assert main(["mesh", str(recorded), str(mesh), "--out", str(tmp_path / "out")]) == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1 and "mesh.obj" in error and message in error
+        assert not (tmp_path / "out").exists()
 
 
 def test_from_the_command_line(

@@ -1,4 +1,4 @@
-"""What a decoder of OpenVAT makes of our files is what we play back."""
+"""Our files, read by a decoder of OpenVAT, compared with playback."""
 
 import json
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from capture.export.png import png16
 from capture.export.vat import write_vat
 from subsea.core.errors import UserError
 from subsea.geometry.rotation import matrix
-from subsea.render import headless_context
+from subsea.render.gl.context import headless_context
 
 
 class Decoded:
@@ -187,7 +187,7 @@ def test_a_failed_export_leaves_no_files(tmp_path: Path) -> None:
 
 def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
     """Run as it is printed, on a texture of 16 bits."""
-    text = (Path(__file__).parents[3] / "docs" / "export.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "how-to" / "export.md").read_text(encoding="utf-8")
     body = text.partition("```glsl\n")[2].partition("```")[0]
     model, clips = make_clips("fusilier", detail=2)
     write_vat(tmp_path, model, clips, baked=False)
@@ -214,6 +214,7 @@ def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
         program["frame"], program["height"] = 40.0, float(height)
         array.transform(out, gl.POINTS)
         found = np.frombuffer(out.read(), "f4").reshape(-1, 6)
+    gl.release()
     points, normals = read.at(40)
     np.testing.assert_allclose(found[:, :3], points, atol=1e-7)
     np.testing.assert_allclose(found[:, 3:], normals, atol=1e-4)

@@ -3,10 +3,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from capture.inspection.gait import contraction_step, muscle_work, straightness, sweep, tension_work
+from capture.inspection.gait import muscle_work, tension_work
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
+from subsea.biomechanics.gait import contraction_step, straightness, sweep
 from subsea.biomechanics.simulation import NO_FORCE, STILL, BodyState, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force
@@ -39,7 +40,7 @@ def test_a_muscle_that_shortens_against_a_load_does_work() -> None:
 
 
 def lost(body: Body, state: BodyState, contraction: Floats) -> float:
-    """What water and viscosity take in g cm²/tu², step by step."""
+    """Losses to water and viscosity in g cm²/tu², step by step."""
     total = 0.0
     i, j = UNITS.T
     for rest in muscle_lengths(body, contraction):

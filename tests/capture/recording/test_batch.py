@@ -22,9 +22,11 @@ from capture.recording.batch import record_all
 from capture.recording.record import record_segment
 from capture.recording.resume import finished_segments, save_segment
 from capture.recording.workers import process_pool, serial
+from subsea.core import hdf5
 from subsea.core.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
+from subsea.repertoire.schema import FORMAT
 
 NAMES = ["emperor_angelfish", "fusilier"]
 
@@ -186,13 +188,20 @@ def full_disk(free: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+def write_empty(path: Path) -> bytes:
+    """Write a repertoire without segments, which is not up to date; return its bytes."""
+    with hdf5.writing(path) as file:
+        file.attrs["format"] = hdf5.text(FORMAT)
+    return path.read_bytes()
+
+
 @pytest.mark.parametrize("free", [1000, 60_000, 500_000])
 def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
     free: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The disk fills up in the first segment, in the fifth, or in the repertoire."""
     old = tmp_path / "fusilier.h5"
-    old.write_bytes(b"the old one")
+    before = write_empty(old)
     with full_disk(free):
         assert main(["record", "fusilier", "--out", str(tmp_path)]) == 2
     out, err = capsys.readouterr()
@@ -200,7 +209,7 @@ def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
     assert err.startswith(f"subsea-capture: {tmp_path}")
     assert err.endswith("cannot write (File too large)\n")
     assert err.count("\n") == 1
-    assert old.read_bytes() == b"the old one"
+    assert old.read_bytes() == before
     assert not list(tmp_path.rglob("*.part"))
 
 
@@ -222,7 +231,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     number: int, whole: Path, tmp_path: Path
 ) -> None:
     old = tmp_path / "fusilier.h5"
-    old.write_bytes(b"the old one")
+    before = write_empty(old)
     command = [sys.executable, "-c", SLOW, "record", "fusilier", "--out", str(tmp_path)]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -234,7 +243,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     assert running.returncode == 130
     assert not out
     assert err == "subsea-capture: interrupted: run the same command to continue\n"
-    assert old.read_bytes() == b"the old one"
+    assert old.read_bytes() == before
     assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
     assert old.read_bytes() == (whole / "fusilier.h5").read_bytes()
     assert list(tmp_path.iterdir()) == [old]

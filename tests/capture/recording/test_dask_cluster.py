@@ -1,4 +1,4 @@
-"""Recording on a Dask cluster of real processes, of which one dies."""
+"""Recording on a Dask cluster of real processes, one of them dying."""
 
 import asyncio
 import socket
@@ -18,6 +18,7 @@ from capture.recording import dask_cluster as module
 from capture.recording.batch import record_all
 from capture.recording.dask_cluster import dask_workers
 from subsea.core.errors import UserError
+from subsea.core.extras import install_command
 from subsea.fish.species import load_species
 from subsea.repertoire import Repertoire, write_repertoire
 
@@ -157,7 +158,7 @@ def test_without_dask_the_error_names_the_extra(
     monkeypatch.setitem(sys.modules, "distributed", None)
     command = ["record", "fusilier", "--out", str(tmp_path), "--cluster", "tcp://127.0.0.1:9"]
     assert main(command) == 2
-    assert "install subsea[cluster]" in capsys.readouterr().err
+    assert f"--cluster needs Dask: run `{install_command('cluster')}`" in capsys.readouterr().err
 
 
 def test_a_worker_of_another_version_refuses() -> None:

@@ -1,6 +1,7 @@
 """Segments recorded from a spine."""
 
 import dataclasses
+from functools import cache
 
 import msgspec
 import numpy as np
@@ -28,25 +29,19 @@ def species(request):
     return load_species(request.param)
 
 
-@pytest.fixture(scope="module")
-def recorded(species):
-    return {name: record_segment(species, name)[0] for name in SEGMENTS}
-
-
-def test_a_spine_driven_species_exists():
-    assert NAMES
-
-
-def test_cycles_close_exactly(recorded):
+def test_recorded_motion_is_that_of_the_plan_and_symmetric(species):
+    recorded = {name: record_segment(species, name)[0] for name in SEGMENTS}
+    plan, mirror = species.spine, np.array([1.0, 1.0, -1.0])
     for segment in recorded.values():
         if segment.cyclic:
             assert segment.loop_error_bl < 1e-9
-
-
-def test_right_is_the_mirror_image_of_left(recorded):
-    mirror = np.array([1.0, 1.0, -1.0])
+        assert segment.control_points.shape == (len(segment.nodes), 426, 3)
+        assert np.isfinite(segment.control_points).all()
+        far = np.linalg.norm(segment.control_points, axis=2).max() / species.length_cm
+        assert far <= segment.bounding_radius_bl + 1e-9 < 1.2
     for grade in ("gradual", "sharp"):
         left, right = (recorded[f"turn_{side}_{grade}"] for side in ("left", "right"))
+        assert left.turn_deg == pytest.approx(getattr(plan.turn, grade), abs=1e-6)
         assert right.turn_deg == pytest.approx(-left.turn_deg, abs=1e-9)
         np.testing.assert_allclose(
             right.increment_translation, left.increment_translation * mirror, atol=1e-9
@@ -55,19 +50,8 @@ def test_right_is_the_mirror_image_of_left(recorded):
         a, b = left.control_points, right.control_points * mirror
         swapped = np.concatenate([b[:, 189:378], b[:, :189], b[:, 378:]], axis=1)
         np.testing.assert_allclose(a, swapped, atol=1e-7)
-
-
-def test_turns_are_those_of_the_plan(species, recorded):
-    turn = species.spine.turn
-    assert recorded["turn_left_gradual"].turn_deg == pytest.approx(turn.gradual, abs=1e-6)
-    assert recorded["turn_left_sharp"].turn_deg == pytest.approx(turn.sharp, abs=1e-6)
-
-
-def test_a_beat_takes_the_fish_forward_by_its_slip(species, recorded):
-    plan = species.spine
     for grade in ("slow", "medium", "fast"):
-        gait = getattr(plan, grade)
-        segment = recorded[f"swim_{grade}"]
+        gait, segment = getattr(plan, grade), recorded[f"swim_{grade}"]
         way = segment.increment_translation.sum(axis=0)
         assert len(segment.nodes) == gait.ticks_per_beat
         np.testing.assert_allclose(way, [plan.stride(gait) * plan.length, 0, 0], atol=1e-9)
@@ -88,26 +72,23 @@ def test_the_wave_runs_backward_faster_than_the_fish_swims(species):
     assert (runs < 0).all()
 
 
+@cache
+def recorded_and_planned(name):
+    species = load_species(NAMES[0])
+    nodes = spine_motion(species.spine, species.surface, name).nodes
+    return record_segment(species, name)[0], nodes
+
+
 @given(st.integers(0, 2**32 - 1), st.sampled_from(SEGMENTS))
 def test_replay_from_any_pose_equals_the_recorded_motion(seed, name):
-    species = load_species(NAMES[0])
-    segment = record_segment(species, name)[0]
+    segment, nodes = recorded_and_planned(name)
     rng = np.random.default_rng(seed)
     q = rng.normal(size=4)
     rotation = matrix(q / np.linalg.norm(q))
     origin = rng.uniform(-500, 500, 3)
-    nodes = spine_motion(species.spine, species.surface, name).nodes
     start = 0.5 * (nodes[0, 5] + nodes[0, 7])
     expected = to_world(nodes[1:] - start, origin, rotation)
     np.testing.assert_allclose(replay(segment, origin, rotation, 1), expected, atol=1e-6)
-
-
-def test_the_surface_is_recorded_and_stays_near_the_body(species, recorded):
-    for segment in recorded.values():
-        assert segment.control_points.shape == (len(segment.nodes), 426, 3)
-        assert np.isfinite(segment.control_points).all()
-        far = np.linalg.norm(segment.control_points, axis=2).max() / species.length_cm
-        assert far <= segment.bounding_radius_bl + 1e-9 < 1.2
 
 
 def test_linear_swing_moves_differently_from_sinusoidal(species):
@@ -119,7 +100,7 @@ def test_linear_swing_moves_differently_from_sinusoidal(species):
     assert 0.001 * plan.length < np.abs(a - b).max() < 0.1 * plan.length
 
 
-def test_inspect_compares_with_the_plan(species, tmp_path, capsys):
+def test_inspect_compares_with_the_plan(tmp_path, capsys):
     name = NAMES[0]
     path = tmp_path / f"{name}.h5"
     repertoire = record_species(name, load_species(name))
@@ -139,21 +120,19 @@ def test_inspect_compares_with_the_plan(species, tmp_path, capsys):
     assert "holds no plans" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
+def test_absurd_spines_are_refused_in_one_line():
+    plan = msgspec.to_builtins(load_species("ribbon_eel").spine)
+    gait = {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 0.9}
+    for changes, words in (
         ({"length": 1.0}, "length"),
         ({"centre": 1.0}, "centre"),
-        ({"slow": {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 0.9}}, "faster than the one"),
-        ({"slow": {"ticks_per_beat": 4, "amplitude": 1.0, "slip": 0.1}}, "ticks_per_beat"),
-        ({"fast": {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 1.0}}, "slip"),
+        ({"slow": gait}, "faster than the one"),
+        ({"slow": gait | {"ticks_per_beat": 4, "slip": 0.1}}, "ticks_per_beat"),
+        ({"fast": gait | {"slip": 1.0}}, "slip"),
         ({"turn": OTHER_TURN | {"sharp_beats": 1}}, "sharp_beats"),
         ({"turn": OTHER_TURN | {"sharp": 0.0}}, "sharp"),
         ({"wing": {}}, "wing"),
-    ],
-)
-def test_an_absurd_spine_is_refused_in_one_line(changes, words):
-    plan = msgspec.to_builtins(load_species("ribbon_eel").spine)
-    with pytest.raises(msgspec.ValidationError, match=words) as caught:
-        msgspec.convert(plan | changes, SpinePlan)
-    assert "\n" not in str(caught.value)
+    ):
+        with pytest.raises(msgspec.ValidationError, match=words) as caught:
+            msgspec.convert(plan | changes, SpinePlan)
+        assert "\n" not in str(caught.value)

@@ -1,11 +1,15 @@
 """Compiled code is not older than the code that it calls."""
 
+import os
+import pickle
+import sys
 from pathlib import Path
 
 import pytest
 
 from subsea.behavior.steering import ease_goals
-from subsea.core.kernels.cache import VerifiedFile
+from subsea.core.kernels import cache
+from subsea.core.kernels.cache import KernelCache, VerifiedFile
 from subsea.core.source_stamp import ROOT, source_stamp
 
 
@@ -94,3 +98,40 @@ def test_code_of_another_numba_is_not_taken(tmp_path):
     file._version = "0.68"
     file._save_index(index)
     assert file.load("key") is None
+
+
+class Ends:
+    def __reduce__(self):
+        return sys.exit, (7,)
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+def test_a_pipe_and_a_file_that_ends_the_program_count_as_missing(tmp_path, suffix):
+    file = VerifiedFile(str(tmp_path), "kernel", "stamp")
+    file.save("key", "code")
+    (part,) = tmp_path.glob(f"*{suffix}")
+    part.write_bytes(pickle.dumps(Ends()))
+    assert file.load("key") is None
+    part.unlink()
+    os.mkfifo(part)
+    assert file.load("key") is None
+    file.save("key", "code")
+    assert file.load("key") == "code"
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+def test_a_file_that_others_may_write_is_not_read(tmp_path, suffix):
+    file = VerifiedFile(str(tmp_path), "kernel", "stamp")
+    file.save("key", "code")
+    (part,) = tmp_path.glob(f"*{suffix}")
+    part.chmod(0o666)
+    assert file.load("key") is None
+
+
+def test_a_folder_that_others_may_write_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.setattr(cache.caching.config, "CACHE_DIR", str(tmp_path))
+    place = Path(KernelCache(_write).cache_path)
+    assert place.parent == tmp_path and place.stat().st_mode & 0o777 == 0o700
+    place.chmod(0o777)
+    cache._make_folder.cache_clear()
+    assert Path(KernelCache(_write).cache_path).parent != tmp_path

@@ -1,4 +1,4 @@
-"""What subsea does to the compiler of the program that imports it: nothing."""
+"""Importing subsea leaves numba as it is for other code."""
 
 import subprocess
 import sys

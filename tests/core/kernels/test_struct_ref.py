@@ -13,7 +13,7 @@ from subsea.state import Fishes, empty
 
 
 class PairKind(Kind):
-    """What the compiler calls a pair."""
+    """The compiler's type of a pair."""
 
 
 @by_pointer(PairKind)

@@ -11,7 +11,7 @@ from subsea.core.errors import UserError
 from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.master import Master
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -21,7 +21,7 @@ TIMEOUT_S = 5.0  # a busy machine must not count as a late node
 
 def small_sea(fish=4, seed=None):
     world = create_world(load_scenario("schooling")[0], seed=seed, fish=fish)
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     return world
 
 

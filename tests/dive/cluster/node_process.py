@@ -16,7 +16,7 @@ from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.keys import read_keys
 from subsea.dive.cluster.master import Master
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF, Helm
+from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -68,7 +68,7 @@ def main(role, address, scenario, pictures, nodes, keys=""):
     others = names if role == "master" else ["master"]
     given = read_keys(Path(keys), role, others) if keys else None
     world = create_world(load_scenario(scenario)[0], fish=4)
-    step(world, HANDS_OFF)
+    step(world, NEUTRAL)
     try:
         if role == "master":
             lead(world, address, names, int(pictures), given)

@@ -18,7 +18,7 @@ def folder(tmp_path):
     return tmp_path / "keys"
 
 
-def test_everybody_gets_a_pair_of_their_own(folder):
+def test_each_name_gets_its_own_pair(folder):
     files = write_keys(folder, NAMES)
     assert sorted(files) == sorted(folder.iterdir())
     keys = {name: read_keys(folder, name, NAMES) for name in NAMES}
@@ -27,7 +27,7 @@ def test_everybody_gets_a_pair_of_their_own(folder):
         assert one.others == {name: keys[name].public for name in NAMES}
 
 
-def test_nobody_else_reads_a_secret(folder):
+def test_only_the_owner_can_read_a_secret(folder):
     for file in write_keys(folder, NAMES):
         secret = file.suffix == ".key_secret"
         assert stat.S_IMODE(file.stat().st_mode) & 0o077 == 0 or not secret
@@ -46,7 +46,7 @@ def test_all_keys_are_made_or_none(folder, monkeypatch):
     assert not folder.exists()
 
 
-def test_those_that_are_there_go_when_another_cannot_be(folder, monkeypatch):
+def test_a_failure_removes_keys_already_written(folder, monkeypatch):
     rename, moves = Path.replace, iter(range(9))
 
     def refused(self, target):
@@ -60,44 +60,35 @@ def test_those_that_are_there_go_when_another_cannot_be(folder, monkeypatch):
     assert list(folder.iterdir()) == []
 
 
-def test_keys_are_not_written_over(folder):
+def test_keys_are_not_overwritten(folder):
     write_keys(folder, ["left"])
     before = (folder / "left.key").read_bytes()
-    with pytest.raises(UserError, match=r"left\.key: is there already"):
+    with pytest.raises(UserError, match=r"left\.key: exists;"):
         write_keys(folder, ["right", "left"])
     assert (folder / "left.key").read_bytes() == before
     assert not (folder / "right.key").exists()
 
 
-@pytest.mark.parametrize("name", ["", "../left", "a b", ".left", "-left", "ä", "a\n", "x" * 65])
-def test_a_name_must_do_for_a_file(folder, name):
-    with pytest.raises(UserError, match="expected a name"):
+@pytest.mark.parametrize(
+    "name", ["", "../left", "a b", ".left", "-left", "ä", "a\n", "x" * 65, "left"]
+)
+def test_names_are_valid_and_unique(folder, name):
+    with pytest.raises(UserError, match="twice" if name == "left" else "expected a name"):
         write_keys(folder, ["left", name])
     assert not folder.exists()
 
 
-def test_no_name_twice(folder):
-    with pytest.raises(UserError, match="twice"):
-        write_keys(folder, ["left", "left"])
-
-
-def test_what_is_no_key_is_told(folder):
-    with pytest.raises(UserError, match=r"left\.key_secret: cannot read .*subsea keys"):
+def test_invalid_keys_are_reported(folder):
+    with pytest.raises(UserError, match=r"left\.key_secret: no such file; `subsea keys"):
         read_keys(folder, "left", [])
     write_keys(folder, NAMES)
-    with pytest.raises(UserError, match=r"wing\.key: cannot read"):
+    with pytest.raises(UserError, match=r"wing\.key: no such file"):
         read_keys(folder, "left", ["wing"])
-    public = folder / "right.key"
-    for nothing in ("nothing\n", "public-key\n"):
-        public.write_text(nothing)
-        with pytest.raises(UserError, match="holds no key"):
-            read_keys(folder, "left", ["right"])
-    public.write_text('public-key = "short"\n')
-    with pytest.raises(UserError, match="no key of 40"):
-        read_keys(folder, "left", ["right"])
-    for no_z85 in ("," * 40, "#" * 40, "a" * 45):  # invalid letters, too large a number, too long
-        public.write_text(f"    public-key = '{no_z85}'\n")
-        with pytest.raises(UserError, match="no key of 40"):
+    # Invalid letters, too large a number, too short, too long.
+    invalid = [f"    public-key = '{key}'\n" for key in ("," * 40, "#" * 40, "short", "a" * 45)]
+    for text, words in (("nothing\n", ""), ("public-key\n", ""), *((t, " of 40") for t in invalid)):
+        (folder / "right.key").write_text(text)
+        with pytest.raises(UserError, match=f"holds no key{words}"):
             read_keys(folder, "left", ["right"])
     secret = folder / "left.key_secret"
     secret.write_text((folder / "left.key").read_text())
@@ -105,10 +96,10 @@ def test_what_is_no_key_is_told(folder):
         read_keys(folder, "left", [])
 
 
-def test_a_command_makes_them(folder, capsys):
+def test_the_command_makes_keys(folder, capsys):
     assert main(["keys", str(folder), "left", "right"]) == 0
     printed = capsys.readouterr().out.split()
     assert sorted(printed) == sorted(map(str, folder.iterdir()))
     read_keys(folder, "left", ["right"])
     assert main(["keys", str(folder), "left"]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists; remove it" in capsys.readouterr().err

@@ -97,7 +97,7 @@ def common(one, other):
     return len(both)
 
 
-def test_a_node_that_stays_sees_a_thousand_ticks_as_the_master_does(dive):
+def test_a_lasting_node_sees_the_same_thousand_ticks_as_the_master(dive):
     master, left = dives(dive["master"])[0], dives(dive["left"])[0]
     # Some pictures have no tick, some have three: ticks in between are never shown.
     assert max(master) - min(master) >= TICKS
@@ -105,7 +105,7 @@ def test_a_node_that_stays_sees_a_thousand_ticks_as_the_master_does(dive):
     assert len(set(master.values())) == len(master)
 
 
-def test_a_node_that_was_killed_sees_the_same_before_and_after(dive):
+def test_a_restarted_node_sees_the_same_ticks(dive):
     master = dives(dive["master"])[0]
     before, after = dives(dive["right"])[0], dives(dive["right again"])[0]
     assert common(master, before) > 50
@@ -113,7 +113,7 @@ def test_a_node_that_was_killed_sees_the_same_before_and_after(dive):
     assert min(after) > max(before) + 50  # the others continued without it
 
 
-def test_what_happened_is_told_in_words(dive):
+def test_events_are_reported(dive):
     told = dive["master"].told
     assert "node right: is gone; going on without it" in told
     assert "node right: is in step again" in told
@@ -121,7 +121,7 @@ def test_what_happened_is_told_in_words(dive):
     assert "differs" not in "".join(process.told for process in dive.values())
 
 
-def test_a_master_that_comes_back_is_followed(dive):
+def test_a_restarted_master_is_followed(dive):
     second = dives(dive["second master"])[0]
     for name in ("left", "right again"):
         assert len(dives(dive[name])) == 2

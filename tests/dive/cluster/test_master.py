@@ -7,6 +7,7 @@ import msgspec
 import pytest
 import zmq
 
+from subsea import __version__
 from subsea.core.errors import UserError
 from subsea.dive.cluster import identity
 from subsea.dive.cluster.follower import Follower
@@ -41,7 +42,7 @@ def assert_all_show_the_same(harness, *nodes, pictures=20):
             assert node.seen[number] == harness.seen[number]
 
 
-def test_all_see_the_same(harness, seas):
+def test_all_nodes_show_the_same(harness, seas):
     left, right = both_in_step(harness, seas)
     assert_all_show_the_same(harness, left, right, pictures=40)
     assert left.node.waiting == ""
@@ -51,7 +52,7 @@ def test_all_see_the_same(harness, seas):
         assert "dropped" not in line
 
 
-def test_a_picture_without_a_tick_is_one(harness, seas):
+def test_a_picture_may_have_no_tick(harness, seas):
     left = harness.node(seas[1], "left")
     harness.show_until(lambda: harness.master.in_step() == ["left"])
     tick = harness.master.world.state.tick
@@ -70,7 +71,7 @@ def test_lights_are_switched_on_for_all(harness, seas):
     assert not told(harness, "differs")
 
 
-def test_a_node_that_is_late_is_left_behind_and_comes_back(make_harness, seas, address):
+def test_a_late_node_is_skipped_until_it_catches_up(make_harness, seas, address):
     harness = make_harness(seas[0], address, timeout_s=1.0)
     left, right = both_in_step(harness, seas)
     right.rest()
@@ -88,7 +89,7 @@ def test_a_node_that_is_late_is_left_behind_and_comes_back(make_harness, seas, a
     assert any("late once; rejoined once" in line for line in harness.master.report())
 
 
-def test_a_node_that_hangs_up_is_not_waited_for(harness, seas):
+def test_a_closed_node_is_not_waited_for(harness, seas):
     left, right = both_in_step(harness, seas)
     right.close()
     harness.show_pictures(10)
@@ -117,7 +118,7 @@ def test_a_node_that_lost_a_picture_fetches_the_state(harness, seas):
     assert_all_show_the_same(harness, left)
 
 
-def test_a_world_that_differs_is_told_and_mended_but_only_once(harness, seas):
+def test_a_diverged_node_is_resynchronised_once(harness, seas):
     words = []
     left = harness.node(seas[1], "left", told=words)
     assert_all_show_the_same(harness, left)
@@ -145,9 +146,8 @@ def refused(harness, node):
 def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_sea):
     left = harness.node(seas[1], "left")
     fault = refused(harness, harness.node(make_sea(seed=99), "right"))
-    version = identity.version("subsea")
     assert fault == (
-        f"the master refuses node right: it has subsea {version} with seed 99, expected 3"
+        f"the master refuses node right: it has subsea {__version__} with seed 99, expected 3"
     )
     assert told(harness, "node right: has subsea", "seed 99, expected 3", "refused")
     fault = refused(harness, harness.node(make_sea(fish=5), "right"))
@@ -160,6 +160,7 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_s
     ("changes", "words"),
     [
         ({"version": "0.0.9"}, "has subsea 0.0.9, expected "),
+        ({"code": "0123456789"}, "with other code (build 01234567, expected "),
         ({"scenario": "0"}, "with another scenario 'A school among pillars'"),
         (
             {"scenario": "0", "title": "Bay"},
@@ -169,23 +170,23 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_s
         ({"repertoires": "0"}, "with other repertoires"),
         (
             {"view": "0"},
-            "with another theatre file or calibration, --display, --eye-distance or --comfort",
+            "with another theatre file or calibration, --display, --eye-distance or --c",
         ),
     ],
 )
-def test_what_would_not_stay_equal_is_named(seas, changes, words):
+def test_differences_of_identity_are_named(seas, changes, words):
     ours = identity.identity_of(seas[0])
     assert identity.difference(identity.identity_of(seas[1]), ours) == ""
     assert words in identity.difference(msgspec.structs.replace(ours, **changes), ours)
 
 
-def test_a_node_of_no_name_in_the_theatre_is_refused(harness, seas):
+def test_a_node_outside_the_theatre_is_refused(harness, seas):
     fault = refused(harness, harness.node(seas[1], "middle"))
     assert "not among the nodes of the theatre: left, right" in fault
     assert told(harness, "node middle", "refused")
 
 
-def test_one_that_tries_again_and_again_does_not_fill_the_log(harness, seas):
+def test_repeated_attempts_do_not_flood_the_log(harness, seas):
     ours = identity.identity_of(seas[0])
     other = msgspec.structs.replace(ours, seed=4)
     with zmq.Context() as context:
@@ -214,7 +215,7 @@ def test_garbage_does_not_stop_the_dive(harness, seas):
         stranger.send_multipart([b"one", b"two", b"three"])
         stranger.send(encode(Hello("left", identity.identity_of(seas[0])))[:-1])
         assert_all_show_the_same(harness, left, right)
-        harness.show_until(lambda: told(harness, "refused: what was received is no message"))
+        harness.show_until(lambda: told(harness, "refused: the message received is not one of"))
         stranger.send(b"x" * (SMALL + 1))  # too long: ends the connection
         for _ in range(50):
             stranger.send(b"garbage")
@@ -224,7 +225,7 @@ def test_garbage_does_not_stop_the_dive(harness, seas):
     assert set(harness.master.in_step()) == {"left", "right"}
 
 
-def test_a_follower_takes_no_garbage_for_a_master(seas, address):
+def test_a_follower_ignores_garbage(seas, address):
     """Another program listens at the master's address."""
     words = []
     with zmq.Context() as context:
@@ -238,10 +239,10 @@ def test_a_follower_takes_no_garbage_for_a_master(seas, address):
         for bad in (b"", b"garbage", MAGIC + b"\x00" * 99):
             other.send_multipart([route, bad])
         end = time.monotonic() + 60.0
-        while not any("no message of subsea" in line for line in words):
+        while not any("not one of subsea" in line for line in words):
             assert time.monotonic() < end and node.picture(0.3) is None
         assert node.picture(0.3) is None
-        assert sum("no message of subsea" in line for line in words) == 1
+        assert sum("not one of subsea" in line for line in words) == 1
         assert node.waiting.startswith("waiting for the master at")
         limit = snapshot.size_limit(seas[1]) + SMALL
         other.send_multipart([route, b"x" * (limit + 1)])
@@ -251,7 +252,7 @@ def test_a_follower_takes_no_garbage_for_a_master(seas, address):
         other.close()
 
 
-def test_what_is_told_of_a_state_does_not_steer_the_terminal(seas, address):
+def test_errors_about_states_are_printable(seas, address):
     header = (
         b'{"tick": 0, "seed": 0, "seen_light": {}, "checksum": "", "arrays": [], "\\u001b[2J": 0}'
     )
@@ -263,7 +264,7 @@ def test_what_is_told_of_a_state_does_not_steer_the_terminal(seas, address):
     assert str(caught.value).isprintable()
 
 
-def test_a_master_that_comes_back_begins_a_new_dive(make_harness, seas, address):
+def test_a_restarted_master_begins_a_new_dive(make_harness, seas, address):
     words = []
     harness = make_harness(seas[0], address, timeout_s=1.0)
     left = harness.node(seas[1], "left", told=words)
@@ -288,7 +289,7 @@ def keyed(tmp_path_factory):
     return folder
 
 
-def test_with_keys_only_those_who_are_known_take_part(make_harness, seas, address, keyed):
+def test_only_nodes_with_known_keys_take_part(make_harness, seas, address, keyed):
     harness = make_harness(seas[0], address, keys=read_keys(keyed, "master", ["left", "right"]))
     left = harness.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
     assert_all_show_the_same(harness, left)
@@ -322,22 +323,19 @@ def test_a_node_does_not_follow_a_master_with_another_key(make_harness, seas, ad
         ("192.0.2.1:5560", "other computers reach it, so keys are needed"),
         ("[2001:db8::1]:5560", "so keys are needed"),
         ("0.0.0.0:5560", "no node can call it"),
-        ("localhost:5560", "expected an IP address and a port"),
-        ("somewhere:5560", "expected an IP address and a port"),
-        ("127.0.0.1", "expected an IP address and a port"),
-        ("127.0.0.1:0", "expected an IP address and a port"),
-        ("127.0.0.1:99999", "expected an IP address and a port"),
-        ("127.0.0.1:٥٥٦٠", "expected an IP address and a port"),
+        *((address, "expected an IP address and a port")
+          for address in ("localhost:5560", "somewhere:5560", "127.0.0.1", "127.0.0.1:0",
+                          "127.0.0.1:99999", "127.0.0.1:٥٥٦٠")),
     ],
-)
-def test_an_address_that_cannot_be_is_told(seas, address, words):
+)  # fmt: skip
+def test_invalid_addresses_are_refused(seas, address, words):
     with pytest.raises(UserError, match=words):
         Master(seas[0], ["left"], address)
     with pytest.raises(UserError, match=words):
         Follower(seas[0], "left", "master", address)
 
 
-def test_keys_that_cannot_be_end_what_was_begun(seas, address):
+def test_invalid_keys_close_the_sockets(seas, address):
     """The context of a socket left open would wait for ever."""
     none = b"," * 40
     keys = Keys(none, none, {"left": none, "master": none})
@@ -347,6 +345,13 @@ def test_keys_that_cannot_be_end_what_was_begun(seas, address):
         Follower(seas[0], "left", "master", address, keys)
 
 
-def test_an_address_in_use_is_told(harness, seas):
+def test_an_address_in_use_is_refused(harness, seas):
     with pytest.raises(UserError, match="cannot listen there"):
         Master(seas[1], ["left"], harness.address)
+
+
+def test_two_builds_of_one_version_are_told_apart(harness, seas, monkeypatch):
+    monkeypatch.setattr(identity, "source_stamp", lambda file: "0123456789")
+    fault = refused(harness, harness.node(seas[1], "left"))
+    assert f"has subsea {__version__} with other code (build 01234567, expected" in fault
+    assert told(harness, "node left", "other code", "refused")

@@ -22,28 +22,25 @@ def said(findings, word):
     return found[0]
 
 
-@pytest.mark.parametrize("name", species_names())
-def test_shipped_species_stand_up_to_it(name):
-    findings = checks.static_checks(load_species(name))
-    assert findings and not [one for one in findings if one.severity == FAULT]
-    minded = [one for one in findings if one.severity == WARNING]
-    assert len(minded) <= (name == "emperor_angelfish")  # which is light for its size
+def test_static_checks_of_shipped_species_find_no_fault():
+    for name in species_names():
+        findings = checks.static_checks(load_species(name))
+        assert findings and not [one for one in findings if one.severity == FAULT], name
+        minded = [one for one in findings if one.severity == WARNING]
+        assert len(minded) <= (name == "emperor_angelfish")  # which is light for its size
 
 
-@pytest.mark.parametrize("name", muscular_names())
-def test_shipped_species_swim_turn_and_keep_their_shape(name):
-    muscles = load_species(name).muscles
-    swim = checks.try_swimming(muscles)
-    assert {one.severity for one in checks.swim_checks(swim, muscles)} == {GOOD}
-    assert 0.65 <= swim.strain[0] < 1 < swim.strain[1] <= 1.4
-    assert swim.turned_deg == pytest.approx(muscles.turn.sharp, abs=2)
-
-
-def test_speed_is_that_of_the_documentation():
-    swim = checks.try_swimming(load_species("fusilier").muscles)
-    assert swim.per_beat == pytest.approx(0.462, abs=0.003)
-    assert swim.sweep == pytest.approx(0.192, abs=0.003)
-    assert swim.speed_bl_s == pytest.approx(0.999, abs=0.01)
+def test_shipped_species_swim_turn_and_keep_their_shape():
+    for name in muscular_names():
+        muscles = load_species(name).muscles
+        swim = checks.try_swimming(muscles)
+        assert {one.severity for one in checks.swim_checks(swim, muscles)} == {GOOD}, name
+        assert 0.65 <= swim.strain[0] < 1 < swim.strain[1] <= 1.4
+        assert swim.turned_deg == pytest.approx(muscles.turn.sharp, abs=2)
+        if name == "fusilier":  # the numbers of the documentation
+            assert swim.per_beat == pytest.approx(0.462, abs=0.003)
+            assert swim.sweep == pytest.approx(0.192, abs=0.003)
+            assert swim.speed_bl_s == pytest.approx(0.999, abs=0.01)
 
 
 def with_body(draft, **keys):
@@ -64,25 +61,25 @@ def test_each_fault_is_named_with_what_to_do(fusilier):
     assert heavy.severity == WARNING and "Neutral" in heavy.text
     level = with_mass(fusilier, checks.displaced_cm3(fusilier.species))
     assert said(of(level), "buoyant").severity == GOOD
+    for share, words in ((0.72, "28% lighter"), (1.25, "25% heavier")):
+        off = with_mass(fusilier, share * checks.displaced_cm3(fusilier.species))
+        assert said(of(off), "displaced").text.startswith(f"It is {words} than the water")
+        assert not [one for one in of(off) if "buoyant" in one.text]
     front = with_body(fusilier, masses=[20.0, 9.0, 3.0, 1.5, 1.5, 1.5, 1.5])
     assert said(of(front), "forward").severity == WARNING
     thin = with_value(fusilier, ("surface", "width", 3), [0.1, -0.01])
     assert said(of(thin), "no width").severity == FAULT
     sunk = [[x, 0.4 * y] for x, y in fusilier.content["surface"]["dorsal"]["edge"]]
-    assert (
-        said(
-            of(with_value(fusilier, ("surface", "dorsal", "edge"), sunk)), "fin lies inside"
-        ).severity
-        == WARNING
-    )
+    inside = with_value(fusilier, ("surface", "dorsal", "edge"), sunk)
+    assert said(of(inside), "fin lies inside").severity == WARNING
 
 
-def test_a_hull_that_is_folded_is_told():
+def test_a_folded_hull_is_reported():
     body = checks.build_body(load_species("fusilier").body)
-    assert said(checks.check_faces(body), "78 faces").severity == GOOD
+    assert said([checks.check_faces(body)], "78 faces").severity == GOOD
     folded = body.rest.copy()
     folded[[9, 10]], folded[[11, 12]] = folded[[12, 11]], folded[[10, 9]]  # ring 3 upside down
-    finding = said(checks.check_faces(body._replace(rest=folded)), "folded")
+    finding = said([checks.check_faces(body._replace(rest=folded))], "folded")
     assert finding.severity == FAULT and "ring 2" in finding.text
 
 
@@ -95,7 +92,7 @@ def test_a_body_that_loses_its_shape_is_named_with_the_place(fusilier):
     assert finding.severity == FAULT and "ring" in finding.text
 
 
-def test_one_that_hardly_moves_is_sent_to_learn(fusilier):
+def test_a_slow_fish_is_advised_to_learn(fusilier):
     weak = with_value(fusilier, ("swim", "contraction"), [0.05, 0.05])
     muscles = weak.species.muscles
     findings = checks.swim_checks(checks.try_swimming(muscles), muscles)
@@ -104,10 +101,11 @@ def test_one_that_hardly_moves_is_sent_to_learn(fusilier):
     assert said(findings, "sharp turn").severity == WARNING
 
 
-def test_one_too_quick_for_muscles_is_told(fusilier):
-    quick = with_value(fusilier, ("swim", "ticks_per_beat"), 7)
-    findings = checks.swim_checks(checks.try_swimming(quick.species.muscles), quick.species.muscles)
-    assert any("faster than" in one.text for one in findings if one.severity != GOOD) or any(
-        one.severity == FAULT for one in findings
+def test_a_beat_too_fast_for_muscles_is_reported(fusilier):
+    muscles = with_value(fusilier, ("swim", "ticks_per_beat"), 7).species.muscles
+    swim = checks.try_swimming(muscles)
+    assert np.isfinite(swim.step_cm)
+    assert any(
+        one.severity == FAULT or (one.severity == WARNING and "faster than" in one.text)
+        for one in checks.swim_checks(swim, muscles)
     )
-    assert np.isfinite(checks.try_swimming(quick.species.muscles).step_cm)

@@ -143,7 +143,7 @@ def test_neither_the_photograph_nor_a_foreign_picture_is_replaced(capsys, own, p
     shutil.copy(photo, beside)
     stays(beside, "photograph", beside)
     stays(beside, "photograph", beside, "--out", beside)
-    stays(beside, f"no sheet of {own.name}", photo)
+    stays(beside, f"not the sheet of {own.name}", photo)
     beside.unlink()
     link = tmp_path / "link.png"
     link.symlink_to(photo)
@@ -153,7 +153,7 @@ def test_neither_the_photograph_nor_a_foreign_picture_is_replaced(capsys, own, p
 def test_what_is_not_installed_is_named(capsys, photo, monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     code, out, err = run(capsys, photo, "--species", "clownfish", "--auto")
-    assert (code, out, err) == (2, "", "subsea: skin needs OpenCV: install subsea[skin]\n")
+    assert (code, out, err) == (2, "", "subsea: skin needs OpenCV: run `make bench`\n")
 
 
 def test_an_interrupted_one_leaves_nothing(capsys, own, photo, tmp_path, monkeypatch):

@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-import pytest
 
 from subsea.fish.photo.eye_detection import eye_near
 
@@ -18,12 +17,12 @@ def face(eye=True, noise=6.0):
     return (picture + rng.normal(0, noise, picture.shape)).clip(0, 255).astype(np.uint8)
 
 
-@pytest.mark.parametrize("off", [(0.0, 0.0), (25.0, -10.0), (-20.0, 25.0)])
-@pytest.mark.parametrize("size", [0.75, 1.0, 1.25])
-def test_an_eye_is_found_near_by(off, size):
-    place, plain = eye_near(face(), np.array([150.0, 120.0]) + off, 18.0 * size)
-    assert np.hypot(*(place - (150.0, 120.0))) < 3.0
-    assert plain > 0.4
+def test_an_eye_is_found_near_by():
+    for size in (0.75, 1.0, 1.25):
+        for off in ((0.0, 0.0), (25.0, -10.0), (-20.0, 25.0)):
+            place, contrast = eye_near(face(), np.array([150.0, 120.0]) + off, 18.0 * size)
+            assert np.hypot(*(place - (150.0, 120.0))) < 3.0
+            assert contrast > 0.4
 
 
 def test_no_eye_is_not_plain():

@@ -34,18 +34,16 @@ def test_outlines_are_found(accuracy, name):
     assert (head > tail) == case.right
 
 
-@pytest.mark.parametrize("off, code", [(0.0149, 0), (0.0151, 1), (np.nan, 1)])
-def test_the_table_fails_where_an_outline_is_off_too_far(
-    accuracy, clownfish_photo, off, code, monkeypatch
-):
+def test_the_table_fails_where_an_outline_is_off_too_far(accuracy, clownfish_photo, monkeypatch):
     monkeypatch.setattr(accuracy, "CASES", {"one": accuracy.Case("clownfish")})
     monkeypatch.setattr(accuracy, "made", lambda case: clownfish_photo)
     monkeypatch.setattr(
         accuracy, "find_fish", lambda photograph, plan: SimpleNamespace(meshes=None)
     )
-    monkeypatch.setattr(accuracy, "outline_error", lambda meshes, truth: off)
     monkeypatch.setattr("sys.argv", ["skin_accuracy.py"])
-    assert accuracy.main() == code
+    for off, code in ((0.0149, 0), (0.0151, 1), (np.nan, 1)):
+        monkeypatch.setattr(accuracy, "outline_error", lambda *_, off=off: off)
+        assert accuracy.main() == code
 
 
 @pytest.mark.parametrize("name", ["fusilier", "bluecheek_butterflyfish"])
@@ -67,7 +65,7 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
     assert (other[0, 0] > 0) == right and less < likeness
 
 
-def test_an_opacity_tells_the_fish_apart(clownfish_photo):
+def test_opacity_segments_the_fish(clownfish_photo):
     photograph, truth = clownfish_photo
     plan = load_species("clownfish").surface
     # Colours cannot help here: the picture is grey.
@@ -77,7 +75,7 @@ def test_an_opacity_tells_the_fish_apart(clownfish_photo):
     assert outline_error(find_fish(cut, plan).meshes, truth) < 0.01
 
 
-def test_no_fish_is_one_line(clownfish_photo):
+def test_no_fish_is_a_one_line_error(clownfish_photo):
     plan = load_species("clownfish").surface
     photograph = clownfish_photo.photograph
     blank = photograph._replace(colour=np.full_like(photograph.colour, 128))
@@ -88,7 +86,7 @@ def test_no_fish_is_one_line(clownfish_photo):
         find_fish(photograph._replace(opacity=clear), plan)
 
 
-def test_what_lies_under_meshes_is_told_apart(clownfish_photo):
+def test_the_fish_is_segmented_under_meshes(clownfish_photo):
     photograph, truth = clownfish_photo
     plan = load_species("clownfish").surface
     meshes = find_fish(photograph, plan).meshes
@@ -109,8 +107,8 @@ def test_the_outline_error_is_a_distance():
 
 
 @pytest.mark.parametrize("right", [False, True])
-def test_the_eye_tells_which_way_a_fish_heads(right):
-    # A fish without a tail, alike fore and aft.
+def test_the_eye_decides_the_heading(right):
+    # A fish without a tail, symmetric fore and aft.
     y, x = np.mgrid[:200, :320]
     shape = np.hypot((x - 160) / 110, (y - 100) / 42) < 1
     colour = np.full((200, 320, 3), (210, 120, 40), np.uint8)
@@ -133,7 +131,7 @@ def test_the_meshes_follow_the_eye(accuracy):
     other = structs.replace(species, surface=structs.replace(species.surface, eye=eye))
     one = find_fish(photograph, other.surface)
     assert outline_error(one.meshes, truth) < 0.01
-    body = sheet_layout.framed(
+    body = sheet_layout.crop(
         lift_sheet(photograph.colour, one.meshes, other, one.mask).transpose(2, 0, 1),
         sheet_layout.BODY,
     )

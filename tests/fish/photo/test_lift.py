@@ -9,17 +9,17 @@ from subsea.fish.photo.fitting import find_fish
 from subsea.fish.photo.lift import lift_sheet, mesh_mask, pull_push, rasterize
 from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species
-from subsea.fish.surface import SUNK, along, travelled
+from subsea.fish.surface import SUNK, along, points_along
 
 MAGENTA = (255, 0, 255)
 
 
-def framed(sheet, frame):
-    return sheet_layout.framed(sheet.transpose(2, 0, 1), frame).transpose(1, 2, 0).astype(int)
+def crop(sheet, frame):
+    return sheet_layout.crop(sheet.transpose(2, 0, 1), frame).transpose(1, 2, 0).astype(int)
 
 
 def texel(species, sheet, s, y):
-    body = framed(sheet, sheet_layout.BODY)
+    body = crop(sheet, sheet_layout.BODY)
     top = sheet_layout.half_height(species.surface)
     front, rear = sheet_layout.borders(species.surface)
     column = int((s - front) / (rear - front) * body.shape[1])
@@ -72,10 +72,10 @@ def test_fins_have_their_own_colours_and_go_on_within_the_body(clownfish, marked
     picture, meshes, fish = marked
     sheet = lift_sheet(picture, meshes, clownfish, fish)
     plan = clownfish.surface.dorsal
-    dorsal = framed(sheet, sheet_layout.DORSAL)
+    dorsal = crop(sheet, sheet_layout.DORSAL)
     share, up = 0.5, 0.8
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
-    edge = travelled(plan.edge, np.array([share]))[0]
+    edge = points_along(plan.edge, np.array([share]))[0]
     root = SUNK * along(clownfish.surface.back, np.array([base]))[0]
     s, y = base + up * (edge[0] - base), root + up * (edge[1] - root)
     red, green, _, alpha = dorsal[int(up * dorsal.shape[0]), int(share * dorsal.shape[1])]
@@ -85,16 +85,16 @@ def test_fins_have_their_own_colours_and_go_on_within_the_body(clownfish, marked
     assert (dorsal[0, :, 3] == 255).all()
 
 
-def test_nothing_of_the_background_is_left(clownfish, marked):
+def test_the_background_is_removed(clownfish, marked):
     picture, meshes, fish = marked
     for told in (fish, None):
         sheet = lift_sheet(picture, meshes, clownfish, told)
         for frame in (sheet_layout.BODY, sheet_layout.DORSAL, sheet_layout.VENTRAL):
-            part = framed(sheet, frame)
+            part = crop(sheet, frame)
             blue = part[..., 2] - np.minimum(part[..., 0], part[..., 1])
             assert blue.max() < 40  # of 255 in the background; the fish has no blue
     # And at the coarsest mipmap neither: what lies beyond the outline goes on in its colours.
-    body = framed(lift_sheet(picture, meshes, clownfish, fish), sheet_layout.BODY)
+    body = crop(lift_sheet(picture, meshes, clownfish, fish), sheet_layout.BODY)
     assert body[-1, :, 2].max() < 40 and body[0, :, 2].max() < 40
 
 
@@ -105,16 +105,16 @@ def test_the_body_is_opaque_and_gaps_in_fins_stay_gaps(clownfish, marked):
     fish[edge[1] - 12 : edge[1] + 20, edge[0] - 6 : edge[0] + 6] = False
     picture[~fish] = MAGENTA
     sheet = lift_sheet(picture, meshes, clownfish, fish)
-    body = framed(sheet, sheet_layout.BODY)
+    body = crop(sheet, sheet_layout.BODY)
     front, rear = sheet_layout.borders(clownfish.surface)
     tail = int((clownfish.surface.tail.begin - front) / (rear - front) * body.shape[1])
     assert (body[:, :tail, 3] == 255).all()
-    dorsal = framed(sheet, sheet_layout.DORSAL)
+    dorsal = crop(sheet, sheet_layout.DORSAL)
     assert dorsal[-6, :, 3].min() < 40
     assert np.median(dorsal[-6, :, 3]) > 180
 
 
-def test_light_from_above_is_evened_out_but_not_a_dark_back(clownfish, marked):
+def test_light_from_above_is_removed_but_not_a_dark_back(clownfish, marked):
     _, meshes, fish = marked
     y = np.linspace(1.0, 0.0, 600)[:, None, None] * np.ones((1, 800, 3))
     for picture, evened in ((60 + 130 * y, True), (60 + 130 * (1 - y), False)):
@@ -131,10 +131,10 @@ def test_light_from_above_is_evened_out_but_not_a_dark_back(clownfish, marked):
 def test_paired_fins_take_the_photographs_colours(clownfish, marked):
     _, meshes, fish = marked
     grey = np.where(fish[..., None], np.uint8(70), np.uint8(200)) * np.ones(3, np.uint8)
-    pectoral = framed(lift_sheet(grey, meshes, clownfish, fish), sheet_layout.PECTORAL)
+    pectoral = crop(lift_sheet(grey, meshes, clownfish, fish), sheet_layout.PECTORAL)
     seen = pectoral[pectoral[..., 3] > 100][:, :3]
     assert np.ptp(seen, axis=1).mean() < 12  # no orange is left
-    painted = framed(paint.paint(clownfish), sheet_layout.PECTORAL)
+    painted = crop(paint.paint(clownfish), sheet_layout.PECTORAL)
     np.testing.assert_array_equal(pectoral[..., 3] > 0, painted[..., 3] > 0)
 
 

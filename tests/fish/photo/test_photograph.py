@@ -38,7 +38,7 @@ def test_pictures_of_many_formats_are_read(tmp_path, ending):
     assert abs(got.colour.astype(int) - ramp()).mean() < 12
 
 
-def test_a_pixel_that_is_no_number_is_dark(tmp_path):
+def test_nan_pixels_are_dark(tmp_path):
     grey = np.tile(np.linspace(0.0, 1.0, 200, dtype=np.float32), (100, 1))
     means = []
     for first in (0.0, np.nan):
@@ -90,14 +90,14 @@ def test_a_camera_held_on_its_side_is_turned_upright(tmp_path):
     assert got[:20].mean() < got[-20:].mean()  # its dark left is its top now
 
 
-def test_large_ones_are_scaled_down(tmp_path):
+def test_large_pictures_are_scaled_down(tmp_path):
     path = tmp_path / "large.jpg"
     Image.fromarray(ramp(4000, 3000)).save(path)
     assert read_photograph(path).colour.shape == (WORK * 3 // 4, WORK, 3)
 
 
-def test_what_is_no_photograph_gets_one_line(tmp_path):
-    fails(tmp_path / "none.png", "cannot read")
+def test_other_files_are_one_line_errors(tmp_path):
+    fails(tmp_path / "none.png", "no such file")
     fails(tmp_path, "cannot read")
     text = tmp_path / "text.jpg"
     text.write_text("a fish")
@@ -114,7 +114,7 @@ def test_what_is_no_photograph_gets_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["png", "jpg", "tif", "webp", "gif"])
-def test_damaged_ones_get_one_line(tmp_path, ending):
+def test_damaged_pictures_are_one_line_errors(tmp_path, ending):
     whole = tmp_path / f"whole.{ending}"
     rng = np.random.default_rng(0)
     Image.fromarray(rng.integers(0, 255, (200, 300, 3), np.uint8)).save(whole)
@@ -164,7 +164,7 @@ def test_the_largest_piece_is_kept_and_filled():
     assert not largest_region(np.zeros((50, 60), bool)).any()
 
 
-def test_colours_are_told_apart():
+def test_a_fish_is_segmented_by_colour():
     rng = np.random.default_rng(1)
     picture = rng.normal((40, 90, 120), 8, (150, 200, 3))
     y, x = np.mgrid[:150, :200]

@@ -21,10 +21,10 @@ from subsea.fish.mesh import (
     PELVIC,
     VERTEX_ATTRIBUTES,
     VERTEX_FORMAT,
-    finest,
+    finest_basis,
     fish_mesh,
-    kept,
-    outfit,
+    sample_indices,
+    species_vertices,
     surface_points,
 )
 from subsea.fish.species import load_species
@@ -41,7 +41,6 @@ from subsea.fish.surface import (
 )
 from subsea.geometry.rotation import matrix
 from subsea.geometry.spline import greville
-from subsea.render import Renderer
 from subsea.render.fish import fishes
 from subsea.render.fish.fishes import GAPE_RAD, INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
 from subsea.render.fish.preview import FINS as AT_EASE
@@ -50,29 +49,32 @@ from subsea.render.fish.speck import speck
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
-from subsea.view.display_rigs import display_rig
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
 
 
 @pytest.fixture(scope="module")
-def program(context, scene):
-    varyings = ("v_world", "v_normal")
-    program = context.program(
-        vertex_shader=source("fishes.vert", SPECIES=len(scene.species)), varyings=varyings
+def shaded(context, scene):
+    """World positions and normals (n, 3) of one fish's vertices, as the shader computes them."""
+    compiled = context.program(
+        vertex_shader=source("fishes.vert", SPECIES=len(scene.species)),
+        varyings=("v_world", "v_normal"),
     )
-    yield program
-    program.release()
+    yield lambda level, packet, scene=scene, stiff=None: _shaded(
+        context, compiled, scene, level, packet, stiff
+    )
+    compiled.release()
 
 
 def dressed(scene, species, level):
     """A mesh, and the attributes of its vertices."""
-    return MESHES[level], outfit(scene.species[species].surface, MESHES[level], DETAILS[level])
+    return MESHES[level], species_vertices(
+        scene.species[species].surface, MESHES[level], DETAILS[level]
+    )
 
 
-def shaded(context, program, scene, level, packet, stiff=None):
-    """World positions and normals (n, 3) of one fish's vertices, as the shader computes them."""
+def _shaded(context, program, scene, level, packet, stiff):
     mesh = MESHES[level]
     own = [dressed(scene, k, level)[1] for k in range(len(scene.species))]
     rows, points = scene.control_points.shape[:2]
@@ -140,12 +142,12 @@ def surface(control, u, v):
 @pytest.mark.parametrize("species", [0, 1])
 @pytest.mark.parametrize("level", range(len(DETAILS)))
 def test_positions_and_normals_are_those_of_the_spline(
-    context, program, scene, make_packet, fish, species, level
+    shaded, scene, make_packet, fish, species, level
 ):
     one = fish(species, (30.0, -12.0, -150.0), heading=0.8, weight=0.35, scale=1.3)
     packet = make_packet([one])
     mesh, own = dressed(scene, species, level)
-    position, normal = shaded(context, program, scene, level, packet)
+    position, normal = shaded(level, packet)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
     control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
@@ -172,14 +174,12 @@ def test_positions_and_normals_are_those_of_the_spline(
 
 @pytest.mark.parametrize("species", [0, 1])
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_what_is_exported_is_what_is_drawn(
-    context, program, scene, make_packet, fish, species, level
-):
+def test_what_is_exported_is_what_is_drawn(shaded, scene, make_packet, fish, species, level):
     """Includes paired fins at rest; upright at the origin, heading along x."""
     at_ease = (SWEEP_RAD, SWEEP_RAD)
     one = fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35, pectoral=at_ease)
     packet = make_packet([one])
-    drawn = shaded(context, program, scene, level, packet)
+    drawn = shaded(level, packet)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
     control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
@@ -189,10 +189,10 @@ def test_what_is_exported_is_what_is_drawn(
         np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=2e-3)
 
 
-def test_normals_of_the_body_point_outward(context, program, scene, make_packet, fish):
+def test_normals_of_the_body_point_outward(shaded, scene, make_packet, fish):
     packet = make_packet([fish(1, (0.0, 0.0, 0.0), heading=0.0)])
     mesh, own = dressed(scene, 1, 0)
-    position, normal = shaded(context, program, scene, 0, packet)
+    position, normal = shaded(0, packet)
     flank = (mesh.vertices[:, PART] == BODY) & (mesh.vertices[:, ALONG] == 0.5)
     flank &= (own[:, 3] > 0.2) & (own[:, 3] < 0.7)
     assert flank.sum() > 50
@@ -202,7 +202,7 @@ def test_normals_of_the_body_point_outward(context, program, scene, make_packet,
 
 
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_both_halves_meet_without_a_crease(context, program, scene, make_packet, fish, level):
+def test_both_halves_meet_without_a_crease(shaded, scene, make_packet, fish, level):
     """Normals of a straight body agree at its ridges, and point ahead at the snout."""
     straight = scene.control_points.copy()
     rest = rest_control_points(scene.species[0].surface, scene.recorded_length_cm[0], 6.0)
@@ -210,7 +210,7 @@ def test_both_halves_meet_without_a_crease(context, program, scene, make_packet,
     packet = make_packet([fish(0, (0.0, 0.0, 0.0), heading=0.0)])
     mesh, own = dressed(scene, 0, level)
     still = dataclasses.replace(scene, control_points=straight)
-    _, normal = shaded(context, program, still, level, packet)
+    _, normal = shaded(level, packet, still)
     body = mesh.vertices[:, PART] == BODY
     trunk = body & (own[:, 3] > 0.05) & (own[:, 3] < 0.6)
     for ridge, up in ((0.0, 1.0), (1.0, -1.0)):
@@ -224,26 +224,24 @@ def test_both_halves_meet_without_a_crease(context, program, scene, make_packet,
     np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-4)
 
 
-def test_pectoral_fins_sweep_outward(context, program, scene, make_packet, fish):
+def test_pectoral_fins_sweep_outward(shaded, make_packet, fish):
     mesh = MESHES[0]
     paddles = mesh.vertices[:, PART] == PECTORAL
     reach = []
     for sweep in (0.0, 0.8):
         packet = make_packet([fish(0, (0, 0, 0), heading=0.0, weight=0.0, pectoral=(sweep, sweep))])
-        position, _ = shaded(context, program, scene, 0, packet)
+        position, _ = shaded(0, packet)
         reach.append(-position[paddles, 1] * mesh.vertices[paddles, SIDE])
     assert reach[1].max() > reach[0].max() + 1.0
 
 
-def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
-    context, program, scene, make_packet, fish
-):
+def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(shaded, scene, make_packet, fish):
     mesh, own = dressed(scene, 0, 0)
     still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
     moved.instances[0, 17:19] = 0.5, 0.4  # folded by half, spread
     change = {}
     for stiff in (0.0, 1.0):
-        places = [shaded(context, program, scene, 0, p, stiff)[0] for p in (still, moved)]
+        places = [shaded(0, p, stiff=stiff)[0] for p in (still, moved)]
         change[stiff] = np.abs(places[0] - places[1]).max(axis=1)
     fins = mesh.vertices[:, PART] == FIN
     tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > 0.95)
@@ -252,9 +250,7 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(
     assert change[1.0].max() == 0.0
 
 
-def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
-    context, program, scene, make_packet, fish
-):
+def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(shaded, scene, make_packet, fish):
     """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
     species, size = scene.species[0], scene.recorded_length_cm[0]
     straight = scene.control_points.copy()
@@ -263,7 +259,7 @@ def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(
     shut, breath, bite = (make_packet([fish(0, (0, 0, 0), heading=0.0)]) for _ in range(3))
     breath.instances[0, 16], bite.instances[0, 16] = 0.45, 1.0
     (before, ahead), (breathing, _), (after, turned) = (
-        shaded(context, program, still, 0, packet) for packet in (shut, breath, bite)
+        shaded(0, packet, still) for packet in (shut, breath, bite)
     )
     mesh, own = dressed(scene, 0, 0)
     (tip, high), (corner, low) = species.skin.mouth
@@ -313,7 +309,7 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
     plan = load_species("fusilier").surface
     finless = structs.replace(plan, dorsal=None, pelvic=None)
     mesh = MESHES[level]
-    full, less = (outfit(one, mesh, DETAILS[level]) for one in (plan, finless))
+    full, less = (species_vertices(one, mesh, DETAILS[level]) for one in (plan, finless))
     hidden = less[:, 2] == ABSENT
     part, side = mesh.vertices[:, PART], mesh.vertices[:, SIDE]
     np.testing.assert_array_equal(hidden, ((part == FIN) & (side > 0)) | (part == PELVIC))
@@ -321,18 +317,14 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
 
 
 @pytest.mark.parametrize("species", [0, 1])
-def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
+def test_levels_agree_in_silhouette(drawn, make_packet, fish, species):
     """All levels but specks at the size of a near fish; specks at the size of a far one."""
     size = (240, 160)
-    renderer = Renderer(context, scene, display_rig("mono", size))
-    renderer.draw(make_packet([], size=size))
-    empty = renderer.read_pixels().astype(int)
+    empty = drawn(make_packet([], size=size))
     shapes = []
     for level in range(4):
         one = fish(species, (0, 24, -200), heading=2.8, level=level)
-        renderer.draw(make_packet([one], size=size))
-        shapes.append(np.abs(renderer.read_pixels() - empty).max(axis=2) > 2)
-    renderer.release()
+        shapes.append(np.abs(drawn(make_packet([one], size=size)) - empty).max(axis=2) > 2)
     assert shapes[0].mean() > 0.08
     for coarser, least in ((1, 0.97), (2, 0.97), (3, 0.93)):
         both, either = shapes[0] & shapes[coarser], shapes[0] | shapes[coarser]
@@ -340,25 +332,20 @@ def test_levels_agree_in_silhouette(context, scene, make_packet, fish, species):
 
 
 @pytest.mark.parametrize("species", [0, 1])
-def test_a_speck_looks_like_the_level_before_it(context, scene, make_packet, fish, species):
+def test_a_speck_looks_like_the_level_before_it(drawn, make_packet, fish, species):
     """Equal size and brightness where one level replaces another: at a length of 24 pixels."""
     size = (60, 40)
-    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
     silhouettes, sums = [], []
     for level in (3, 4):
         shape, colour = np.zeros(size[::-1]), np.zeros(3)
         for k, heading in enumerate(np.linspace(0.0, 6.0, 12)):
             one = fish(species, (0, 32, -200), heading=heading, level=level)
-            pair = []
-            for shown in ([one], []):
-                renderer.draw(make_packet(shown, size=size, time_s=3.0 * k))
-                pair.append(renderer.read_pixels().astype(float))
-            change = pair[0] - pair[1]
+            packets = [make_packet(f, size=size, time_s=3.0 * k) for f in ([one], [])]
+            change = np.subtract(*(drawn(packet, quality=PRESETS["low"]) for packet in packets))
             shape += np.abs(change).max(axis=2) > 4
             colour += change.sum(axis=(0, 1))
         silhouettes.append(shape.sum() / 12)
         sums.append(colour / 12)
-    renderer.release()
     assert silhouettes[0] > 40
     assert silhouettes[1] == pytest.approx(silhouettes[0], rel=0.1)
     assert (np.abs(sums[1] - sums[0]) / silhouettes[0] < 12).all()  # grey levels a pixel
@@ -379,24 +366,18 @@ def test_a_speck_is_closed_and_a_handful_of_triangles():
 
 @pytest.mark.parametrize("level", range(5))
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-def test_of_a_fade_each_pixel_is_drawn_exactly_once(
-    context, scene, make_packet, fish, level, share
-):
+def test_a_cross_fade_draws_each_pixel_exactly_once(drawn, make_packet, fish, level, share):
     """Both halves of a cross-fade at one level make the whole fish; one alone makes its share.
 
     A pixel drawn twice would make fins denser, and a missing pixel would show the water.
     """
-    size = (120, 80)
-    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
 
-    def drawn(*fades):
+    def faded(*fades):
         selves = [fish(1, (0, 24, -200), heading=2.8, level=level, fade=fade) for fade in fades]
-        renderer.draw(make_packet(selves, size=size))
-        return renderer.read_pixels().astype(int)
+        return drawn(make_packet(selves, size=(120, 80)), quality=PRESETS["low"])
 
-    empty, whole, both = drawn(), drawn(0.0), drawn(share, share - 1.0)
-    one, other = drawn(share), drawn(share - 1.0)
-    renderer.release()
+    empty, whole, both = faded(), faded(0.0), faded(share, share - 1.0)
+    one, other = faded(share), faded(share - 1.0)
     mine = np.abs(whole - empty).max(axis=2) > 2
     assert mine.sum() > 500
     firsts, seconds = ((np.abs(x - empty).max(axis=2) > 2) & mine for x in (one, other))
@@ -409,20 +390,15 @@ def test_of_a_fade_each_pixel_is_drawn_exactly_once(
 
 
 @pytest.mark.parametrize("level", range(5))
-def test_nobody_sees_its_own_body(context, scene, make_packet, fish, level):
-    size = (120, 80)
-    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
-
-    def drawn(fishes, without=-1):
-        packet = make_packet(fishes, size=size)
+def test_a_view_lacks_the_body_of_the_fish_whose_eye_it_is(drawn, make_packet, fish, level):
+    def seen(fishes, without=-1):
+        packet = make_packet(fishes, size=(120, 80))
         views = tuple(dataclasses.replace(view, without=without) for view in packet.views)
-        renderer.draw(dataclasses.replace(packet, views=views))
-        return renderer.read_pixels().astype(int)
+        return drawn(dataclasses.replace(packet, views=views), quality=PRESETS["low"])
 
     own = fish(1, (0, 24, -200), level=level, number=7)
     other = fish(0, (4, 60, -200), level=level, number=8)
-    both, alone, inside = drawn([own, other]), drawn([other]), drawn([own, other], without=7)
-    renderer.release()
+    both, alone, inside = seen([own, other]), seen([other]), seen([own, other], without=7)
     assert (np.abs(both - alone).max(axis=2) > 2).sum() > 100
     np.testing.assert_array_equal(inside, alone)
 
@@ -430,10 +406,12 @@ def test_nobody_sees_its_own_body(context, scene, make_packet, fish, level):
 def test_coarser_levels_are_decimations_of_the_finest():
     """Their control-point weights are in the finest table, number for number."""
     for controls in (U, V, FIN_V):
-        samples = [set(kept(controls, thinned).tolist()) for thinned in range(3)]
+        samples = [set(sample_indices(controls, thinned).tolist()) for thinned in range(3)]
         assert samples[2] < samples[1] < samples[0]
         np.testing.assert_allclose(
-            kept(controls, 1) / (len(finest(controls).first) - 1), greville(controls), atol=1e-12
+            sample_indices(controls, 1) / (len(finest_basis(controls).first) - 1),
+            greville(controls),
+            atol=1e-12,
         )
     columns = slice(0, PART + 1)
     known = {
@@ -451,7 +429,7 @@ def test_coarser_levels_are_decimations_of_the_finest():
 def test_a_wing_has_a_level_base_and_a_pointed_end():
     plan = load_species("fusilier").surface
     wing = structs.replace(plan.pectoral, wing=True)
-    own = outfit(structs.replace(plan, pectoral=wing), MESHES[0], DETAILS[0])
+    own = species_vertices(structs.replace(plan, pectoral=wing), MESHES[0], DETAILS[0])
     mine = MESHES[0].vertices[:, PART] == PECTORAL
     along, place = MESHES[0].vertices[mine, ALONG], own[mine, :2]
     chord = [np.ptp(place[along == share, 1]) / wing.width for share in np.unique(along)]
@@ -494,7 +472,7 @@ def test_a_far_fin_keeps_its_tip():
     highest = []
     for mesh, detail in zip(MESHES[2:], DETAILS[2:], strict=True):
         mine = (mesh.vertices[:, PART] == FIN) & (mesh.vertices[:, SIDE] > 0)
-        highest.append(outfit(plan, mesh, detail)[mine, 1].max())
+        highest.append(species_vertices(plan, mesh, detail)[mine, 1].max())
     assert highest[1] == pytest.approx(highest[0])
     assert len(MESHES[3].vertices) < len(MESHES[2].vertices) / 2
 
@@ -504,7 +482,7 @@ def test_a_body_with_a_wave_keeps_its_fins():
     eel = load_species("ribbon_eel")
     repertoire = read_repertoire(resource_path("repertoires/ribbon_eel.h5"))
     for mesh, detail in zip(MESHES[:-1], DETAILS[:-1], strict=True):
-        own = outfit(eel.surface, mesh, detail)
+        own = species_vertices(eel.surface, mesh, detail)
         part, side, along = mesh.vertices[:, [PART, SIDE, ALONG]].T
         lines = [
             (along == 0) & (part == BODY) & (side < 0),
@@ -527,40 +505,32 @@ def _distance(point, start, end):
     return np.linalg.norm(point - start - share * way)
 
 
-def test_the_number_of_calls_does_not_depend_on_the_fishes(
-    context, scene, make_packet, fish, monkeypatch
-):
+def test_the_number_of_calls_does_not_depend_on_the_fishes(drawn, make_packet, fish, monkeypatch):
     """The number of calls does not depend on the number of species either."""
     made = []
     render = fishes.FishRenderer._render
     monkeypatch.setattr(fishes.FishRenderer, "_render", lambda *a: (made.append(a), render(*a)))
-    renderer = Renderer(context, scene, display_rig("mono", (64, 48)))
     calls = []
-    renderer.draw(make_packet([], size=(64, 48)))  # the first picture has a few more calls
+    drawn(make_packet([], size=(64, 48)))  # the first picture has a few more calls
     for number in (2, 40):
         made.clear()
         few = [
             fish(k // 10 % 2, (0, 40, -200), level=k % 5, fade=0.5 * (k % 2))
             for k in range(20 * number)
         ]
-        renderer.draw(make_packet(few, size=(64, 48)))
+        drawn(make_packet(few, size=(64, 48)))
         calls.append(len(made))
-    renderer.release()
     assert 0 < calls[0] == calls[1] <= 10
 
 
-def test_a_fin_hides_no_fin_behind_it(context, scene, make_packet, fish):
+def test_a_fin_hides_no_fin_behind_it(drawn, make_packet, fish):
     """`frame.pack` puts the farther fish first: its fin shows through the nearer one's."""
-    size = (240, 160)
-    renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
     # The tip of the dorsal fin before the other's flank is hidden by its body: only fins overlap.
     near, far = fish(1, (0, 24, -200), heading=2.8), fish(1, (0, 30, -197), heading=2.8)
-    pictures = []
-    for shown in ([far, near], [near, far], [near]):
-        renderer.draw(make_packet(shown, size=size))
-        pictures.append(renderer.read_pixels().astype(int))
-    renderer.release()
-    right, wrong, alone = pictures
+    right, wrong, alone = (
+        drawn(make_packet(shown, size=(240, 160)), quality=PRESETS["low"])
+        for shown in ([far, near], [near, far], [near])
+    )
     # Where the far fish shows through or beside the near one, it shows at least as strongly.
     with_, without = ((np.abs(x - alone).max(axis=2) > 3).sum() for x in (right, wrong))
     assert with_ > without > 0

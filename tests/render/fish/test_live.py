@@ -7,10 +7,9 @@ import pytest
 
 from subsea.frame import packet as frame
 from subsea.motor.pose import control_points_world
-from subsea.render import Renderer
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import HANDS_OFF
-from subsea.view.display_rigs import display_rig, views_for
+from subsea.submarine.helm import NEUTRAL
+from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -23,7 +22,7 @@ def world():
     """A handful of fishes, all of them simulated."""
     world = create_world(load_scenario("peaceful")[0], fish=6, live=6, live_reach_cm=np.inf)
     for _ in range(300):
-        step(world, HANDS_OFF)
+        step(world, NEUTRAL)
     assert world.state.fishes.live.all()
     return world
 
@@ -36,7 +35,7 @@ def _packet(world, i, alpha):
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.4, 1.0])
-def test_the_picture_is_that_of_rows_that_were_there_from_the_start(context, world, alpha):
+def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world, alpha):
     packet = _packet(world, 0, alpha)
     scene = frame.make_scene(world)
     table = scene.control_points.copy()
@@ -44,40 +43,31 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(context, wor
     blank[packet.live_row :] = 0.0
     full[packet.live_row : packet.live_row + len(packet.live_points)] = packet.live_points
     nothing = np.zeros((0, 426, 3), np.float32)
-    pictures = []
-    for points, sent in ((blank, packet), (full, replace(packet, live_points=nothing))):
-        renderer = Renderer(
-            context, replace(scene, control_points=points), display_rig("mono", SIZE)
-        )
-        renderer.draw(sent)
-        pictures.append(renderer.read_pixels().copy())
-        renderer.release()
-    np.testing.assert_array_equal(*pictures)
+    live = drawn(packet, scene=replace(scene, control_points=blank))
+    rows = replace(packet, live_points=nothing)
+    np.testing.assert_array_equal(live, drawn(rows, scene=replace(scene, control_points=full)))
 
 
-def test_the_silhouette_is_where_the_oracle_has_the_control_points(context, world):
+def test_the_silhouette_is_where_the_oracle_has_the_control_points(drawn, world):
     """At a tick, the box around the drawn fish equals that of its projected points."""
     fishes = world.state.fishes
     packet = _packet(world, 0, 1.0)
     records = packet.instances.copy()
-    records[:, frame.FINS] = 0.0  # paired fins are no control points: fold them to the body
+    records[:, frame.FINS] = 0.0  # paired fins are not control points: fold them to the body
     mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[0]).max(1) < 1e-3)
     assert len(mine) == 1
-    renderer = Renderer(context, frame.make_scene(world), display_rig("mono", SIZE))
-    shapes = []
-    for fade in (0.0, 1.0):
-        faded = records.copy()
-        faded[mine, frame.POSITION] += (1.0 - fade) * 1e5  # out of the picture
-        renderer.draw(replace(packet, instances=faded))
-        shapes.append(renderer.read_pixels().astype(int))
-    renderer.release()
-    drawn = np.argwhere(np.abs(shapes[0] - shapes[1]).max(axis=2) > 3)
+    away, scene = records.copy(), frame.make_scene(world)
+    away[mine, frame.POSITION] += 1e5
+    shown, hidden = (
+        drawn(replace(packet, instances=each), scene=scene) for each in (records, away)
+    )
+    seen = np.argwhere(np.abs(shown - hidden).max(axis=2) > 3)
     view = packet.views[0]
     points = control_points_world(fishes, world.library, 0)
     clip = np.c_[points, np.ones(len(points))] @ (view.projection @ view.view).T
     across, up = (clip[:, :2] / clip[:, 3:]).T
     x, y = (across + 1) / 2 * SIZE[0], (1 - up) / 2 * SIZE[1]
     assert np.ptp(x) > 50
-    for pixels, expected in ((drawn[:, 1], x), (drawn[:, 0], y)):
+    for pixels, expected in ((seen[:, 1], x), (seen[:, 0], y)):
         assert pixels.min() == pytest.approx(expected.min(), abs=8)
         assert pixels.max() == pytest.approx(expected.max(), abs=8)

@@ -7,35 +7,24 @@ import pytest
 from msgspec import structs
 
 from subsea.fish.species import CourtshipColours, Variation
-from subsea.render import Renderer
-from subsea.view.display_rigs import display_rig
 
 SIZE = (320, 200)
 ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
 
 
 @pytest.fixture(scope="module")
-def drawn(context, scene, make_packet, fish):
+def dressed(drawn, scene, make_packet, fish):
     """Keys of the angelfish's skin -> its records -> pictures (h, w, 3) of its flank."""
-    renderers = []
 
     def dressed(**skin):
         angelfish = scene.species[1]
         changed = structs.replace(angelfish, skin=structs.replace(angelfish.skin, **skin))
         theirs = replace(scene, species=(scene.species[0], changed))
-        renderer = Renderer(context, theirs, display_rig("mono", SIZE))
-        renderers.append(renderer)
+        return lambda **record: drawn(
+            make_packet([fish(1, (0.0, 17.0, -200.0), **record)], size=SIZE), scene=theirs
+        )
 
-        def draw(**record):
-            one = fish(1, (0.0, 17.0, -200.0), **record)
-            renderer.draw(make_packet([one], size=SIZE))
-            return renderer.read_pixels().astype(int)
-
-        return draw
-
-    yield dressed
-    for renderer in renderers:
-        renderer.release()
+    return dressed
 
 
 def changed(a, b):
@@ -43,23 +32,23 @@ def changed(a, b):
     return (np.abs(a - b).max(axis=2) > 12).mean()
 
 
-def test_without_variation_all_are_alike(drawn):
-    draw = drawn(variation=ALIKE, scales=0.0)
+def test_without_variation_all_are_alike(dressed):
+    draw = dressed(variation=ALIKE, scales=0.0)
     assert changed(draw(identity=0.1), draw(identity=0.55)) == 0.0
 
 
 @pytest.mark.parametrize(
     "key", [{"hue": 0.3}, {"saturation": 0.5}, {"brightness": 0.4}, {"pattern": 0.02}]
 )
-def test_each_kind_of_variation_shows_and_is_the_same_each_time(drawn, key):
-    draw = drawn(variation=structs.replace(ALIKE, **key), scales=0.0)
+def test_each_kind_of_variation_shows_and_is_the_same_each_time(dressed, key):
+    draw = dressed(variation=structs.replace(ALIKE, **key), scales=0.0)
     first = draw(identity=0.1)
     assert changed(first, draw(identity=0.55)) > 0.02
     np.testing.assert_array_equal(first, draw(identity=0.1))
 
 
-def test_a_displaced_pattern_leaves_the_outline_as_it_is(drawn):
-    draw = drawn(variation=structs.replace(ALIKE, pattern=0.03), scales=0.0)
+def test_a_displaced_pattern_leaves_the_outline_as_it_is(dressed):
+    draw = dressed(variation=structs.replace(ALIKE, pattern=0.03), scales=0.0)
     a, b = draw(identity=0.1), draw(identity=0.55)
     rows, columns = np.nonzero(np.abs(a - b).max(axis=2) > 12)
     fish_rows = np.nonzero((np.abs(a - a[:, :1]).max(axis=2) > 40).any(axis=1))[0]
@@ -69,17 +58,17 @@ def test_a_displaced_pattern_leaves_the_outline_as_it_is(drawn):
     assert np.ptp(columns) < 0.75 * SIZE[0]
 
 
-def test_a_torn_fin_lets_the_water_show(drawn):
-    whole, torn = drawn(variation=ALIKE), drawn(variation=structs.replace(ALIKE, torn=1.0))
+def test_a_torn_fin_lets_the_water_show(dressed):
+    whole, torn = dressed(variation=ALIKE), dressed(variation=structs.replace(ALIKE, torn=1.0))
     one = whole(identity=0.3)
     nick = changed(one, torn(identity=0.3))
     assert 0.0005 < nick < 0.02
     assert changed(one, whole(identity=0.3)) == 0.0
 
 
-def test_mating_colours_replace_what_is_near_one_colour(drawn):
+def test_mating_colours_replace_what_is_near_one_colour(dressed):
     yellow, red = (0.98, 0.60, 0.02), (0.9, 0.02, 0.02)
-    draw = drawn(variation=ALIKE, display=CourtshipColours(of=yellow, to=red, reach=0.5))
+    draw = dressed(variation=ALIKE, display=CourtshipColours(of=yellow, to=red, reach=0.5))
     plain, courting = draw(), draw(display=1.0)
     gold = (plain[..., 1] > 1.6 * plain[..., 2]) & (plain[..., 0] > 100)
     assert gold.mean() > 0.05
@@ -91,15 +80,15 @@ def test_mating_colours_replace_what_is_near_one_colour(drawn):
     assert plain[gold][:, 1].mean() > halfway[:, 1].mean() > turned[:, 1].mean()
 
 
-def test_a_species_without_mating_colours_keeps_its_own(drawn):
-    draw = drawn(display=None)
+def test_a_species_without_mating_colours_keeps_its_own(dressed):
+    draw = dressed(display=None)
     assert changed(draw(), draw(display=1.0)) == 0.0
 
 
-def test_a_clear_fin_lets_more_of_the_water_show_than_a_dense_one(drawn, scene):
+def test_a_clear_fin_lets_more_of_the_water_show_than_a_dense_one(dressed, scene):
     fin = scene.species[1].skin.dorsal
     pictures = [
-        drawn(variation=ALIKE, dorsal=structs.replace(fin, opacity=opacity, rim=None))()
+        dressed(variation=ALIKE, dorsal=structs.replace(fin, opacity=opacity, rim=None))()
         for opacity in (1.0, 0.2)
     ]
     water = pictures[0][:, :1]
@@ -109,8 +98,8 @@ def test_a_clear_fin_lets_more_of_the_water_show_than_a_dense_one(drawn, scene):
     assert clear < 0.9 * dense
 
 
-def test_silver_mirrors_the_water_and_only_what_is_pale(drawn):
-    dull, silvery = (drawn(variation=ALIKE, silver=silver)() for silver in (0.0, 1.0))
+def test_silver_mirrors_the_water_and_only_what_is_pale(dressed):
+    dull, silvery = (dressed(variation=ALIKE, silver=silver)() for silver in (0.0, 1.0))
     pale = (dull.min(axis=2) > 110) & (np.ptp(dull, axis=2) < 70)
     pale &= np.abs(silvery - dull).max(axis=2) > 0  # not the sand
     assert pale.mean() > 0.01
@@ -120,9 +109,9 @@ def test_silver_mirrors_the_water_and_only_what_is_pale(drawn):
     assert np.abs(silvery - dull).max(axis=2)[golden].mean() < 4
 
 
-def test_scales_differ_from_place_to_place_and_fish_to_fish(drawn):
-    smooth = drawn(variation=ALIKE, scales=0.0)
-    scaly = drawn(variation=ALIKE, scales=1.0)
+def test_scales_differ_from_place_to_place_and_fish_to_fish(dressed):
+    smooth = dressed(variation=ALIKE, scales=0.0)
+    scaly = dressed(variation=ALIKE, scales=1.0)
     relief = [np.abs(scaly(identity=i) - smooth(identity=i)).max(axis=2) for i in (0.1, 0.55)]
     assert relief[0].max() > 8
     assert (relief[0] != relief[1]).mean() > 0.005

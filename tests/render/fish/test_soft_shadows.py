@@ -14,7 +14,6 @@ from subsea.render.fish.soft_shadows import (
     Sand,
     cast,
 )
-from subsea.view.display_rigs import display_rig
 
 WIDTH, SAND = 900.0, -300.0
 HEIGHTS = np.full((31, 31), SAND, np.float32)
@@ -54,7 +53,7 @@ def test_it_is_softer_and_paler_with_height():
     [((0, 0, SAND + 1.1 * HIGHEST_CM, 0), 0), ((0, 0, SAND + 20, 0), 1),
      ((FARTHEST_CM + 50, 0, SAND + 20, 0), 0)],
 )  # fmt: skip
-def test_who_is_high_or_far_casts_none(place, number):
+def test_a_high_or_far_fish_casts_no_shadow(place, number):
     assert len(shadows([place])) == number
 
 
@@ -84,13 +83,13 @@ def test_there_are_never_more_than_fit_and_the_first_listed_go_without():
     np.testing.assert_array_equal(found, everyone[50:])
 
 
-def test_who_goes_from_one_level_to_another_casts_one():
+def test_a_fading_fish_casts_one_shadow():
     twice = [(30.0, 0.0, SAND + 10, 0.4)] * 2
     one = shadows(twice, fades=[0.3, -0.7], numbers=[5, 5])
     np.testing.assert_array_equal(one, shadows(twice[:1]))
 
 
-def test_who_is_in_sight_of_several_views_casts_one():
+def test_a_fish_in_several_views_casts_one_shadow():
     a, b, c = ((30.0 * k, 0.0, SAND + 10, 0.4) for k in range(3))
     seen = shadows([a, b, b, c, a], numbers=[0, 1, 1, 2, 0])
     np.testing.assert_array_equal(seen, shadows([b, c, a]))
@@ -107,17 +106,12 @@ def test_a_shadow_fades_before_it_is_too_far():
     assert 0.0 < ends < 0.02 * near
 
 
-def test_the_sand_is_darker_there(context, scene, make_packet, fish):
-    from subsea.render import Renderer
-
+def test_the_sand_is_darker_there(drawn, scene, make_packet, fish):
     sand = scene.terrain[len(scene.terrain) // 2, len(scene.terrain) // 2]
     eye = (0.0, -70.0, float(sand) + 90.0)
-    renderer = Renderer(context, scene, display_rig("mono", (160, 90)))
-    pictures = []
-    for z in (sand + 12.0, sand + 1000.0):
-        # The fish that is seen is elsewhere; the sun comes from ahead and aside.
-        renderer.draw(make_packet([fish(0, (0.0, 0.0, float(z)), level=0)], eye=eye, pitch=-0.9))
-        pictures.append(renderer.read_pixels().astype(int).copy())
-    renderer.release()
-    darker = (pictures[1] - pictures[0]).mean(axis=2)
-    assert darker.max() > 8
+    # The fish that is seen is elsewhere; the sun comes from ahead and aside.
+    low, high = (
+        drawn(make_packet([fish(0, (0.0, 0.0, float(z)))], eye=eye, pitch=-0.9, size=(160, 90)))
+        for z in (sand + 12.0, sand + 1000.0)
+    )
+    assert (high - low).mean(axis=2).max() > 8

@@ -8,15 +8,14 @@ import pytest
 from scipy.spatial import cKDTree
 
 from subsea.dive.ride import pictured
-from subsea.fish.mesh import DETAILS, fish_mesh, outfit, surface_points
+from subsea.fish.mesh import DETAILS, fish_mesh, species_vertices, surface_points
 from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import ray_meets_seabed
-from subsea.render import Renderer
 from subsea.render.gl.id_buffer import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
 from subsea.render.output.quality import PRESETS
 from subsea.render.reef.rocks import object_ids
+from subsea.render.renderer import Renderer
 from subsea.view.camera import View, look
-from subsea.view.display_rigs import display_rig
 from subsea.view.retina import retina_rig
 from subsea.view.rig import DisplayPatch, pose_from_angles, views
 
@@ -25,13 +24,11 @@ EXACT = replace(PRESETS["low"], detail=50.0)  # neither smoothed nor coarse
 
 
 @pytest.fixture
-def maps(context, scene, make_packet):
+def maps(make_renderer, make_packet, scene):
     """(fishes, options of the packet) -> picture, maps and view."""
-    made = []
 
     def maps(fishes, views=None, scene=scene, **options):
-        renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
-        made.append(renderer)
+        renderer = make_renderer(SIZE, quality=EXACT, scene=scene)
         own = {key: options.pop(key) for key in ("hook", "bait", "without") if key in options}
         packet = make_packet(fishes, size=SIZE, **options)
         views = packet.views if views is None else views
@@ -43,9 +40,7 @@ def maps(context, scene, make_packet):
         seen = renderer.id_maps(packet)
         return SimpleNamespace(picture=picture, view=packet.views[0], **seen._asdict())
 
-    yield maps
-    for renderer in made:
-        renderer.release()
+    return maps
 
 
 def places(depth, view):
@@ -65,7 +60,7 @@ def skin(scene, record):
     control = (1 - record[10]) * scene.control_points[int(record[8])]
     control = control + record[10] * scene.control_points[int(record[9])]
     mesh = fish_mesh(DETAILS[0])
-    own = outfit(scene.species[int(record[19])].surface, mesh, DETAILS[0])
+    own = species_vertices(scene.species[int(record[19])].surface, mesh, DETAILS[0])
     flat = mesh.vertices[:, 12] < 1.5
     points = surface_points(control, mesh.vertices[flat], own[flat, 2].astype(int))
     corners = points[mesh.triangles[flat[mesh.triangles].all(axis=1)]]
@@ -102,7 +97,7 @@ def test_the_identity_map_has_the_silhouette_of_the_picture(maps, fish):
     np.testing.assert_array_equal(seen.kind[~mine], nobody.kind[~mine])
 
 
-def test_who_is_hidden_has_no_pixels(maps, fish):
+def test_a_hidden_fish_has_no_pixels(maps, fish):
     small = fish(0, (0, 60, -200), number=1, scale=0.3)
     assert (maps([small]).number == 1).sum() > 20
     seen = maps([small, fish(1, (2, 40, -200), number=2, scale=1.5)])
@@ -122,7 +117,7 @@ def test_specks_and_fading_fishes_have_numbers_too(maps, fish):
     assert (seen.number == 2).sum() == pytest.approx((whole.number == 2).sum(), rel=0.15)
 
 
-def test_nobody_finds_its_own_number(maps, fish):
+def test_a_map_lacks_the_fish_whose_eye_it_is(maps, fish):
     fishes = [fish(1, (0, 40, -200), number=5), fish(0, (4, 80, -200), number=6)]
     assert 6 not in maps(fishes).number[60:120, 140:180]
     seen = maps(fishes, without=5)
@@ -216,29 +211,27 @@ def test_both_eyes_agree_on_what_is_where(maps, fish):
 
 
 def test_a_part_is_cut_out_and_views_that_are_not_asked_for_are_left_out(
-    context, scene, make_packet, fish
+    make_renderer, make_packet, fish
 ):
-    renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
+    renderer = make_renderer(SIZE, quality=EXACT)
     packet = make_packet([fish(1, (-6, 50, -198), number=3)], size=SIZE)
     renderer.draw(packet)
     whole, part = renderer.id_maps(packet), renderer.id_maps(packet, part=(100, 40, 90, 60))
     nothing = renderer.id_maps(packet, numbers=())
-    renderer.release()
     for all_of, cut in zip(whole, part, strict=True):
         np.testing.assert_array_equal(cut, all_of[180 - 100 : 180 - 40, 100:190])
     assert (part.kind == FISH).any()
     assert (nothing.kind == WATER).all()
 
 
-def test_a_picture_is_pasted_as_it_is_where_patches_say(context, scene, make_packet):
-    renderer = Renderer(context, scene, display_rig("mono", SIZE), EXACT)
+def test_a_picture_is_pasted_as_it_is_where_patches_say(make_renderer, make_packet):
+    renderer = make_renderer(SIZE, quality=EXACT)
     renderer.draw(make_packet([], size=SIZE))
     before = renderer.read_pixels().copy()
     picture = np.random.default_rng(1).integers(0, 256, (20, 60, 3)).astype(np.uint8)
     right = DisplayPatch((200, 100, 30, 20), (30, 0, 30, 20), (30, 0, 30, 20))
     renderer.paste(picture, (right,))
     after = renderer.read_pixels()
-    renderer.release()
     np.testing.assert_array_equal(after[60:80, 200:230], picture[:, 30:])
     before[60:80, 200:230] = picture[:, 30:]
     np.testing.assert_array_equal(after, before)

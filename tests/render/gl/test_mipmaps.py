@@ -5,7 +5,7 @@ import pytest
 
 from subsea.core import disk_cache
 from subsea.render.gl import mipmaps
-from subsea.render.gl.mipmaps import ALL, kept_texture, mipmapped
+from subsea.render.gl.mipmaps import ALL, cached_texture, mipmapped
 
 SIZE = (12, 8)
 LOOKS = """#version 330 core
@@ -56,7 +56,7 @@ def test_all_levels_are_there_again(
     expected = seen(plain)
     assert len(np.unique(expected[:4, 0])) == min(last, 3) + 1
     for _ in range(2):
-        again = kept_texture(context, last, srgb, texels, planes, kind)
+        again = cached_texture(context, last, srgb, texels, planes, kind)
         again.filter = plain.filter
         np.testing.assert_array_equal(seen(again), expected)
         assert context.error == "GL_NO_ERROR"
@@ -68,7 +68,7 @@ def test_all_levels_are_there_again(
 
 def test_another_driver_makes_its_own(context, monkeypatch, tmp_path):
     monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path)
-    kept_texture(context, ALL, False, texels, 1, "u1").release()
+    cached_texture(context, ALL, False, texels, 1, "u1").release()
     monkeypatch.setattr(context, "_info", context.info | {"GL_RENDERER": "another"})
-    kept_texture(context, ALL, False, texels, 1, "u1").release()
+    cached_texture(context, ALL, False, texels, 1, "u1").release()
     assert len(list(tmp_path.iterdir())) == 2

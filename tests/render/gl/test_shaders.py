@@ -79,7 +79,7 @@ def test_shaders_and_python_mean_the_same_sun():
     np.testing.assert_array_equal(sun, stone_shade.SUN)
 
 
-def test_corals_sway_as_far_as_their_vertices_are_told():
+def test_shader_and_vertices_agree_on_the_sway_of_corals():
     np.testing.assert_array_equal(
         numbers("coral.vert", "MOST_SWAY_CM = # ;"), [[coral.MOST_SWAY_CM]]
     )

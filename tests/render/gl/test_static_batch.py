@@ -12,7 +12,6 @@ from subsea.render.gl.static_batch import (
     LazyMesh,
     StaticBatch,
     StaticMesh,
-    bounding_sphere,
     bounding_spheres,
     levels_in_sight,
 )
@@ -65,7 +64,7 @@ def test_a_level_is_kept_while_the_size_trembles(distance, before):
     assert levels([distance], [again])[0] == again
 
 
-def test_out_of_sight_is_what_no_view_sees_or_the_water_hides():
+def test_items_outside_all_views_or_hidden_by_water_are_out_of_sight():
     assert levels([-500.0], [0])[0] == OUT_OF_SIGHT
     assert levels([500.0], [0], reach=300.0)[0] == OUT_OF_SIGHT
     assert levels([-500.0], [0], views=(*AHEAD, *BACK))[0] != OUT_OF_SIGHT
@@ -78,8 +77,9 @@ def test_detail_acts_as_nearness():
 
 def test_a_sphere_holds_all_places():
     places = np.random.default_rng(1).normal(size=(50, 3))
-    centre, radius = bounding_sphere(places)
-    assert (np.linalg.norm(places - centre, axis=1) <= radius + 1e-12).all()
+    mesh = StaticMesh(places, np.zeros((0, 3), np.int32))
+    (sphere,) = bounding_spheres([[mesh]])
+    assert (np.linalg.norm(places - sphere[:3], axis=1) <= sphere[3] + 1e-12).all()
 
 
 class OneProgram:
@@ -141,7 +141,7 @@ def test_one_call_draws_each_item_at_its_own_level(drawn):
     batch.release()
 
 
-def test_what_is_made_later_is_made_when_it_is_first_drawn_and_looks_the_same(drawn):
+def test_lazy_meshes_are_made_when_first_drawn_and_look_the_same(drawn):
     make, draw = drawn
     made = []
 
@@ -182,7 +182,7 @@ def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
     make, draw = drawn
     batch, fresh = (make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]]) for _ in range(2))
     nearer = views_for("mono", WIDE, pose_from_angles(np.array([40.0, 0.0, 0.0]), 0.0, 0.0))
-    for detail in np.geomspace(0.2, 5.0, 60):  # some of which lie between the two thresholds
+    for detail in np.geomspace(0.2, 5.0, 60):  # some between the two thresholds
         draw(batch, nearer, detail=8.0)
         kept = draw(batch, AHEAD, detail=detail)
         before = batch.recall()
@@ -198,7 +198,7 @@ def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
     fresh.release()
 
 
-def test_nothing_may_stand(drawn):
+def test_an_empty_batch_draws_nothing(drawn):
     make, draw = drawn
     batch = make([])
     assert draw(batch, AHEAD) == (0, 0)

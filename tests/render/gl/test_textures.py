@@ -6,9 +6,9 @@ import pytest
 from subsea.render.gl.mipmaps import mipmapped
 from subsea.render.gl.textures import (
     caustics,
+    cell_distance,
     halves,
     in_bytes,
-    nearest_of_cells,
     relief,
     ripples,
     tileable_noise,
@@ -90,7 +90,7 @@ def test_the_relief_of_stone_meets_at_its_edges_and_knows_its_slopes():
 
 
 def test_no_place_is_far_from_the_nearest_point_of_its_cells():
-    distance = nearest_of_cells(3, 96, 12)
+    distance = cell_distance(3, 96, 12)
     assert 0.0 <= distance.min() < 0.1
     assert distance.max() < np.sqrt(2.0)
     assert seam(distance) < 1.5
@@ -104,7 +104,7 @@ def test_a_texture_keeps_its_values(context):
     texture.release()
 
 
-def test_bytes_span_what_they_are_said_to():
+def test_bytes_span_the_given_range():
     layers = [np.full((1, 1), value) for value in (-1.0, 0.0, 0.5, 7.0)]
     found = in_bytes(layers, np.full(4, -1.0), np.full(4, 1.0))
     assert found.ravel().tolist() == [0, 128, 191, 255]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.render import Renderer
 from subsea.render.output.quality import (
     CHOICES,
     LADDER,
@@ -17,14 +16,8 @@ from subsea.render.output.quality import (
     name_of,
 )
 from subsea.render.sea.particles import SNOW
-from subsea.view.display_rigs import display_rig
 
 SIZE = (160, 90)
-
-
-def drawn(renderer, packet):
-    renderer.draw(packet)
-    return renderer.read_pixels().astype(int)
 
 
 @pytest.fixture
@@ -61,58 +54,53 @@ def test_names():
     assert "\n" not in str(caught.value)
 
 
-def test_a_smaller_canvas_shows_the_same_picture_less_sharply(context, scene, school):
-    renderer = Renderer(context, scene, display_rig("mono", SIZE))
-    full = drawn(renderer, school)
+def test_a_smaller_canvas_shows_the_same_picture_less_sharply(drawn, make_renderer, school):
+    renderer, full = make_renderer(SIZE), drawn(school)
     for scale in (0.5, 2.0):
         renderer.adapt(Quality(scale=scale))
-        other = drawn(renderer, school)
+        other = drawn(school)
         assert other.shape == full.shape
         assert (np.abs(other - full).max(axis=2) > 24).any()
         # Nothing is shifted or stretched: blocks of ten pixels have nearly the same mean.
         blocks = [p.reshape(9, 10, 16, 10, 3).mean(axis=(1, 3)) for p in (full, other)]
         assert np.abs(blocks[0] - blocks[1]).mean() < 0.2 * blocks[0].std()
     renderer.adapt(Quality())
-    np.testing.assert_array_equal(drawn(renderer, school), full)
-    renderer.release()
+    np.testing.assert_array_equal(drawn(school), full)
 
 
 @pytest.mark.parametrize("display", ["interlaced", "checkerboard", "dome"])
-def test_where_eyes_are_woven_the_canvas_stays_exact(context, scene, make_packet, fish, display):
+def test_interleaved_displays_keep_the_canvas_exact(drawn, make_packet, fish, display):
     packet = make_packet([fish(1, (0, 60, -200))], size=SIZE, display=display)
-    renderer = Renderer(context, scene, display_rig(display, SIZE))
-    full = drawn(renderer, packet)
-    renderer.adapt(Quality(scale=0.5))
-    np.testing.assert_array_equal(drawn(renderer, packet), full)
-    renderer.release()
+    full, half = (
+        drawn(packet, SIZE, display=display, quality=Quality(scale=scale)) for scale in (1.0, 0.5)
+    )
+    np.testing.assert_array_equal(half, full)
 
 
 def test_without_shadows_the_sand_beneath_a_fish_is_as_bright_as_elsewhere(
-    context, scene, make_packet, fish
+    counted, scene, make_packet, fish
 ):
     ground = float(scene.terrain[len(scene.terrain) // 2, len(scene.terrain) // 2])
     one = make_packet(
         [fish(0, (0.0, 0.0, ground + 12.0))], (0.0, -70.0, ground + 90.0), pitch=-0.9, size=SIZE
     )
-    renderer = Renderer(context, scene, display_rig("mono", SIZE))
-    with_one = drawn(renderer, one)
-    triangles = renderer.triangles
-    renderer.adapt(Quality(shadows=False))
-    without = drawn(renderer, one)
-    assert renderer.triangles < triangles
+    with_one, triangles = counted(one)
+    without, fewer = counted(one, quality=Quality(shadows=False))
+    assert fewer < triangles
     assert (without - with_one).mean(axis=2).max() > 8
     assert (without - with_one).min() >= -1
-    renderer.release()
 
 
-def test_every_preset_draws_and_the_first_comes_back_unchanged(context, scene, school):
-    renderer = Renderer(context, scene, display_rig("mono", SIZE), PRESETS["low"])
-    first = drawn(renderer, school)
+def test_every_preset_draws_and_the_first_comes_back_unchanged(
+    context, drawn, make_renderer, school
+):
+    renderer = make_renderer(SIZE)
+    renderer.adapt(PRESETS["low"])
+    first = drawn(school)
     for preset in (*PRESETS.values(), *LADDER[::4]):
         renderer.adapt(preset)
         assert renderer.quality == preset
-        assert drawn(renderer, school).std() > 5
+        assert drawn(school).std() > 5
     renderer.adapt(PRESETS["low"])
-    np.testing.assert_array_equal(drawn(renderer, school), first)
+    np.testing.assert_array_equal(drawn(school), first)
     assert context.error == "GL_NO_ERROR"
-    renderer.release()

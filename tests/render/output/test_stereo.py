@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.stereo import LAYOUTS
 
@@ -16,12 +16,12 @@ EXACT = replace(PRESETS["medium"], smooth=False)  # woven pictures are not smoot
 TALL = ["anaglyph", "anaglyph-comfort", "checkerboard"]
 
 
-def rendered(context, scene, packet, display, size=SIZE):
-    renderer = Renderer(context, scene, display_rig(display, size), EXACT)
-    renderer.draw(packet)
-    picture = renderer.read_pixels().astype(int)
-    renderer.release()
-    return picture
+@pytest.fixture(scope="module")
+def rendered(drawn, make):
+    """A display, and a size -> the picture."""
+    return lambda display, size=SIZE: drawn(
+        make(display, size), size, display=display, quality=EXACT
+    )
 
 
 @pytest.fixture(scope="module")
@@ -33,14 +33,11 @@ def make(make_packet, fish):
 
 
 @pytest.fixture(scope="module")
-def eyes(context, scene, make):
+def eyes(drawn, make):
     """The left and the right eye's picture, each in full."""
     packet = make("checkerboard")
-    whole = (0, 0, *SIZE)
-    return [
-        rendered(context, scene, replace(packet, views=(replace(view, viewport=whole),)), "mono")
-        for view in packet.views
-    ]
+    views = [replace(view, viewport=(0, 0, *SIZE)) for view in packet.views]
+    return [drawn(replace(packet, views=(view,)), quality=EXACT) for view in views]
 
 
 def rows_and_columns():
@@ -57,39 +54,36 @@ def test_the_eyes_see_different_pictures(eyes):
     assert np.abs(eyes[0] - eyes[1]).max() > 40
 
 
-def test_red_comes_from_the_left_eye_and_cyan_from_the_right(context, scene, make, eyes):
-    picture = rendered(context, scene, make("anaglyph"), "anaglyph")
+def test_red_comes_from_the_left_eye_and_cyan_from_the_right(rendered, eyes):
+    picture = rendered("anaglyph")
     np.testing.assert_allclose(picture[..., 0], eyes[0][..., 0], atol=1)
     np.testing.assert_allclose(picture[..., 1:], eyes[1][..., 1:], atol=1)
 
 
-def test_pixels_take_turns_in_a_checkerboard(context, scene, make, eyes):
+def test_pixels_take_turns_in_a_checkerboard(rendered, eyes):
     row, column = rows_and_columns()
     left = ((row + column) % 2 == 0)[..., None]
-    picture = rendered(context, scene, make("checkerboard"), "checkerboard")
-    np.testing.assert_allclose(picture, np.where(left, *eyes), atol=1)
+    np.testing.assert_allclose(rendered("checkerboard"), np.where(left, *eyes), atol=1)
 
 
 @pytest.mark.parametrize("height", [64, 65])
-def test_rows_take_turns_when_interlaced_and_the_topmost_is_left(context, scene, make, height):
-    size = (96, height)
-    stacked = rendered(context, scene, make("top-bottom", size), "top-bottom", size)
-    picture = rendered(context, scene, make("interlaced", size), "interlaced", size)
+def test_rows_take_turns_when_interlaced_and_the_topmost_is_left(rendered, height):
+    stacked, picture = (rendered(name, (96, height)) for name in ("top-bottom", "interlaced"))
     half = height - height // 2
     np.testing.assert_allclose(picture[0::2], stacked[:half], atol=1)
     np.testing.assert_allclose(picture[1::2], stacked[half:], atol=1)
 
 
-def test_comfortable_colours_are_dubois_mixture(context, scene, make, eyes):
+def test_comfortable_colours_are_dubois_mixture(rendered, eyes):
     left = [[0.4561, 0.500484, 0.176381], [-0.0400822, -0.0378246, -0.0157589],
             [-0.0152161, -0.0205971, -0.00546856]]  # fmt: skip
     right = [[-0.0434706, -0.0879388, -0.00155529], [0.378476, 0.73364, -0.0184503],
              [-0.0721527, -0.112961, 1.2264]]  # fmt: skip
-    picture = rendered(context, scene, make("anaglyph-comfort"), "anaglyph-comfort")
+    picture = rendered("anaglyph-comfort")
     light = linear(eyes[0]) @ np.transpose(left) + linear(eyes[1]) @ np.transpose(right)
     np.testing.assert_allclose(linear(picture), np.clip(light, 0, 1), atol=0.012)
     # Each eye is about as bright as the other through its filter: red, and green with blue.
-    plain = rendered(context, scene, make("anaglyph"), "anaglyph")
+    plain = rendered("anaglyph")
     seen, rival = (linear(p)[..., 0].mean() / linear(p)[..., 1].mean() for p in (picture, plain))
     assert rival < 0.65 * seen
 
@@ -121,25 +115,22 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
 
 
 @pytest.mark.parametrize("display", [name for name in LAYOUTS if name != "side-by-side"])
-def test_every_mode_as_it_is_shown(context, scene, make, same_picture, display):
-    rig = display_rig(display, SIZE)
-    renderer = Renderer(context, scene, rig)
+def test_every_mode_as_it_is_shown(make_renderer, make, same_picture, display):
+    renderer = make_renderer(SIZE, display=display)
     renderer.draw(make(display))
-    pages = [renderer.read_pixels(page=page) for page in range(rig.pages)]
+    pages = [renderer.read_pixels(page=page) for page in range(renderer.rig.pages)]
     same_picture(display, np.hstack(pages))
-    renderer.release()
 
 
 @pytest.mark.parametrize("display", DISPLAYS)
-def test_the_picture_follows_its_size_in_every_mode(context, scene, make, display):
-    renderer = Renderer(context, scene, display_rig(display, (40, 30)))
+def test_the_picture_follows_its_size_in_every_mode(context, make_renderer, make, display):
+    renderer = make_renderer((40, 30))
     for size in ((64, 48), (33, 21), (64, 9), (64, 4), (1, 1)):
         renderer.arrange(display_rig(display, size))
         renderer.draw(make(display, size))
         assert renderer.read_pixels().shape == (size[1], size[0], 3)
         assert renderer.read_pixels().mean() > 5
     assert context.error == "GL_NO_ERROR"
-    renderer.release()
 
 
 def test_a_canvas_too_large_for_the_gpu_is_one_line(context, scene, monkeypatch):

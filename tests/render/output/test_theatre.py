@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.dive.theatre_setup import shrink_theatre
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.render.output.target import ResolvePass
+from subsea.render.renderer import Renderer
 from subsea.view.rig import CUBES, pose_from_angles, views
 from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.lineup import lineup

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.frame.packet import make_scene, pack
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
+from subsea.render.renderer import Renderer
 from subsea.render.sea import water
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm

@@ -10,14 +10,12 @@ import pytest
 from subsea.habitat.mounds import VARIANTS
 from subsea.habitat.reef import KINDS, MOUND, grow_reefs
 from subsea.habitat.sea import make_sea
-from subsea.render import Renderer
 from subsea.render.output.quality import PRESETS
 from subsea.render.reef.coral import COLUMNS, LOOKS, bake, grain, shadow
 from subsea.render.reef.coral_shapes import LEVELS, SHAPES, shape
 from subsea.render.sea.seabed import drawn_height
 from subsea.scenario.load import load_scenario
 from subsea.state import Reef
-from subsea.view.display_rigs import display_rig
 
 MOST = (5000, 2100, 800, 480, 60)  # triangles at each level
 
@@ -140,7 +138,7 @@ def heights_over(triangles, places):
     return over
 
 
-def test_nothing_hovers():
+def test_no_growth_floats_above_the_ground():
     """The lowest drawn part of a growth touches the sand or mounds as drawn."""
     scenario = load_scenario("peaceful")[0]
     sea, reef = grow_reefs(scenario, make_sea(scenario, np.random.default_rng(0)))
@@ -164,7 +162,7 @@ def test_nothing_hovers():
     assert gaps.max() < 6.0
 
 
-def test_two_of_one_kind_are_not_alike():
+def test_two_growths_of_one_kind_differ():
     twins = [("brain", (0.0, 0.0, -300.0), 15.0), ("brain", (100.0, 0.0, -300.0), 15.0)]
     reef = reef_of(*twins)._replace(own=np.array([0.10, 0.5], np.float32))
     one, other = (levels[0].vertices for levels in bake(reef))
@@ -187,6 +185,13 @@ def test_the_grain_repeats_without_a_seam():
 
 
 @pytest.fixture
+def sight(make_packet):
+    """An empty packet with an eye before the growths."""
+    eye = {"eye": (0, -60, -230), "heading": 1.57, "pitch": -0.2}
+    return lambda **options: make_packet([], **(eye | options))
+
+
+@pytest.fixture(scope="module")
 def garden(scene):
     kinds = ("staghorn", "brain", "anemone", "fan", "pipes", "soft", "table", "bush")
     places = [(90.0 * (k % 4) - 135.0, 170.0 + 80.0 * (k // 4)) for k in range(8)]
@@ -203,50 +208,34 @@ def garden(scene):
     return replace(scene, reef=reef_of(*growths))
 
 
-def drawn(context, scene, packet, **quality):
-    renderer = Renderer(
-        context,
-        scene,
-        display_rig("mono", (320, 180)),
-        quality=replace(PRESETS["medium"], **quality),
-    )
-    renderer.draw(packet)
-    out = renderer.read_pixels().astype(int), renderer.triangles
-    renderer.release()
-    return out
-
-
-def test_they_are_seen_and_cost_nothing_out_of_sight(context, scene, garden, make_packet):
-    ahead, behind = (
-        make_packet([], eye=(0, -60, -230), heading=h, pitch=-0.2) for h in (1.57, -1.57)
-    )
-    bare, before = drawn(context, scene, ahead)
-    full, after = drawn(context, garden, ahead)
+def test_they_are_seen_and_cost_nothing_out_of_sight(counted, scene, garden, sight):
+    bare, before = counted(sight())
+    full, after = counted(sight(), scene=garden)
     assert (np.abs(bare - full).max(axis=2) > 12).mean() > 0.04
     assert after > before + 1000
-    assert drawn(context, garden, behind)[1] == drawn(context, scene, behind)[1]
+    behind = sight(heading=-1.57)
+    assert counted(behind, scene=garden)[1] == counted(behind)[1]
 
 
-def test_detail_and_growth_save_triangles(context, garden, make_packet):
-    packet = make_packet([], eye=(0, -60, -230), heading=1.57, pitch=-0.2)
-    _, full = drawn(context, garden, packet)
-    assert drawn(context, garden, packet, detail=0.3)[1] < full
-    assert drawn(context, garden, packet, growth=0.5)[1] < full
+def test_detail_and_growth_save_triangles(counted, garden, sight):
+    medium = PRESETS["medium"]
+    choices = medium, replace(medium, detail=0.3), replace(medium, growth=0.5)
+    full, *fewer = (counted(sight(), scene=garden, quality=quality)[1] for quality in choices)
+    assert max(fewer) < full
 
 
-def test_soft_ones_sway(context, garden, make_packet):
+def test_soft_ones_sway(drawn, garden, sight):
     """Pictures seconds apart differ by more than caustics."""
-    early, late = (
-        make_packet([], eye=(0, -60, -230), heading=1.57, pitch=-0.2, time_s=t) for t in (1.0, 2.7)
-    )
-    first, second = (drawn(context, garden, packet)[0] for packet in (early, late))
+    first, second = (drawn(sight(time_s=t), scene=garden) for t in (1.0, 2.7))
     assert (np.abs(first - second).max(axis=2) > 40).mean() > 0.002
 
 
-def test_mounds_are_never_left_out(context, scene, make_packet):
+def test_mounds_are_never_left_out(counted, scene, sight):
     """Growths on mounds would otherwise float."""
     scene = replace(scene, reef=reef_of(("mound", (0.0, 150.0, -300.0), 60.0)))
     scene.reef.own[:] = 0.99
-    packet = make_packet([], eye=(0, -60, -230), heading=1.57, pitch=-0.2)
-    full, few = (drawn(context, scene, packet, growth=growth)[1] for growth in (1.0, 0.1))
+    full, few = (
+        counted(sight(), scene=scene, quality=replace(PRESETS["medium"], growth=growth))[1]
+        for growth in (1.0, 0.1)
+    )
     assert full == few

@@ -5,9 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.render import Renderer
-from subsea.view.display_rigs import display_rig
-
 PILLARS = np.array([(-45.0, 190.0, 38.0, -150.0)])
 ROCKS = np.array([(60.0, 150.0, -285.0, 40.0, 30.0, 28.0, 0.5), (20.0, 200, -290, 26, 32, 20, 2)])
 
@@ -17,38 +14,25 @@ def stony(scene):
     return replace(scene, pillars=PILLARS, rocks=ROCKS)
 
 
-@pytest.fixture
-def render(context):
-    def render(scene, packet, size=(320, 180), display="mono"):
-        renderer = Renderer(context, scene, display_rig(display, size))
-        renderer.draw(packet)
-        picture, triangles = renderer.read_pixels(), renderer.triangles
-        renderer.release()
-        return picture, triangles
-
-    return render
-
-
-def test_a_pillar_and_rocks(render, stony, make_packet, fish, same_picture):
+def test_a_pillar_and_rocks(drawn, stony, make_packet, fish, same_picture):
     packet = make_packet([fish(1, (10, 110, -225), level=0)], eye=(0, 0, -215), pitch=-0.1)
-    same_picture("solids", render(stony, packet)[0])
+    same_picture("solids", drawn(packet, scene=stony))
 
 
 @pytest.mark.parametrize("display", ["side-by-side", "panorama"])
-def test_they_stand_in_every_view(render, scene, stony, make_packet, display):
+def test_they_stand_in_every_view(drawn, stony, make_packet, display):
     packet = make_packet([], display=display, eye=(0, 0, -215))
-    bare, _ = render(scene, packet, display=display)
-    full, _ = render(stony, packet, display=display)
-    changed = np.abs(bare.astype(int) - full).max(axis=2) > 12
+    bare, full = drawn(packet, display=display), drawn(packet, display=display, scene=stony)
+    changed = np.abs(bare - full).max(axis=2) > 12
     assert changed.mean() > 0.02
     if display == "side-by-side":
         assert changed[:, :160].mean() == pytest.approx(changed[:, 160:].mean(), rel=0.3)
 
 
-def test_they_are_where_the_fishes_think_they_are(render, scene, stony, make_packet):
+def test_they_are_where_the_fishes_think_they_are(drawn, stony, make_packet):
     """Expected width of a pillar 76 cm wide and 190 cm ahead, left of the middle."""
     packet = make_packet([], eye=(0, 0, -215))
-    bare, full = (render(s, packet)[0].astype(int) for s in (scene, stony))
+    bare, full = drawn(packet), drawn(packet, scene=stony)
     row = np.flatnonzero(np.abs(bare - full).max(axis=2)[80] > 12)
     scale = 90.0 / np.tan(np.radians(27.5))
     left, right = (160 + scale * x / 190.0 for x in (-45.0 - 38.0, -45.0 + 38.0))
@@ -57,15 +41,15 @@ def test_they_are_where_the_fishes_think_they_are(render, scene, stony, make_pac
     assert right - 20 < row.max() <= right + 2
 
 
-def test_what_is_out_of_sight_costs_nothing(render, scene, stony, make_packet):
+def test_stone_out_of_sight_costs_nothing(counted, stony, make_packet):
     ahead, behind = (make_packet([], eye=(0, 0, -215), heading=h) for h in (1.57, -1.57))
-    added = [render(stony, p)[1] - render(scene, p)[1] for p in (ahead, behind)]
+    added = [counted(p, scene=stony)[1] - counted(p)[1] for p in (ahead, behind)]
     assert added[0] > 500
     assert added[1] == 0
 
 
-def test_far_ones_are_coarser(render, stony, scene, make_packet):
+def test_far_ones_are_coarser(counted, stony, make_packet):
     size = (960, 540)
     near, far = (make_packet([], eye=(0, y, -215), size=size) for y in (0.0, -600.0))
-    added = [render(stony, p, size)[1] - render(scene, p, size)[1] for p in (near, far)]
+    added = [counted(p, scene=stony)[1] - counted(p)[1] for p in (near, far)]
     assert added[1] < 0.7 * added[0]

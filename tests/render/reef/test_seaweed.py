@@ -1,18 +1,17 @@
 """Drawn seaweed: ribbons along their chains, in every view."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 from subsea.frame.packet import LEAF_NODES, LEAF_TEXELS
 from subsea.habitat.seaweed import KINDS
-from subsea.render import Renderer
 from subsea.render.reef.seaweed import COARSE, FINE, FRONDS, ribbon
-from subsea.view.display_rigs import display_rig
 
-SIZE = (320, 180)
 FINE_TRIANGLES, COARSE_TRIANGLES = (2 * (a - 1) * (b - 1) for a, b in (FINE, COARSE))
+NO_LEAVES = np.zeros((0, LEAF_TEXELS, 4))
 
 
 def leaf(root, height=70.0, bend=0.0, width=6.0, facing=0.0, own=0.3):
@@ -37,47 +36,41 @@ def bed():
     return np.array(leaves)
 
 
-@pytest.fixture(scope="module")
-def draw(context, scene):
-    renderers = {}
+@pytest.fixture
+def standing(counted, make_packet):
+    """(leaves, number of fine ones, options of `counted`) -> picture, triangles."""
 
-    def draw(packet, display="mono"):
-        if display not in renderers:
-            renderers[display] = Renderer(context, scene, display_rig(display, SIZE))
-        renderers[display].draw(packet)
-        return renderers[display].read_pixels(), renderers[display].triangles
+    def standing(leaves=NO_LEAVES, fine=0, eye=(0, 0, -235), **options):
+        packet = make_packet([], eye=eye, **options)
+        return counted(replace(packet, leaves=leaves, fine_leaves=fine), **options)
 
-    yield draw
-    for renderer in renderers.values():
-        renderer.release()
+    return standing
 
 
-def test_a_bed_of_seaweed(draw, bed, make_packet, fish, same_picture):
+def test_a_bed_of_seaweed(drawn, bed, make_packet, fish, same_picture):
     packet = make_packet([fish(1, (10, 110, -235))], eye=(0, 0, -235), pitch=-0.1)
-    same_picture("seaweed", draw(replace(packet, leaves=bed, fine_leaves=len(bed)))[0])
+    same_picture("seaweed", drawn(replace(packet, leaves=bed, fine_leaves=len(bed))))
 
 
-def test_near_leaves_are_fine_and_far_ones_coarse_in_the_same_place(draw, bed, make_packet):
-    packet = make_packet([], eye=(0, 0, -235))
-    bare, triangles = draw(packet)
+def test_near_leaves_are_fine_and_far_ones_coarse_in_the_same_place(standing, bed):
+    bare, triangles = standing()
     masks = []
     for fine in (len(bed), 0):
-        picture, number = draw(replace(packet, leaves=bed, fine_leaves=fine))
+        picture, number = standing(bed, fine)
         assert number - triangles == (FINE_TRIANGLES if fine else COARSE_TRIANGLES) * len(bed)
-        masks.append(np.abs(picture.astype(int) - bare).max(axis=2) > 25)
+        masks.append(np.abs(picture - bare).max(axis=2) > 25)
     assert masks[0].mean() > 0.03
     assert (masks[0] & masks[1]).sum() > 0.7 * (masks[0] | masks[1]).sum()
-    _, mixed = draw(replace(packet, leaves=bed, fine_leaves=6))
+    _, mixed = standing(bed, 6)
     assert mixed - triangles == 6 * FINE_TRIANGLES + (len(bed) - 6) * COARSE_TRIANGLES
 
 
-def test_a_leaf_is_where_its_chain_is(draw, make_packet):
+def test_a_leaf_is_where_its_chain_is(standing):
     """One leaf straight ahead: 100 cm away, from 35 cm below the eye to 35 cm above it."""
-    packet = make_packet([], eye=(0, 0, -200.0))
-    bare, _ = draw(packet)
     one = leaf((0.0, 100.0, -235.0), 70.0, bend=30.0)[None]
-    picture, _ = draw(replace(packet, leaves=one, fine_leaves=1))
-    rows, columns = np.nonzero(np.abs(picture.astype(int) - bare).max(axis=2) > 20)
+    eye = (0, 0, -200.0)
+    bare, picture = standing(eye=eye)[0], standing(one, 1, eye)[0]
+    rows, columns = np.nonzero(np.abs(picture - bare).max(axis=2) > 20)
     scale = 90.0 / np.tan(np.radians(27.5)) / 100.0
     assert rows.min() == pytest.approx(90 - 35 * scale, abs=4)
     assert rows.max() == pytest.approx(90 + 35 * scale, abs=4)
@@ -90,19 +83,14 @@ def test_a_leaf_is_where_its_chain_is(draw, make_packet):
 
 
 @pytest.mark.parametrize("display", ["side-by-side", "panorama"])
-def test_it_stands_in_every_view(draw, bed, make_packet, display):
-    packet = make_packet([], eye=(0, 0, -235), display=display)
-    bare, full = (
-        draw(replace(packet, leaves=b, fine_leaves=0), display)[0] for b in (bed[:0], bed)
-    )
-    assert (np.abs(bare.astype(int) - full).max(axis=2) > 25).mean() > 0.01
+def test_it_stands_in_every_view(standing, bed, display):
+    bare, full = (standing(leaves, display=display)[0] for leaves in (bed[:0], bed))
+    assert (np.abs(bare - full).max(axis=2) > 25).mean() > 0.01
 
 
-def test_more_leaves_than_before_fit(draw, bed, make_packet):
-    packet = make_packet([], eye=(0, 0, -235))
+def test_more_leaves_than_before_fit(standing, bed):
     many = np.concatenate([bed] * 30)
-    one, _ = draw(replace(packet, leaves=bed, fine_leaves=len(bed)))
-    again, _ = draw(replace(packet, leaves=many, fine_leaves=len(many)))
+    one, again = (standing(leaves, len(leaves))[0] for leaves in (bed, many))
     np.testing.assert_array_equal(one, again)
 
 
@@ -113,24 +101,19 @@ def _of_kind(bed, kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_has_its_fronds_near_and_far(draw, bed, make_packet, kind):
-    packet = make_packet([], eye=(0, 0, -235))
+def test_every_kind_has_its_fronds_near_and_far(standing, bed, kind):
     leaves = _of_kind(bed, kind)
-    bare, triangles = draw(packet)
+    bare, triangles = standing()
     for level, (fine, each) in enumerate(((len(bed), FINE_TRIANGLES), (0, COARSE_TRIANGLES))):
-        picture, number = draw(replace(packet, leaves=leaves, fine_leaves=fine))
+        picture, number = standing(leaves, fine)
         assert number - triangles == each * len(bed) * len(FRONDS[kind][level])
-        assert (np.abs(picture.astype(int) - bare).max(axis=2) > 20).mean() > 0.01
+        assert (np.abs(picture - bare).max(axis=2) > 20).mean() > 0.01
 
 
-def test_kinds_differ(draw, bed, make_packet):
-    packet = make_packet([], eye=(0, 0, -235))
-    seen = [
-        draw(replace(packet, leaves=_of_kind(bed, kind), fine_leaves=len(bed)))[0] for kind in KINDS
-    ]
-    for k, one in enumerate(seen):
-        for other in seen[:k]:
-            assert (np.abs(one.astype(int) - other).max(axis=2) > 25).mean() > 0.01
+def test_kinds_differ(standing, bed):
+    seen = [standing(_of_kind(bed, kind), len(bed))[0] for kind in KINDS]
+    for one, other in combinations(seen, 2):
+        assert (np.abs(one - other).max(axis=2) > 25).mean() > 0.01
 
 
 def test_a_ribbon_covers_its_rectangle_once():

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.render import Renderer
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.output.quality import PRESETS
 from subsea.render.sea.bubbles import STREAM_CM, in_sight, slots, stream, terminal_speed
-from subsea.view.display_rigs import display_rig, views_for
+from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
 
 FOOT = (10.0, -20.0, -500.0)
 SIZE_CM = 1.5
+LOW = replace(PRESETS["low"], snow=0)
 
 
 @pytest.fixture(scope="module")
@@ -97,11 +97,7 @@ def test_speeds_are_those_that_were_measured():
     assert float(terminal_speed(0.05)) < 15.0
 
 
-@given(
-    rate=st.floats(0.5, 60.0),
-    size=st.floats(0.1, 5.0),
-    depth=st.floats(100.0, 3000.0),
-)
+@given(rate=st.floats(0.5, 60.0), size=st.floats(0.1, 5.0), depth=st.floats(100.0, 3000.0))
 def test_a_slot_is_free_before_its_next_bubble(rate, size, depth):
     records = slots((0.0, 0.0, -depth), rate, size, 1)
     slowest = terminal_speed(size * np.linspace(0.22, 1.0, 99)).min()
@@ -125,18 +121,16 @@ def test_a_stream_is_drawn_where_some_of_it_may_be_seen(places):
     assert not in_sight(ends, view.planes, eye, 200.0)
 
 
-def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
+def test_only_vents_in_sight_are_drawn(counted, scene, make_packet):
     vents = np.array([(0.0, 150.0, 5.0, 2.0), (0.0, -150.0, 5.0, 2.0)])
-    low = replace(PRESETS["low"], snow=0)
-    pictures, triangles = [], []
-    for kept in (vents[:0], vents[:1], vents[1:], vents):
-        renderer = Renderer(
-            context, replace(scene, vents=kept), display_rig("mono", (160, 90)), low
-        )
-        renderer.draw(make_packet([], size=(160, 90), time_s=60.0))
-        pictures.append(renderer.read_pixels().astype(int))
-        triangles.append(renderer.triangles)
-        renderer.release()
+    packet = make_packet([], size=(160, 90), time_s=60.0)
+    pictures, triangles = zip(
+        *(
+            counted(packet, scene=replace(scene, vents=kept), quality=LOW)
+            for kept in (vents[:0], vents[:1], vents[1:], vents)
+        ),
+        strict=True,
+    )
     none, ahead, behind, both = pictures
     assert np.abs(ahead - none).max() > 20
     np.testing.assert_array_equal(behind, none)
@@ -144,36 +138,21 @@ def test_only_vents_in_sight_are_drawn(context, scene, make_packet):
     assert triangles[1] == triangles[3] > triangles[0] == triangles[2]
 
 
-def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(context, scene, make_packet):
+def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(drawn, scene, make_packet):
     """Small bubbles would be white blocks, as a glint fills all pixels that are blended with it."""
     kept = replace(scene, vents=np.array([(0.0, 90.0, 30.0, 3.0)]))
-    low = replace(PRESETS["low"], snow=0)
-    renderer = Renderer(context, kept, display_rig("mono", (320, 180)), low)
-    white = []
     for heading in (0.5, 0.25, 0.0, -0.25, -0.5):
-        packet = make_packet(
-            [], eye=(0.0, 0.0, -200.0), heading=np.pi / 2 + heading, size=(320, 180), time_s=60.0
-        )
-        renderer.draw(packet)
-        white.append(int((renderer.read_pixels().min(axis=2) > 235).sum()))
-    renderer.release()
-    assert max(white) == 0
+        packet = make_packet([], heading=np.pi / 2 + heading, time_s=60.0)
+        assert drawn(packet, scene=kept, quality=LOW).min(axis=2).max() <= 235
 
 
-def test_a_current_that_turns_while_diving_is_that_of_bubbles_and_snow(context, scene, make_packet):
+def test_a_current_that_turns_while_diving_is_that_of_bubbles_and_snow(drawn, scene, make_packet):
     """The picture equals one of a scene that had it from the start."""
     vents = np.array([[0.0, 120.0, 40.0, 3.0]], np.float32)
     still = replace(scene, vents=vents)
     flowing = replace(still, water=msgspec.structs.replace(still.water, current_cm_s=(14.0, 0.0)))
-    packet = make_packet([], eye=(0.0, 0.0, -200.0), heading=np.pi / 2, time_s=50.0)
-    turned = replace(packet, current_cm_s=(14.0, 0.0))
-    pictures = []
-    for about, sent in ((still, [packet]), (flowing, [packet]), (still, [packet, turned])):
-        renderer = Renderer(context, about, display_rig("mono", (240, 135)))
-        for one in sent:
-            renderer.draw(one)
-        pictures.append(renderer.read_pixels().astype(np.int64))
-        renderer.release()
-    before, wanted, found = pictures
+    packet = make_packet([], size=(240, 135), time_s=50.0)
+    before, wanted = drawn(packet, scene=still), drawn(packet, scene=flowing)
+    found = drawn(replace(packet, current_cm_s=(14.0, 0.0)), scene=still)
     np.testing.assert_array_equal(found, wanted)
     assert np.abs(wanted - before).max() > 20

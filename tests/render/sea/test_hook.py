@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.render import Renderer
 from subsea.render.sea.hook import BAIT, BEND_CM, LINE, METAL, SHANK_CM, WIRE_CM, shape
-from subsea.view.display_rigs import display_rig
 
 SIZE = (320, 180)
 
@@ -35,19 +33,15 @@ def test_triangles_of_one_tube_keep_to_it():
 
 
 @pytest.fixture
-def picture(context, scene, make_packet):
+def picture(drawn, make_packet):
     """A picture with or without a hook before the eye."""
-    renderer = Renderer(context, scene, display_rig("mono", SIZE))
 
-    def draw(hook, bait=True):
-        packet = make_packet([], size=SIZE)
-        eye = packet.views[0].eye
-        place = None if hook is None else np.asarray(eye + np.array([0.0, 40.0, -3.0]) + hook)
-        renderer.draw(replace(packet, hook=place, bait=bait))
-        return renderer.read_pixels().astype(int)
+    def picture(hook, bait=True):
+        packet = make_packet([])
+        place = None if hook is None else packet.views[0].eye + (0.0, 40.0, -3.0) + hook
+        return drawn(replace(packet, hook=place, bait=bait))
 
-    yield draw
-    renderer.release()
+    return picture
 
 
 def test_it_is_drawn_where_it_is_with_a_line_to_the_surface(picture):

@@ -6,29 +6,21 @@ import numpy as np
 import pytest
 
 from subsea.habitat.stone_shade import SUN
-from subsea.render import Renderer
 from subsea.render.gl.shaders import set_uniforms, source
 from subsea.render.gl.textures import near_and_far, repeating
 from subsea.render.output.quality import PRESETS
 from subsea.render.sea.water import disc, grid
-from subsea.view.display_rigs import display_rig
 
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
 
 
 @pytest.fixture(scope="module")
-def look(context, scene, make_packet):
+def look(drawn, scene, make_packet):
     """Quality, eye and options of `make_packet` -> the picture of an empty sea, in grey levels."""
     bottomless = replace(scene, terrain=scene.terrain - np.float32(5000.0))
-    renderer = Renderer(context, bottomless, display_rig("mono", (160, 90)), PLAIN)
-
-    def look(quality=PLAIN, **options):
-        renderer.adapt(quality)
-        renderer.draw(make_packet([], size=(160, 90), **options))
-        return renderer.read_pixels().astype(float)
-
-    yield look
-    renderer.release()
+    return lambda quality=PLAIN, **options: drawn(
+        make_packet([], size=(160, 90), **options), scene=bottomless, quality=quality
+    )
 
 
 def test_a_grid_covers_its_rectangle_once():

@@ -4,7 +4,10 @@ import time
 
 import pytest
 
+from subsea.cli.main import parsers
 from subsea.fish.species import species_file
+from subsea.scenario.fish_lookup import find_fish
+from subsea.scenario.load import load_scenario
 from subsea.ui.fish_builder.jobs import CaptureJobs
 from subsea.ui.fish_builder.processes import CommandProcess
 
@@ -27,7 +30,7 @@ def end_of(jobs):
     return found
 
 
-def test_what_cannot_be_recorded_is_told_in_a_sentence(jobs):
+def test_a_failed_recording_is_reported_in_a_sentence(jobs):
     jobs.record("no_such_fish")
     assert jobs.running and jobs.doing == "recording…"
     assert end_of(jobs) == ("record", 2)
@@ -50,7 +53,23 @@ def test_learning_that_is_stopped_leaves_the_file_as_it_was(jobs, tmp_path):
     assert path.read_bytes() == species_file("fusilier").read_bytes()
 
 
-def test_lines_and_bars_are_told_apart():
+def test_a_dive_follows_the_fish(jobs, monkeypatch):
+    """Another species of the scenario comes first."""
+    commands = []
+    monkeypatch.setattr(
+        "subsea.ui.fish_builder.jobs.subprocess.Popen",
+        lambda command, **how: commands.append(command),
+    )
+    monkeypatch.setattr(CaptureJobs, "close", lambda self: None)
+    jobs.dive("clownfish")
+    options = parsers()[0].parse_args(commands[0][3:])
+    scenario, _ = load_scenario(options.scenario, options.changes)
+    number = find_fish(options.follow, scenario)
+    shoals = [one.species for one in scenario.fish for _ in range(one.number)]
+    assert shoals[number] == "clownfish"
+
+
+def test_lines_and_progress_bars_are_distinguished():
     process = CommandProcess(["capture", "--help"])
     process.close()
     process.parse("red_fish: swim:  43%|####      | 129/300 [00:10<00:13, best 0.2150]")

@@ -1,6 +1,5 @@
 """Panels about fishes and time in a real window, by real mouse events."""
 
-import re
 import tomllib
 from contextlib import closing
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 from subsea.behavior.table import INTENTIONS
-from subsea.core.resources import resource_path
 from subsea.dive.intention_text import focus
 from subsea.dive.mental_chart import Chart
 from subsea.scenario.schema import Waypoint
@@ -29,34 +27,31 @@ SIZE = (780, 590)
 
 
 @pytest.fixture(scope="module")
-def boat(display, hands, coarse, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    few = tmp_path_factory.mktemp("sea") / "few.toml"
-    few.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
-    with closing(Dive(dive_options(few, SIZE, coarse))) as running:
-        running.run_command("help")
-        hands.glide(running, 0.2)
-        hands.do("key", "Tab")
-        hands.until(running, lambda: running.inspector.open)
+def boat(display, user, quiet, coarse):
+    with closing(Dive(dive_options(quiet, SIZE, coarse))) as running:
+        running.overlay.hide_help()
+        user.glide(running, 0.2)
+        user.do("key", "Tab")
+        user.until(running, lambda: running.inspector.open)
         yield running
 
 
 @pytest.fixture
-def still(boat, hands):
+def still(boat, user):
     """A dive with paused time, closed panels and no chosen fish."""
     boat.inspector.shown.clear()
     boat.ride_fish(None)
     boat.inspector.chosen = None
     if not boat.timeline.paused:
         boat.timeline.pause()
-    hands.glide(boat, 0.2)
+    user.glide(boat, 0.2)
     return boat
 
 
-def opened(boat, hands, name, fish=None):
+def opened(boat, user, name, fish=None):
     boat.inspector.shown.add(name)
     boat.inspector.chosen = fish
-    hands.glide(boat, 0.3)
+    user.glide(boat, 0.3)
 
 
 def put(boat, fish, x, y, far_cm):
@@ -66,38 +61,36 @@ def put(boat, fish, x, y, far_cm):
     fishes.position[fish] = fishes.previous_position[fish] = eye + far_cm * way
 
 
-def click(boat, hands, x, y):
+def click(boat, user, x, y):
     left, top = boat.window.position
-    hands.do("mousemove", round(left + x * SIZE[0]), round(top + y * SIZE[1]))
-    hands.glide(boat, 0.2)
-    for word in ("mousedown", "mouseup"):
-        hands.do(word, 1)
-        hands.glide(boat, 0.2)
+    user.drag(boat, (round(left + x * SIZE[0]), round(top + y * SIZE[1])))
 
 
-def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, hands):
+def test_a_click_in_the_sea_chooses_the_fish_that_is_drawn_there(still, user):
+    for fish in range(len(still.world.state.fishes.alive)):
+        put(still, fish, 0.5, 0.5, -500.0)  # behind the camera
     put(still, 4, 0.3, 0.4, 90.0)
     put(still, 7, 0.7, 0.6, 120.0)
     put(still, 1, 0.7, 0.6, 260.0)  # behind it
-    hands.glide(still, 0.1)
-    click(still, hands, 0.3, 0.4)
+    user.glide(still, 0.1)
+    click(still, user, 0.3, 0.4)
     assert still.inspector.chosen == 4
-    click(still, hands, 0.7, 0.6)
+    click(still, user, 0.7, 0.6)
     assert still.inspector.chosen == 7
-    ringed = hands.screen(still)
+    ringed = user.screen(still)
     still.inspector.chosen = None
     still.frame(0.0)
-    plain = hands.screen(still)
+    plain = user.screen(still)
     still.inspector.chosen = 7
     rows, columns = np.nonzero(np.abs(ringed - plain).sum(axis=2) > 60)  # the ring around it
     assert abs(columns.mean() / SIZE[0] - 0.7) < 0.02 and abs(rows.mean() / SIZE[1] - 0.6) < 0.02
     assert np.hypot(columns - 0.7 * SIZE[0], rows - 0.6 * SIZE[1]).min() > 10.0
-    click(still, hands, 0.98, 0.96)  # open water
+    click(still, user, 0.98, 0.96)  # open water
     assert still.inspector.chosen is None
 
 
-def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, hands, spots):
-    opened(still, hands, "Habits")
+def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, user, spots):
+    opened(still, user, "Habits")
     spots.click(still, "next")
     spots.click(still, "next")
     assert still.inspector.chosen == 1
@@ -105,37 +98,44 @@ def test_fishes_are_chosen_on_the_panel_one_after_another_or_by_number(still, ha
     spots.click(still, "previous")
     assert still.inspector.chosen == len(still.world.state.fishes.alive) - 1
     spots.click(still, "fish", 0.2)
-    hands.do("key", "ctrl+a", "5", "Return")
-    hands.until(still, lambda: still.inspector.chosen == 5)
+    user.do("key", "ctrl+a", "5", "Return")
+    user.until(still, lambda: still.inspector.chosen == 5)
+    spots.type(still, "fish", "99999")
+    assert still.inspector.chosen == 5
+    spots.type(still, "fish", "5-1")
+    assert still.inspector.chosen == 5
+    spots.click(still, "fish", 0.2)
+    user.do("key", "ctrl+a", "BackSpace", "Return")
+    user.until(still, lambda: still.inspector.chosen is None)
 
 
-def test_a_fish_that_is_no_more_is_not_chosen_any_more(still, hands):
+def test_a_dead_fish_is_no_longer_chosen(still, user):
     still.inspector.chosen = 2
     still.world.state.fishes.alive[2] = False
-    hands.glide(still, 0.1)
+    user.glide(still, 0.1)
     assert still.inspector.chosen is None
     still.world.state.fishes.alive[2] = True
 
 
-def test_a_slider_changes_the_digestion_of_one_fish_and_a_rewind_gives_it_back(still, hands, spots):
+def test_a_slider_changes_the_digestion_of_one_fish_until_a_rewind(still, user, spots):
     time, digestion = still.timeline, still.world.state.minds.digestion
     time.single()
-    opened(still, hands, "Behavior", 3)
+    opened(still, user, "Behavior", 3)
     before, tick = digestion.copy(), time.tick
     time.single()
-    hands.glide(still, 0.1)
+    user.glide(still, 0.1)
     spots.drag(still, "digestion, 1/s", 0.1, 0.5)
     after = digestion.copy()
     assert after[3] > 2.0 * before[3]
     np.testing.assert_array_equal(np.delete(after, 3), np.delete(before, 3))
     time.stand_at(tick)
-    hands.glide(still, 0.1)
+    user.glide(still, 0.1)
     np.testing.assert_array_equal(digestion, before)
 
 
-def test_hunger_and_libido_are_set_now(still, hands, spots):
+def test_hunger_and_libido_are_set_now(still, user, spots):
     minds = still.world.state.minds
-    opened(still, hands, "Behavior", 3)
+    opened(still, user, "Behavior", 3)
     spots.click(still, "hunger", 0.02)
     assert minds.mental[3, 0] < 0.1
     assert minds.eaten[3] > 0.85 * minds.appetite[3]
@@ -144,11 +144,11 @@ def test_hunger_and_libido_are_set_now(still, hands, spots):
     assert minds.last_mating[3] < still.world.state.tick * TICK_S
 
 
-def test_constants_of_all_fishes_are_set_keep_their_order_and_go_back(still, hands, spots):
-    opened(still, hands, "Behavior")
+def test_constants_of_all_fishes_are_set_keep_their_order_and_go_back(still, user, spots):
+    opened(still, user, "Behavior")
     before = still.world.nature
     spots.click(still, "Constants of all fishes")
-    hands.glide(still, 0.2)
+    user.glide(still, 0.2)
     spots.drag(still, "is alarmed by fear of", 0.3, 0.9)
     assert still.world.nature.alarmed > 0.8 > before.alarmed
     assert still.world.nature.panicked > still.world.nature.alarmed
@@ -157,13 +157,13 @@ def test_constants_of_all_fishes_are_set_keep_their_order_and_go_back(still, han
     spots.click(still, "Constants of all fishes")
 
 
-def test_the_intention_that_is_lit_is_the_state_s(still, hands, spots):
+def test_the_highlighted_intention_is_the_current_one(still, user, spots):
     minds = still.world.state.minds
-    opened(still, hands, "Behavior", 3)
+    opened(still, user, "Behavior", 3)
     for code in (ESCAPE, EAT):
         minds.intention[3], minds.target[3] = code, 0
-        hands.glide(still, 0.2)
-        picture = hands.screen(still)
+        user.glide(still, 0.2)
+        picture = user.screen(still)
         blue = {}
         for name in INTENTIONS:
             x, y = (int(v) for v in spots[name][:2])
@@ -173,7 +173,7 @@ def test_the_intention_that_is_lit_is_the_state_s(still, hands, spots):
         np.testing.assert_allclose(blue[lit], np.multiply(LIT, 255.0), atol=8.0)
 
 
-def test_what_a_fish_is_about_is_told(still):
+def test_the_target_of_a_fish_is_described(still):
     world = still.world
     minds, fishes = world.state.minds, world.state.fishes
     minds.intention[3], minds.predator[3] = ESCAPE, SUBMARINE
@@ -185,9 +185,9 @@ def test_what_a_fish_is_about_is_told(still):
     assert focus(world, 3) == ("nothing", None)
 
 
-def test_charts_hold_what_the_state_had(still, hands):
+def test_charts_hold_what_the_state_had(still, user):
     minds, seen = still.world.state.minds, []
-    opened(still, hands, "Behavior", 0)
+    opened(still, user, "Behavior", 0)
     still.timeline.pause()
     for _ in range(20):
         still.frame(TICK_S)
@@ -202,9 +202,9 @@ def test_charts_hold_what_the_state_had(still, hands):
         np.testing.assert_array_equal(chart.values[:, -1 - back], mental)
 
 
-def test_habits_are_set_of_one_fish_or_of_all_its_species(still, hands, spots):
+def test_habits_are_set_for_one_fish_or_its_species(still, user, spots):
     minds, fishes = still.world.state.minds, still.world.state.fishes
-    opened(still, hands, "Habits", 4)
+    opened(still, user, "Habits", 4)
     kin = fishes.species == fishes.species[4]
     male = minds.male.copy()
     spots.click(still, "female" if male[4] else "male", 0.1)
@@ -224,12 +224,12 @@ def test_habits_are_set_of_one_fish_or_of_all_its_species(still, hands, spots):
     spots.click(still, "this fish alone", 0.1)
 
 
-def test_time_stands_still_goes_on_by_ticks_and_back(still, hands, spots):
+def test_time_is_paused_stepped_and_rewound(still, user, spots):
     time, world = still.timeline, still.world
-    opened(still, hands, "Time")
+    opened(still, user, "Time")
     spots.click(still, "go on")
     assert not time.paused
-    hands.glide(still, 1.5)
+    user.glide(still, 1.5)
     spots.click(still, "pause")
     assert time.paused
     tick, sums = time.tick, snapshot.checksum(world)
@@ -238,22 +238,22 @@ def test_time_stands_still_goes_on_by_ticks_and_back(still, hands, spots):
     spots.drag(still, "##back", 0.99, 0.5)
     assert time.tick < tick - 20
     time.stand_at(tick)
-    hands.glide(still, 0.1)
+    user.glide(still, 0.1)
     assert snapshot.checksum(world) == sums
     spots.click(still, "×2", 0.2)
     assert time.rate == 2.0
     spots.click(still, "×1", 0.2)
 
 
-def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
-    opened(still, hands, "Control")
-    plain = hands.screen(still)
+def test_diagrams_and_wireframe_are_ticked_and_drawn(still, user, spots):
+    opened(still, user, "Control")
+    plain = user.screen(still)
     for label in ("bounds", "wireframe"):
         spots.click(still, label, 0.1)
     assert still.picture.diagrams == {"bounds"} and still.picture.wireframe
-    hands.do("mousemove", 400, 585)
-    hands.glide(still, 0.2)
-    beside = np.abs(hands.screen(still) - plain)[:, 560:].sum(axis=2)
+    user.do("mousemove", 400, 585)
+    user.glide(still, 0.2)
+    beside = np.abs(user.screen(still) - plain)[:, 560:].sum(axis=2)
     assert (beside > 60).mean() > 0.1
     for label in ("bounds", "wireframe"):
         spots.click(still, label, 0.1)
@@ -265,9 +265,9 @@ def test_diagrams_and_wireframe_are_ticked_and_drawn(still, hands, spots):
     assert not lights.any()
 
 
-def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, spots):
+def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, user, spots):
     submarine = still.world.state.submarine
-    opened(still, hands, "Control")
+    opened(still, user, "Control")
     spots.click(still, "copy it as a waypoint of a tour")
     text = glfw.get_clipboard_string(None).decode()
     (entry,) = tomllib.loads(f"waypoint = [{text}]")["waypoint"]
@@ -280,16 +280,16 @@ def test_the_camera_is_copied_as_a_waypoint_that_a_tour_can_have(still, hands, s
     np.testing.assert_allclose(ahead[:2], expected, atol=0.2)
 
 
-def test_what_is_told_of_the_picture_is_so(still, hands):
-    opened(still, hands, "Control")
+def test_counts_of_the_picture_are_right(still, user):
+    opened(still, user, "Control")
     counts = still.picture.counts
     assert counts["fishes"] == np.count_nonzero(still.world.state.fishes.alive)
     assert 0 < counts["in sight"] <= counts["fishes"]
     assert counts["triangles"] == still.picture.renderer.triangles > 1000
 
 
-def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, spots):
-    opened(still, hands, "Fish view", 5)
+def test_a_fish_is_ridden_followed_and_left_and_its_gaze_turned(still, user, spots):
+    opened(still, user, "Fish view", 5)
     spots.click(still, "the fish's eyes", 0.1)
     assert still.picture.ride.by.fish == 5 and not still.picture.ride.behind
     assert still.picture.insets
@@ -307,11 +307,11 @@ def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, sp
     assert still.picture.ride.behind
     spots.click(still, "next")
     assert still.picture.ride.by.fish == still.inspector.chosen == 6 and still.picture.ride.behind
-    spots.click(still, "its reins are in your hands", 0.05)
+    spots.click(still, "steer this fish", 0.05)
     assert still.steers_fish
     spots.click(still, "goes by the light in its eyes", 0.05)
     still.timeline.single()
-    hands.glide(still, 0.2)
+    user.glide(still, 0.2)
     assert set(still.world.seen_light) == {6}
     spots.click(still, "goes by the light in its eyes", 0.05)
     assert not still.world.seen_light
@@ -319,18 +319,18 @@ def test_a_fish_is_ridden_followed_and_left_and_its_eyes_turned(still, hands, sp
     assert still.picture.ride is None and still.inspector.chosen == 6
 
 
-def test_panels_that_nobody_touches_change_nothing(still, hands):
+def test_panels_that_nobody_touches_change_nothing(still, user):
     time, world = still.timeline, still.world
-    hands.do("mousemove", 400, 585)
+    user.do("mousemove", 400, 585)
     time.pause()
-    hands.glide(still, 2.0)  # earlier input has no further effect
+    user.glide(still, 2.0)  # earlier input has no further effect
     time.pause()
     begin, sums = time.tick, []
     for panels in ((), PANELS):
         still.inspector.shown = set(panels)
         still.inspector.chosen = 3 if panels else None
         time.stand_at(begin)
-        hands.glide(still, 0.1)
+        user.glide(still, 0.1)
         assert time.tick == begin
         time.pause()
         while time.tick < begin + 30:

@@ -13,7 +13,8 @@ from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.ui.dive import Dive
 from subsea.ui.gui import TEXT_PT
-from subsea.ui.panels.initialisation import NUMBER, InitialisationState, present
+from subsea.ui.inspector import LEAST_LETTERS
+from subsea.ui.panels.initialisation import NUMBER, InitialisationState, open_file, present
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.inventory import counts, with_counts
@@ -58,28 +59,38 @@ def own(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pool(display, hands, own, coarse, tmp_path_factory):
+def dive(display, user, own, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(POOL)
     with closing(Dive(dive_options(path, (720, 560), coarse, seed=None))) as running:
-        hands.glide(running, 0.2)
         running.inspector.toggle()
         running.inspector.shown = {"Initialisation"}
-        hands.glide(running, 0.2)
-        yield running
+        yield running, path
 
 
-def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
+@pytest.fixture
+def pool(dive, user, spots):
+    """The dive, begun again from a file with `POOL`."""
+    running, path = dive
+    path.write_text(POOL)
+    assert open_file(running.inspector, str(path))
+    user.glide(running, 0.3)
+    return running
+
+
+def test_entered_numbers_are_those_of_the_restarted_dive(pool, user, spots):
     window, world = pool.window.handle, pool.world
     spots.type(pool, "fusilier", "12")
     left, _, right, _ = spots["clownfish"]
-    spots.click(pool, "clownfish", 0.9 * NUMBER * TEXT_PT / (right - left))  # one more
+    spots.click(
+        pool, "clownfish", 0.9 * NUMBER * LEAST_LETTERS * TEXT_PT / (right - left)
+    )  # one more
     spots.type(pool, "##kelp", "2")
     spots.type(pool, "pillars", "3")
     spots.type(pool, "seed", "4000000077")
     assert pool.world is world  # only on request
-    spots.click(pool, "Start anew")
-    hands.until(pool, lambda: pool.world is not world)
+    spots.click(pool, "Restart")
+    user.until(pool, lambda: pool.world is not world)
     names = [species.name for species in pool.world.species]
     kinds = [pool.scenario.species[k] for k in pool.world.state.fishes.species]
     assert {name: kinds.count(name) for name in kinds} == {
@@ -88,31 +99,31 @@ def test_numbers_entered_start_a_dive_anew_with_as_many(pool, hands, spots):
     assert len(names) == 3 and len(pool.world.state.sea.pillars) == 3
     assert sum(g.clusters for g in pool.scenario.seaweed if g.kind == "kelp") == 2
     assert pool.world.state.seed == 4000000077
-    hands.glide(pool, 0.2)
+    user.glide(pool, 0.2)
     assert (
         pool.inspector.state(InitialisationState).counts.seed == 4000000077
     )  # showing a value does not change it
     assert pool.window.handle is window
 
 
-def test_a_dive_that_cannot_be_is_refused_in_one_line(pool, hands, spots, capsys):
+def test_an_impossible_dive_is_refused_in_one_line(pool, user, spots, capsys):
     world = pool.world
     for name in ("fusilier", "clownfish"):
         spots.type(pool, name, "100000")
-    spots.click(pool, "Start anew")
+    spots.click(pool, "Restart")
     told = capsys.readouterr().err
     assert "100000" in told and told.count("\n") == 1
     assert pool.world is world
     spots.click(pool, "Revert")
     spots.click(pool, "Dice")
     spots.click(pool, "Revert")
-    spots.click(pool, "Start anew")
-    hands.until(pool, lambda: pool.world is not world)
-    assert len(pool.world.state.fishes.species) == 14
-    assert pool.world.state.seed == 4000000077
+    spots.click(pool, "Restart")
+    user.until(pool, lambda: pool.world is not world)
+    assert len(pool.world.state.fishes.species) == 4
+    assert pool.world.state.seed == 3
 
 
-def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, capsys, monkeypatch):
+def test_a_saved_scenario_makes_the_same_world(pool, user, spots, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     minds = pool.world.state.minds
     minds.male[2], minds.dread[2], minds.appetite[1] = not minds.male[2], 55.0, 37.0
@@ -128,15 +139,17 @@ def test_what_is_saved_is_the_same_world_again(pool, hands, spots, tmp_path, cap
     assert np.array_equal(again.state.minds.male, minds.male)
     assert np.array_equal(again.state.minds.dread, minds.dread)
     assert np.array_equal(again.state.minds.appetite, minds.appetite)
-    assert again.nature == pool.world.nature and again.state.seed == 4000000077
+    assert again.nature == pool.world.nature and again.state.seed == 3
     assert snapshot.checksum(again) == snapshot.checksum(create_world(present(pool.inspector)))
 
 
-def test_what_another_program_wrote_is_not_taken_back(pool, hands, spots, capsys):
+def test_changes_by_another_program_are_not_overwritten(pool, user, spots, capsys):
+    pool.world.nature = pool.world.nature._replace(keen=0.31)
+    spots.click(pool, "Save")
     path, ours = pool.source, pool.source.read_text()
     theirs = ours.replace("keen = 0.31", "keen = 0.4")
     path.write_text(theirs)
-    hands.glide(pool, 0.1)
+    user.glide(pool, 0.1)
     spots.click(pool, "Save")
     assert "was changed by another program" in capsys.readouterr().err
     assert path.read_text() == theirs != ours
@@ -148,7 +161,7 @@ def test_what_another_program_wrote_is_not_taken_back(pool, hands, spots, capsys
     assert path.read_text() == ours.replace("keen = 0.31", "keen = 0.32")
 
 
-def test_where_nothing_can_be_written_nothing_is_lost(pool, spots, tmp_path, capsys, monkeypatch):
+def test_a_failed_save_loses_nothing(pool, spots, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     folder, source = tmp_path / "closed", pool.source
     folder.write_text("a file")
@@ -169,11 +182,11 @@ def test_a_broken_file_is_one_line_and_the_dive_goes_on(pool, spots, tmp_path, c
     pool.frame(0.1)
 
 
-def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, hands, spots, capsys):
+def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, user, spots, capsys):
     shipped = resource_path("assets/scenarios/schooling.toml")
     before, world = shipped.read_bytes(), pool.world
     spots.type(pool, "##wanted", "schooling")
-    hands.until(pool, lambda: pool.world is not world)
+    user.until(pool, lambda: pool.world is not world)
     assert pool.source == shipped
     spots.click(pool, "Save")
     assert pool.source.name == "my-schooling.toml" and pool.source.exists()
@@ -189,7 +202,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, hands, spots, 
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_numbers_are_shared_out_as_they_were_and_single_fishes_keep_theirs():
+def test_numbers_keep_the_proportions_of_shoals_and_individuals_their_fish():
     scenario, _ = load_scenario("peaceful")
     scenario = replace(
         scenario,
@@ -234,7 +247,7 @@ def test_names_that_are_taken_are_refused(own, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["~nobody-of-that-name/x", "n" * 300])
-def test_what_cannot_be_a_file_is_told(own, name):
+def test_impossible_file_names_are_refused(own, name):
     storage.own_scenarios().mkdir(parents=True, exist_ok=True)
     with pytest.raises(UserError):
         storage.place_named(name)

@@ -8,7 +8,7 @@ import pytest
 
 from subsea.state import Physics
 from subsea.ui.dive import Dive
-from subsea.ui.panels.initialisation import present
+from subsea.ui.panels.initialisation import open_file, present
 from subsea.world import snapshot
 from tests.support.windows import dive_options
 from tests.ui.panels.test_initialisation import POOL
@@ -19,38 +19,50 @@ NEAR = POOL.replace(
 
 
 @pytest.fixture(scope="module")
-def pool(display, hands, coarse, tmp_path_factory):
+def dive(display, user, coarse, tmp_path_factory):
     path = tmp_path_factory.mktemp("sea") / "pool.toml"
     path.write_text(NEAR)
     with closing(Dive(dive_options(path, (720, 580), coarse, seed=None))) as running:
-        running.overlay.toggle_help()
+        running.overlay.hide_help()
         running.inspector.toggle()
         running.inspector.shown = {"Physics"}
-        hands.glide(running, 0.4)
         yield running
 
 
-def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, hands, spots):
+@pytest.fixture
+def pool(dive, user, spots):
+    """The dive, begun again as its file says."""
+    assert open_file(dive.inspector, str(dive.source))
+    user.glide(dive, 0.4)
+    return dive
+
+
+def simulate(pool, user, spots):
+    """Simulate a fish by the panel, not the one that would be simulated anyway; its number."""
     fishes, world = pool.world.state.fishes, pool.world
-    # Not the fish that would be simulated anyway.
     far = np.linalg.norm(fishes.position - world.state.submarine.position, axis=1)
     far[~world.dynamics.muscular[fishes.species]] = 0.0
     pool.inspector.chosen = fish = int(np.argmax(far))
-    assert world.dynamics.muscular[fishes.species].sum() > 1
-    hands.glide(pool, 0.2)
-    place, tick = fishes.position[fish].copy(), world.state.tick
+    user.glide(pool, 0.2)
     spots.click(pool, "simulate it before all others", 0.05)
-    hands.until(pool, lambda: pool.world is not world)
+    user.until(pool, lambda: pool.world is not world)
+    user.until(pool, lambda: pool.world.state.fishes.live[fish])
+    return fish
+
+
+def test_the_chosen_fish_is_simulated_and_the_dive_goes_on(pool, user, spots):
+    places, tick = pool.world.state.fishes.position.copy(), pool.world.state.tick
+    assert pool.world.dynamics.muscular[pool.world.state.fishes.species].sum() > 1
+    fish = simulate(pool, user, spots)
     fishes = pool.world.state.fishes
     assert pool.world.state.tick >= tick
-    assert np.linalg.norm(fishes.position[fish] - place) < 40.0
+    assert np.linalg.norm(fishes.position[fish] - places[fish]) < 60.0
     assert pool.inspector.chosen == fish
-    hands.until(pool, lambda: fishes.live[fish])
     assert fishes.live.sum() == 1
 
 
-def test_factors_act_are_kept_by_time_and_go_back_to_what_is_usual(pool, hands, spots):
-    hands.glide(pool, 0.2)
+def test_factors_act_are_restored_by_a_rewind_and_have_defaults(pool, user, spots):
+    fish = simulate(pool, user, spots)
     before = snapshot.checksum(pool.world)
     tick = pool.timeline.tick
     spots.drag(pool, "unit mass", 0.45, 0.55)
@@ -63,43 +75,32 @@ def test_factors_act_are_kept_by_time_and_go_back_to_what_is_usual(pool, hands, 
     assert snapshot.checksum(pool.world) == before
     assert pool.world.physics.unit_mass == 1.0
     pool.world.physics = changed
-    hands.glide(pool, 0.2)
+    user.glide(pool, 0.2)
     spots.click(pool, "Defaults")
-    fish = pool.world.physics.fish
-    assert pool.world.physics == Physics(fish=fish) and fish >= 0
+    assert pool.world.physics == Physics(fish=fish)
 
 
-def test_a_fish_that_explodes_is_told_and_comes_to_no_harm(pool, hands, spots, capsys):
-    fish = pool.world.physics.fish
-    hands.glide(pool, 0.2)
-    hands.until(pool, lambda: pool.world.state.fishes.live[fish])
+def test_an_exploding_fish_is_reported_and_survives(pool, user, spots, capsys):
+    simulate(pool, user, spots)
     capsys.readouterr()
     spots.drag(pool, "time step", 0.43, 0.9)
-    hands.until(pool, lambda: pool.world.reported_bursts)
-    hands.glide(pool, 0.2)
+    user.until(pool, lambda: pool.world.reported_bursts)
+    user.glide(pool, 0.2)
     told = capsys.readouterr().err
     assert "exploded" in told and "time step" in told
     assert np.isfinite(pool.world.state.fishes.position).all()
     assert pool.world.state.fishes.alive.all()
-    spots.click(pool, "Defaults")
 
 
-def test_the_current_is_turned_by_the_dial_made_stronger_and_switched_off(pool, hands, spots):
-    hands.glide(pool, 0.2)
+def test_the_current_is_turned_by_the_dial_made_stronger_and_switched_off(pool, user, spots):
     assert pool.world.current_cm_s == (0.0, 0.0)
     spots.click(pool, "current", 0.1)
     assert pool.world.current_cm_s == (6.0, 0.0)
     left, top, right, bottom = spots["dial"]
     x, y = pool.window.position
     middle = x + (left + right) / 2, y + (top + bottom) / 2
-    hands.do("mousemove", round(middle[0] + 20), round(middle[1]))
-    hands.glide(pool, 0.2)
-    hands.do("mousedown", 1)
-    hands.glide(pool, 0.2)
-    hands.do("mousemove", round(middle[0]), round(middle[1] - 30))  # up: along y
-    hands.glide(pool, 0.2)
-    hands.do("mouseup", 1)
-    hands.glide(pool, 0.2)
+    right, up = (middle[0] + 20, middle[1]), (middle[0], middle[1] - 30)
+    user.drag(pool, *(tuple(map(round, place)) for place in (right, up)))
     along, across = pool.world.current_cm_s
     assert abs(math.degrees(math.atan2(across, along)) - 90.0) < 6.0
     spots.drag(pool, "strength", 0.1, 0.4)

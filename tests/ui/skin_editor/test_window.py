@@ -30,6 +30,7 @@ from subsea.fish.species import load_species, own_species, species_file
 from subsea.ui.skin_editor.window import SkinEditor
 from subsea.ui.tool_window import ToolWindow
 from tests.support.scenes import BARE
+from tests.support.windows import User
 
 SIZE = 800, 600
 PICTURE = 520, 380  # width and height of the photograph
@@ -86,29 +87,36 @@ def test_without_a_display_one_line_says_what_works(monkeypatch, capsys, tmp_pat
 
 
 @pytest.fixture(scope="module")
-def scene(display, tmp_path_factory):
+def opened(display, tmp_path_factory):
     """The window on a photograph, and the true outline."""
-    home = tmp_path_factory.mktemp("home")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_DATA_HOME", str(home))
-        yield from opened(tmp_path_factory)
-
-
-def opened(tmp_path_factory):
     path = tmp_path_factory.mktemp("photographs") / "angel.png"
     truth = photographed(path)
     mesh = path.with_name("mesh.json")
     make = lambda window: SkinEditor(window, read_photograph(path), NAME, mesh=mesh)  # noqa: E731
-    with closing(ToolWindow("skin", make, SIZE)) as window:
-        rest(window)
-        yield window, truth
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
+        with closing(ToolWindow("skin", make, SIZE)) as window:
+            yield window, truth
+
+
+@pytest.fixture
+def scene(opened, spots):
+    """The window with all edits undone, and the true outline."""
+    window, truth = opened
+    rest(window)
+    editor = window.tool
+    while editor.history.may_undo:
+        editor.undo()
+    editor.canvas.mode = "pull"
+    window.frame(0.1)
+    rest(window)
+    window.frame(0.1)
+    return window, truth
 
 
 def rest(window):
     """Run frames until all background tasks are done."""
-    from tests.support.windows import Hands
-
-    Hands.until(window, lambda: not (window.busy or window.tool.working), 120.0)
+    User.until(window, lambda: not (window.busy or window.tool.working), 120.0)
 
 
 def at(window, place):
@@ -117,21 +125,13 @@ def at(window, place):
     return round(left + float(x)), round(top + float(y))
 
 
-def drag(window, hands, begin, end, key=None):
-    hands.do("mousemove", *begin)
-    hands.glide(window, 0.3)
-    if key:
-        hands.do("keydown", key)
-        hands.glide(window, 0.2)
-    hands.do("mousedown", 1)
-    hands.glide(window, 0.2)
-    hands.do("mousemove", *end)
-    hands.glide(window, 1.0)
-    hands.do("mouseup", 1)
-    hands.glide(window, 0.3)
-    if key:
-        hands.do("keyup", key)
-        hands.glide(window, 0.2)
+def shown(window):
+    """The pixels of the window."""
+    return window.window_set.picture().astype(int)
+
+
+def drag(window, user, begin, end):
+    user.drag(window, begin, end, hold_s=1.0)
 
 
 def laid_across(document):
@@ -149,214 +149,197 @@ def off(meshes, truth):
 
 def test_the_fish_is_found_and_wears_the_photograph(scene):
     window, truth = scene
-    editor = window.tool
-    document = editor.document
+    editor, document = window.tool, window.tool.document
     assert off(document.to_photo(document.meshes), truth) < 0.03
     assert document.error < 0.015
-    assert not editor.unsaved  # no manual edit yet
+    assert not editor.history.unsaved  # no manual edit yet
     flank = np.s_[180:330, 400:700]
     painted = paint.paint(load_species(NAME))[flank][..., :3].mean(axis=(0, 1))
     worn = document.sheet[flank][..., :3].mean(axis=(0, 1))
     assert worn[[0, 2, 1]] == pytest.approx(painted, abs=15.0)
     assert np.abs(worn - painted).max() > 50.0
-    shown = window.picture().astype(int)
-    magenta = (shown[..., 0] > shown[..., 1] + 60) & (shown[..., 2] > shown[..., 1] + 60)
+    picture = shown(window)
+    magenta = (picture[..., 0] > picture[..., 1] + 60) & (picture[..., 2] > picture[..., 1] + 60)
     assert magenta[:, :500].sum() > 5000  # the photograph
     assert magenta[:, 560:].sum() > 1000  # the textured fish, and the sheet
 
 
-def test_a_node_is_dragged_and_the_mesh_follows(scene, hands, spots):
+def test_a_node_is_dragged_and_the_mesh_follows(scene, user, spots):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
+    editor, document = window.tool, window.tool.document
     before = document.meshes
     place = edits.node_places(before, [BELLY])[0]
     start = {name: one.nodes.copy() for name, one in before.parts.items()}
     to = at(window, place + (0.0, 25.0))
-    drag(window, hands, at(window, place), to)
+    drag(window, user, at(window, place), to)
     rest(window)
     moved = {name: one.nodes - start[name] for name, one in document.meshes.parts.items()}
     assert moved[BODY][8, 8, 1] > 15.0
     assert moved[BODY][8, 8, 1] > moved[BODY][8, 7, 1] > 1.0
     assert np.abs(moved[BODY][0]).max() < 1e-6  # the back is far away
-    assert editor.unsaved
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: np.array_equal(document.meshes.body.nodes, start[BODY]))
-    hands.do("key", "ctrl+y")
-    hands.until(window, lambda: document.meshes.body.nodes[8, 8, 1] > start[BODY][8, 8, 1] + 15.0)
+    assert editor.history.unsaved
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: np.array_equal(document.meshes.body.nodes, start[BODY]))
+    user.do("key", "ctrl+y")
+    user.until(window, lambda: document.meshes.body.nodes[8, 8, 1] > start[BODY][8, 8, 1] + 15.0)
 
 
-def test_a_shift_click_sets_an_anchor_and_lifts_it(scene, hands, spots):
+def test_a_shift_click_sets_an_anchor_and_lifts_it(scene, user, spots):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
+    document = window.tool.document
     node = MeshNode(VENTRAL, 1, 6)
     place = at(window, edits.node_places(document.meshes, [node])[0])
     for there in ([node], []):
-        drag(window, hands, place, place, "shift")
-        hands.until(window, lambda there=there: edits.anchored_nodes(document.meshes) == there)
+        user.do("keydown", "shift")
+        drag(window, user, place, place)
+        user.do("keyup", "shift")
+        user.until(window, lambda there=there: edits.anchored_nodes(document.meshes) == there)
     spots.click(window, "Anchor")
-    hands.glide(window, 0.2)
-    drag(window, hands, place, place)
-    hands.until(window, lambda: edits.anchored_nodes(document.meshes) == [node])
+    user.glide(window, 0.2)
+    drag(window, user, place, place)
+    user.until(window, lambda: edits.anchored_nodes(document.meshes) == [node])
     spots.click(window, "Lift anchors")
-    hands.until(window, lambda: not edits.anchored_nodes(document.meshes))
-    rest(window)
+    user.until(window, lambda: not edits.anchored_nodes(document.meshes))
 
 
-def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, hands, spots):
+def test_the_whole_is_moved_turned_and_scaled_and_relaxing_mends_it(scene, user, spots):
     window, truth = scene
-    editor = window.tool
-    document = editor.document
-    while editor.may_undo:
-        editor.undo()
-    hands.glide(window, 0.2)
+    document = window.tool.document
     good = document.meshes.body.nodes.copy()
     spots.click(window, "Move, turn, scale")
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     frame = edits.transform_box(document.meshes)
-    drag(window, hands, at(window, frame.middle), at(window, frame.middle + (60.0, 0.0)))
+    drag(window, user, at(window, frame.middle), at(window, frame.middle + (60.0, 0.0)))
     assert document.meshes.body.nodes == pytest.approx(good + (60.0, 0.0), abs=1.0)
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: np.array_equal(document.meshes.body.nodes, good))
-    drag(window, hands, at(window, frame.middle), at(window, frame.middle + (4.0, -5.0)))
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: np.array_equal(document.meshes.body.nodes, good))
+    drag(window, user, at(window, frame.middle), at(window, frame.middle + (4.0, -5.0)))
     shown = edits.transform_box(document.meshes)
     drag(
         window,
-        hands,
+        user,
         at(window, shown.corners[0]),
         at(window, shown.corners[0] * 0.99 + shown.corners[2] * 0.01),
     )
     shown = edits.transform_box(document.meshes)
-    drag(window, hands, at(window, shown.knob), at(window, shown.knob + (3.0, 0.0)))
+    drag(window, user, at(window, shown.knob), at(window, shown.knob + (3.0, 0.0)))
     rest(window)
     spoilt = document.error
     assert spoilt > 0.008
     assert edits.transform_box(document.meshes).ahead != pytest.approx(frame.ahead, abs=0.005)
     spots.click(window, "Relax###relax")
-    hands.until(window, lambda: document.relaxing)
-    hands.until(window, lambda: not document.relaxing, 60.0)
+    user.until(window, lambda: document.relaxing)
+    user.until(window, lambda: not document.relaxing, 60.0)
     rest(window)
     assert document.error < 0.5 * spoilt
     assert off(document.to_photo(document.meshes), truth) < 0.03
-    spots.click(window, "Anew")
-    hands.until(window, lambda: document.error > 0.05)
+    spots.click(window, "Reset")
+    user.until(window, lambda: document.error > 0.05)
     assert document.meshes.body.along == pytest.approx(laid_across(document).body.along)
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead > 0.9)
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead > 0.9)
     spots.click(window, "Flip")
-    hands.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead < -0.9)
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead > 0.9)
-    rest(window)
+    user.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead < -0.9)
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: edits.transform_box(document.meshes).ahead @ frame.ahead > 0.9)
 
 
-def test_while_it_relaxes_a_node_follows_the_hand_and_goes_back(scene, hands, spots):
+def test_while_it_relaxes_a_node_follows_the_pointer_and_goes_back(scene, user, spots):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
-    hands.glide(window, 0.2)
-    spots.click(window, "Pull")
-    rest(window)
+    editor, document = window.tool, window.tool.document
     before = document.meshes.body.nodes.copy()
     place = edits.node_places(document.meshes, [BELLY])[0]
-    hands.do("mousemove", *at(window, place))
-    hands.glide(window, 0.3)
-    hands.do("mousedown", 1)
-    hands.until(window, lambda: editor.canvas.dragging)
+    user.do("mousemove", *at(window, place))
+    user.glide(window, 0.3)
+    user.do("mousedown", 1)
+    user.until(window, lambda: editor.canvas.dragging)
     document.relax(True)
-    hands.do("mousemove", *at(window, place + (0.0, 30.0)))
-    hands.until(window, lambda: document.meshes.body.nodes[8, 8, 1] > place[1] + 8.0)
+    user.do("mousemove", *at(window, place + (0.0, 30.0)))
+    user.until(window, lambda: document.meshes.body.nodes[8, 8, 1] > place[1] + 8.0)
     assert document.relaxing
-    hands.do("mouseup", 1)
-    hands.until(window, lambda: not document.relaxing, 60.0)
+    user.do("mouseup", 1)
+    user.until(window, lambda: not document.relaxing, 60.0)
     assert np.abs(document.meshes.body.nodes - before).max() < 3.0
-    rest(window)
 
 
-def test_sliders_and_edges(scene, hands, spots):
+def test_sliders_and_edges(scene, user, spots):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
-    hands.glide(window, 0.2)
+    document = window.tool.document
     spots.drag(window, "smoothing", 0.1, 0.9)
-    hands.until(window, lambda: document.sliders.smoothing > 8.0)
-    before = window.picture().astype(int)
+    user.until(window, lambda: document.sliders.smoothing > 8.0)
+    before = shown(window)
     spots.click(window, "Edges")
-    hands.until(window, lambda: np.abs(window.picture() - before)[100:500, 50:500].mean() > 20.0)
+    user.until(window, lambda: np.abs(shown(window) - before)[100:500, 50:500].mean() > 20.0)
     spots.click(window, "Photograph")
     spots.click(window, "Usual")
-    hands.until(window, lambda: document.sliders.smoothing < 2.0)
+    user.until(window, lambda: document.sliders.smoothing < 2.0)
 
 
-def test_the_fish_turns_under_the_hand_and_swims(scene, hands, spots):
+def test_the_fish_is_turned_by_the_pointer_and_swims(scene, user, spots):
     window, _ = scene
     preview = window.tool.preview
     orbit = preview.orbit
-    hands.glide(window, 0.2)
+    user.glide(window, 0.2)
     left, top, right, bottom = spots["preview"]
     x, y = window.window.position
     middle = round(x + (left + right) / 2), round(y + (top + bottom) / 2)
-    drag(window, hands, middle, (middle[0] - 60, middle[1]))
+    drag(window, user, middle, (middle[0] - 60, middle[1]))
     assert preview.orbit.turn > orbit.turn + 0.3
     crop = np.s_[int(top) : int(bottom), int(left) : int(right)]
-    before = window.picture()[crop].astype(int)
-    hands.glide(window, 0.3)
-    assert np.abs(window.picture()[crop] - before).max() > 60
+    before = shown(window)[crop]
+    user.glide(window, 0.3)
+    assert np.abs(shown(window)[crop] - before).max() > 60
     spots.click(window, "Swims")
-    hands.until(window, lambda: not window.tool.options.swims)
-    before = window.picture()[crop].astype(int)
-    hands.glide(window, 0.3)
-    assert np.array_equal(window.picture()[crop], before)
+    user.until(window, lambda: not window.tool.options.swims)
+    before = shown(window)[crop]
+    user.glide(window, 0.3)
+    assert np.array_equal(shown(window)[crop], before)
 
 
-def test_a_mesh_is_kept_and_taken_up_again(scene, hands, spots):
+def test_a_mesh_is_saved_and_loaded(scene, user, spots):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
-    hands.glide(window, 0.2)
+    editor, document = window.tool, window.tool.document
     kept = document.to_photo(document.meshes)
     spots.click(window, "Keep mesh")
-    hands.until(window, editor.mesh_file.is_file)
+    user.until(window, editor.mesh_file.is_file)
     spots.click(window, "Flip")
-    hands.until(window, lambda: editor.may_undo)
+    user.until(window, lambda: editor.history.may_undo)
     spots.click(window, "Take up mesh")
-    hands.until(
+    user.until(
         window,
         lambda: np.allclose(
             document.to_photo(document.meshes).body.nodes, kept.body.nodes, atol=0.01
         ),
     )
-    rest(window)
 
 
-def test_saved_under_a_name_of_its_own_a_world_shows_it(scene, hands, spots, tmp_path):
+def test_it_is_saved_as_an_own_species_that_a_world_shows(scene, user, spots, tmp_path):
     window, _ = scene
-    editor = window.tool
-    document = editor.document
-    hands.glide(window, 0.2)
+    editor, document = window.tool, window.tool.document
     foreign = own_species() / "other.png"
     foreign.parent.mkdir(parents=True, exist_ok=True)
     foreign.touch()
-    with pytest.raises(UserError, match=r"other\.png: exists already"):
+    with pytest.raises(UserError, match=r"other\.png: exists; "):
         editor.save_as("other", "Other")
+    spots.click(window, "Flip")
+    rest(window)
     spots.click(window, "Save")
-    hands.glide(window, 0.3)
+    user.glide(window, 0.3)
     spots.type(window, "its name", "Moorish jewel")
     spots.click(window, "Save it")
-    hands.until(window, lambda: not editor.unsaved and document.name == "moorish_jewel")
+    user.until(window, lambda: not editor.history.unsaved and document.name == "moorish_jewel")
     rest(window)
     species = load_species("moorish_jewel")
     assert species.name == "Moorish jewel" and species_file("moorish_jewel").is_file()
     assert np.array_equal(sheet_of(species), document.sheet)
     assert load_species(NAME).skin.sheet is None  # the shipped one is unchanged
     # From now on it is saved immediately.
-    hands.do("key", "ctrl+z")
-    hands.until(window, lambda: editor.unsaved)
+    user.do("key", "ctrl+z")
+    user.until(window, lambda: editor.history.unsaved)
     rest(window)
     editor.mesh_file.unlink()
-    hands.do("key", "ctrl+s")
-    hands.until(window, lambda: not editor.unsaved)
+    user.do("key", "ctrl+s")
+    user.until(window, lambda: not editor.history.unsaved)
     assert editor.mesh_file.is_file()  # --mesh named it
     editor.out = document.photograph.path
     with pytest.raises(UserError, match="is the photograph"):

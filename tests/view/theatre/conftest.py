@@ -67,7 +67,7 @@ def cylinder(size=(160, 120)):
 
 
 def _rim_at(yaw, shares):
-    """How far within a projector's picture points of the screen lie: 0 outside, to 1."""
+    """Depth of points of the screen within a projector's picture: 0 outside, to 1."""
     u, v = np.moveaxis(np.nan_to_num(shares, nan=0.5), -1, 0)
     longitude, height = (u - 0.5) * 2 * HALF_WIDTH, (v - 0.5) * 2 * HALF_HEIGHT_CM
     hit = np.stack([RADIUS_CM * np.sin(longitude), height, RADIUS_CM * np.cos(longitude)], axis=-1)

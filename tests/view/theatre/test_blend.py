@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.view.theatre.blend import Projector, depth, mask_of, shares
+from subsea.view.theatre.blend import Projector, blend_mask, light_shares, overlap_count
 from subsea.view.theatre.screens import places_on, points_on, screen_of
 from subsea.view.theatre.theatre_file import Cylinder, Plane
 
@@ -46,14 +46,14 @@ def test_shares_of_all_projectors_add_up_to_one(name, s, t, number):
     for k, one in enumerate(projectors):
         place = places_on(one.screen, point)
         if np.isfinite(place).all() and (np.abs(place - 0.5) <= 0.5 + 1e-9).all():
-            total += shares(projectors, k, place)[0]
+            total += light_shares(projectors, k, place)[0]
     assert total == pytest.approx(1.0, abs=1e-6)
 
 
 def test_the_light_changes_smoothly_across_an_overlap():
     projectors = lamps(ROW)
     s = np.linspace(0.8, 1.0, 400)
-    share = shares(projectors, 0, np.column_stack([s, np.full_like(s, 0.5)]))
+    share = light_shares(projectors, 0, np.column_stack([s, np.full_like(s, 0.5)]))
     assert share[0] == 1.0
     assert share[-1] == pytest.approx(0.0, abs=1e-5)
     assert (np.diff(share) <= 1e-12).all()
@@ -72,7 +72,7 @@ def test_luminance_is_the_same_all_over_within_two_percent(gamma, level):
         s = (np.radians(angle) - one.screen.left) / (one.screen.right - one.screen.left)
         inside = (s >= 0) & (s <= 1)
         places = np.column_stack([s[inside], np.full(inside.sum(), 0.4)])
-        mask = mask_of(projectors, k, places)
+        mask = blend_mask(projectors, k, places)
         light[inside] += (level * mask[:, 0] + mask[:, 3]) ** gamma
     np.testing.assert_allclose(light, level**gamma, rtol=0.02)
 
@@ -87,8 +87,8 @@ def test_black_is_as_bright_where_one_projector_shines_as_where_two_do():
             for k, one in enumerate(projectors):
                 s = (np.radians(angle) - one.screen.left) / (one.screen.right - one.screen.left)
                 if 0 <= s <= 1:
-                    mask = mask_of(projectors, k, np.array([[s, 0.5]]))[0]
+                    mask = blend_mask(projectors, k, np.array([[s, 0.5]]))[0]
                     light += (white * mask[0] + mask[3]) ** gamma + black
             found.append(light)
         np.testing.assert_allclose(found, found[0], rtol=0.02, atol=1e-5)
-    assert depth(projectors, 1, np.array([[0.5, 0.5], [0.01, 0.5]])).tolist() == [1, 2]
+    assert overlap_count(projectors, 1, np.array([[0.5, 0.5], [0.01, 0.5]])).tolist() == [1, 2]

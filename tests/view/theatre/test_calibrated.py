@@ -48,7 +48,7 @@ def shown_at(rig, patch, places):
 
 
 @pytest.mark.parametrize("buffer_wide", [False, True])
-def test_what_a_pixel_shows_is_where_its_light_falls(theatre, projectors, making, buffer_wide):
+def test_each_pixel_shows_the_sea_behind_its_point(theatre, projectors, making, buffer_wide):
     files = making.parts(projectors)
     if buffer_wide:  # shares of the whole picture in the warps
         files |= {f"{one.name}.pfm": making.pfm(one.shares) for one in projectors}
@@ -69,7 +69,7 @@ def test_what_a_pixel_shows_is_where_its_light_falls(theatre, projectors, making
         assert patch.mask.shape == (120, 160, 4)
 
 
-def test_a_straight_warp_on_a_curved_screen_shows_what_none_does(tmp_path):
+def test_an_identity_warp_on_a_curved_screen_changes_nothing(tmp_path):
     (tmp_path / "straight.obj").write_bytes(
         b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1 2 3 4\n"
     )
@@ -118,7 +118,7 @@ def test_a_region_with_a_frustum_looks_along_it(theatre, projectors, making):
         ("", 1.0, 300.0),
     ],
 )
-def test_of_a_region_with_a_frustum_the_screen_is_as_far_as_the_archive_s(
+def test_a_region_with_a_frustum_has_the_distance_of_the_archive(
     theatre, projectors, making, screen, scale, far
 ):
     for one in projectors:
@@ -140,7 +140,7 @@ def test_two_regions_never_fill_one_window(theatre, projectors, making):
     assert "region 'middle': lies on 'left' in its window; expected places" in str(faults[0])
 
 
-def test_nor_do_a_channel_and_a_region(theatre, projectors, making):
+def test_a_channel_and_a_region_never_share_a_window(theatre, projectors, making):
     more = f'{WHOLE}\n[[channel]]\nname = "own"\nwindow = "middle"\n{WHOLE}'
     _, found, faults = theatre(making.parts(projectors), more)
     assert [one.name for one in found] == ["own", "left", "right"]
@@ -191,7 +191,7 @@ def test_a_region_without_a_warp_shows_its_part_of_a_dome(theatre, projectors, m
     )
 
 
-def test_of_a_panorama_that_no_projector_bends_regions_are_refused(theatre, projectors, making):
+def test_regions_on_an_uncalibrated_panorama_are_refused(theatre, projectors, making):
     with pytest.raises(UserError, match="`panorama` is for uncalibrated screens") as caught:
         theatre(making.parts(projectors), "panorama = {}")
     assert "\n" not in str(caught.value)

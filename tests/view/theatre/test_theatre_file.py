@@ -1,11 +1,12 @@
 """Theatre files: each fault is one line that names file and key."""
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import pytest
 
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
+from subsea.view.rig import overlap
 from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.theatre_file import FOLDER, load_theatre
 
@@ -27,6 +28,17 @@ def test_every_theatre_that_is_shipped_works(name):
     assert len(found) == len(theatre.channel)
     assert not faults
     assert theatre.title
+
+
+@pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
+def test_the_windows_of_a_shipped_theatre_do_not_cover_each_other(name):
+    """On one computer with one monitor, which also shows the windows of all nodes."""
+    windows = load_theatre(name)[0].window
+    assert len(windows) == 1 or all(one.monitor is None for one in windows)
+    rects = [(*one.position, *one.size) for one in windows if one.position is not None]
+    assert len(rects) == len(windows) or len(windows) == 1
+    for one, other in combinations(rects, 2):
+        assert not overlap(one, other)
 
 
 def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless():
@@ -83,16 +95,16 @@ def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless()
             "address 'localhost:5560': expected an IP address and a port",
         ),
         *(
-            (WINDOW.replace('"a"', name) + CHANNEL + PLANE, "regex .* at `window")
+            (WINDOW.replace('"a"', name) + CHANNEL + PLANE, "text that matches .* at `window")
             for name in ('"a\\n"', '"-a"', '"ä"', '""', f'"{65 * "a"}"')
         ),
         (WINDOW + CHANNEL + PLANE + "gamma = 9", "at `channel"),
-        (WINDOW + CHANNEL + "dome = { distance_cm = 20 }", "distance_cm|>= 50"),
+        (WINDOW + CHANNEL + "dome = { distance_cm = 20 }", "at least 50, got 20"),
         (WINDOW + '[[mpcdi]]\nfile = "a.mpcdi"\nblend = true', "unknown key `blend`"),
         ("[[window]", "not valid TOML"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_with_the_whole_is_one_line(tmp_path, text, said):
+def test_errors_of_the_whole_file_are_one_line(tmp_path, text, said):
     with pytest.raises(UserError, match=rf"^{tmp_path}/theatre.toml(:\d+)?: .*{said}") as caught:
         load_theatre(written(tmp_path, text))
     assert "\n" not in str(caught.value)

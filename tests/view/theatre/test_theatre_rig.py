@@ -25,7 +25,7 @@ from subsea.view.theatre.theatre_file import (
     Window,
     load_theatre,
 )
-from subsea.view.theatre.theatre_rig import MODES, seen_channels, shelves, theatre_rig
+from subsea.view.theatre.theatre_rig import MODES, shelves, theatre_rig, visible_channels
 from subsea.view.theatre.warp import sources_at
 
 EYE = np.array([10.0, 20.0, -300.0])
@@ -170,7 +170,7 @@ def test_so_it_does_on_any_screen_from_any_place(screens, eye, scale, display, p
         )  # those too much from the side left out
     except UserError:
         found = ()
-    found, _ = seen_channels(theatre, found, display) if found else ((), ())
+    found, _ = visible_channels(theatre, found, display) if found else ((), ())
     assume(found)
     whole = np.array(places)
     for patch, most in missed(theatre, found, display, whole, np.full(len(whole), away)):
@@ -212,7 +212,7 @@ def test_a_node_shows_its_own_windows_with_the_masks_of_all():
 
 
 @pytest.mark.parametrize("name", ["dome", "equirectangular"])
-def test_what_shows_all_round_is_taken_from_a_cube_for_each_eye(name):
+def test_a_surround_channel_has_a_cube_for_each_eye(name):
     mono, stereo = rig_of(name), rig_of(name, "side-by-side")
     assert mono.patches[0].shape in CUBES
     assert len(stereo.eyes) == 2 * len(mono.eyes)
@@ -270,26 +270,26 @@ def test_all_computers_have_the_same_eyes_whatever_their_screens(tmp_path):
     assert sorted(offsets) == pytest.approx([-half, half])
 
 
-def test_a_screen_that_an_eye_is_behind_is_told_and_the_others_go_on(tmp_path):
+def test_a_screen_behind_an_eye_is_reported_and_the_others_stay(tmp_path):
     theatre, found = unequal(tmp_path)
     apart = Stereo(separation_cm=200.0)
     with pytest.raises(UserError, match="channel 'left': the eye is behind"):
         theatre_rig(theatre, found, [0, 1, 2], "anaglyph", apart)
-    kept, faults = seen_channels(theatre, found, "anaglyph", apart)
+    kept, faults = visible_channels(theatre, found, "anaglyph", apart)
     assert [one.name for one in kept] == ["front", "right"]
     assert len(faults) == 1
     assert "channel 'left': the eye is behind the screen" in str(faults[0])
     assert len(theatre_rig(theatre, kept, [1, 2], "anaglyph", apart).eyes) == 4
-    assert seen_channels(theatre, found, "mono", apart) == (found, ())
+    assert visible_channels(theatre, found, "mono", apart) == (found, ())
     dome, found = opened("dome")
-    kept, faults = seen_channels(dome, found, "anaglyph", Stereo(separation_cm=1100.0))
+    kept, faults = visible_channels(dome, found, "anaglyph", Stereo(separation_cm=1100.0))
     assert kept == ()
     assert "the eye is outside of its screen" in str(faults[0])
 
 
 @pytest.mark.parametrize("name", ["dome", "equirectangular"])
 @pytest.mark.parametrize("far", [8.0, 20.0, 300.0])
-def test_all_that_an_eye_sees_in_what_is_all_round_is_drawn(name, far):
+def test_all_visible_parts_of_a_surround_channel_are_drawn(name, far):
     theatre, found = opened(name)
     one = found[0].__class__(**{**vars(found[0]), "distance_cm": far})
     rig = theatre_rig(theatre, [one], [0], "side-by-side")

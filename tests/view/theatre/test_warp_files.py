@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from subsea.core.errors import UserError
 from subsea.view.theatre.bourke import parse_bourke
 from subsea.view.theatre.obj import parse_obj
-from subsea.view.theatre.warp import checked, from_grid, sources_at
+from subsea.view.theatre.warp import from_grid, sources_at, validated
 from subsea.view.theatre.warp_files import read_warp
 
 SIZE = (160, 120)
@@ -55,7 +55,7 @@ def test_a_point_that_shows_two_sources_is_split():
 def test_a_written_obj_shows_what_the_warp_did(making, seed):
     x, y = np.meshgrid(np.linspace(0.1, 0.9, 12), np.linspace(0.9, 0.1, 9))
     wobble = np.random.default_rng(seed).uniform(-0.01, 0.01, (9, 12, 2))
-    warp = checked(from_grid(np.stack([x, y], axis=-1) + wobble, SIZE), "x")
+    warp = validated(from_grid(np.stack([x, y], axis=-1) + wobble, SIZE), "x")
     again = parse_obj(making.compose_obj(warp), "x")
     np.testing.assert_allclose(sources_at(again, POINTS), sources_at(warp, POINTS), atol=1e-5)
 
@@ -74,7 +74,7 @@ def test_a_written_obj_shows_what_the_warp_did(making, seed):
         (b"v 1\n", "line 1: expected the numbers x y"),
         (b"v 1 one\n", "line 1: expected the numbers x y"),
         (b"vt 1\n", "line 1: expected the numbers u v"),
-        (b"hello\n", "line 1: 'hello' is no word of an OBJ file"),
+        (b"hello\n", "line 1: 'hello' is not a keyword of OBJ files"),
         (b"\xff\xfe\x00", "not text"),
         (QUAD + b"f 1/1 2/1 3/1", "its u and v have no area"),
         (QUAD + b"f 1/1 2/2 3/2", "its u and v have no area"),

@@ -1,0 +1,365 @@
+"""Groups of arrays: fishes, minds, surroundings, directions and the submarine."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array
+from subsea.core.kernels.struct_ref import Kind, by_pointer
+from subsea.state.codes import ANYONE, BAIT, CHOICES, NEIGHBOURS, NOBODY, STOWED, WALL, WANDER
+from subsea.state.declaration import (
+    BOOL,
+    COURTSHIP_STATE,
+    F32,
+    F64,
+    FISH,
+    FISH_OR_HULL,
+    FOOD,
+    I8,
+    I32,
+    I64,
+    NUMBER,
+    PANELS,
+    ROW,
+    SEGMENT,
+    U8,
+    U16,
+    Spec,
+    behavior,
+    creation,
+    declared,
+    directing,
+    habitat,
+    motor,
+    panels,
+    perception,
+    starts,
+    submarine,
+    written_by,
+)
+
+NEVER = float("inf")
+MOST = 2**31 - 1  # counts and waiting times are below
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+water = written_by("habitat, behavior")
+hooked = written_by("habitat, behavior, directing")
+
+
+class FishesKind(Kind):
+    """The compiler's type of `Fishes`."""
+
+
+@by_pointer(FishesKind)
+class Fishes(NamedTuple):
+    """Bodies of the n fishes of a dive. Playback mixes two rows of the motion library."""
+
+    species: Annotated[U8, creation("n"), "index into the scenario's species"]
+    length: Annotated[F32, creation("n", unit="cm"), "body length"]
+    scale: Annotated[F32, creation("n", start=1), "length over recorded length: α, SMC eq. 12"]
+    rate: Annotated[F32, creation("n", start=1), "recorded rows per tick: large fishes beat slowly"]
+    identity: Annotated[F32, creation("n"), "individual variation in [0, 1)"]
+    snout: Annotated[F32, creation("n", unit="cm"), "x of the tip of the snout in body axes"]
+    girth: Annotated[F32, creation("n", 2, unit="cm"), "height and width of the body without fins"]
+    oars: Annotated[BOOL, creation("n"), "whether it rows with its pectoral fins (Tu appendix B.2)"]
+
+    position: Annotated[F32, motor("n", 3, unit="cm"), "origin of the body frame B, world axes"]
+    orientation: Annotated[F32, motor("n", 4, start=UPRIGHT), "quaternion, body to world axes"]
+    row_a: Annotated[ROW, motor("n"), "the pose mixes rows a and b of the library"]
+    row_b: Annotated[ROW, motor("n"), "see `row_a`"]
+    weight: Annotated[F32, motor("n"), "share of row b in the pose, in [0, 1)"]
+    span: Annotated[F32, motor("n", start=1), "frames from a to b: 1 in playback, more in a glide"]
+    previous_position: Annotated[F32, motor("n", 3, unit="cm"), "one tick ago"]
+    previous_orientation: Annotated[F32, motor("n", 4, start=UPRIGHT), "one tick ago"]
+    previous_row_a: Annotated[ROW, motor("n"), "one tick ago"]
+    previous_row_b: Annotated[ROW, motor("n"), "one tick ago"]
+    previous_weight: Annotated[F32, motor("n"), "one tick ago"]
+    previous_span: Annotated[F32, motor("n", start=1), "one tick ago"]
+    velocity: Annotated[F32, motor("n", 3, unit="cm/s"), "of the body frame, world axes"]
+    segment: Annotated[SEGMENT, motor("n"), "code of the segment of row b"]
+    wanted_segment: Annotated[SEGMENT, motor("n"), "request of the secondary controller"]
+    tempo: Annotated[F32, motor("n", start=1), "playback rate asked of the segment, about 1"]
+    thrust: Annotated[F32, motor("n", start=1), "share of the recorded way; negative retreats"]
+    glide_tempo: Annotated[F32, motor("n", start=1), "tempo at the start of the current glide"]
+    glide_thrust: Annotated[F32, motor("n", start=1), "thrust at the start of the current glide"]
+    steering: Annotated[F32, motor("n", 2, unit="rad/s"), "yaw and pitch added to the recording"]
+    roll: Annotated[F32, motor("n", unit="rad"), "smoothed roll"]
+    fin_phase: Annotated[F32, motor("n", 2, unit="rad"), "beat of the left and right pectoral fin"]
+    breath: Annotated[F32, motor("n", unit="rad"), "phase of breathing"]
+    fins: Annotated[F32, motor("n", 7), "columns SWEEP_LEFT to TAIL"]
+    previous_fins: Annotated[F32, motor("n", 7), "one tick ago"]
+    monotony: Annotated[F32, motor("n", unit="s"), "time in the same segment"]
+    recommended: Annotated[
+        I8,
+        motor("n", start=-1, within=(-1, "segments")),
+        "swim recommended against monotony, -1 for none",
+    ]
+    live: Annotated[BOOL, motor("n"), "whether it is simulated, not played back"]
+    stay: Annotated[F32, motor("n", unit="s", start=NEVER), "time since `live` changed"]
+
+    drift: Annotated[F32, water("n", 3, unit="cm/s"), "imposed by water, suction or a line"]
+
+    alive: Annotated[BOOL, behavior("n", start=True), "False once it was eaten or landed"]
+    goal_direction: Annotated[F32, behavior("n", 3), "unit vector, world axes"]
+    goal_speed: Annotated[F32, behavior("n"), "share of the fast swim's speed; negative retreats"]
+    gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
+    display: Annotated[F32, behavior("n"), "strength of the mating colours, in [0, 1]"]
+
+
+class Live(NamedTuple):
+    """k slots for simulated fishes, at the size and pace of the recorded fish.
+
+    Each slot owns two rows behind the recorded ones of the library, for this pose and the next.
+    A fish keeps its slot until the glide back to playback has left the slot's rows.
+    """
+
+    fish: Annotated[FISH, motor("k"), "index of the fish, -1 for a free slot"]
+    waiting: Annotated[I32, motor("k", unit="tick", within=(0, MOST)), "it has waited to leave"]
+    x: Annotated[F64, motor("k", 23, 3, unit="cm"), "nodes relative to the origin of B, world axes"]
+    v: Annotated[F64, motor("k", 23, 3, unit="cm/tu"), "velocity relative to the water"]
+    phase: Annotated[F64, motor("k", unit="rad"), "of the beat"]
+    tempo: Annotated[F64, motor("k", start=1), "of the beat, 1 is the recorded one"]
+    amplitude: Annotated[F64, motor("k"), "of the beat, 1 is grade fast"]
+    bend: Annotated[F64, motor("k", 2), "contractions of the two turning segments, left positive"]
+    speed: Annotated[F64, motor("k", unit="cm/s"), "smoothed, along x, of the recorded fish"]
+    rotation: Annotated[F32, motor("2 k", 4), "rows of the library: rotation of B per frame"]
+    translation: Annotated[F32, motor("2 k", 3, unit="cm"), "the same: way of B per frame"]
+    nodes: Annotated[F32, motor("2 k", 23, 3, unit="cm"), "rows of the library: pose in body axes"]
+
+
+class MindsKind(Kind):
+    """The compiler's type of `Minds`."""
+
+
+@by_pointer(MindsKind)
+class Minds(NamedTuple):
+    """Minds of the n fishes, which know b behaviors and d desires.
+
+    An eater of plankton is after a speck, a predator after a fish. Perception writes the rows of
+    those fishes whose turn it is.
+    """
+
+    kind: Annotated[U8, panels("n"), "code in KINDS (Tu §7.9)"]
+    male: Annotated[BOOL, panels("n"), "sex"]
+    likes: Annotated[BOOL, panels("n", 4), "habits (Tu §7.3), columns BRIGHTNESS to WARMTH"]
+    schools: Annotated[BOOL, panels("n"), "whether it likes schooling"]
+    appetite: Annotated[F32, panels("n", unit="meals", start=1), "n^a, more for larger fishes"]
+    digestion: Annotated[F32, panels("n", unit="1/s"), "p0 (Tu §7.4)"]
+    libido_rate: Annotated[F32, panels("n", unit="1/s"), "p1 (Tu §7.4)"]
+    dread: Annotated[F32, panels("n", unit="cm"), "D0: distance of a predator at which fear is 1"]
+
+    neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
+    leader_place: Annotated[F32, perception("n", 3, unit="cm"), "where the leader was last seen"]
+    leader_seen: Annotated[F32, perception("n", unit="s", start=-NEVER), "world time of that"]
+    threat: Annotated[FISH, perception("n"), "fish with the most imminent collision, or NOBODY"]
+    barrier: Annotated[
+        I32,
+        perception("n", start=-1, within=(WALL, "solids")),
+        "obstacle ahead: pillar, rock, SEABED, SURFACE, WALL, or -1",
+    ]
+    predators: Annotated[FISH_OR_HULL, perception("n", CHOICES), "in sight, most dangerous first"]
+    predator: Annotated[FISH_OR_HULL, perception("n"), "most dangerous one in sight"]
+    menace: Annotated[F32, perception("n"), "F^m, fear of `predator`, in [0, 1]"]
+    menaces: Annotated[F32, perception("n"), "sum of F^i over all predators in sight, at most 1"]
+    food: Annotated[FOOD, perception("n"), "nearest speck perceived; of a predator: nearest prey"]
+    foods: Annotated[FOOD, perception("n", CHOICES), "nearest specks perceived, or prey by cost"]
+    food_distance: Annotated[F32, perception("n", unit="cm", start=NEVER), "infinite for none"]
+    mate: Annotated[FISH, perception("n"), "nearest possible mate in sight, or NOBODY"]
+    mates: Annotated[FISH, perception("n", CHOICES), "in sight: its species first, nearest first"]
+    mate_distance: Annotated[F32, perception("n", unit="cm", start=NEVER), "infinite for none"]
+    light: Annotated[F32, perception("n"), "ambient brightness, in [0, 1]"]
+    temperature: Annotated[F32, perception("n", unit="°C"), "of the water"]
+    target: Annotated[
+        I32,
+        perception("n", start=-1, within=(BAIT, "target")),
+        "object of the intention: a fish, speck or BAIT, -1 for none",
+    ]
+    preference: Annotated[F32, perception("n", 6), "motor preferences, columns LEFT to DESCEND"]
+
+    mental: Annotated[F32, behavior("n", 3), "columns HUNGER, LIBIDO, FEAR, in [0, 1]"]
+    eaten: Annotated[F32, behavior("n", unit="meals"), "n^e, since the last complete digestion"]
+    last_meal: Annotated[F32, behavior("n", unit="s"), "world time"]
+    last_mating: Annotated[F32, behavior("n", unit="s"), "world time"]
+    desire: Annotated[F32, behavior("d", "n"), "strength of each desire in `behavior/table.py`"]
+    intention: Annotated[U8, behavior("n", start=WANDER, within=(0, "b")), "code, from AVOID on"]
+    busy: Annotated[F32, behavior("n", unit="s"), "duration of this intention, or of a reaction"]
+    fatigue: Annotated[F32, behavior("b", "n", unit="s"), "active less inactive time of a behavior"]
+    pause: Annotated[F32, behavior("n", unit="s"), "time since the fish last had its turn"]
+    memory: Annotated[I8, behavior("n", start=-1, within=(-1, "b")), "interrupted (Tu §7.7.1)"]
+    memory_target: Annotated[
+        I32,
+        behavior("n", start=-1, within=(BAIT, "remembered")),
+        "object of the interrupted intention",
+    ]
+    resumed: Annotated[BOOL, behavior("n"), "whether the intention came from memory"]
+    urge: Annotated[F32, behavior("n", 3), "direction of the routine, any length, world axes"]
+    waypoint: Annotated[F32, behavior("n", 3, unit="cm"), "destination of a wandering fish"]
+    patience: Annotated[F32, behavior("n", unit="s"), "time until a wandering fish turns elsewhere"]
+    leader: Annotated[FISH, behavior("n"), "whom a schooling fish follows"]
+    leads: Annotated[BOOL, behavior("n"), "whether others follow it"]
+    partner: Annotated[FISH, behavior("n"), "fish that it courts; mutual from CIRCLING on"]
+    courtship: Annotated[COURTSHIP_STATE, behavior("n"), "code in COURTSHIP"]
+    courtship_time: Annotated[F32, behavior("n", unit="s"), "time in this state"]
+    courtship_count: Annotated[F32, behavior("n"), "points reached, turns or nudges in this state"]
+    courtship_mark: Annotated[F32, behavior("n"), "see `behavior/courtship.py`"]
+    alone: Annotated[F32, behavior("n", unit="s"), "time for which the partner minded others"]
+    shunned: Annotated[FISH, behavior("n"), "no longer courted: it refused, or they just spawned"]
+    shunning: Annotated[F32, behavior("n", unit="s"), "time until `shunned` is forgotten"]
+
+    errand: Annotated[F32, directing("n"), "share of its fastest speed to its waypoint, 0 for none"]
+    fright: Annotated[F32, directing("n", start=-1), "imposed fear; negative: what it sees decides"]
+    fancy: Annotated[
+        I8,
+        directing("n", start=-1, within=(-1, 16)),
+        "imposed habits: bits of the columns of `likes`, or -1",
+    ]
+    quarry: Annotated[
+        I32,
+        directing("n", 3, start=ANYONE, within=(-1, 2**31)),
+        "prey allowed: first fish, last fish + 1, species or -1 for any",
+    ]
+    betrothed: Annotated[FISH, directing("n"), "only possible partner, or NOBODY"]
+
+
+TRAITS = tuple(name for name, spec in declared(Minds).items() if spec.writer == PANELS)
+"""Sex, habits and mood of each fish: members of `Minds` that panels edit and no tick changes."""
+
+
+class SeaKind(Kind):
+    """The compiler's type of `Sea`."""
+
+
+@by_pointer(SeaKind)
+class Sea(NamedTuple):
+    """Everything around the fishes that they may perceive."""
+
+    heights: Annotated[F32, creation("m", "m", unit="cm"), "seabed: rows along y, columns along x"]
+    floor: Annotated[F32, creation("m", "m", unit="cm"), "seabed with all that grows on it"]
+    half_width: Annotated[NUMBER, creation(unit="cm"), "of the height field in x and y"]
+    radius: Annotated[NUMBER, creation(unit="cm"), "of the cylinder that bounds the sea"]
+    pillars: Annotated[F64, creation("k", 4, unit="cm"), "x, y, radius, height of the top"]
+    rocks: Annotated[F64, creation("k", 7, unit="cm"), "ellipsoid: centre, half axes, yaw in rad"]
+    climate: Annotated[
+        F64, creation(4), "°C at the surface and at a depth, that depth, 1/e depth of light, cm"
+    ]
+
+    plankton: Annotated[F32, habitat("p", 3, unit="cm"), "places of specks"]
+    absent: Annotated[F32, water("p", unit="s"), "time until an eaten speck is back"]
+    seaweed: Annotated[F32, habitat("c", 6, unit="cm"), "bounding box of each cluster: low, high"]
+
+    submarine: Annotated[F64, written_by("world")(9), "cm, cm/s, unit vector ahead"]
+
+    tackle: Annotated[
+        F64,
+        creation(5, start=(0, 0, 0, 0, NEVER)),
+        "hook: x, y, depth, cm, speed, cm/s, time of its start, s",
+    ]
+    hook: Annotated[F64, written_by("habitat, directing")(3, unit="cm"), "place of the bait"]
+    catch: Annotated[
+        I64,
+        hooked(2, start=(STOWED, NOBODY), within=(NOBODY, "catch")),
+        "state of the hook, STOWED to LANDED, and fish on it, or NOBODY",
+    ]
+
+    crest: Annotated[NUMBER, creation(unit="cm", start=NEVER), "of the seabed inside the sea"]
+
+
+class Seaweed(NamedTuple):
+    """Seaweed (Tu §8.2): l leaves in c clusters, each a chain of m nodes from root to tip."""
+
+    first: Annotated[I32, creation("c + 1"), "cluster k: leaves first[k] to first[k + 1] - 1"]
+    rest: Annotated[F32, creation("l", "m - 1", unit="cm"), "from node to node, at rest"]
+    lean: Annotated[F32, creation("l", "m", 3), "unit vectors of each node's buoyancy"]
+    look: Annotated[F32, creation("l", 8), "width, facing, twist, identity, colour, length"]
+    kind: Annotated[U8, creation("l"), "index into `habitat.seaweed.KINDS`"]
+    cell_cm: Annotated[NUMBER, creation(unit="cm"), "of cells, in rows from the south-west"]
+    cell_first: Annotated[I32, creation("cells + 1"), "start of each cell's list in `cell_cluster`"]
+    cell_cluster: Annotated[I32, creation("entries"), "clusters that a fish in a cell may touch"]
+
+    node: Annotated[F32, habitat("l", "m", 3, unit="cm"), "places of the nodes, world axes"]
+    previous: Annotated[F32, habitat("l", "m", 3, unit="cm"), "one tick ago"]
+    velocity: Annotated[F32, habitat("l", "m", 3, unit="cm/s"), "of the nodes, world axes"]
+
+
+class Reef(NamedTuple):
+    """Corals, sponges and anemones: k growths, biggest first."""
+
+    kind: Annotated[U8, creation("k"), "index into `habitat.reef.KINDS`"]
+    place: Annotated[F32, creation("k", 3, unit="cm"), "foot, slightly below the ground"]
+    axis: Annotated[F32, creation("k", 3), "unit vector of growth"]
+    turn: Annotated[F32, creation("k", unit="rad"), "rotation about the axis"]
+    radius: Annotated[F32, creation("k", unit="cm"), "size"]
+    own: Annotated[F32, creation("k"), "individual variation in [0, 1)"]
+    light: Annotated[F32, creation("k"), "share of the sky's light that solids let through"]
+    hue: Annotated[F32, creation("k"), "colour in [0, 1), similar to neighbours of its kind"]
+    on_rock: Annotated[BOOL, creation("k"), "whether it stands on rock, not on sand"]
+
+    def taken(self, chosen: Any) -> "Reef":
+        """Growths chosen by an index, slice or mask."""
+        return Reef(*(part[chosen] for part in self))
+
+
+class Directions(NamedTuple):
+    """Progress of the k directions of a scenario among n fishes; all empty without directions."""
+
+    began: Annotated[
+        I64, directing("k", unit="tick", start=-1, within=(-1, 2**48 + 1)), "last start"
+    ]
+    times: Annotated[I32, directing("k", within=(0, 2**31)), "how often it has begun"]
+    ready: Annotated[BOOL, directing("k"), "whether its condition held in the last tick"]
+    running: Annotated[BOOL, directing("k"), "whether it still acts"]
+    ceded: Annotated[U16, directing("k", within=(0, "influences")), "INFLUENCES taken over, bits"]
+    stage: Annotated[I32, directing("k", within=(0, MOST)), "next point, or stage of a pair"]
+    cast: Annotated[FISH_OR_HULL, directing("k", 2), "fishes it is about, NOBODY or SUBMARINE"]
+    current: Annotated[F64, directing("axes", unit="cm/s"), "added to the strength of the current"]
+    alive: Annotated[BOOL, directing("n", start=True), "`Fishes.alive` after the last tick"]
+    courtship: Annotated[COURTSHIP_STATE, directing("n"), "`Minds.courtship` after the last tick"]
+
+
+class Submarine:
+    """The hull. Angles are heading (left positive) and pitch (up positive)."""
+
+    position: Annotated[F64, submarine(3, unit="cm"), "centre of the hull"]
+    velocity: Annotated[F64, submarine(3, unit="cm/s"), "world axes"]
+    angles: Annotated[F64, submarine(2, unit="rad"), "heading and pitch"]
+    rates: Annotated[F64, submarine(2, unit="rad/s"), "of heading and pitch"]
+    previous_position: Annotated[F64, submarine(3, unit="cm"), "one tick ago"]
+    previous_angles: Annotated[F64, submarine(2, unit="rad"), "one tick ago"]
+    lights: Annotated[BOOL, written_by("the pilot, directing")(1), "whether the lights are on"]
+
+    def __init__(self, **given: Array) -> None:
+        """Arrays that are not given start as zeros."""
+        vars(self).update(starts(Submarine, given, {}))
+
+
+@dataclass
+class State:
+    """The world at a tick. Snapshots and checksums keep the order of these groups."""
+
+    tick: int
+    seed: int
+    fishes: Fishes
+    minds: Minds
+    sea: Sea
+    seaweed: Seaweed
+    live: Live
+    reef: Reef
+    directions: Directions
+    submarine: Submarine
+
+
+GROUPS: dict[str, Any] = {
+    field.name: field.type for field in fields(State) if field.type is not int
+}
+
+
+def arrays(state: State) -> Iterator[tuple[str, NDArray[Any], Spec]]:
+    """Name such as `fishes.position`, array and declaration of everything in a state, no copies.
+
+    Numbers are arrays without a dimension.
+    """
+    for part, group in GROUPS.items():
+        for name, spec in declared(group).items():
+            yield f"{part}.{name}", np.asarray(getattr(getattr(state, part), name)), spec

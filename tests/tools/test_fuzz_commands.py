@@ -1,0 +1,55 @@
+"""The tool starts every command, and finds commands that end badly."""
+
+import importlib.util
+import random
+from pathlib import Path
+
+import pytest
+
+from capture.cli.main import parsers as capture_parsers
+from subsea.cli.main import parsers
+
+TOOL = Path(__file__).parents[2] / "tools" / "fuzz_commands.py"
+
+
+@pytest.fixture(scope="module")
+def fuzz():
+    spec = importlib.util.spec_from_file_location("fuzz_commands_tool", TOOL)
+    tool = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tool)
+    return tool
+
+
+def test_every_command_gets_odd_values_and_files(fuzz):
+    known = {("subsea", name) for name in parsers()[1].choices}
+    known |= {("capture", name) for name in capture_parsers()[1].choices}
+    for kind in ("value", "file"):
+        cases = [fuzz.KINDS[kind](random.Random(k)) for k in range(400)]
+        assert {tuple(case.words[:2]) for case in cases} == known
+    for kind in ("stream", "locale", "environment", "folder"):
+        cases = [fuzz.KINDS[kind](random.Random(k)) for k in range(200)]
+        assert len({tuple(case.words[:2]) for case in cases}) > 10
+
+
+@pytest.mark.parametrize(
+    ("program", "redirection", "found"),
+    [
+        ("pass", "", None),
+        ("sys.exit('subsea: no such file')", "| true", None),
+        ("print('subsea: no such file', file=sys.stderr); sys.exit(2)", "", None),
+        ("1 / 0", "", "ZeroDivisionError: division by zero"),
+        ("print('x' * 9999)", ">/dev/full", "OSError: [Errno 28] No space left on device"),
+        ("sys.exit(7)", "", "exit code 7: "),
+        ("sys.exit(2)", "", "exit code 2 without a line"),
+        ("print('two\\nlines', file=sys.stderr)", "", "not a message: two | lines"),
+        ("open('pipe')", "", "not done after 0.5 s"),
+    ],
+)
+def test_a_command_that_ends_badly_is_found(
+    fuzz, monkeypatch, tmp_path, program, redirection, found
+):
+    monkeypatch.setattr(fuzz, "SECONDS", 0.5)
+    fuzz.make_folder(tmp_path, TOOL)
+    (tmp_path / "stub.py").write_text(f"import sys\n{program}\n")
+    what = fuzz.finding(fuzz.Case(["stub"], redirection), tmp_path)
+    assert what == found
