@@ -7,15 +7,18 @@ from subsea.core.errors import UserError
 
 CHECKOUT = Path(__file__).parents[2] / "pyproject.toml"  # missing in an installed package
 EXTRAS = {
-    "learn": {"cma": "cma", "scipy": "SciPy"},
+    "learn": {
+        "cma": "cma", "scipy": "SciPy", "gymnasium": "Gymnasium", "pettingzoo": "PettingZoo"
+    },
     "plot": {"matplotlib": "matplotlib"},
     "skin": {"cv2": "OpenCV"},
     "usd": {"pxr": "usd-core"},
     "cluster": {"distributed": "Dask"},
-}
+    "sweep": {"pyarrow": "PyArrow"},
+}  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
-BENCH = "learn", "plot", "skin", "usd"  # installed by `make bench`
+BENCH = "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
 
 
 def install_command(extra: str) -> str:
