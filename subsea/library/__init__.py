@@ -1,1 +1,1 @@
-"""What `import subsea` offers."""
+"""The functions and classes of `import subsea`."""
