@@ -169,6 +169,7 @@ def node_messages(unused: Path) -> list[bytes]:
     """Messages of nodes of a cluster."""
     who = messages.Identity("0.2.0", "c", "A bay", "s" * 8, 1, "p", "r", "a", "v")
     sent = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
+    sent.append(messages.StatePart(40, 20, bytes(20)))
     return [messages.encode(one) for one in sent]
 
 
@@ -176,7 +177,7 @@ def master_messages(unused: Path) -> list[bytes]:
     """Messages of the master of a cluster."""
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
     state = messages.WorldState("d", 7, bytes(40))
-    sent = [state, picture, messages.Swap(7), messages.Refused("no")]
+    sent = [state, picture, messages.Swap(7), messages.Refused("no"), messages.Resume(9)]
     return [messages.encode(one) for one in sent]
 
 

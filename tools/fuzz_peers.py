@@ -3,8 +3,8 @@
     python tools/fuzz_peers.py [ATTACK…] [--rounds N] [--seconds S] [--seed S]
 
 The peers run in a process of their own and may do all that a computer may that is let in. A finding
-is: an exception of the master, a picture of more than LONGEST_S, more than MEMORY_MB of growth, or
-a healthy node that loses step. Exit code 1 if there is any.
+is: an exception of the master, a picture of more than LONGEST_S, more than MEMORY_MB of growth, a
+healthy node that loses step, or a start that takes more than WAIT_S. Exit code 1 if there is any.
 """
 
 import argparse
@@ -28,15 +28,17 @@ from subsea.core.errors import UserError
 from subsea.dive.cluster import messages
 from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.identity import identity_of
-from subsea.dive.cluster.master import Master
+from subsea.dive.cluster.master import FETCH_S, GATHER_S, Master
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import World
 
 LONGEST_S = 0.5  # of a picture, on a busy machine
 MEMORY_MB = 50
+WAIT_S = GATHER_S + FETCH_S + 1.0  # to resume a dive
 PICTURE_S = 1 / 60
 GREETING = b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(16 + 1 + 31)
 READY = b"\x05READY\x0bSocket-Type\x00\x00\x00\x06DEALER\x08Identity\x00\x00\x00\x00"
@@ -48,6 +50,7 @@ class Target(msgspec.Struct):
 
     address: str
     hello: bytes  # a valid one of the node "evil"
+    state: bytes  # a valid snapshot
     identity: messages.Identity
     random: random.Random
     peers: int  # at once
@@ -148,11 +151,39 @@ def stallers(target: Target) -> None:
         opened = opened[-100:]
 
 
+def resumers(target: Target) -> None:
+    """Nodes that claim to be in a dive, and send a false state of it, too much, or nothing."""
+    rng, kind = target.random, target.random.randrange(6)
+    claim = messages.Hello("evil", target.identity, "", rng.choice([2**20, 2**48]))
+    state = target.state
+    if kind < 2:  # damaged; otherwise valid
+        state = damaged(state, rng)
+    with calling(target) as sockets:
+        one = sockets[0]
+        one.sndhwm = 10**5
+        while True:
+            with suppress(zmq.Again):
+                one.send(messages.encode(claim), zmq.NOBLOCK)
+            if not one.poll(500):
+                continue
+            with suppress(UserError, zmq.Again):
+                asked = messages.from_master(one.recv_multipart()[-1])
+                if not isinstance(asked, messages.Resume):
+                    continue
+                if kind == 5:  # many tiny parts of one message
+                    one.send_multipart([b"x"] * 10**6, zmq.NOBLOCK)
+                size = messages.PART if kind < 4 else 1
+                for at in range(asked.offset, len(state), size):
+                    if kind != 3:  # silent
+                        part = messages.StatePart(len(state), at, state[at : at + size])
+                        one.send(messages.encode(part), zmq.NOBLOCK)
+
+
 ATTACKS: dict[str, Callable[[Target], None]] = {
     one.__name__.replace("_", "-"): one
     for one in (
         *(endless_parts, many_parts, huge_frames, pings, garbage, hellos, liars),
-        *(comers_and_goers, connections, stallers),
+        *(comers_and_goers, connections, stallers, resumers),
     )
 }
 
@@ -282,24 +313,33 @@ def attacked(name: str, seconds: float, rng: random.Random, worlds: list[World])
         address = f"127.0.0.1:{free.getsockname()[1]}"
     identity = identity_of(worlds[0])
     hello = messages.encode(messages.Hello("evil", identity))
-    target = Target(address, hello, identity, rng, rng.choice([1, 2, 8, 40]))
+    state = snapshot.take(worlds[0])
+    target = Target(address, hello, state, identity, rng, rng.choice([1, 2, 8, 40]))
     told: list[str] = []
     node = FORK.Process(target=follow, args=(worlds[1], address), daemon=True)
     evil = FORK.Process(target=attack, args=(target, name), daemon=True)
     node.start()
     evil.start()
-    os.kill(evil.pid or 0, 19)  # stopped until the node is in step
+    resumes = name == "resumers"
+    if not resumes:
+        os.kill(evil.pid or 0, 19)  # stopped until the node is in step
     master = Master(worlds[0], ["left", "evil"], address, tell=told.append)
     try:
+        before, begun = memory_mb(), time.monotonic()
+        if resumes:
+            master.resume()
+        waited, resumed_mb = time.monotonic() - begun, memory_mb() - before
         show(master, 30.0, lambda: "left" in master.in_step())
         before = memory_mb()
         os.kill(evil.pid or 0, 18)
         longest = show(master, seconds)
-        grown = memory_mb() - before
+        grown = max(memory_mb() - before, resumed_mb)
         [left] = [line for line in master.report() if "node left" in line]
         what = []
         if not evil.is_alive():
             what.append("the attack ended by itself")
+        if waited > WAIT_S:
+            what.append(f"the dive began after {waited:.1f} s")
         if longest > LONGEST_S:
             what.append(f"a picture of {longest:.2f} s")
         if grown > MEMORY_MB:

@@ -39,6 +39,11 @@ def add(commands: Any) -> None:
         metavar="NAME",
         help="this computer's node of the theatre: docs/how-to/cluster.md",
     )
+    parser.add_argument(
+        "--no-resume",
+        action="store_true",
+        help="on the master: start the dive from its beginning, even if nodes are in one",
+    )
     shared.add(parser, *shared.STEREO, *shared.SURROUND, "size")
     shared.add_quality(parser, "auto")
     shared.add(parser, "target-ms")
@@ -169,11 +174,15 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     shared.settle_size(options)
     theatre = None
     if options.theatre is not None:
-        theatre = TheatreOptions(options.theatre, options.shrink, options.node)
+        theatre = TheatreOptions(
+            options.theatre, options.shrink, options.node, not options.no_resume
+        )
     elif options.shrink != 1:
         raise UserError("--shrink needs --theatre; give a smaller --size instead")
     elif options.node is not None:
         raise UserError("--node needs --theatre too")
+    if options.no_resume and options.node is None:
+        raise UserError("--no-resume needs --theatre and --node too")
     stereo, surround = shared.optics(options)
     return DiveOptions(
         scenario=options.scenario,

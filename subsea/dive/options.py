@@ -34,6 +34,7 @@ class TheatreOptions:
     name: str
     shrink: int = 1  # times fewer pixels a side
     node: str | None = None  # name of this computer; None: it shows all windows
+    resumes: bool = True  # a master that is restarted goes on with the dive of its nodes
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,12 @@ class TickSource(ABC):
     def eye(self) -> CameraPose:
         """The pose of the pilot's eye in that picture."""
 
+    def resume(self, check: Callable[[], object]) -> None:  # noqa: B027 - only a master does
+        """Go on with a dive that has lost its master, before a tour and the first picture.
+
+        `check` is called while waiting, and may raise.
+        """
+
     def set_tour(self, tour: Steer | None) -> None:
         """Let a tour steer from the next tick on, until there is input; None: the pilot steers."""
         if self.steering:
@@ -127,9 +133,16 @@ class LeaderTicks(TickSource):
     shared = True
     steering: SteeringSource
 
-    def __init__(self, master: "Master", pilot: Pilot, tour: Steer | None = None) -> None:
-        self._master, self._clock = master, TickClock(TICK_S)
+    def __init__(
+        self, master: "Master", pilot: Pilot, tour: Steer | None = None, resumes: bool = True
+    ) -> None:
+        self._master, self._clock, self._resumes = master, TickClock(TICK_S), resumes
         self.steering = SteeringSource(master.world, pilot, tour)
+
+    def resume(self, check: Callable[[], object]) -> None:
+        """Go on from the state of the nodes, unless the dive is to start from its beginning."""
+        if self._resumes:
+            self._master.resume(check)
 
     def advance(self, elapsed_s: float) -> float:
         """Make the ticks that are due, here and on all nodes."""
@@ -192,12 +205,13 @@ class FollowerTicks(TickSource):
 
 
 def tick_source_maker(
-    theatre: Theatre, path: Path, node: str | None, view: str = ""
+    theatre: Theatre, path: Path, node: str | None, view: str = "", resumes: bool = True
 ) -> Callable[[World, Pilot], TickSource]:
     """The maker of the tick source on the computer `node` of a theatre.
 
-    None: this computer shows all windows. `view` must be equal on all computers. A UserError if
-    keys are missing, raised here rather than after the world is loaded. `path` is the theatre's.
+    None: this computer shows all windows. `view` must be equal on all computers. A master that
+    `resumes` goes on with the dive of its nodes. A UserError if keys are missing, raised here
+    rather than after the world is loaded. `path` is the theatre's.
     """
     cluster = theatre.cluster
     if node is None or cluster is None:
@@ -213,7 +227,7 @@ def tick_source_maker(
     def made(world: World, pilot: Pilot) -> TickSource:
         if node == master:
             led = Master(world, others, address, keys, timeout_s, say, view)
-            return LeaderTicks(led, pilot)
+            return LeaderTicks(led, pilot, resumes=resumes)
         return FollowerTicks(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

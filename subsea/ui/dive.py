@@ -105,7 +105,7 @@ def _in_theatre(
         view = repr(
             (theatre_digest(theatre.name), display.mode, display.stereo._replace(swapped=False))
         )
-    make_ticks = tick_source_maker(setup.theatre, setup.path, theatre.node, view)
+    make_ticks = tick_source_maker(setup.theatre, setup.path, theatre.node, view, theatre.resumes)
     screens = [
         Screen(window.name, window.size, window.position, window.monitor)
         for window in setup.windows
@@ -316,13 +316,17 @@ class Dive:
         `check` is called while loading, and may raise.
         """
         with ExitStack() as undo:
+            # Nodes may call from here on, while the scene is loaded.
+            self.tick_source = self._make_ticks(world, self.pilot)
+            undo.callback(self._close_ticks)
             self.picture.open_world(world, check)
             undo.callback(self.picture.close_world)
-            # Before other computers join: a tour puts the submarine at its beginning.
-            steer = None if tour is None else endless_tour(world, tour)
-            self.tick_source = self._make_ticks(world, self.pilot)
-            self.tick_source.set_tour(steer)
-            undo.callback(self._close_ticks)
+            self.tick_source.resume(check)
+            if tour is not None:
+                # Before other computers join: a tour puts the submarine at its beginning.
+                self.tick_source.set_tour(endless_tour(world, tour))
+                if self.timeline is not None:
+                    self.timeline.touch()
             self.world, self._seen_tick = world, 0
             self.picture.eye = self.tick_source.eye()
             self.inspector.reset()

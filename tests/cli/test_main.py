@@ -109,6 +109,7 @@ FAULTS = [
     (["doctor", "--quick"], "--quick"),
     (["keys", "here"], "NAME"),
     (["dive", "--node", "left"], "--node needs --theatre too"),
+    (["dive", "--no-resume"], "--no-resume needs --theatre and --node too"),
     (["keys", "here", "../left"], "expected a name"),
     (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: no such file"),
     (["settings", "--writ"], "'--write'"),

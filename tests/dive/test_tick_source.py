@@ -3,6 +3,7 @@
 import socket
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -182,6 +183,18 @@ def test_a_theatre_file_determines_leader_and_follower(tmp_path, worlds, address
         ticks.close()
 
 
+@pytest.mark.parametrize("resumes", [True, False])
+def test_a_leader_resumes_unless_told_otherwise(tmp_path, worlds, address, resumes):
+    found, asked = theatre(tmp_path, address), []
+    lead = tick_source_maker(*found, "right", "", resumes)(worlds[0], Pilot())
+    lead._master.resume = asked.append
+    check = object()
+    lead.resume(check)
+    lead.close()
+    assert asked == [check] * resumes
+    LocalTicks(worlds[0], Pilot()).resume(check)  # has nothing to resume
+
+
 def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
     found = theatre(tmp_path, address)
     lead = tick_source_maker(*found, "right", view="mono")(worlds[0], Pilot())
@@ -199,7 +212,7 @@ def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
 
 
 def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
-    def caught(found, path, node, view):
+    def caught(found, path, node, view, resumes):
         raise UserError(view)
 
     def view(*options):
@@ -216,6 +229,17 @@ def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
     assert len({ours, view(), *others}) == 5
 
 
+def test_no_resume_is_passed_on(tmp_path, monkeypatch):
+    def caught(found, path, node, view, resumes):
+        raise UserError(f"resumes: {resumes}")
+
+    monkeypatch.setattr(dive, "tick_source_maker", caught)
+    _, path = theatre(tmp_path, "127.0.0.1:5560")
+    for option, resumes in ((), True), (("--no-resume",), False):
+        with pytest.raises(UserError, match=f"resumes: {resumes}"):
+            main.run(["dive", "--theatre", str(path), "--node", "left", *option])
+
+
 def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, worlds):
     found = theatre(tmp_path, "127.0.0.1:5560")
     assert isinstance(tick_source_maker(*found, None)(worlds[0], Pilot()), LocalTicks)
@@ -230,3 +254,24 @@ def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, world
     with pytest.raises(UserError, match=r"ours/left\.key: no such file"):
         tick_source_maker(*found, "right")
     tick_source_maker(*found, "left")  # which needs the master's key, and its own
+
+
+def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):
+    """After the resumed state, which has another place of the submarine, and before any picture."""
+    world, done = worlds[0], []
+    ticks = SimpleNamespace(
+        resume=lambda check: done.append("resumed"),
+        set_tour=lambda tour: done.append(tour),
+        eye=lambda: None,
+    )
+    running = SimpleNamespace(
+        _make_ticks=lambda world, pilot: done.append("listens") or ticks,
+        _close_ticks=None,
+        pilot=None,
+        timeline=None,
+        picture=SimpleNamespace(open_world=lambda *given: done.append("scene"), close_world=None),
+        inspector=SimpleNamespace(reset=lambda: None),
+    )
+    monkeypatch.setattr(dive, "endless_tour", lambda world, tour: done.append("boarded") or tour)
+    dive.Dive._show_world(running, world, tour="reef")
+    assert done == ["listens", "scene", "resumed", "boarded", "reef"]

@@ -1,4 +1,4 @@
-"""Three nodes of a theatre, as processes on one display; one of them dies."""
+"""Three nodes of a theatre, as processes on one display; one of them dies, then the master."""
 
 import re
 import socket
@@ -137,5 +137,14 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
         assert sea(after[name])
         assert np.abs(after[name][:100] - before[name][:100]).mean() > 1.0
         assert white_pixels(after[name][:75]) < 20  # letters are; so may be a speck of snow
+
+    second = start("middle", "middle again")
+    for name in ("left", "right"):
+        second.until(f"node {name}: is in step")
+    [resumed] = re.findall(r"resumed the dive of node \w+ at tick (\d+)", second.told)
+    for node in (nodes["right"], again):
+        taken = [int(tick) for tick in re.findall(r"state of the dive at tick (\d+)", node.told)]
+        assert taken == sorted(taken)  # it did not begin again
+        assert taken[0] < int(resumed) <= taken[-1]
     assert (nodes["right"].end(), again.end()) == (130, 130)
     assert not any("differs" in node.told for node in nodes.values())

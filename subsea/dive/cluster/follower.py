@@ -3,7 +3,6 @@
 import math
 import time
 from collections import deque
-from contextlib import suppress
 from typing import Any
 
 import zmq
@@ -14,6 +13,8 @@ from subsea.dive.cluster.identity import identity_of
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.master import Say
 from subsea.dive.cluster.messages import (
+    PART,
+    SLICE,
     SMALL,
     Diverged,
     FromMaster,
@@ -22,6 +23,8 @@ from subsea.dive.cluster.messages import (
     Picture,
     PictureDrawn,
     Refused,
+    Resume,
+    StatePart,
     Swap,
     WorldState,
     encode,
@@ -63,6 +66,7 @@ class Follower:
         self._identity = identity_of(world, view)
         self._dive = ""  # ID of the dive that it takes part in
         self._joined = False  # True after it has taken part in one
+        self._given = b""  # the state that a new master fetches
         self._number = 0  # of the last picture
         self._alpha = 1.0
         self._heard: deque[FromMaster] = deque()
@@ -94,6 +98,8 @@ class Follower:
             if isinstance(message, WorldState):
                 self._take(message)
                 made = False
+            elif isinstance(message, Resume):
+                self._give(message.offset)
             elif isinstance(message, Picture) and self._dive:
                 made |= self._make(message)
             if made and spent > HURRY_S:
@@ -122,7 +128,7 @@ class Follower:
         return self._joined and self._silent()
 
     def drift(self, ticks: int) -> None:
-        """Step ticks without the master; when it is back, its state is fetched."""
+        """Step ticks without the master, which resumes from this state or sends its own."""
         self._dive = ""
         for _ in range(ticks):
             step(self.world, NEUTRAL)
@@ -160,7 +166,15 @@ class Follower:
         except UserError as fault:
             raise UserError(f"the master at {self._address} sent what is {fault}") from fault
         self._dive, self._number, self._joined = state.dive, state.number, True
+        self._given = b""
         self._tell(f"took the state of the dive at tick {self.world.state.tick}")
+
+    def _give(self, offset: int) -> None:
+        """Send a slice of the state of this world to a master that resumes the dive."""
+        if offset == 0:
+            self._given = snapshot.take(self.world)
+        for at in range(offset, min(offset + SLICE, len(self._given)), PART):
+            self._say(StatePart(len(self._given), at, self._given[at : at + PART]))
 
     def _call(self) -> None:
         """Call the master if it is silent or its state is needed."""
@@ -168,8 +182,9 @@ class Follower:
         if silent:
             self._wait_for(f"waiting for the master at {self._address}")
         if (silent or not self._dive) and now - self._called_s > CALL_S:
-            self._called_s = now
-            self._say(Hello(self._name, self._identity, self._dive))
+            tick = self.world.state.tick if self._joined else 0
+            if self._say(Hello(self._name, self._identity, self._dive, tick)):
+                self._called_s = now
 
     def _silent(self) -> bool:
         return time.monotonic() - self._heard_s > max(self._timeout_s, SILENT_S)
@@ -209,9 +224,13 @@ class Follower:
                     "keys and the other does not, or it is another program"
                 )
 
-    def _say(self, message: FromNode) -> None:
-        with suppress(zmq.Again):  # no connection yet: it will be called again
+    def _say(self, message: FromNode) -> bool:
+        """Send to the master; False if there is no connection."""
+        try:
             self._socket.send(encode(message), zmq.NOBLOCK)
+        except zmq.Again:
+            return False
+        return True
 
     def _wait_for(self, words: str) -> None:
         if words and words != self.waiting:

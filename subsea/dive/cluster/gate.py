@@ -43,6 +43,7 @@ class Connection:
     checked_s: float
     received: int = 0  # bytes in all
     level: float = 0.0  # bytes beyond RATE
+    credit: int = 0  # bytes that do not count
     faults: int = 0
     of_node: bool = False
     end_s: float = float("inf")  # when to close it
@@ -80,6 +81,11 @@ class Gate:
             if found := self._connections.get(descriptor):
                 found.of_node = True
         return found
+
+    def allow(self, connection: Connection, size: int) -> None:
+        """Let a connection send `size` bytes that were asked for."""
+        with self._lock:
+            connection.credit += size
 
     def end(self, connection: Connection) -> None:
         """End a connection, after the time that a last message to it takes."""
@@ -139,8 +145,10 @@ class Gate:
                 state, received = _tcp_info(one.socket)
             except OSError:
                 state, received = 0, 0
-            one.level = max(one.level - RATE * (now - one.checked_s), 0.0) + received - one.received
-            one.received, one.checked_s = received, now
+            new = received - one.received
+            free = min(new, one.credit)
+            one.level = max(one.level - RATE * (now - one.checked_s), 0.0) + new - free
+            one.received, one.checked_s, one.credit = received, now, one.credit - free
             if one.level > BURST:
                 reason = "a connection that sent too much at once"
             elif one.faults >= MAX_FAULTS:

@@ -6,7 +6,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,16 +14,18 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster import link
-from subsea.dive.cluster.gate import Connection
 from subsea.dive.cluster.identity import difference, identity_of
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.messages import (
+    SLICE,
     SMALL,
     Diverged,
     FromMaster,
     Hello,
     PictureDrawn,
     Refused,
+    Resume,
+    StatePart,
     Swap,
     WorldState,
     encode,
@@ -32,7 +33,7 @@ from subsea.dive.cluster.messages import (
     picture_of,
     ticks_of,
 )
-from subsea.dive.cluster.waits import WaitStatistics
+from subsea.dive.cluster.node_record import MAX_ASKED, SOON_S, NodeRecord
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot
@@ -45,37 +46,13 @@ CHECK_TICKS = 30  # interval of checksums of the world: once a second
 NUDGE_S = 0.02  # interval at which late nodes are probed
 NEAR = 30  # most pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
-SOON_S = 60.0  # a node that diverges twice within this time is refused
-MAX_REFUSALS = 5  # reported of a node within SOON_S
 READ_S = 0.005  # longest time of reading messages, so that a flood does not stop the dive
 MAX_PARTS = 3  # parts of a message that are kept; valid ones have two
 STATE_S = 1.0  # shortest time between two states sent to a node
-MAX_ASKED, WITHIN_S = 20, 10.0  # requests of a node within this time, then it is put out ...
+WITHIN_S = 10.0  # a node that makes MAX_ASKED requests within this time is put out ...
 PUT_OUT_S = 10.0  # ... for this time
-
-
-@dataclass
-class _Node:
-    """The state of a node as the master sees it."""
-
-    name: str
-    route: bytes | None = None  # its connection; None: not connected
-    connection: Connection | None = None  # the same for the gate
-    asks: bool = False  # True if it needs the state
-    sent_s: float = -math.inf  # when the state was sent
-    asked_s: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_ASKED))
-    out_until_s: float = 0.0  # end of the time for which it was put out
-    in_step: bool = False  # whether the master waits for it
-    drawn: int = 0  # number of its last picture ...
-    drawn_s: float = 0.0  # ... and when it was drawn
-    not_before_s: float = 0.0  # the master does not wait for it before
-    diverged_s: float = -SOON_S
-    came: bool = False  # whether it has been in step before
-    refusal: str = ""  # why a node of its name was refused ...
-    refused_s: deque[float] = field(  # ... and when that was reported
-        default_factory=lambda: deque([-math.inf] * MAX_REFUSALS, MAX_REFUSALS)
-    )
-    waits: WaitStatistics = field(default_factory=WaitStatistics)
+GATHER_S = 1.5  # longest time in which nodes come that may know the dive: they call once a second
+FETCH_S = 3.0  # longest time that one takes to send its state
 
 
 class Master:
@@ -100,11 +77,13 @@ class Master:
         self.world = world
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
         self._identity = identity_of(world, view)
-        self._nodes = {name: _Node(name) for name in nodes}
+        self._nodes = {name: NodeRecord(name) for name in nodes}
         self._dive = secrets.token_hex(8)
         self._number = 0
         self._checked = -CHECK_TICKS  # the tick of the last checksum
         self._refusals = 0
+        self._source: NodeRecord | None = None  # the node whose state was asked for ...
+        self._parts: deque[StatePart] = deque(maxlen=64)  # ... and its parts that have come
         self._context: Any = zmq.Context()
         self._authenticator = None
         try:
@@ -116,9 +95,56 @@ class Master:
                     credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
                 )
             self._socket, self._gate = link.listening(self._context, address, keys, SMALL)
+            self._begun_s = time.monotonic()
         except BaseException:
             self._leave()
             raise
+
+    def resume(self, check: Callable[[], object] = lambda: None) -> None:
+        """Go on from the nodes' latest state, if they are in a dive whose master has gone.
+
+        To be called before the first picture. It returns at once when all nodes have come and are
+        new, else GATHER_S after the master began to listen. `check` is called while waiting, and
+        may raise. A state that does not come or does not fit is reported; the world then stays as
+        it is.
+        """
+        end = self._begun_s + GATHER_S
+        while len(self._present()) < len(self._nodes) and time.monotonic() < end:
+            check()
+            self._hear(NUDGE_S)
+        source = max(self._present(), key=lambda node: node.tick, default=None)
+        if source is None or source.tick <= self.world.state.tick:
+            return
+        try:
+            snapshot.restore(self.world, self._fetch(source, check))
+        except UserError as fault:
+            self._tell(f"node {source.name}: {fault}; the dive starts from its beginning")
+        else:
+            self._tell(f"resumed the dive of node {source.name} at tick {self.world.state.tick}")
+
+    def _fetch(self, source: NodeRecord, check: Callable[[], object]) -> bytes:
+        """Ask a node for its state, in slices, so that it never may send much; or a UserError."""
+        self._source, route, end = source, source.route, time.monotonic() + FETCH_S
+        data, size, asked = bytearray(), 1, 0
+        while len(data) < size:
+            if len(data) == asked:
+                if source.connection:
+                    self._gate.allow(source.connection, SLICE + SMALL)
+                self._send(source, encode(Resume(asked)))
+                asked += SLICE
+            check()
+            self._hear(NUDGE_S)
+            if source.route != route:
+                raise UserError("has gone before it sent its state")
+            if time.monotonic() > end:
+                raise UserError(f"has not sent its state in {FETCH_S:g} s")
+            while self._parts:
+                part = self._parts.popleft()
+                size = part.size
+                if part.offset != len(data) or size > snapshot.size_limit(self.world):
+                    raise UserError("sent what is not a state of this dive")
+                data += part.data
+        return bytes(data)
 
     def picture(self, ticks: Iterable[Helm | Rail], alpha: float) -> None:
         """Send the next picture to all nodes and step its ticks here.
@@ -128,6 +154,7 @@ class Master:
         one was stepped.
         """
         self._hear(0.0)
+        self._send_states()
         state = self.world.state
         tick, check, lights = state.tick, "", bool(state.submarine.lights[0])
         if tick - self._checked >= CHECK_TICKS:
@@ -149,7 +176,7 @@ class Master:
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
         start = time.monotonic()
-        late: list[_Node] = []
+        late: list[NodeRecord] = []
         while missing := [node for node in self._present() if self._awaited(node)]:
             waited = time.monotonic() - start
             if waited >= self._timeout_s:
@@ -195,7 +222,6 @@ class Master:
             end = time.monotonic() + READ_S
             while time.monotonic() < end and (parts := self._receive()):
                 self._handle(parts)
-        self._send_states()
 
     def _receive(self) -> list[Any]:
         """The first parts of the next message; empty if there is none."""
@@ -228,9 +254,15 @@ class Master:
         elif node := next((node for node in self._present() if node.route == route), None):
             self._answer(node, message)  # not of a dropped connection
 
-    def _answer(self, node: _Node, message: PictureDrawn | Diverged) -> None:
+    def _answer(self, node: NodeRecord, message: PictureDrawn | Diverged | StatePart) -> None:
         if isinstance(message, Diverged):
             self._resynchronize(node, message.tick)
+            return
+        if isinstance(message, StatePart):
+            if node is self._source:
+                self._parts.append(message)
+            else:
+                self._put_out(node, "sent a state that was not asked for")
             return
         now = time.monotonic()
         node.drawn, node.drawn_s = min(message.number, self._number), now
@@ -240,7 +272,7 @@ class Master:
             self._tell(f"node {node.name}: is in step{' again' * node.came}")
             node.in_step = node.came = True
 
-    def _ask(self, node: _Node) -> None:
+    def _ask(self, node: NodeRecord) -> None:
         """Note that a node needs the state; put it out if it asks too often."""
         now = time.monotonic()
         node.asked_s.append(now)
@@ -248,7 +280,7 @@ class Master:
         if len(node.asked_s) == MAX_ASKED and now - node.asked_s[0] < WITHIN_S:
             self._put_out(node, f"came or asked for the state {MAX_ASKED} times in {WITHIN_S:g} s")
 
-    def _put_out(self, node: _Node, reason: str) -> None:
+    def _put_out(self, node: NodeRecord, reason: str) -> None:
         """Drop a node and ignore it for a while."""
         node.out_until_s = time.monotonic() + PUT_OUT_S
         self._drop(node, f"{reason}: put out for {PUT_OUT_S:g} s")
@@ -280,6 +312,7 @@ class Master:
             self._reply(node.route, Refused(reason))
             self._drop(node, reason)
         node.route, node.connection = route, self._gate.keep(frame.get(zmq.SRCFD))
+        node.tick = hello.tick
         self._ask(node)
 
     def _refuse(self, name: str, reason: str) -> None:
@@ -302,7 +335,7 @@ class Master:
             return "has the key of another node"
         return difference(hello.identity, self._identity)
 
-    def _resynchronize(self, node: _Node, tick: int) -> None:
+    def _resynchronize(self, node: NodeRecord, tick: int) -> None:
         """Send the state again to a node whose world differs; refuse it the second time."""
         now = time.monotonic()
         node.waits.diverged += 1
@@ -316,13 +349,13 @@ class Master:
         self._tell(f"node {node.name}: its world differs at tick {tick}; it fetches the state")
         self._ask(node)
 
-    def _present(self) -> list[_Node]:
+    def _present(self) -> list[NodeRecord]:
         return [node for node in self._nodes.values() if node.route is not None]
 
-    def _awaited(self, node: _Node) -> bool:
+    def _awaited(self, node: NodeRecord) -> bool:
         return node.in_step and node.drawn < self._number
 
-    def _send(self, node: _Node, data: bytes) -> None:
+    def _send(self, node: NodeRecord, data: bytes) -> None:
         """Send to a node, or drop it if it does not read."""
         try:
             self._socket.send_multipart([node.route, data], zmq.NOBLOCK)
@@ -343,7 +376,7 @@ class Master:
         with suppress(zmq.ZMQError):
             self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
 
-    def _drop(self, node: _Node, reason: str) -> None:
+    def _drop(self, node: NodeRecord, reason: str) -> None:
         if node.connection:
             self._gate.end(node.connection)
         node.route, node.in_step, node.asks = None, False, False

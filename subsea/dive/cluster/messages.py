@@ -16,9 +16,11 @@ from subsea.core.errors import UserError
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
-PROTOCOL = 4
+PROTOCOL = 5
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
+PART = 3800  # bytes of a state in a message to the master: with all around them below SMALL
+SLICE = 16 * PART  # bytes of a state that the master asks for at once
 MAX_HELMS = 16  # ticks in a picture
 
 T = TypeVar("T")
@@ -57,6 +59,7 @@ class Hello(Message):
     node: Name
     identity: Identity
     dive: Hash = ""
+    tick: Count = 0  # of its world, if that is of a dive
 
 
 class PictureDrawn(Message, tag="drawn"):
@@ -69,6 +72,14 @@ class Diverged(Message):
     """From a node: its world differs from the master's, so it needs the state."""
 
     tick: Count
+
+
+class StatePart(Message, tag="part"):
+    """From a node: bytes of a snapshot of its world, as `Resume` asked for."""
+
+    size: Count  # of the snapshot, bytes
+    offset: Count  # of this part
+    data: Annotated[bytes, msgspec.Meta(min_length=1, max_length=PART)]
 
 
 class WorldState(Message, tag="state"):
@@ -98,14 +109,20 @@ class Swap(Message):
     number: Count
 
 
+class Resume(Message):
+    """To a node: a request for SLICE bytes of its state, with which a new master goes on."""
+
+    offset: Count
+
+
 class Refused(Message):
     """To a node: why it is refused."""
 
     reason: Words
 
 
-FromNode = Hello | PictureDrawn | Diverged
-FromMaster = WorldState | Picture | Swap | Refused
+FromNode = Hello | PictureDrawn | Diverged | StatePart
+FromMaster = WorldState | Picture | Swap | Resume | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
 _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)

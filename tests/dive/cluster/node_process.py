@@ -39,6 +39,7 @@ def helms(picture):
 
 def lead(world, address, nodes, pictures, keys):
     node = Master(world, nodes, address, keys, TIMEOUT_S, say)
+    node.resume()
     while len(node.in_step()) < len(nodes):
         node.picture([], 0.5)
         node.swap()

@@ -18,6 +18,8 @@ from subsea.dive.cluster.messages import (
     Picture,
     PictureDrawn,
     Refused,
+    Resume,
+    StatePart,
     Swap,
     WorldState,
     encode,
@@ -29,11 +31,17 @@ from subsea.dive.cluster.messages import (
 from subsea.submarine.helm import Helm
 
 IDENTITY = Identity("0.2.0", "f0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
-FROM_NODE = [Hello("left", IDENTITY, "dive"), PictureDrawn(12), Diverged(900)]
+FROM_NODE = [
+    Hello("left", IDENTITY, "dive", 7),
+    PictureDrawn(12),
+    Diverged(900),
+    StatePart(9, 3, b"\x00bytes"),
+]
 FROM_MASTER = [
     WorldState("dive", 3, b"\x00bytes"),
     Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(*(1.0,) * 8, True)], "checksum", True),
     Swap(4),
+    Resume(3),
     Refused("because"),
 ]
 
@@ -98,7 +106,7 @@ def test_deeply_nested_messages_are_refused(opening):
 
 def test_another_protocol_is_refused():
     data = encode(PictureDrawn(1))
-    with pytest.raises(UserError, match=r"protocol 9, expected 4: .* version .* than \d"):
+    with pytest.raises(UserError, match=r"protocol 9, expected 5: .* version .* than \d"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 
@@ -126,12 +134,16 @@ def test_another_protocol_is_refused():
         ("hello", {"node": "\x1b[2J"}),
         ("hello", {"node": "n" * 65}),
         ("hello", {"identity": {}}),
+        ("hello", {"tick": -1}),
+        ("part", {"data": b""}),
+        ("part", {"data": bytes(messages.PART + 1)}),
+        ("part", {"size": -1}),
     ],
 )
 def test_values_beyond_their_limits_are_refused(kind, fields):
-    good = {"picture": FROM_MASTER[1], "hello": FROM_NODE[0]}[kind]
-    read = {"picture": from_master, "hello": from_node}[kind]
-    content = {"type": kind} | msgspec.to_builtins(good)
+    good = {"picture": FROM_MASTER[1], "hello": FROM_NODE[0], "part": FROM_NODE[3]}[kind]
+    read = from_master if kind == "picture" else from_node
+    content = {"type": kind} | msgspec.structs.asdict(good)
     assert read(MAGIC + msgspec.msgpack.encode(content)) == good
     with pytest.raises(UserError, match="not one of subsea"):
         read(MAGIC + msgspec.msgpack.encode(content | fields))
