@@ -3,7 +3,7 @@
 Run from the root of a checkout: python docs/skin_accuracy.py [FOLDER]
 
 Prints a table, and writes the photographs with the detected outlines to FOLDER. Exit code 1
-if the worst error is 1.5% of the length or more.
+if the worst error of an outline is 1.5% of the length or more.
 """
 
 import sys
@@ -14,10 +14,11 @@ import cv2
 import numpy as np
 
 from subsea.fish import paint, sheet_layout
-from subsea.fish.photo.fitting import find_fish, outline_error
+from subsea.fish.photo.deformable_mesh import FishMeshes
+from subsea.fish.photo.fitting import fin_errors, find_fish, outline_error
 from subsea.fish.photo.lift import rasterize
 from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.side_view import mesh_outlines
+from subsea.fish.photo.side_view import mesh_outlines, side_view
 from subsea.fish.species import load_species
 from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
 from subsea.geometry.spline import basis_at, dense
@@ -47,6 +48,7 @@ class Made(NamedTuple):
 
     photograph: Photograph
     mask: np.ndarray  # (h, w) what body, tail, dorsal and ventral fin cover
+    body: np.ndarray  # (k, 2) the outline of body and tail, under the fins too
 
 
 def _shaped(places: np.ndarray, case: Case, fin: bool = False) -> np.ndarray:
@@ -102,7 +104,10 @@ def made(case: Case) -> Made:
         "au,bv,uvx->abx", across, dense(basis_at(V, fine), V), control[LEFT].reshape(U, V, 3)
     )[..., :2]
     scale = np.array([columns / (rear - front), sheet_layout.BODY.top * rows / (2 * top)])
-    parts.append((pixels(body), (body - (front, -top)) * scale - 0.5))
+    corners = pixels(body)
+    parts.append((corners, (body - (front, -top)) * scale - 0.5))
+    ring = [corners[0], corners[1:, -1], corners[-1, -2::-1], corners[-2:0:-1, 0]]
+    outline = (np.concatenate(ring) + 0.5) / FINER - 0.5
     if plan.pelvic:  # a fin that hangs out of the outline
         t = np.linspace(0.0, 1.0, 20)[:, None]
         wide = 0.5 * plan.pelvic.width * np.sin(np.pi * t**0.7) * np.array([[-1.0, 1.0]])
@@ -131,9 +136,22 @@ def made(case: Case) -> Made:
     if case.blur:
         small = cv2.GaussianBlur(small, (0, 0), case.blur)
     small = small + rng.normal(0.0, 1.0 + case.noise, small.shape)
-    return Made(
-        Photograph(Path(f"{case.species}.png"), small.clip(0, 255).astype(np.uint8), None), truth
-    )
+    photograph = Photograph(Path(f"{case.species}.png"), small.clip(0, 255).astype(np.uint8), None)
+    return Made(photograph, truth, outline)
+
+
+def border_error(meshes: FishMeshes, case: Case, body: np.ndarray) -> float:
+    """Mean distance of the worst fin's root from the true outline of the body, body lengths."""
+    ring = body.astype(np.float32)
+    fins = side_view(load_species(case.species).surface).fins
+    off = [
+        np.mean([
+            abs(cv2.pointPolygonTest(ring, place.tolist(), True))
+            for place in meshes.fins[name].mesh.nodes[0][one.shows]
+        ])
+        for name, one in fins.items()
+    ]  # fmt: skip
+    return float(max(off)) / meshes.length
 
 
 def _background(case: Case, species: object, sheet: np.ndarray) -> np.ndarray:
@@ -213,14 +231,20 @@ CASES = {
 def main() -> int:
     """Print the table and draw the outlines; 1 if an error is too large."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else None
-    print("| photograph | species | mean error, % of length |")
-    print("| --- | --- | --- |")
+    print("| photograph | species | outline | body and fins | shown for fins |")
+    print("| --- | --- | --- | --- | --- |")
     every = []
     for name, case in CASES.items():
-        photograph, truth = made(case)
-        one = find_fish(photograph, load_species(case.species).surface)
-        every.append(100.0 * outline_error(one.meshes, truth))
-        print(f"| {name} | {case.species.replace('_', ' ')} | {every[-1]:.2f} |", flush=True)
+        photograph, truth, body = made(case)
+        plan = load_species(case.species).surface
+        one = find_fish(photograph, plan)
+        errors = (
+            outline_error(one.meshes, truth),
+            border_error(one.meshes, case, body),
+            max(fin_errors(one.meshes, plan).values()),
+        )
+        every.append(100.0 * np.array(errors))
+        print(f"| {name} | {case.species.replace('_', ' ')} | {_cells(every[-1])} |", flush=True)
         if folder:
             folder.mkdir(parents=True, exist_ok=True)
             picture = photograph.colour[..., ::-1].copy()
@@ -236,8 +260,12 @@ def main() -> int:
                 ring = np.round(16 * ring).astype(np.int32)
                 cv2.polylines(picture, [ring], True, (0, 0, 255), 1, cv2.LINE_AA, 4)
             cv2.imwrite(str(folder / f"{name.replace(' ', '_').replace(',', '')}.png"), picture)
-    print(f"| worst | | {max(every):.2f} |\n| mean | | {np.mean(every):.2f} |")
-    return 0 if np.max(every) < 100.0 * MOST else 1
+    print(f"| worst | | {_cells(np.max(every, 0))} |\n| mean | | {_cells(np.mean(every, 0))} |")
+    return 0 if np.max(every, 0)[0] < 100.0 * MOST else 1
+
+
+def _cells(values: np.ndarray) -> str:
+    return " | ".join(f"{value:.2f}" for value in values)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from subsea.core.interrupts import deferred_interrupts
 from subsea.core.resources import ROOT, is_path
 from subsea.fish.color_sheet import assign_sheet, own_sheet_path, write
 from subsea.fish.photo.deformable_mesh import BODY, FishMeshes, attach_fins
-from subsea.fish.photo.fitting import FishFit, find_fish, outline_error, segment_under
+from subsea.fish.photo.fitting import FishFit, fin_errors, find_fish, outline_error, segment_under
 from subsea.fish.photo.lift import lift_sheet, mesh_mask
 from subsea.fish.photo.photograph import Photograph, read_photograph
 from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
@@ -63,7 +63,10 @@ def dress(
             print(f"{out}: the sheet; to use it, put it beside a species file and set skin.sheet")
     error = outline_error(one.meshes, one.mask)
     print(f"outline: {100 * error:.1f}% of the length, on average, from the segmented fish")
-    if not error <= GOOD:
+    fins = fin_errors(one.meshes, species.surface)
+    for part, off in fins.items():
+        print(f"{part} fin: root {100 * off:.1f}% of the length from the species' proportions")
+    if not all(off <= GOOD for off in (error, *fins.values())):
         print("  that is much: look at the sheet, and correct the meshes in `subsea skin PHOTO`")
     left = one.meshes.body.nodes[4, 0, 0] < one.meshes.body.nodes[4, -1, 0]
     remedy = f"give --flip without {mesh}" if mesh is not None else "give --flip"

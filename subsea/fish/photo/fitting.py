@@ -367,6 +367,33 @@ def outline_error(meshes: FishMeshes, mask: Bools) -> float:
     return float(0.5 * (far[0][second].mean() + far[1][first].mean()) / meshes.length)
 
 
+def fin_errors(meshes: FishMeshes, plan: SurfacePlan) -> dict[str, float]:
+    """Mean distance of each fin's root from the species' proportions, body lengths.
+
+    No silhouette shows the border between body and fin. The species has it at a fraction of the
+    way from the opposite border of the body to the edge of the fin. Fins that do not stand out of
+    the body are left out.
+    """
+    rest, found = side_view(plan), {}
+    for name, fin in meshes.fins.items():
+        one = rest.fins[name]
+        opposite = len(rest.body) - 1 - fin.row
+        begins = (
+            fin.root_weights @ rest.body[opposite],
+            fin.root_weights @ meshes.body.nodes[opposite],
+        )
+        own, own_whole = _distances(begins[0], one.root), _distances(begins[0], one.edge)
+        here, whole = (_distances(begins[1], row) for row in fin.mesh.nodes)
+        off = np.abs(here - own / own_whole * whole)
+        if one.shows.any():
+            found[name] = float(off[one.shows].mean() / meshes.length)
+    return found
+
+
+def _distances(begin: Array, end: Array) -> Array:
+    return np.asarray(np.hypot(*(end - begin).T))
+
+
 def _border(mask: Bools) -> Bools:
     eroded = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8))
     return np.asarray(mask & (eroded == 0))

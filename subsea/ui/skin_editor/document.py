@@ -21,7 +21,7 @@ from subsea.fish.photo.deformable_mesh import (
     transform,
 )
 from subsea.fish.photo.dress import load_mesh
-from subsea.fish.photo.fitting import outline_error, segment_under
+from subsea.fish.photo.fitting import fin_errors, outline_error, segment_under
 from subsea.fish.photo.lift import lift_sheet
 from subsea.fish.photo.mesh_edit import MeshSnapshot
 from subsea.fish.photo.photograph import Photograph, downscale
@@ -62,6 +62,7 @@ class SkinDocument:
         self.sheet_outdated = True
         self.search: object | None = None  # identifies the search whose result is still wanted
         self.error: float | None = None  # of the outline, body lengths
+        self.fin_errors: dict[str, float] = {}  # of the roots of fins, body lengths
         self._steps = 0
         self._mask: Bools | None = None  # the fish that was found, in the small picture
         self._field: EdgeField | None = None
@@ -178,6 +179,7 @@ class SkinDocument:
             self.set_fish(mask)
         if self._mask is not None:
             self.error = outline_error(self.meshes, self._mask)
+            self.fin_errors = fin_errors(self.meshes, self.species.surface)
         self.sheet = sheet
 
     def _snapshot(self) -> MeshSnapshot:

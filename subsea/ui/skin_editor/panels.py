@@ -122,6 +122,13 @@ def draw_mesh(
     if document.error is not None:
         imgui.text(f"outline: {100.0 * document.error:.1f} % of the length off the fish")
         imgui.set_item_tooltip("Mean distance to the outline of the fish that was found.")
+    if document.fin_errors:
+        off = ", ".join(f"{name} {100.0 * off:.1f} %" for name, off in document.fin_errors.items())
+        imgui.text(f"fins: {off} of the length off")
+        imgui.set_item_tooltip(
+            "Mean distance of the roots of the fins from the species' proportions."
+            "\nFins that are folded or taller count too."
+        )
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("touch")
     for label, parts in PARTS.items():

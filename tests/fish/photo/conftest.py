@@ -4,7 +4,10 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from subsea.fish.photo.deformable_mesh import attach_fins
 
 
 @pytest.fixture(scope="session")
@@ -23,3 +26,16 @@ def accuracy():
 def clownfish_photo(accuracy):
     """A clownfish in plain water, its photograph and its outline."""
     return accuracy.made(accuracy.Case("clownfish", length=420.0, size=(600, 420), seed=2))
+
+
+@pytest.fixture
+def climb():
+    """Moves the body's border under a fin by a share of the way to the fin's edge."""
+
+    def climb(meshes, name, share):
+        fin = meshes.fins[name]
+        way = fin.root_weights.T @ (share * (fin.mesh.nodes[1] - fin.mesh.nodes[0]))
+        meshes.body.nodes[fin.row] += way / np.maximum(fin.root_weights.sum(0), 1.0)[:, None]
+        attach_fins(meshes)
+
+    return climb

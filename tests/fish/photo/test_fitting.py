@@ -10,8 +10,11 @@ from msgspec import structs
 
 from subsea.core.errors import UserError
 from subsea.fish import sheet_layout
+from subsea.fish.photo.deformable_mesh import transform
+from subsea.fish.photo.dress import GOOD
 from subsea.fish.photo.fitting import (
     align_shape,
+    fin_errors,
     find_fish,
     outline_error,
     segment_under,
@@ -19,7 +22,13 @@ from subsea.fish.photo.fitting import (
 )
 from subsea.fish.photo.lift import lift_sheet, mesh_mask
 from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes, mesh_outlines, to_picture
+from subsea.fish.photo.side_view import (
+    centred_matrix,
+    make_fish_meshes,
+    mesh_outlines,
+    side_view,
+    to_picture,
+)
 from subsea.fish.species import load_species
 
 
@@ -27,7 +36,7 @@ from subsea.fish.species import load_species
 @pytest.mark.parametrize("name", ["black and white, reef", "low contrast, shark"])
 def test_outlines_are_found(accuracy, name):
     case = accuracy.CASES[name]
-    photograph, truth = accuracy.made(case)
+    photograph, truth, _ = accuracy.made(case)
     one = find_fish(photograph, load_species(case.species).surface)
     assert outline_error(one.meshes, truth) < accuracy.MOST
     head, tail = one.meshes.body.nodes[4, [0, -1], 0]
@@ -40,6 +49,8 @@ def test_the_table_fails_where_an_outline_is_off_too_far(accuracy, clownfish_pho
     monkeypatch.setattr(
         accuracy, "find_fish", lambda photograph, plan: SimpleNamespace(meshes=None)
     )
+    monkeypatch.setattr(accuracy, "border_error", lambda *_: 0.5)
+    monkeypatch.setattr(accuracy, "fin_errors", lambda *_: {"dorsal": 0.5})
     monkeypatch.setattr("sys.argv", ["skin_accuracy.py"])
     for off, code in ((0.0149, 0), (0.0151, 1), (np.nan, 1)):
         monkeypatch.setattr(accuracy, "outline_error", lambda *_, off=off: off)
@@ -66,7 +77,7 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
 
 
 def test_opacity_segments_the_fish(clownfish_photo):
-    photograph, truth = clownfish_photo
+    photograph, truth, _ = clownfish_photo
     plan = load_species("clownfish").surface
     # Colours cannot help here: the picture is grey.
     cut = photograph._replace(
@@ -87,7 +98,7 @@ def test_no_fish_is_a_one_line_error(clownfish_photo):
 
 
 def test_the_fish_is_segmented_under_meshes(clownfish_photo):
-    photograph, truth = clownfish_photo
+    photograph, truth, _ = clownfish_photo
     plan = load_species("clownfish").surface
     meshes = find_fish(photograph, plan).meshes
     mask = segment_under(photograph, meshes)
@@ -104,6 +115,36 @@ def test_the_outline_error_is_a_distance():
     length = np.ptp(mesh_outlines(meshes)[0][:, 0])
     # Up and down the whole way, along the flanks less.
     assert 0.5 * 8 / length < outline_error(meshes, mask) < 8 / length
+
+
+@pytest.mark.parametrize("name", ["dorsal", "ventral"])
+def test_a_body_that_climbed_into_a_fin_has_a_fin_error(accuracy, clownfish_photo, climb, name):
+    photograph, _, body = clownfish_photo
+    case, plan = accuracy.Case("clownfish"), load_species("clownfish").surface
+    one = find_fish(photograph, plan)
+    assert max(fin_errors(one.meshes, plan).values()) < 0.005
+    assert accuracy.border_error(one.meshes, case, body) < 0.01
+    climb(one.meshes, name, 0.5)
+    assert outline_error(one.meshes, one.mask) < 0.005  # the silhouette is the same
+    errors = fin_errors(one.meshes, plan)
+    assert max(errors, key=errors.get) == name and errors[name] > GOOD
+    true = accuracy.border_error(one.meshes, case, body)
+    assert errors[name] == pytest.approx(true, abs=0.012)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.6])
+def test_the_fin_error_is_a_distance_and_zero_for_the_species_itself(turn):
+    for name in ("clownfish", "blacktip_reef_shark"):
+        plan = load_species(name).surface
+        meshes = make_fish_meshes(plan, centred_matrix(800, 600, plan))
+        matrix = 0.7 * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        transform(meshes, matrix, np.zeros(2), np.zeros(2))
+        assert fin_errors(meshes, plan) == pytest.approx({"dorsal": 0.0, "ventral": 0.0}, abs=1e-9)
+        shows, fin = side_view(plan).fins["dorsal"].shows, meshes.fins["dorsal"]
+        way = 0.1 * (fin.mesh.nodes[0] - fin.root_weights @ meshes.body.nodes[-1])
+        fin.mesh.nodes[0] += way
+        expected = np.hypot(*way[shows].T).mean() / meshes.length
+        assert fin_errors(meshes, plan)["dorsal"] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("right", [False, True])
@@ -124,7 +165,7 @@ def test_the_eye_decides_the_heading(right):
 
 def test_the_meshes_follow_the_eye(accuracy):
     case = accuracy.Case("clownfish", length=420.0, size=(600, 420), other=0.0)
-    photograph, truth = accuracy.made(case)
+    photograph, truth, _ = accuracy.made(case)
     species = load_species("clownfish")
     # A species that has its eye elsewhere.
     eye = structs.replace(species.surface.eye, at=0.14, height=0.035)

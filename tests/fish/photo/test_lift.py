@@ -140,7 +140,7 @@ def test_paired_fins_take_the_photographs_colours(clownfish, marked):
 
 def test_a_species_is_lifted_from_a_photograph_of_itself(clownfish, clownfish_photo):
     """Painted, photographed, found and lifted: the sheet is the painted one again, about."""
-    photograph, _ = clownfish_photo
+    photograph = clownfish_photo.photograph
     one = find_fish(photograph, clownfish.surface)
     sheet = lift_sheet(photograph.colour, one.meshes, clownfish, one.mask)
     painted = paint.paint(clownfish)

@@ -14,7 +14,7 @@ from subsea.core.errors import UserError
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.photo import mesh_edit as edits
-from subsea.fish.photo.deformable_mesh import BODY, VENTRAL
+from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL, attach_fins, copy_meshes
 from subsea.fish.photo.lift import rasterize
 from subsea.fish.photo.mesh_edit import MeshNode
 from subsea.fish.photo.photograph import read_photograph
@@ -162,6 +162,20 @@ def test_the_fish_is_found_and_wears_the_photograph(scene):
     magenta = (picture[..., 0] > picture[..., 1] + 60) & (picture[..., 2] > picture[..., 1] + 60)
     assert magenta[:, :500].sum() > 5000  # the photograph
     assert magenta[:, 560:].sum() > 1000  # the textured fish, and the sheet
+
+
+def test_a_back_inside_the_dorsal_fin_is_in_the_score_of_the_fins(scene):
+    window, _ = scene
+    document = window.tool.document
+    assert max(document.fin_errors.values()) < 0.01
+    document.meshes = copy_meshes(document.meshes)
+    root, edge = document.meshes.parts[DORSAL].nodes
+    document.meshes.body.nodes[0, 6:13] += 0.5 * (edge - root)[3:10]
+    attach_fins(document.meshes)
+    document.record()
+    rest(window)
+    assert document.error < 0.015  # the silhouette is the same
+    assert document.fin_errors["dorsal"] > 0.015
 
 
 def test_a_node_is_dragged_and_the_mesh_follows(scene, user, spots):
