@@ -72,8 +72,7 @@ def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int 
     with headless() as context, picture_maker(context, world, rig, preset) as renderer:
         for tick in range(ticks):
             if tick % EVERY == 0:
-                fine = {"detail": preset.detail, "growth": preset.growth}
-                renderer.draw(pack(world, views, 1.0, **fine))
+                renderer.draw(pack(world, views, 1.0, preset.packing))
                 pictures.append(renderer.read_pixels())
             step(world, NEUTRAL)
     return pictures
