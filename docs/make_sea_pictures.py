@@ -3,6 +3,7 @@
 dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the three
 presets side by side. visitors.jpg, preying.jpg: other scenarios.
 equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their blocks build it.
+scenarios: the pictures of the menu, beside the scenario files.
 """
 
 import os
@@ -18,11 +19,11 @@ from numpy.typing import NDArray
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.core.resources import ROOT
+from subsea.core.resources import ROOT, resource_path
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.render.output.quality import PRESETS
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import SHIPPED, load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
@@ -47,6 +48,17 @@ class Shot(NamedTuple):
 BAY = Shot("peaceful", 1, 460, (0, 33), (-122.0, 62.0, 10.0), (0.0, 0.0, 6.0))
 VISITORS = Shot("visitors", 4, 220, (1, 2), (-80.0, 92.0, 15.0), (30.0, 0.0, 14.0))
 PREYING = Shot("preying", 1, 301, (0, 1), (-138.0, -28.0, 8.0), (-26.0, 0.0, 0.0))
+THUMBNAILS = {
+    "peaceful": BAY,
+    "visitors": VISITORS,
+    "preying": PREYING,
+    "schooling": Shot("schooling", 3, 700, (0, 36), (45.0, -90.0, 8.0), (0.0, 0.0, 0.0)),
+    "mating": Shot("mating", 1, 150, (0, 3), (-27.0, 15.0, 2.0), (2.0, 4.0, 0.0)),
+    "go-fish": Shot("go-fish", 3, 700, (0, 27), (-78.0, 52.0, 9.0), (0.0, 0.0, 9.0)),
+    "rendezvous": Shot("rendezvous", 1, 400, (0, 2), (-52.0, -18.0, 5.0), (0.0, 9.0, 0.0)),
+    "open-ocean": Shot("open-ocean", 2, 40, (0, 1800), (-200.0, 120.0, 40.0), (0.0, 0.0, 0.0)),
+}
+THUMBNAIL, THUMBNAIL_QUALITY = (192, 108), 80
 FIRST, OTHER = (1600, 700), (1120, 500)
 SWIMMING = BAY._replace(tick=400)
 STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
@@ -81,6 +93,17 @@ def filmed(shot: Shot, size: tuple[int, int], quality: str = "high", ticks: int 
 def one(shot: Shot, size: tuple[int, int]) -> Image.Image:
     """The first picture of a shot."""
     return Image.fromarray(filmed(shot, size)[0])
+
+
+def thumbnail(name: str) -> None:
+    """Save the picture of a shipped scenario."""
+    wide, high = THUMBNAIL
+    picture = one(THUMBNAILS[name], (4 * wide, 4 * high)).resize(
+        THUMBNAIL, Image.Resampling.LANCZOS
+    )
+    path = resource_path(SHIPPED) / f"{name}.jpg"
+    picture.save(path, quality=THUMBNAIL_QUALITY, optimize=True)
+    print(f"{path}: {path.stat().st_size} bytes")
 
 
 def swimming(path: Path) -> None:
@@ -151,12 +174,15 @@ def main() -> None:
         ),
         "lagoon": lambda: filmed_by(*lagoon, "--size", "1200x500", pages=TUTORIALS),
     }
-    wanted = sys.argv[2:] or ["swimming", *made]
+    wanted = sys.argv[2:] or ["swimming", "scenarios", *made]
     for name, make in made.items():
         if name in wanted:
             save(make(), folder / f"{name}.jpg")
     if "swimming" in wanted:
         swimming(folder / "swimming.webp")
+    if "scenarios" in wanted:
+        for name in THUMBNAILS:
+            thumbnail(name)
 
 
 if __name__ == "__main__":

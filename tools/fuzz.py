@@ -44,6 +44,7 @@ from subsea.fish.species import load_species
 from subsea.profiling.comparison import read_reports
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
+from subsea.scenario.thumbnails import read_thumbnail
 from subsea.study.record import read_record
 from subsea.study.simulate import simulate
 from subsea.view.theatre import pfm
@@ -232,6 +233,11 @@ KINDS = {
     "record": Kind(".h5", records, read_record),
     "scenario": Kind(
         ".toml", shipped("assets/scenarios", ".toml"), lambda p: load_scenario(str(p))
+    ),
+    "thumbnail": Kind(
+        ".jpg",
+        shipped("assets/scenarios", ".jpg"),
+        lambda p: read_thumbnail(p.with_suffix(".toml")),
     ),
     "species": Kind(".toml", shipped("assets/species", ".toml"), lambda p: load_species(str(p))),
     "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),

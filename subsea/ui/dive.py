@@ -155,6 +155,7 @@ class Dive:
             self.picture = ScenePicture(self.window_set, opening.rig, display)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
+            undo.callback(self.menu.release)
             self.commands = Commands(self, self.menu, self.inspector)
             self.text = TextLayer(self, settings, self.menu, self.inspector)
             self._kiosk = Kiosk(self.window_set.windows) if options.kiosk else None

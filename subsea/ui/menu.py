@@ -14,9 +14,11 @@ from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
 from subsea.core.toml_files import load_toml
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.render.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
+from subsea.scenario.thumbnails import read_thumbnail
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
@@ -29,6 +31,7 @@ ROW = 1.75  # height of an entry, in heights of letters
 PADDING = 0.25  # above and below its text
 ABOUT, ABOUT_SIZE = 0.65, 0.7  # height of the line below an entry, and of its letters
 WIDE = 17.0  # width of an entry, in the same
+THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
 SEED = "The same seed, the same dive; another one, another dive."
 
 DISPLAYS = {
@@ -55,6 +58,7 @@ class Entry(NamedTuple):
     aside: str = ""  # text at its right end
     chosen: bool = False
     about: str = ""  # a line below it
+    scenario: Path | None = None  # the file whose picture is at its left end
 
     @property
     def high(self) -> float:
@@ -74,6 +78,7 @@ class Menu:
         self._opacity = 0.0
         self._gui_was_open = False
         self._files: dict[Path, ScenarioSummary] = {}
+        self._thumbnails: dict[Path, ImageTexture | None] = {}
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
             "Display": self._displays,
@@ -96,6 +101,13 @@ class Menu:
         self.dive.gui.navigate(False)
         self.dive.gui.release_all()
         self.dive.gui.open = self._gui_was_open
+        self.release()
+
+    def release(self) -> None:
+        """Free the pictures of scenarios."""
+        for texture in filter(None, self._thumbnails.values()):
+            texture.release()
+        self._thumbnails.clear()
 
     def back(self) -> None:
         """Return to the first page, or close it."""
@@ -118,7 +130,7 @@ class Menu:
         rows = sum(entry.high for entry in entries) + ROW * (2.5 + seeded)
         letters = imgui.get_font_size()
         high, least = size.y / (rows + 1.0), LEAST * letters
-        line = min(LARGE * letters, max(high, least), size.x / (WIDE + 4.0))
+        line = min(LARGE * letters, max(high, least), size.x / (self._width + 4.0))
         imgui.push_font(None, line)
         imgui.push_style_var(imgui.StyleVar_.alpha.value, self._opacity)
         imgui.push_style_var(imgui.StyleVar_.window_rounding.value, 0.5 * line)
@@ -140,7 +152,7 @@ class Menu:
             | flags.no_saved_settings.value,
         )
         imgui.text_colored((*QUIET, 1.0), self.page or self.dive.scenario.title)
-        imgui.dummy((WIDE * line, 0.15 * line))
+        imgui.dummy((self._width * line, 0.15 * line))
         default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
         for number, entry in enumerate(entries):
             if seeded and number == len(entries) - 2:
@@ -161,10 +173,14 @@ class Menu:
         room = ROW - 1.12 - 2.0 * PADDING  # for the text in the upper ROW of it
         align = 0.0, 0.5 * room / (room + entry.high - ROW)
         imgui.push_style_var(imgui.StyleVar_.button_text_align.value, align)
-        size = WIDE * line, (entry.high - 0.12) * line
+        left = 0.7 + (THUMBNAIL[0] if entry.scenario else 0.0)
+        imgui.push_style_var(imgui.StyleVar_.frame_padding.value, (left * line, PADDING * line))
+        size = self._width * line, (entry.high - 0.12) * line
         pressed = imgui.button(f"{entry.text}##{entry.aside}", size)
-        imgui.pop_style_var()
+        imgui.pop_style_var(2)
         imgui.pop_style_color()
+        if entry.scenario and imgui.is_item_visible():
+            self._draw_thumbnail(entry.scenario, line)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         canvas, ground = imgui.get_window_draw_list(), low.y + (ROW - 0.12) * line
         if entry.aside:
@@ -176,19 +192,43 @@ class Menu:
         if entry.about:
             imgui.push_font(None, ABOUT_SIZE * line)
             canvas.push_clip_rect(low, high, True)  # it may be long
-            place = low.x + 0.7 * line, ground - 0.22 * line
+            place = low.x + left * line, ground - 0.22 * line
             canvas.add_text(place, colour(QUIET), entry.about)
             canvas.pop_clip_rect()
             imgui.pop_font()
         if pressed:
             self.dive.inspector.later(entry.act)
 
+    def _draw_thumbnail(self, scenario: Path, line: float) -> None:
+        """Draw the picture of a scenario at the left end of the last item; nothing without one."""
+        if scenario not in self._thumbnails:
+            pixels = read_thumbnail(scenario)
+            self._thumbnails[scenario] = (
+                None if pixels is None else self.dive.picture.upload(pixels)
+            )
+        texture = self._thumbnails[scenario]
+        if texture is None:
+            return
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        wide, tall = (side * line for side in THUMBNAIL)
+        x = y = (high.y - low.y - tall) / 2
+        corner = low.x + x, low.y + y
+        imgui.get_window_draw_list().add_image_rounded(
+            imgui.ImTextureRef(texture.glo), corner, (corner[0] + wide, corner[1] + tall),
+            (0.0, 0.0), (1.0, 1.0), colour((1.0, 1.0, 1.0)), 0.2 * line,
+        )  # fmt: skip
+
+    @property
+    def _width(self) -> float:
+        """The width of the entries of this page, in heights of letters."""
+        return WIDE + (THUMBNAIL[0] if self.page == "Scenario" else 0.0)
+
     def _seed_field(self, line: float) -> None:
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
         imgui.align_text_to_frame_padding()
         imgui.text("Seed")
         imgui.same_line()
-        imgui.set_next_item_width(WIDE * line - 4.5 * line)
+        imgui.set_next_item_width((self._width - 4.5) * line)
         self.seed = typed_whole("##seed", self.seed, 0, MAX_SEED)
 
     def _first(self) -> Iterator[Entry]:
@@ -227,10 +267,11 @@ class Menu:
         dive = self.dive
         if dive.source.resolve() not in self._files:
             now = dive.scenario
-            yield Entry(now.title, self._restart, dive.source.name, True, now.description)
+            about, file = now.description, dive.source
+            yield Entry(now.title, self._restart, file.name, True, about, file)
         for path, (title, description) in self._files.items():
             here = path == dive.source.resolve()
-            yield Entry(title, partial(self._enter, path), path.stem, here, description)
+            yield Entry(title, partial(self._enter, path), path.stem, here, description, path)
         if not self.kiosk:
             yield Entry("Restart", self._restart, f"with seed {self.seed}", about=SEED)
         yield self._back()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from subsea.core.arrays import Bytes
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
@@ -16,6 +17,7 @@ from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import Label
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.render.gl.id_buffer import FISH
+from subsea.render.gl.image_texture import ImageTexture
 from subsea.render.output.quality import (
     AUTO,
     CHOICES,
@@ -120,6 +122,10 @@ class ScenePicture:
     def darken(self, rgb: tuple[float, float, float], opacity: float) -> None:
         """Blend a colour over the whole picture, in all windows and for all eyes."""
         self._window_set.darken((*rgb, opacity))
+
+    def upload(self, pixels: Bytes) -> ImageTexture:
+        """Make a texture for panels and the menu from pixels (h, w, 3); they must release it."""
+        return ImageTexture(self._context, pixels)
 
     def arrange(self, clear: bool = True) -> None:
         """Set up the renderer for the rig, with retina pictures or a test pattern."""

@@ -6,14 +6,16 @@ from contextlib import closing
 import numpy as np
 import pytest
 from imgui_bundle import imgui
+from PIL import Image
 
 from subsea.core.resources import resource_names, resource_path
 from subsea.dive.bindings import PAD_BUTTONS
 from subsea.render.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
+from subsea.scenario.thumbnails import read_thumbnail
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
-from subsea.ui.menu import ABOUT_SIZE, DISPLAYS, QUALITIES, WIDE, scenario_summaries
+from subsea.ui.menu import ABOUT_SIZE, DISPLAYS, QUALITIES, THUMBNAIL, WIDE, scenario_summaries
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
 from tests.support.windows import dive_options
 
@@ -95,6 +97,62 @@ def test_every_scenario_has_a_sentence_that_fits_and_the_seed_is_explained(boat,
         about, wide = shown[name]
         assert about.endswith(".") and wide < WIDE - 1.4
     assert "seed" in shown[f"with seed {menu.seed}"][0]
+
+
+def thumbnail_area(boat, user, monkeypatch, name):
+    """The pixels of the window where the entry of a scenario file has its picture."""
+    found, draw = {}, boat.menu.draw_entry
+
+    def noted(entry, line):
+        draw(entry, line)
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        if entry.scenario:
+            wide, tall = (side * line for side in THUMBNAIL)
+            gap = (high.y - low.y - tall) / 2
+            found[entry.scenario.stem] = low.x + gap, low.y + gap, wide, tall
+
+    with monkeypatch.context() as patch:
+        patch.setattr(boat.menu, "draw_entry", noted)
+        user.glide(boat, 0.5)
+    left, top, wide, tall = found[name]
+    rows = slice(round(top) + 1, round(top + tall) - 1)
+    return user.screen(boat)[rows, round(left) + 1 : round(left + wide) - 1].astype(float)
+
+
+def test_each_scenario_shows_its_picture(boat, menu, user, monkeypatch):
+    folder, names = resource_path("assets/scenarios"), ("go-fish", "mating", "open-ocean")
+    open_page(boat, "Scenario")
+    for name in names:
+        shown = thumbnail_area(boat, user, monkeypatch, name)
+        off = {}
+        for other in names:
+            picture = Image.fromarray(read_thumbnail(folder / f"{other}.toml"))
+            small = np.asarray(picture.resize(shown.shape[1::-1], Image.Resampling.BOX), float)
+            off[other] = np.abs(shown - small)[3:-3, 3:-3].mean()  # without the round corners
+        assert min(off, key=off.get) == name and off[name] < 25.0, off
+
+
+def test_an_own_scenario_may_have_a_picture_and_a_broken_one_is_ignored(
+    boat, menu, user, monkeypatch
+):
+    assert boat.source.stem == "quiet"
+    picture, magenta = boat.source.with_suffix(".jpg"), np.array((220.0, 30.0, 200.0))
+
+    def off():
+        menu.hide()
+        menu.show()
+        open_page(boat, "Scenario")
+        shown = thumbnail_area(boat, user, monkeypatch, "quiet")
+        return np.abs(np.median(shown, axis=(0, 1)) - magenta).max()
+
+    try:
+        Image.new("RGB", (160, 90), tuple(magenta.astype(int))).save(picture)
+        assert off() < 10.0
+        picture.write_bytes(picture.read_bytes()[:300])
+        assert off() > 100.0
+    finally:
+        picture.unlink()
+    assert off() > 100.0
 
 
 def test_while_it_is_open_the_sea_goes_on_and_the_submarine_holds_station(boat, menu, user):
