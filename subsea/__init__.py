@@ -1,3 +1,47 @@
-"""A virtual submarine among artificial fishes."""
+"""A virtual submarine among artificial fishes, and their sea as a library.
+
+>>> import subsea
+>>> world = subsea.load("peaceful", seed=1, fish=10)
+>>> world.step(30)
+>>> world.fishes.position.shape
+(10, 3)
+"""
+
+from importlib import import_module as _import_module
+from typing import Any as _Any
 
 __version__ = "0.2.0"
+
+_PLACES = {
+    "load": "subsea.library.world",
+    "World": "subsea.library.world",
+    "Helm": "subsea.submarine.helm",
+    "TeleopCommand": "subsea.behavior.teleop",
+    "render": "subsea.library.pictures",
+    "camera": "subsea.library.pictures",
+    "behind": "subsea.library.pictures",
+    "retina": "subsea.library.pictures",
+    "Retina": "subsea.library.pictures",
+    "simulate": "subsea.library.records",
+    "open_record": "subsea.library.records",
+    "measure": "subsea.library.records",
+    "Record": "subsea.study.record",
+    "scenarios": "subsea.library.records",
+    "species": "subsea.library.records",
+    "UserError": "subsea.core.errors",
+}
+"""The public names and their modules, loaded at first use. `__init__.pyi` has their types."""
+
+__all__ = ["__version__", *_PLACES]
+
+
+def __getattr__(name: str) -> _Any:
+    """Load a public name."""
+    if name not in _PLACES:
+        raise AttributeError(f"module 'subsea' has no attribute {name!r}")
+    found = globals()[name] = getattr(_import_module(_PLACES[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

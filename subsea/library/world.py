@@ -1,0 +1,228 @@
+"""A sea to step from a program."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+import tomlkit
+
+from subsea.behavior.table import INTENTIONS
+from subsea.behavior.teleop import TeleopCommand
+from subsea.core.console import say
+from subsea.dive.warm_up import warm_up
+from subsea.repertoire import SEGMENTS
+from subsea.scenario.load import load_scenario
+from subsea.state import COURTSHIP, KINDS, MENTAL_STATES, Fishes, Minds, Sea, Submarine
+from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.world import snapshot
+from subsea.world.build import create_world
+from subsea.world.step import Order, step
+from subsea.world.world import TICK_S
+from subsea.world.world import World as State
+
+G = TypeVar("G", bound=tuple[Any, ...])
+Changes = Mapping[str, Any] | Iterable[str]
+
+
+def load(
+    scenario: str, *, seed: int | None = None, fish: int | None = None, changes: Changes = ()
+) -> "World":
+    """Load a scenario as a world at tick 0.
+
+    Args:
+        scenario: A name of `subsea.scenarios()`, or the path of a file.
+        seed: The seed of all random numbers; None: the scenario's.
+        fish: The number of fishes to which its shoals are scaled; None: the scenario's.
+        changes: Values that replace the scenario's, by key: `{"nature.keen": 0.4}`, or texts as
+            `--set` takes them. docs/reference/scenario-keys.md lists the keys.
+
+    Raises:
+        UserError: An unknown scenario or key, or a value outside its range.
+
+    The first call after an installation compiles the kernels, which takes a minute.
+
+    >>> world = subsea.load("peaceful", seed=1, fish=10)
+    >>> world
+    World('peaceful', seed=1, 10 fishes, tick 0)
+    """
+    chosen, source = load_scenario(scenario, change_texts(changes))
+    warm_up(say)
+    return World(create_world(chosen, seed, fish, source=str(source)), scenario)
+
+
+def change_texts(changes: Changes) -> list[str]:
+    """Changes of a scenario as `--set` takes them."""
+    if isinstance(changes, str):
+        raise TypeError(f"changes: expected a mapping or a list of texts, got {changes!r}")
+    if not isinstance(changes, Mapping):
+        return [*changes]
+    return [f"{key}={_toml(value)}" for key, value in changes.items()]
+
+
+def _toml(value: Any) -> str:
+    plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    return tomlkit.item(plain).as_string()
+
+
+class World:
+    """A sea with its fishes and the submarine; `subsea.load` makes one.
+
+    The arrays of `fishes`, `minds`, `sea` and `submarine` show the current tick. They cannot be
+    written, and change with each step: copy what is to be kept. Row k of the fishes' and the minds'
+    arrays is fish k. Lengths are in cm, times in s, angles in rad; z points up and the surface of
+    the sea is at 0. docs/developers/state.md lists every array with its shape, type and unit.
+
+    >>> world = subsea.load("peaceful", seed=1, fish=10)
+    >>> world.step(30)
+    >>> world.tick, world.fishes.position.shape
+    (30, (10, 3))
+    >>> world.fishes.position[0] = 0.0
+    Traceback (most recent call last):
+    ValueError: assignment destination is read-only
+    """
+
+    def __init__(self, state: State, scenario: str = "") -> None:
+        """Wrap a world of `subsea.world.build.create_world`."""
+        self.internal = state  # for what this class does not offer; may change at any time
+        self.scenario = scenario
+        parts = state.state
+        self._fishes = _read_only(parts.fishes)
+        self._minds = _read_only(parts.minds)
+        self._sea = _read_only(parts.sea)
+        self._submarine = Submarine(
+            **{name: _view(array) for name, array in vars(parts.submarine).items()}
+        )
+
+    @property
+    def fishes(self) -> Fishes:
+        """Bodies of the n fishes: position (n, 3) cm, velocity (n, 3) cm/s, alive (n,) …"""
+        return self._fishes
+
+    @property
+    def minds(self) -> Minds:
+        """Minds of the n fishes: mental (n, 3) in [0, 1], intention (n,), leader (n,) …"""
+        return self._minds
+
+    @property
+    def sea(self) -> Sea:
+        """Surroundings: plankton (p, 3) cm, rocks (k, 7), heights of the seabed (m, m) cm …"""
+        return self._sea
+
+    @property
+    def submarine(self) -> Submarine:
+        """The hull: position (3,) cm, velocity (3,) cm/s, heading and pitch (2,) rad …"""
+        return self._submarine
+
+    @property
+    def tick(self) -> int:
+        """Number of ticks since the start; one is 0.033 s."""
+        return self.internal.state.tick
+
+    @property
+    def time_s(self) -> float:
+        """Time since the start, s."""
+        return self.tick * TICK_S
+
+    @property
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+        return self.internal.state.seed
+
+    @property
+    def species(self) -> tuple[str, ...]:
+        """The common names to which `fishes.species` points."""
+        return tuple(one.name for one in self.internal.species)
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """The names of codes and columns, by the array that holds them.
+
+        >>> world = subsea.load("peaceful", seed=1, fish=10)
+        >>> world.names["minds.mental"]
+        ('hunger', 'libido', 'fear')
+        """
+        return {
+            "fishes.species": self.species,
+            "fishes.segment": tuple(SEGMENTS),
+            "minds.intention": tuple(INTENTIONS),
+            "minds.mental": tuple(MENTAL_STATES),
+            "minds.kind": tuple(KINDS),
+            "minds.courtship": tuple(COURTSHIP),
+        }
+
+    def step(self, n: int = 1, order: Order = NEUTRAL) -> None:
+        """Advance by `n` ticks of 0.033 s.
+
+        Args:
+            n: Number of ticks, at least 0.
+            order: A `subsea.Helm` steers the submarine. A `subsea.TeleopCommand` steers a fish in
+                place of its mind, while the submarine holds its place.
+
+        Raises:
+            ValueError: A negative number of ticks, a value outside [-1, 1], an unknown fish.
+
+        The same scenario, seed and orders give the same world bit for bit.
+        """
+        if n < 0:
+            raise ValueError(f"n: expected a number of ticks of at least 0, got {n}")
+        self._check(order)
+        for _ in range(n):
+            step(self.internal, order)
+
+    def snapshot(self) -> bytes:
+        """Everything that a tick may change, for `restore`."""
+        return snapshot.take(self.internal)
+
+    def restore(self, data: bytes) -> None:
+        """Return to a snapshot of a world of the same scenario and seed.
+
+        Raises:
+            UserError: A snapshot of another world, or a damaged one; this world is unchanged then.
+
+        >>> world = subsea.load("peaceful", seed=1, fish=10)
+        >>> before, kept = world.checksum(), world.snapshot()
+        >>> world.step(5)
+        >>> world.restore(kept)
+        >>> world.checksum() == before
+        True
+        """
+        snapshot.restore(self.internal, data)
+
+    def checksum(self) -> str:
+        """A checksum of everything that changes: equal checksums mean equal worlds."""
+        return snapshot.checksum(self.internal)
+
+    def __repr__(self) -> str:
+        """Its scenario, seed, number of fishes and tick."""
+        n = len(self.fishes.species)
+        return f"World({self.scenario!r}, seed={self.seed}, {n} fishes, tick {self.tick})"
+
+    def _check(self, order: Order) -> None:
+        """Raise a ValueError for an order that compiled code would not check."""
+        if not isinstance(order, Helm | TeleopCommand):
+            raise TypeError(f"order: expected a Helm or a TeleopCommand, got {order!r}")
+        for name, value in order._asdict().items():
+            if name == "fish":
+                check_fish(self, value)
+            elif not -1 <= value <= 1:
+                raise ValueError(f"order: {name} {value!r}, expected a number from -1 to 1")
+
+
+def check_fish(world: World, fish: int) -> None:
+    """Raise a ValueError if a world has no such fish."""
+    n = len(world.fishes.species)
+    if not 0 <= fish < n:
+        raise ValueError(f"fish {fish}: expected one from 0 to {n - 1}")
+
+
+def _read_only(group: G) -> G:
+    """A group of the state whose arrays cannot be written."""
+    members = (_view(one) if isinstance(one, np.ndarray) else one for one in group)
+    return type(group)(*members)
+
+
+def _view(array: Any) -> Any:
+    """A view of an array that cannot be written."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
