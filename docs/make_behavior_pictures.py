@@ -20,8 +20,8 @@ from PIL import Image, ImageDraw
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
 from subsea.submarine.helm import NEUTRAL

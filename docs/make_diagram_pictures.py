@@ -15,7 +15,7 @@ from subsea.frame.labels import place_labels
 from subsea.frame.packet import PackOptions, pack
 from subsea.geometry.height_field import height_at
 from subsea.media.film import lettered
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step

@@ -23,9 +23,9 @@ from subsea.fish.photo.photograph import Photograph, downscale
 from subsea.fish.photo.side_view import make_fish_meshes, mesh_outlines
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import rotate
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for

@@ -19,9 +19,9 @@ from PIL import Image
 from subsea.behavior.chasing import mouth_of
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import x_axis
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
 from subsea.submarine.helm import NEUTRAL

@@ -18,9 +18,9 @@ from subsea.fish.species import Species, load_species, shipped_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.geometry.rotation import multiply
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.repertoire import read_repertoire
 from subsea.scenario.schema import Water
 from subsea.view.camera import NEAR_CM, View, look, off_axis

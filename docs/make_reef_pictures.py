@@ -11,9 +11,9 @@ from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import INSTANCE_COLUMNS, Packet, RenderScene
 from subsea.habitat.reef import KINDS
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Water
 from subsea.state import Reef
 from subsea.view.display_rigs import display_rig, views_for

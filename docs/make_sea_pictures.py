@@ -22,7 +22,7 @@ from PIL import Image, ImageDraw, ImageFont
 from subsea.core.resources import ROOT, resource_path
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.load import SHIPPED, load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for

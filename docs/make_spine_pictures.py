@@ -18,9 +18,9 @@ from subsea.core.resources import resource_path
 from subsea.fish.species import load_species, shipped_species
 from subsea.fish.spine import MIDDLES, UNITS, pose_spine, swing_angles
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.repertoire import read_repertoire
 from subsea.scenario.schema import Water
 from subsea.view.camera import NEAR_CM, View, look, off_axis

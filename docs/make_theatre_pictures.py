@@ -11,7 +11,7 @@ from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.dive.tour import Tour
 from subsea.frame.packet import PackOptions, pack
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views
 from subsea.view.theatre.lineup import lineup

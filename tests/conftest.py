@@ -31,9 +31,9 @@ settings.load_profile("subsea")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Let pictures be accepted: `pytest tests/render --regenerate`."""
+    """Let pictures be accepted: `pytest tests/rendering --regenerate`."""
     parser.addoption(
-        "--regenerate", action="store_true", help="store the pictures of tests/render again"
+        "--regenerate", action="store_true", help="store the pictures of tests/rendering again"
     )
 
 

@@ -12,9 +12,9 @@ from fastest import fastest_ms
 
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Batch, Packet, PackOptions, make_scene, pack
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.levels import LEVELS, empty_lod_state

@@ -17,8 +17,8 @@ from fastest import fastest_ms
 from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render.output.quality import LADDER, PRESETS, Quality
-from subsea.render.renderer import Renderer
+from subsea.rendering.output.quality import LADDER, PRESETS, Quality
+from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.step import step
 

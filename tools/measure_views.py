@@ -19,8 +19,8 @@ import numpy as np
 from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.levels import LodState, empty_lod_state

@@ -17,7 +17,7 @@ from subsea.core.resources import resource_names
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose, pose_from_angles

@@ -147,7 +147,7 @@ def _fishes() -> list[Finding]:
 
 
 def _headless() -> list[Finding]:
-    from subsea.render.gl.context import headless_context
+    from subsea.rendering.gl.context import headless_context
 
     try:
         context = headless_context()
@@ -162,7 +162,7 @@ def _headless() -> list[Finding]:
 def _quality(renderer: str) -> Finding:
     """The quality at which a dive begins by default."""
     from subsea.dive.adaptive_quality import target_for
-    from subsea.render.output.quality import LADDER, first_rung, name_of, on_software
+    from subsea.rendering.output.quality import LADDER, first_rung, name_of, on_software
 
     why = "computes pictures without a GPU" if on_software(renderer) else "is a GPU"
     text = f"auto begins at {name_of(LADDER[first_rung(renderer)])}: {renderer} {why}"
@@ -183,7 +183,7 @@ def _display() -> list[Finding]:
     from subsea.view.stereo import OTHER_STEREO
 
     try:
-        from subsea.render.gl.context import opengl_remedy, window_context
+        from subsea.rendering.gl.context import opengl_remedy, window_context
         from subsea.ui.monitors import on_display
         from subsea.ui.window import hidden_window
     except ImportError as fault:

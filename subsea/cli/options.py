@@ -54,13 +54,13 @@ def _display(text: str) -> str:
 
 
 def _quality(text: str) -> str:
-    from subsea.render.output.quality import check_choice
+    from subsea.rendering.output.quality import check_choice
 
     return check_choice(text)
 
 
 def _preset(text: str) -> str:
-    from subsea.render.output.quality import AUTO
+    from subsea.rendering.output.quality import AUTO
 
     if _quality(text) == AUTO:
         raise UserError("a film has no frame time to hold: take --quality low, medium or high")
@@ -212,7 +212,7 @@ def add_quality(parser: ArgumentParser, default: str, *, automatic: bool = True)
 
 def check_target(options: Namespace) -> None:
     """Refuse --target-ms without --quality auto."""
-    from subsea.render.output.quality import AUTO
+    from subsea.rendering.output.quality import AUTO
 
     if options.target_ms is not None and options.quality != AUTO:
         raise UserError(f"--target-ms needs --quality auto, not {options.quality}")

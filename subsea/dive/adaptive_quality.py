@@ -9,7 +9,7 @@ from itertools import pairwise
 from statistics import median
 from typing import NamedTuple, TypeVar
 
-from subsea.render.output.quality import LADDER, PRESETS, on_software
+from subsea.rendering.output.quality import LADDER, PRESETS, on_software
 
 GPU_TARGET_MS = 1000.0 / 60.0
 SOFTWARE_TARGET_MS = 1000.0 / 20.0  # smooth enough to steer; a finer picture is worth more

@@ -11,8 +11,8 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.frame.packet import Packet
-from subsea.render.gl.id_buffer import FISH, WATER
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.id_buffer import FISH, WATER
+from subsea.rendering.renderer import Renderer
 from subsea.view.camera import View
 from subsea.view.display_rigs import SURROUNDS
 from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Projection, Rect, front, seen_part

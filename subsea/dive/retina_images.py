@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Ints
 from subsea.frame.packet import pack
-from subsea.render.gl.id_buffer import KINDS, IdMaps
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.id_buffer import KINDS, IdMaps
+from subsea.rendering.renderer import Renderer
 from subsea.view.retina import FishEyes, retina_rig, retinal_views
 from subsea.world.world import World
 

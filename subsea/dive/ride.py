@@ -10,7 +10,7 @@ from subsea.behavior.table import BEHAVIORS
 from subsea.core.arrays import Array
 from subsea.dive.options import RetinaColours
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
-from subsea.render.gl.id_buffer import IdMaps
+from subsea.rendering.gl.id_buffer import IdMaps
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.follow import FollowCamera, follow_fish

@@ -20,8 +20,8 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render.output.quality import Quality
-    from subsea.render.renderer import Renderer
+    from subsea.rendering.output.quality import Quality
+    from subsea.rendering.renderer import Renderer
 
 Say = Callable[[str], None]
 
@@ -64,7 +64,7 @@ def headless() -> Iterator[Any]:
     """An OpenGL context without a window; a UserError without OpenGL."""
     # Messages of Mesa would hide the line that says what to install.
     os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
-    from subsea.render.gl.context import headless_context
+    from subsea.rendering.gl.context import headless_context
 
     context = headless_context()
     try:
@@ -81,7 +81,7 @@ def picture_maker(
     context: Any, world: World, rig: CameraRig, quality: "Quality"
 ) -> Iterator["Renderer"]:
     """A renderer for the pictures of a rig."""
-    from subsea.render.renderer import Renderer
+    from subsea.rendering.renderer import Renderer
 
     renderer = Renderer(context, make_scene(world), rig, quality)
     try:

@@ -43,11 +43,11 @@ ROCK = np.array([[0.0, 0.0, 10.0, 30.0, 20.0, 20.0, 0.0]])
 def _scenery() -> None:
     """Rocks, plants and the picture. The first half needs nothing that other jobs compile."""
     # Not above: what compiles without drawing imports no OpenGL.
-    from subsea.render.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
-    from subsea.render.fish.soft_shadows import Sand, cast
-    from subsea.render.gl.static_batch import bounding_spheres, gather, levels_in_sight
-    from subsea.render.reef.rocks import pieces
-    from subsea.render.sea.seabed import surroundings
+    from subsea.rendering.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
+    from subsea.rendering.fish.soft_shadows import Sand, cast
+    from subsea.rendering.gl.static_batch import bounding_spheres, gather, levels_in_sight
+    from subsea.rendering.reef.rocks import pieces
+    from subsea.rendering.sea.seabed import surroundings
 
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
     spheres = bounding_spheres(pieces(*sand, pillars, ROCK))

@@ -15,9 +15,9 @@ from subsea.core.errors import unknown
 from subsea.dive.retina_images import values_of
 from subsea.frame.packet import make_scene, pack
 from subsea.library.world import World, check_fish
-from subsea.render.gl.context import headless_context
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.follow import follow_fish
 from subsea.view.retina import FIELD_DEG, Gaze, fish_eyes, retina_rig, retinal_views

@@ -40,8 +40,8 @@ from subsea.media.film_options import EyeFilmOptions
 from subsea.media.film_timing import film_length_s, instants, reach
 from subsea.media.frame_writers import frame_rate, kind_of, open_writers
 from subsea.media.resume_manifest import describe_film, missing_frames, write_manifest
-from subsea.render.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
+from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.state import MENTAL_STATES

@@ -30,7 +30,7 @@ from subsea.media.frame_writers import (
 )
 from subsea.media.resume_manifest import describe_film, missing_frames, write_manifest
 from subsea.media.video_metadata import NO_METADATA, metadata_for
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit

@@ -34,7 +34,7 @@ from subsea.profiling.frame_statistics import (
     write_json,
 )
 from subsea.profiling.machine import describe_machine, reference_work
-from subsea.render.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
+from subsea.rendering.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
 from subsea.view.display_rigs import cockpit
@@ -44,7 +44,7 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render.renderer import Renderer
+    from subsea.rendering.renderer import Renderer
 
 WARM_UP_FRAMES = 30
 LIVE_WARM_UP_TICKS = 900  # limit of the wait until all fishes to be simulated have finished turning

@@ -21,7 +21,7 @@ from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate
 from subsea.profiling.machine import describe_machine, machine_line
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.state import Fishes
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.camera import View
@@ -31,7 +31,7 @@ from subsea.world.step import step
 from subsea.world.world import World
 
 if TYPE_CHECKING:
-    from subsea.render.renderer import Renderer
+    from subsea.rendering.renderer import Renderer
 
 DYNAMICS_1999_MS, PLAYBACK_1999_MS = 40.0, 0.01
 FULL_1999_MS, REDUCED_1999_MS = 2340.0, 85.0

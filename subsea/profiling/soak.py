@@ -28,7 +28,7 @@ from subsea.dive.theatre_setup import chosen_rig
 from subsea.frame.packet import pack
 from subsea.profiling.comparison import read_json
 from subsea.profiling.invariants import faults_in, starving, stuck, visited_now, widen
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import CameraRig, views
@@ -257,7 +257,7 @@ def _draw_all(
     world: World, context: Any, watch: Observations, ticks: int
 ) -> Generator[None, None, None]:
     """Draw a picture at every `next`, cycling through rigs and qualities."""
-    from subsea.render.gl.context import count_objects
+    from subsea.rendering.gl.context import count_objects
 
     shown = rigs()
     pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))

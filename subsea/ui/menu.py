@@ -14,8 +14,8 @@ from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
 from subsea.core.toml_files import load_toml
-from subsea.render.gl.image_texture import ImageTexture
-from subsea.render.output.quality import CHOICES
+from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.thumbnails import read_thumbnail

@@ -16,9 +16,9 @@ from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
 from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import Label
 from subsea.frame.packet import Packet, make_scene, pack
-from subsea.render.gl.id_buffer import FISH
-from subsea.render.gl.image_texture import ImageTexture
-from subsea.render.output.quality import (
+from subsea.rendering.gl.id_buffer import FISH
+from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.output.quality import (
     AUTO,
     CHOICES,
     LADDER,
@@ -27,7 +27,7 @@ from subsea.render.output.quality import (
     first_rung,
     name_of,
 )
-from subsea.render.renderer import Renderer
+from subsea.rendering.renderer import Renderer
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, display_rig

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.fish.editing.swimmer import Swimmer
 from subsea.fish.species import Species
-from subsea.render.fish.preview import FishPreview, Orbit
+from subsea.rendering.fish.preview import FishPreview, Orbit
 
 TURN = 0.008  # rad per pointer unit
 ZOOM = 1.12  # per step of the wheel

@@ -19,8 +19,8 @@ from subsea.dive.bindings import (
     is_command,
 )
 from subsea.dive.pilot import Pilot
-from subsea.render.gl.context import opengl_remedy
-from subsea.render.gl.shader_cache import avoid_full_disk
+from subsea.rendering.gl.context import opengl_remedy
+from subsea.rendering.gl.shader_cache import avoid_full_disk
 from subsea.ui.gui import Gui
 from subsea.ui.monitors import Monitor, Screen, monitors, reason
 from subsea.ui.system_packages import INSTALL

@@ -15,7 +15,7 @@ from subsea.dive.adaptive_quality import (
     start,
     target_for,
 )
-from subsea.render.output.quality import LADDER, PRESETS
+from subsea.rendering.output.quality import LADDER, PRESETS
 
 TARGET_MS = 20.0
 LOW, HIGH = LADDER.index(PRESETS["low"]), len(LADDER) - 1

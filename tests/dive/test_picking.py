@@ -9,10 +9,10 @@ from subsea.dive.picking import canvas_place, pick
 from subsea.dive.ride import Ride, with_insets
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.frame.packet import make_scene, pack
-from subsea.render.gl.context import headless_context
-from subsea.render.gl.id_buffer import FISH, SEABED, WATER
-from subsea.render.output.quality import PRESETS
-from subsea.render.renderer import Renderer
+from subsea.rendering.gl.context import headless_context
+from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER
+from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig

@@ -22,7 +22,7 @@ from subsea.dive.settings import (
     read_settings,
     usual_settings,
 )
-from subsea.render.output.quality import CHOICES
+from subsea.rendering.output.quality import CHOICES
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from subsea.dive.retina_images import VALUES, coded, retina_brightness
 from subsea.dive.start import headless, picture_maker
 from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL

@@ -18,7 +18,7 @@ from subsea.dive.start import picture_maker, start_world
 from subsea.frame.labels import PlacedLabel
 from subsea.frame.packet import pack
 from subsea.media import eye_frames, film, film_timing, frame_writers
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import views
@@ -179,7 +179,7 @@ def test_an_interrupted_film_reports_its_frames(tmp_path, capsys, monkeypatch):
             raise KeyboardInterrupt
         return pictures.pop()
 
-    monkeypatch.setattr("subsea.render.renderer.Renderer.read_pixels", two)
+    monkeypatch.setattr("subsea.rendering.renderer.Renderer.read_pixels", two)
     out = tmp_path / "a.mp4"
     assert main(["film", str(out), *SMALL]) == 130
     assert f"{out}: 2 frames" in capsys.readouterr().out

@@ -8,7 +8,7 @@ import pytest
 
 from subsea.cli.main import main
 from subsea.frame.packet import FADE
-from subsea.render.renderer import Renderer
+from subsea.rendering.renderer import Renderer
 
 pytestmark = pytest.mark.usefixtures("one_context")
 

@@ -20,7 +20,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.start import headless
 from subsea.media import eye_frames, film
 from subsea.profiling import benchmark
-from subsea.render.output.quality import PRESETS
+from subsea.rendering.output.quality import PRESETS
 from tools.monkey import virtual_display
 
 FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothness

@@ -10,7 +10,7 @@ from PIL import Image
 
 from subsea.core.resources import resource_names, resource_path
 from subsea.dive.bindings import PAD_BUTTONS
-from subsea.render.output.quality import CHOICES, PRESETS
+from subsea.rendering.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
 from subsea.scenario.thumbnails import read_thumbnail
 from subsea.ui.dive import Dive

@@ -4,7 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from subsea.render.gl import context
+from subsea.rendering.gl import context
 from subsea.ui import system_packages
 
 SETUP = (Path(__file__).parents[2] / "tools" / "setup.sh").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
 from subsea.core.undo import History
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.ui.gui import INK, MARK
 from subsea.ui.name_dialog import NameDialog
 from subsea.ui.tool_window import ToolWindow, run_tool

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.core.extras import require
 from subsea.fish.editing.handles import Box
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.gl.image_texture import ImageTexture
 
 FIELD = 7.0  # width of an input, text heights
 

@@ -28,8 +28,8 @@ from subsea.fish.editing.edit_state import EditState
 from subsea.fish.editing.handles import drag_handle, handles
 from subsea.fish.editing.outline_points import remove_point
 from subsea.fish.species import is_shipped, own_species_file, species_file
-from subsea.render.fish.preview import Orbit
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.fish.preview import Orbit
+from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.ui.fish_builder.assessment import (
     Assessment,
     Picture,

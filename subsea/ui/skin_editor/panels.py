@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 from subsea.fish.photo import mesh_edit
 from subsea.fish.photo.deformable_mesh import BODY, DORSAL, VENTRAL
 from subsea.fish.species import species_names
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.ui.gui import CLAMP, button
 from subsea.ui.preview_panel import PreviewPanel
 from subsea.ui.skin_editor.document import MeshSliders, SkinDocument

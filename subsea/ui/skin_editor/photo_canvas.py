@@ -18,7 +18,7 @@ from subsea.fish.photo.deformable_mesh import (
 )
 from subsea.fish.photo.mesh_edit import MeshNode
 from subsea.fish.photo.side_view import subdivide
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.ui.gui import GLASS, INK, MARK
 from subsea.ui.skin_editor.document import SkinDocument
 from subsea.ui.viewport2d import PointDrag, Viewport2D

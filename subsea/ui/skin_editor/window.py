@@ -25,7 +25,7 @@ from subsea.fish.species import (
     repertoire_file,
     species_file,
 )
-from subsea.render.gl.image_texture import ImageTexture
+from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.ui.name_dialog import NameDialog
 from subsea.ui.preview_panel import PreviewPanel

@@ -1,4 +1,4 @@
-"""Clips are the recorded segments, on the surface of `tests/render/fish/test_fishes.py`."""
+"""Clips are the recorded segments, on the surface of `tests/rendering/fish/test_fishes.py`."""
 
 from pathlib import Path
 

@@ -17,7 +17,7 @@ from capture.export.png import png16
 from capture.export.vat import write_vat
 from subsea.core.errors import UserError
 from subsea.geometry.rotation import matrix
-from subsea.render.gl.context import headless_context
+from subsea.rendering.gl.context import headless_context
 
 
 class Decoded:

@@ -1,0 +1,353 @@
+"""Fishes: B-spline surfaces from pre-evaluated tables, evaluated in the vertex shader (SMC §7).
+
+All species are drawn by the same calls: their skins share one atlas, other constants of species are
+in one uniform block, and each instance has the index of its species.
+"""
+
+from math import ceil, cos, radians, sin, sqrt
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Array, Bytes, Ints
+from subsea.core.disk_cache import cached
+from subsea.fish import paint, sheet_layout
+from subsea.fish.color_sheet import sheets
+from subsea.fish.mesh import (
+    DETAILS,
+    VERTEX_ATTRIBUTES,
+    VERTEX_FORMAT,
+    Mesh,
+    fish_mesh,
+    species_vertices,
+)
+from subsea.fish.species import CourtshipColours, Species
+from subsea.fish.surface import PaddlePlan
+from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
+from subsea.rendering.fish import speck as fish_speck
+from subsea.rendering.fish.speck import COARSEST, Speck, places, speck
+from subsea.rendering.gl.id_buffer import FISH, object_id
+from subsea.rendering.gl.mipmaps import cached_texture, mipmapped
+from subsea.rendering.gl.owner import GpuOwner, replace_data
+from subsea.rendering.gl.programs import variant_array
+from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
+
+SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
+FINE = 2  # levels whose fins are drawn after all bodies
+# Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
+SPECK, OWN_IDS = ("SPECK",), ("OWN_IDS",)
+NO_TRIANGLE = np.zeros((1, 3), np.int32)
+NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
+LOOKS_BINDING = 0  # of the uniform block
+
+# Texels around each skin that repeat its border: one texel at the coarsest mipmap.
+GUTTER = 2**COARSEST
+CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
+
+# Angle by which the lower jaw turns down.
+GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
+LIPS = 0.25  # half the width of the border between the jaws over the length of the mouth
+TEETH = 24.0  # of a predator, on half the circumference of its body
+
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
+INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
+
+
+class FishRenderer(GpuOwner):
+    """Draws instances from a table of control points, a mesh per level and an atlas of skins."""
+
+    def __init__(self, context: Any, scene: RenderScene, skins: list[Bytes] | None = None) -> None:
+        """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
+        super().__init__()
+        self._context = context
+        kinds = len(scene.species)
+        self._kinds = kinds
+        # Separate programs for distant and for fading fishes, because discarding pixels is slow.
+        self._programs: dict[tuple[str, ...], Any] = {}
+        self._content: dict[bool, tuple[Any, ...]] = {}  # of specks, and of other levels
+        rows, points = scene.control_points.shape[:2]
+        table = np.zeros((rows, points, 4), "f4")
+        table[..., :3] = scene.control_points
+        self._table = self.own(_table(context, table))
+        self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
+        self._skins = self.own(_atlas(context, scene.species, skins))
+        looks = _looks(scene.species, scene.recorded_length_cm)
+        self._looks = self.own(context.buffer(looks.tobytes()))
+        self._meshes = [fish_mesh(detail) for detail in DETAILS]
+        vertices, triangles, self._first = joined(self._meshes)
+        self._vertices = self.own(
+            _table(context, cached(level_vertices, scene.species, self._meshes))
+        )
+        self._shape = shape = speck()
+        self._places = self.own(_table(context, speck_places(scene.species, shape)))
+        buffers = self.own_buffers(context, vertices, triangles)
+        self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
+        self._speck_triangles = len(shape.triangles)
+        listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
+        buffers = self.own_buffers(context, shape.vertices, listed)
+        layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
+        self._content[True] = [(buffers[0], *layout)], buffers[1]
+        self._arrays: dict[Any, Any] = {}
+        # Drivers that build programs at their first draw do it with the first picture: the last
+        # triangle of each array has no area.
+        plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
+        self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
+        self._cold[self._made(SPECK)] = self._speck_triangles
+
+    def upload(self, packet: Packet) -> None:
+        """Upload the instances, and the control points of simulated fishes."""
+        # Never empty: the first call of a program reads one instance.
+        records = packet.instances if len(packet.instances) else NOBODY
+        replace_data(self._instances, np.ascontiguousarray(records))
+        rows, points = packet.live_points.shape[:2]
+        if rows:
+            texels = np.zeros((rows, points, 4), "f4")
+            texels[..., :3] = packet.live_points
+            self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
+
+    def update(
+        self, species: tuple[Species, ...], length_cm: tuple[float, ...],
+        skins: list[Bytes] | None = None,
+    ) -> None:  # fmt: skip
+        """Replace the shapes, and the skins if given, of all species."""
+        self._looks.write(_looks(species, length_cm).tobytes())
+        self._vertices.write(level_vertices(species, self._meshes).tobytes())
+        self._places.write(speck_places(species, self._shape).tobytes())
+        if skins is not None:
+            self._skins.write(_side_by_side(skins))
+            self._skins.build_mipmaps(max_level=COARSEST)
+
+    def draw(
+        self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
+    ) -> int:
+        """Draw the fishes of a view or their object ids; returns the number of triangles.
+
+        Coarse levels come first, each in one call, with fins of two sides. Of fine levels all
+        bodies come before all fins, which are translucent but write depth.
+        """
+        self._table.use(0)
+        self._skins.use(SKINS_UNIT)
+        self._vertices.use(VERTICES_UNIT)
+        self._places.use(PLACES_UNIT)
+        self._looks.bind_to_uniform_block(LOOKS_BINDING)
+        units = {
+            "u_table": 0,
+            "u_skins": SKINS_UNIT,
+            "u_vertices": VERTICES_UNIT,
+            "u_places": PLACES_UNIT,
+        }
+        batches = packet.batches[number]
+        defines = required_defines(uniforms, as_ids) + OWN_IDS * as_ids
+        for compiled in {*self._cold, *(self._program(batch, defines) for batch in batches)}:
+            set_uniforms(compiled, **units, **uniforms, u_object_id=object_id(FISH))
+        while self._cold:
+            compiled, nothing = self._cold.popitem()
+            self._render(compiled, nothing, 1, 0, 1)
+        total = 0
+        fine = []
+        self._context.enable(moderngl.CULL_FACE)
+        for batch in batches:
+            if batch.level == len(DETAILS):
+                first, triangles = 0, self._speck_triangles
+            else:
+                mesh, first = self._meshes[batch.level], self._first[batch.level]
+                triangles = len(mesh.triangles)
+                if batch.level < FINE and not batch.fading:
+                    triangles = mesh.body
+                    fine.append(batch)
+            self._render(self._program(batch, defines), first, triangles, batch.first, batch.count)
+            total += triangles * batch.count
+        self._context.disable(moderngl.CULL_FACE)
+        if fine:  # consecutive batches with the same fins
+            mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
+            count = sum(batch.count for batch in fine)
+            self._render(self._made(defines), first, mesh.fins, min(b.first for b in fine), count)
+            total += mesh.fins * count
+        return total
+
+    def _program(self, batch: Batch, defines: tuple[str, ...]) -> Any:
+        own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        if batch.level == len(DETAILS):
+            own = SPECK
+        return self._made(own + defines)
+
+    def _made(self, defines: tuple[str, ...]) -> Any:
+        """The program with these defines, compiled with its vertex array when first needed."""
+        if defines not in self._programs:
+            is_speck = SPECK[0] in defines
+            values = dict.fromkeys(defines, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
+            name = "fish_speck" if is_speck else "fishes"
+            compiled = self.own(program(self._context, name, **values))
+            compiled["Looks"].binding = LOOKS_BINDING
+            self._programs[defines] = compiled
+            array = variant_array(self._context, compiled, *self._content[is_speck])
+            self._arrays[compiled] = self.own(array)
+        return self._programs[defines]
+
+    def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
+        """Draw `triangles` from the `first` on, for `count` instances from `record` on.
+
+        OpenGL 3.3 has no base instance, so the instance attributes are bound with an offset.
+        """
+        array = self._arrays[compiled]
+        stride = INSTANCE_COLUMNS * 4
+        offset = record * stride
+        formats = INSTANCE_FORMAT.split()
+        for name, kind in zip(INSTANCE_ATTRIBUTES, formats, strict=True):
+            if name in compiled:
+                array.bind(compiled[name].location, "f", self._instances, kind, offset, stride, 1)
+            offset += 4 * int(kind[0])
+        array.render(vertices=3 * triangles, first=3 * first, instances=count)
+
+
+def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:
+    """Vertices, triangles (the last without area) and first triangles of all levels."""
+    starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
+    first = np.cumsum([0] + [len(those) for those in triangles])[:-1]
+    return (
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([*triangles, NO_TRIANGLE]).astype("i4"),
+        first.tolist(),
+    )
+
+
+def level_vertices(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
+    """Data that differ between species at the vertices of all levels, (species, n, 4) float32."""
+    return np.array(
+        [
+            np.concatenate(
+                [species_vertices(one.surface, *pair) for pair in zip(meshes, DETAILS, strict=True)]
+            )
+            for one in species
+        ],
+        "f4",
+    )
+
+
+def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
+    """Atlas position, and ABSENT or 0, of the vertices of specks, (species, n, 4) float32."""
+    out = np.zeros((len(species), len(shape.points), 4), "f4")
+    for k, one in enumerate(species):
+        left, bottom, width, height = cell(k, len(species))
+        out[k, :, :3] = places(one.surface, shape)
+        out[k, :, :2] = (left, bottom) + out[k, :, :2] * (width, height)
+    return out
+
+
+def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
+    """Left, bottom, width and height of a species' skin, as shares of the atlas."""
+    columns, rows = _columns(kinds), ceil(kinds / _columns(kinds))
+    row, column = divmod(kind, columns)
+    width, height = columns * CELL[0], rows * CELL[1]
+    return (
+        (column * CELL[0] + GUTTER) / width,
+        (row * CELL[1] + GUTTER) / height,
+        sheet_layout.SIZE[0] / width,
+        sheet_layout.SIZE[1] / height,
+    )
+
+
+def _columns(kinds: int) -> int:
+    """Skins in a row of the atlas, which is about square."""
+    return ceil(sqrt(kinds * CELL[1] / CELL[0]))
+
+
+def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
+    """The uniform block: constants of each species, and the frames of a skin."""
+    rows = [
+        row
+        for k, one in enumerate(zip(species, length_cm, strict=True))
+        for row in look(*one, cell(k, len(species)))
+    ]
+    return np.array([*rows, *frames()], "f4")
+
+
+def _atlas(context: Any, species: tuple[Species, ...], skins: list[Bytes] | None) -> Any:
+    """Make the atlas, a mipmapped sRGB texture; cached on disk if no skin comes from a file."""
+    if skins is None and not any(one.skin.sheet for one in species):
+        return cached_texture(context, COARSEST, True, _painted, species)
+    skins = sheets(species) if skins is None else skins
+    return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
+
+
+def _painted(species: tuple[Species, ...]) -> Bytes:
+    return _side_by_side(paint.paint_all(species))
+
+
+def _side_by_side(skins: list[Bytes]) -> Bytes:
+    """The atlas of skins, each with a gutter around it."""
+    columns = _columns(len(skins))
+    picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
+    around = (GUTTER, GUTTER)
+    for k, skin in enumerate(skins):
+        row, column = divmod(k, columns)
+        place = picture[row * CELL[1] :, column * CELL[0] :][: CELL[1], : CELL[0]]
+        place[:] = np.pad(skin, (around, around, (0, 0)), "edge")
+    return picture
+
+
+def _table(context: Any, texels: Array) -> Any:
+    """A texture of texels (rows, columns, 4) that shaders fetch by index."""
+    rows, columns = texels.shape[:2]
+    texture = context.texture((columns, rows), 4, np.ascontiguousarray(texels, "f4"), dtype="f4")
+    texture.filter = (context.NEAREST, context.NEAREST)
+    return texture
+
+
+def look(
+    species: Species, length_cm: float, place: tuple[float, float, float, float]
+) -> list[tuple[float, ...]]:
+    """Constants of a species of recorded length, as in `fishes.glsl`; `place` is its `cell`."""
+    surface, skin = species.surface, species.skin
+    top = sheet_layout.half_height(surface)
+    front, rear = sheet_layout.borders(surface)
+    # The mouth of a ray is on its lower side, which is elsewhere on the skin.
+    gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
+    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * sheet_layout.head_size(surface)
+    teeth = TEETH if species.kind == "predator" else 0.0
+    vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))
+    shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
+    return [
+        place,
+        (front, -top, rear, top),
+        (surface.eye.at, sheet_layout.eye_height(surface), surface.eye.radius, 0.0),
+        (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
+        (length_cm, surface.tail.begin, show.brightness, vary.torn),
+        (vary.hue, vary.saturation, vary.brightness, vary.pattern),
+        (*skin.mouth[0], *skin.mouth[1]),
+        (gape, soft, teeth, 0.0),
+        (*show.of, show.reach**-2),
+        (*shift, show.saturation),
+        _stand(surface.pectoral),
+        _stand(surface.pelvic),
+    ]
+
+
+def frames() -> list[tuple[float, ...]]:
+    """Left, bottom, width and height of the parts of a skin, as shares of it, for `fishes.glsl`.
+
+    Fins are inset, so that they do not blend with their neighbours.
+    """
+    inset = np.array([4.0, 1.0]) / sheet_layout.SIZE
+    parts = np.array(
+        [
+            sheet_layout.DORSAL,
+            sheet_layout.VENTRAL,
+            sheet_layout.PECTORAL,
+            sheet_layout.PELVIC,
+            sheet_layout.BODY,
+        ]
+    )
+    low, high = parts[:, :2], parts[:, 2:]
+    low[:4], high[:4] = low[:4] + inset, high[:4] - inset
+    return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]
+
+
+def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:
+    """Cosine and sine of the droop of a paired fin; last 1 for a wing, else 0."""
+    if plan is None:
+        return (0.0,) * 4
+    droop = radians(plan.droop)
+    return cos(droop), sin(droop), float(plan.wing), 0.0

@@ -1,0 +1,144 @@
+"""OpenGL contexts: headless through EGL, or on an existing window."""
+
+import ctypes
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from subsea.core.errors import UserError
+from subsea.rendering.gl.shader_cache import avoid_full_disk
+
+BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
+REQUIRED = 330  # OpenGL 3.3 core
+INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
+# Variables that select drivers.
+DRIVER_SETTINGS = ("LIBGL_", "MESA_", "GALLIUM_", "EGL_", "__EGL_", "__GLX_")
+
+
+def headless_context() -> Any:
+    """Make a context without a window; UserError if OpenGL is missing or too old."""
+    avoid_full_disk()
+    try:  # moderngl raises plain Exceptions
+        context = _create(standalone=True, backend="egl")
+    except Exception as egl_fault:
+        # Systems other than Linux make hidden windows instead.
+        try:
+            context = _create(standalone=True)
+        except Exception:
+            raise _no_opengl(egl_fault) from egl_fault
+    return _prepared(context)
+
+
+class _Loader:
+    """Lets moderngl find OpenGL functions through the window library."""
+
+    def __init__(self, get_proc_address: Callable[[str], int | None]) -> None:
+        self._look_up = get_proc_address
+
+    def load_opengl_function(self, name: str) -> int:
+        return self._look_up(name) or 0
+
+    def release(self) -> None:
+        pass  # the window owns the context
+
+    def __enter__(self) -> "_Loader":
+        return self
+
+    def __exit__(self, *arguments: object) -> None:
+        pass
+
+
+def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
+    """Make a context on the current window, for example with ``glfw.get_proc_address``."""
+    try:
+        context = _create(context=_Loader(get_proc_address))
+    except Exception as fault:
+        raise _no_opengl(fault) from fault
+    return _prepared(context)
+
+
+def count_objects(context: Any) -> dict[str, int]:
+    """Count the objects of each kind in a headless context; empty without EGL."""
+    try:
+        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
+    except OSError:
+        return {}
+    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+    made = {
+        "Buffer": context.buffer(reserve=4),
+        "Texture": context.texture((1, 1), 1),
+        "Renderbuffer": context.renderbuffer((1, 1)),
+        "Program": context.program(
+            vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"
+        ),
+    }
+    found = {}
+    for kind, one in made.items():
+        is_one = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(look_up(f"glIs{kind}".encode()))
+        found[kind] = sum(bool(is_one(name)) for name in range(1, one.glo))
+        one.release()
+    return found
+
+
+def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
+    """A function that selects the left (0) or right (1) buffer of the window in use."""
+    address = ctypes.cast(get_proc_address("glDrawBuffer"), ctypes.c_void_p).value
+    draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(address or 0)
+    return lambda number: draw_buffer(BACK_BUFFERS[number])
+
+
+def _create(**settings: Any) -> Any:
+    return moderngl.create_context(require=REQUIRED, **settings)
+
+
+class _DrawCallCounter:
+    """The `scope` of every vertex array, which counts and times its drawing calls."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+        self.seconds = 0.0
+        self._start = 0.0
+
+    def __enter__(self) -> None:
+        self._start = time.perf_counter()
+
+    def __exit__(self, *arguments: object) -> None:
+        self.calls += 1
+        self.seconds += time.perf_counter() - self._start
+
+
+def _prepared(context: Any) -> Any:
+    """Free dropped objects, and count the drawing calls of all vertex arrays in `extra`."""
+    context.gc_mode = "auto"  # without it dropped objects are never freed
+    context.extra = tally = _DrawCallCounter()
+    make, release = context.vertex_array, context.release
+
+    def release_for_good() -> None:
+        # OpenGL has freed all objects of a released context. Freeing one that Python drops later
+        # would free the object of the same number in whichever context is current then.
+        context.gc_mode = None
+        release()
+
+    def counted(*arguments: Any, **settings: Any) -> Any:
+        array = make(*arguments, **settings)
+        array.scope = tally
+        return array
+
+    context.vertex_array, context.release = counted, release_for_good
+    return context
+
+
+def opengl_remedy(install: str) -> str:
+    """A remedy without OpenGL: unset variables that select drivers, or run a command."""
+    found = [f"{name}={value}" for name, value in os.environ.items()
+             if name.startswith(DRIVER_SETTINGS)]  # fmt: skip
+    command = f"on Debian or Ubuntu: {install}"
+    return f"try without {' '.join(sorted(found))}, or {command}" if found else command
+
+
+def _no_opengl(fault: Exception) -> UserError:
+    reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
+    return UserError(f"no OpenGL 3.3 ({reason}); {opengl_remedy(INSTALL)}")

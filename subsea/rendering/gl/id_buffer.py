@@ -1,0 +1,66 @@
+"""Identity and depth of the thing at each pixel: identity and range maps (Tu §6.7).
+
+The triangles of a picture are drawn again by the same vertex shaders, and by fragment shaders
+compiled with `OBJECT_IDS` (`shaders/show.glsl`). A pixel shows the nearest thing that covers its
+middle and hides at least half of what lies behind it. Haze hides nothing. Shadows and light shafts
+are not things, and specks of plankton and marine snow are too soft to separate from the water.
+"""
+
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Array, Ints
+from subsea.core.errors import UserError
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.view.rig import Rect
+
+# Kinds of things. An object id packs a kind and a number into one float32, exactly.
+KINDS = (
+    "water", "surface", "seabed", "pillar", "rock", "coral", "seaweed", "bubbles", "hook",
+    "fish",
+)  # fmt: skip
+WATER, SURFACE, SEABED, PILLAR, ROCK, CORAL, SEAWEED, BUBBLES, HOOK, FISH = range(10)
+NUMBERS = 2**20  # ids of one kind
+
+
+def object_id(kind: int, number: Any = 0) -> Any:
+    """The object id of `number`, a scalar or an array, among things of this kind."""
+    return float(kind * NUMBERS) + number
+
+
+class IdMaps(NamedTuple):
+    """Content of the pixels of a canvas (h, w), top row first."""
+
+    kind: Ints  # (h, w) uint8, index into KINDS
+    number: Ints  # (h, w) int32, index of the fish, pillar, rock or growth; else 0
+    depth: Array  # (h, w) float32, cm along the view's axis, infinite in open water
+
+
+class IdBuffer(GpuOwner):
+    """The framebuffer that object ids and depths are drawn into."""
+
+    def __init__(self, context: Any, size: tuple[int, int]) -> None:
+        """Make it `size` (width, height) pixels large; UserError if the GPU cannot hold it."""
+        super().__init__()
+        self.size = size
+        try:
+            texture = self.own(context.texture(size, 2, dtype="f4"))
+            depth = self.own(context.depth_renderbuffer(size))
+        except moderngl.Error as fault:
+            raise UserError(
+                f"maps of {size[0]}x{size[1]} pixels are more than this GPU can hold; "
+                "take a smaller --size"
+            ) from fault
+        self.framebuffer = self.own(context.framebuffer([texture], depth))
+
+    def read(self, part: Rect | None = None) -> IdMaps:
+        """Read back object ids and depths, from a part of the canvas or all of it."""
+        part = part or (0, 0, *self.size)
+        width, height = part[2:]
+        data = self.framebuffer.read(part, components=2, dtype="f4")
+        texels = np.frombuffer(data, np.float32).reshape(height, width, 2)[::-1]
+        kind, number = np.divmod(texels[..., 0].astype(np.int32), NUMBERS)
+        depth = np.where(kind == WATER, np.float32(np.inf), texels[..., 1])
+        return IdMaps(kind.astype(np.uint8), number, depth)

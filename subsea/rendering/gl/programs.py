@@ -1,0 +1,58 @@
+"""Programs with variants that are compiled on demand: for object ids, and for lamps."""
+
+from collections.abc import Callable
+from typing import Any
+
+from subsea.core.arrays import Array
+from subsea.rendering.gl.id_buffer import object_id
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
+
+
+class ProgramVariants(GpuOwner):
+    """A program, its variants, and the vertex arrays that any of them draws."""
+
+    def __init__(
+        self, context: Any, name: str, ids: int | Callable[[], Array] | None = None
+    ) -> None:
+        """Compile `shaders/NAME`; `ids` is a kind, or returns the object id of each vertex."""
+        super().__init__()
+        self.context, self._name, self._ids = context, name, ids
+        self._programs: dict[tuple[str, ...], Any] = {(): self.own(program(context, name))}
+        self._contents: dict[Any, tuple[Any, Any]] = {}
+        self._arrays: dict[Any, Any] = {}
+
+    def array(self, content: list[Any], indices: Any = None) -> Any:
+        """Make a vertex array of the plain program; arguments as in moderngl."""
+        array = self.own(self.context.vertex_array(self._programs[()], content, indices))
+        self._contents[array] = content, indices
+        return array
+
+    def ready(self, array: Any, as_ids: bool, **uniforms: Any) -> Any:
+        """Return `array`, or its twin for the variant needed, with these uniforms set."""
+        if defines := required_defines(uniforms, as_ids):
+            array = self._twin(array, defines)
+            if isinstance(self._ids, int):
+                uniforms["u_object_id"] = object_id(self._ids)
+        set_uniforms(array.program, **uniforms)
+        return array
+
+    def _twin(self, array: Any, defines: tuple[str, ...]) -> Any:
+        per_vertex = callable(self._ids)
+        if defines not in self._programs:
+            own = {"OWN_IDS": 1} if per_vertex else {}
+            compiled = program(self.context, self._name, **dict.fromkeys(defines, 1), **own)
+            self._programs[defines] = self.own(compiled)
+        if (array, defines) not in self._arrays:
+            content, indices = self._contents[array]
+            if callable(self._ids) and "OBJECT_IDS" in defines:
+                ids = self.own(self.context.buffer(self._ids().astype("f4")))
+                content = [*content, (ids, "1f4", "a_object_id")]
+            twin = variant_array(self.context, self._programs[defines], content, indices)
+            self._arrays[array, defines] = self.own(twin)
+        return self._arrays[array, defines]
+
+
+def variant_array(context: Any, compiled: Any, content: Any, indices: Any = None) -> Any:
+    """A vertex array whose content may hold attributes that the program lacks."""
+    return context.vertex_array(compiled, content, indices, skip_errors=True)

@@ -1,0 +1,254 @@
+"""Static geometry in one vertex buffer: each view draws the visible items in one call."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
+from subsea.rendering.gl.owner import GpuOwner, replace_data
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.view.camera import View
+from subsea.view.culling import ViewArrays, in_frustum, view_arrays
+
+OUT_OF_SIGHT = -1  # instead of a level
+NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
+LEAST_PX = 3.0  # smaller items are not drawn
+HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
+
+
+class StaticMesh(NamedTuple):
+    """One item at one level of detail, in world coordinates."""
+
+    vertices: Array  # (n, c) float32; the first three columns are the position, cm
+    triangles: Ints  # (m, 3), counter-clockwise from outside
+
+    @property
+    def number(self) -> int:
+        """The number of vertices."""
+        return len(self.vertices)
+
+
+class LazyMesh(NamedTuple):
+    """A static mesh whose vertices are computed whenever they are read."""
+
+    make: Callable[[], Array]
+    number: int  # of vertices
+    triangles: Ints
+
+    @property
+    def vertices(self) -> Array:
+        """As those of a StaticMesh."""
+        return self.make()
+
+
+class StaticBatch(GpuOwner):
+    """The vertices of all items, and the indices of the triangles that are drawn now."""
+
+    def __init__(
+        self,
+        programs: ProgramVariants,
+        layout: str,
+        attributes: str,
+        items: Sequence[Sequence[StaticMesh | LazyMesh]],
+        reach_cm: float,
+        thresholds_px: Sequence[float] = (NEAR_PX, MIDDLE_PX),
+        spheres: Array | None = None,
+    ) -> None:
+        """Reserve space for `items`: the levels of each, finest first; the last is used beyond.
+
+        `layout` and `attributes` are moderngl's, `reach_cm` is how far one sees. Level k is used
+        from `thresholds_px[k]` pixels on. `spheres` (k, 4) are the bounding spheres of the items,
+        computed if None. The batch releases `programs`.
+        """
+        super().__init__()
+        self._programs = self.own(programs)
+        self._reach = reach_cm
+        self._thresholds = np.asarray(thresholds_px, np.float64)
+        # A mesh used for two levels is held once; meshes that differ only in their vertices share
+        # their triangles.
+        flat = list({id(mesh): mesh for levels in items for mesh in levels}.values())
+        lists = list({id(mesh.triangles): mesh.triangles for mesh in flat}.values())
+        self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *lists]).astype("i4")
+        self._ranges = _ranges(items, len(thresholds_px) + 1, flat, lists)
+        spheres = bounding_spheres(items) if spheres is None else spheres
+        self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
+        self._level = np.full(len(items), OUT_OF_SIGHT)
+        self._seen = np.zeros((0, len(items)), np.bool_)
+        self._starts = [0]  # of the triangles of each view, and the end
+        item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
+        self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
+        self._array: Any = None
+        if not flat:
+            return
+        # Most meshes are never drawn at their finest: each is uploaded when first drawn.
+        first = np.cumsum([0, *self._owners[1]]).tolist()
+        self._waiting = {at: mesh for at, mesh in zip(first, flat, strict=False) if mesh.number}
+        self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels)
+        self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
+        self._vertices = self.own(programs.context.buffer(reserve=self._stride * first[-1]))
+        self._indices = self.own(programs.context.buffer(reserve=12))
+        content = [(self._vertices, layout, *attributes.split())]
+        self._array = programs.array(content, self._indices)
+
+    def choose(
+        self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
+    ) -> None:
+        """Choose the items that each view draws, and a level for each that all views share.
+
+        `detail` is a factor on the pixels that an item covers; infinite draws every item at its
+        finest level. `shown` (k,) leaves items out.
+        """
+        if self._array is None:
+            return
+        spheres = self._centres, self._radii
+        level, seen = levels_in_sight(
+            spheres, views, self._reach, detail, self._thresholds, self._level
+        )
+        if shown is not None:
+            level[~shown] = OUT_OF_SIGHT
+        seen &= level != OUT_OF_SIGHT
+        if np.array_equal(level, self._level) and np.array_equal(seen, self._seen):
+            return
+        self._level, self._seen = level, seen
+        # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
+        drawn = [
+            own[np.argsort(np.linalg.norm(self._centres[own] - eye, axis=1) - self._radii[own])]
+            for own, eye in (
+                (np.flatnonzero(row), view.eye) for row, view in zip(seen, views, strict=True)
+            )
+        ]
+        ranges = [self._ranges[own, level[own]] for own in drawn]
+        for own, rows in zip(drawn, ranges, strict=True):
+            for first in {*rows[self._absent[own, level[own]], 2].tolist()}:
+                vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
+                self._vertices.write(vertices, self._stride * first)
+                self._absent &= self._ranges[..., 2] != first
+        self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
+        if self._starts[-1]:
+            data = gather(self._triangles, np.concatenate(ranges))
+            replace_data(self._indices, data)
+
+    def recall(self, level: Ints | None = None) -> Ints:
+        """Set the levels (k,) that the next choice starts from, None: no item; returns the old."""
+        before = self._level
+        self._level = np.full_like(before, OUT_OF_SIGHT) if level is None else level
+        self._seen = np.zeros((0, len(before)), np.bool_)  # forces new indices
+        return before
+
+    @property
+    def owners(self) -> Ints:
+        """The item that each vertex (n,) belongs to."""
+        return np.repeat(*self._owners)
+
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw the items in view `number`, or their object ids; returns the number of triangles."""
+        if self._array is None:
+            return 0
+        first, end = self._starts[number : number + 2]
+        if end > first:
+            array = self._programs.ready(self._array, as_ids, **uniforms)
+            array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
+        return end - first
+
+
+def levels_in_sight(
+    spheres: tuple[Array, Array],
+    views: Sequence[View],
+    reach_cm: float,
+    detail: float,
+    thresholds_px: Array,
+    before: Ints,
+) -> tuple[Ints, Bools]:
+    """Levels of detail (k,) of `spheres`, and which of them (v, k) each view sees.
+
+    `spheres` are centres (k, 3) and radii (k,), cm. The level follows from the largest diameter in
+    pixels; it is OUT_OF_SIGHT for what no view sees or what is too small. The level `before` is
+    kept until a threshold is overstepped by HYSTERESIS.
+    """
+    centres, radii = spheres
+    seen = np.ones((len(views), len(centres)), np.bool_)
+    if np.isinf(detail):
+        return np.zeros(len(centres), np.int64), seen
+    arrays = view_arrays(views)
+    arrays = arrays._replace(scales=detail * arrays.scales)
+    level = _levels(centres, radii, arrays, reach_cm, thresholds_px, before, seen)
+    return np.asarray(level), seen
+
+
+@kernel
+def _levels(
+    centres: Array,
+    radii: Array,
+    views: ViewArrays,
+    reach: float,
+    thresholds: Array,
+    before: Ints,
+    seen: Bools,
+) -> Ints:
+    planes, eyes, scales = views
+    level = np.empty(len(centres), np.int64)
+    for i in range(len(centres)):
+        x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
+        pixels = 0.0
+        for v in range(len(planes)):
+            d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
+            seen[v, i] = d - radii[i] < reach and in_frustum(planes, v, x, y, z, radii[i])
+            if seen[v, i]:
+                pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
+        new = before[i] == OUT_OF_SIGHT
+        if pixels < (LEAST_PX if new else LEAST_PX / (1.0 + HYSTERESIS)):
+            level[i] = OUT_OF_SIGHT
+            continue
+        finest, plain, coarsest = 0, 0, 0
+        for threshold in thresholds:
+            finest += pixels * (1.0 + HYSTERESIS) < threshold
+            plain += pixels < threshold
+            coarsest += pixels / (1.0 + HYSTERESIS) < threshold
+        level[i] = plain if new else min(max(before[i], finest), coarsest)
+    return level
+
+
+@kernel
+def gather(triangles: Ints, ranges: Ints) -> Ints:
+    """The triangles (m, 3) of all `ranges` (k, 3), one after another."""
+    out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
+    place = 0
+    for k in range(len(ranges)):
+        for i in range(ranges[k, 0], ranges[k, 1]):
+            for corner in range(3):
+                out[place, corner] = triangles[i, corner] + ranges[k, 2]
+            place += 1
+    return out
+
+
+def bounding_spheres(items: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:
+    """Spheres (k, 4) about items at their finest level: centre (of the bounding box), radius."""
+    spheres = np.full((len(items), 4), np.nan)
+    for sphere, levels in zip(spheres, items, strict=True):
+        places = levels[0].vertices[:, :3].astype(np.float64)
+        if len(places):
+            sphere[:3] = 0.5 * (places.min(axis=0) + places.max(axis=0))
+            sphere[3] = np.sqrt(((places - sphere[:3]) ** 2).sum(axis=1).max())
+    return spheres
+
+
+def _ranges(
+    items: Sequence[Sequence[StaticMesh | LazyMesh]],
+    levels: int,
+    flat: list[StaticMesh | LazyMesh],
+    lists: list[Ints],
+) -> Ints:
+    """First triangle, end and first vertex (k, levels, 3); `flat` and `lists` in buffer order."""
+    vertices = np.cumsum([0] + [mesh.number for mesh in flat])
+    triangles = np.cumsum([0] + [len(part) for part in lists])
+    vertex = dict(zip(map(id, flat), vertices, strict=False))
+    first = dict(zip(map(id, lists), triangles, strict=False))
+    ranges = np.zeros((len(items), levels, 3), np.int64)
+    for item, own in enumerate(items):
+        for level, mesh in enumerate(own):
+            start = first[id(mesh.triangles)]
+            ranges[item, level:] = start, start + len(mesh.triangles), vertex[id(mesh)]
+    return ranges

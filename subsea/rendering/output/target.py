@@ -1,0 +1,187 @@
+"""The canvas in linear light, and the pass that resolves its patches to eight bits."""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.rendering.output.quality import Quality
+from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
+from subsea.view.surround import ROWS, half_tangent
+
+MASK_UNIT = 1  # texture unit, free again after the scene is drawn
+
+LINEAR = moderngl.LINEAR, moderngl.LINEAR
+NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
+
+
+class RenderTarget(GpuOwner):
+    """A half-float canvas with depth, optionally multisampled, and the pictures made of it."""
+
+    def __init__(
+        self,
+        context: Any,
+        size: tuple[int, int],
+        samples: int,
+        outputs: Sequence[tuple[int, int]],
+        pages: int = 1,
+    ) -> None:
+        """Make it, with a picture for each page of each output; moderngl.Error leaves nothing."""
+        super().__init__()
+        # Textures of eight bits by output and page, and their framebuffers.
+        self.pictures: dict[tuple[int, int], Any] = {}
+        self.framebuffers: dict[tuple[int, int], Any] = {}
+        self.size = size
+        self._context = context
+        self._samples = samples
+        try:
+            self._canvas = self.own(context.texture(size, 4, dtype="f2"))
+            self._canvas.repeat_x = self._canvas.repeat_y = False
+            self._flat = self.own(context.framebuffer([self._canvas]))
+            colour = self._canvas
+            if samples:
+                colour = self.own(context.renderbuffer(size, 4, samples=samples, dtype="f2"))
+            depth = self.own(context.depth_renderbuffer(size, samples=samples))
+            self.framebuffer = self.own(context.framebuffer([colour], depth))
+            for key in product(range(len(outputs)), range(pages)):
+                self.pictures[key] = self.own(context.texture(outputs[key[0]], 4))
+                self.framebuffers[key] = self.own(context.framebuffer([self.pictures[key]]))
+        except moderngl.Error:
+            self.release()
+            raise
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
+        self._context.detect_framebuffer(0).use()
+        super().release()
+
+    def resolved(self) -> Any:
+        """The canvas as a texture, with samples resolved."""
+        if self._samples:
+            self._context.copy_framebuffer(self._flat, self.framebuffer)
+        return self._canvas
+
+
+class ResolvePass(GpuOwner):
+    """Draws the patches of a rig from a linear canvas to eight-bit outputs."""
+
+    def __init__(self, context: Any, patches: Sequence[DisplayPatch], smooth: bool = False) -> None:
+        """`smooth` smooths edges where a patch shows one eye."""
+        super().__init__()
+        self._context = context
+        self._programs: dict[tuple[int, ...], Any] = {}  # by constants
+        self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
+        self._held = self.own(GpuOwner())  # of these patches
+        self._smooth = smooth
+        self.arrange(patches)
+
+    def adapt(self, quality: Quality) -> None:
+        """Smooth edges as this quality says."""
+        self._smooth = quality.smooth
+
+    def arrange(self, patches: Sequence[DisplayPatch]) -> None:
+        """Replace the patches."""
+        self._held.release()
+        self.patches = tuple(patches)
+        # Of warps: vertices, triangles, and arrays by constants.
+        self._meshes = [patch.warp and self._mesh(patch.warp) for patch in self.patches]
+        self._masks: list[Any] = [
+            None if p.mask is None else self._mask(p.mask) for p in self.patches
+        ]
+        for number in range(len(self.patches)):
+            self._array(number, True)
+
+    def draw(
+        self,
+        canvas: Any,
+        into: Any,
+        size: tuple[int, int],
+        number: int,
+        scale: float = 1.0,
+        linear: bool = True,
+    ) -> None:
+        """Draw patch `number` into `into`, a framebuffer of `size` pixels.
+
+        The canvas is `scale` times the size of the rig's. It holds linear light, or final colours
+        if not `linear`.
+        """
+        context, patch = self._context, self.patches[number]
+        into.use()
+        context.viewport = patch.place
+        context.disable(context.DEPTH_TEST | context.BLEND)
+        compiled, array = self._array(number, linear)
+        left, right = scaled(patch.left, scale), scaled(patch.right, scale)
+        set_uniforms(
+            compiled,
+            u_size=size,
+            u_left=left,
+            u_right=right,
+            u_wide=patch.wide,
+            u_apart=patch.apart,
+            u_shown=_shown(patch),
+            u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
+            u_mask=MASK_UNIT,
+        )
+        smooth = self._smooth and linear
+        exact = patch.shape == Projection.FLAT and left[2:] == patch.place[2:] and not smooth
+        canvas.filter = NEAREST if exact else LINEAR
+        canvas.use(0)
+        if self._masks[number] is not None:
+            self._masks[number].use(MASK_UNIT)
+        array.render(vertices=3 if patch.warp is None else -1)
+
+    def _array(self, number: int, linear: bool) -> tuple[Any, Any]:
+        """The program of a patch, compiled when first needed, and its vertex array."""
+        patch = self.patches[number]
+        smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
+        masked = patch.mask is not None
+        mesh = patch.warp is not None
+        key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear)))
+        if key not in self._programs:
+            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR"
+            constants = dict(zip(names, key, strict=True))
+            self._programs[key] = self.own(program(self._context, "resolve", **constants))
+            if not mesh:
+                self._plain[key] = self.own(self._context.vertex_array(self._programs[key], []))
+        held = self._meshes[number]
+        if held is None:
+            return self._programs[key], self._plain[key]
+        vertices, triangles, arrays = held
+        if key not in arrays:
+            content = [(vertices, "2f 4f", "in_place", "in_seen")]
+            array = self._context.vertex_array(self._programs[key], content, triangles)
+            arrays[key] = self._held.own(array)
+        return self._programs[key], arrays[key]
+
+    def _mesh(self, warp: Warp) -> tuple[Any, Any, dict[tuple[int, ...], Any]]:
+        parts = warp.vertices.astype("f4"), warp.triangles.astype("i4")
+        vertices, triangles = self._held.own_buffers(self._context, *parts)
+        return vertices, triangles, {}
+
+    def _mask(self, mask: Array) -> Any:
+        height, width = mask.shape[:2]
+        data = np.ascontiguousarray(mask[::-1], "f2").tobytes()
+        texture = self._held.own(self._context.texture((width, height), 4, data, dtype="f2"))
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+
+def _shown(patch: DisplayPatch) -> tuple[float, float]:
+    """Width and height that a patch shows unsqueezed; a warped dome is a square."""
+    if patch.warp is not None and patch.shape == Projection.DOME:
+        return 1.0, 1.0
+    return patch.place[2] * patch.squeezed[0], patch.place[3] * patch.squeezed[1]
+
+
+def scaled(rect: Rect, scale: float) -> Rect:
+    """A rectangle on a canvas `scale` times as large; adjacent ones stay adjacent."""
+    x, y, width, height = rect
+    left, bottom = round(scale * x), round(scale * y)
+    right, top = round(scale * (x + width)), round(scale * (y + height))
+    return left, bottom, max(right - left, 1), max(top - bottom, 1)

@@ -1,0 +1,356 @@
+"""Draws a picture: rocks, reef, seabed, water, fishes, particles; then tone mapping."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Bytes
+from subsea.core.disk_cache import cached
+from subsea.core.errors import UserError
+from subsea.frame.packet import Packet, RenderScene
+from subsea.rendering.fish.fishes import FishRenderer
+from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
+from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.textures import near_and_far, noise, repeating
+from subsea.rendering.output.lines import LineRenderer
+from subsea.rendering.output.quality import PRESETS, Quality
+from subsea.rendering.output.target import RenderTarget, ResolvePass, scaled
+from subsea.rendering.output.uniforms import uniforms_of
+from subsea.rendering.reef.coral import CoralRenderer, bake
+from subsea.rendering.reef.rocks import RockRenderer, pieces
+from subsea.rendering.reef.seaweed import SeaweedRenderer
+from subsea.rendering.sea.bubbles import BubbleRenderer
+from subsea.rendering.sea.hook import HookRenderer
+from subsea.rendering.sea.light_shafts import LightShaftRenderer
+from subsea.rendering.sea.particles import ParticleRenderer
+from subsea.rendering.sea.seabed import SeabedRenderer, drawn_height, surroundings
+from subsea.rendering.sea.water import WaterRenderer
+from subsea.view.camera import View
+from subsea.view.culling import IN_SIGHT
+from subsea.view.rig import CameraRig, DisplayPatch, Rect
+
+
+class Renderer(GpuOwner):
+    """Draws the packets of one scene; owns all GPU objects."""
+
+    def __init__(
+        self,
+        context: Any,
+        scene: RenderScene,
+        rig: CameraRig,
+        quality: Quality = PRESETS["medium"],
+        page: Callable[[int], object] = lambda number: None,
+        check: Callable[[], object] = lambda: None,
+    ) -> None:
+        """Upload a scene for packets whose views are those of `rig`.
+
+        `page(0)` and `page(1)` select the left and right buffer of a window that has two. `check`
+        is called between steps, and may raise to stop.
+        """
+        super().__init__()
+        self._context = context
+        self._page = page
+        self._scene = scene
+        self.quality = quality
+        self.wireframe = False  # draw the edges of triangles, except for the water
+        self.triangles = 0  # of the last picture
+        self.draw_calls = 0  # of the last picture
+        self.draw_s = 0.0  # of the last picture: until its drawing calls returned
+        self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
+        # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
+        with ThreadPoolExecutor() as pool:
+            solids = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
+            stone = pool.submit(lambda: cached(pieces, *solids))
+            ground = pool.submit(lambda: cached(surroundings, *solids))
+            growths = pool.submit(bake, scene.reef)
+            self._caustics = self.own(repeating(context, near_and_far, 1))
+            self._noise = self.own(repeating(context, noise, 2))
+            self._shafts = self.own(LightShaftRenderer(context, quality))
+            check()
+            self._water = self.own(WaterRenderer(context, scene))
+            check()
+            self._seabed = self.own(SeabedRenderer(context, scene, ground.result()))
+            check()
+            self._rocks = self.own(RockRenderer(context, scene, stone.result()))
+            self._shadows = self.own(SoftShadowRenderer(context, scene))
+            check()
+            reach_cm = IN_SIGHT * scene.water.visibility_cm
+            sand = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
+            self._coral = self.own(
+                CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand)
+            )
+            self._seaweed = self.own(SeaweedRenderer(context))
+            check()
+            self._fishes = self.own(FishRenderer(context, scene))
+        self._hook = self.own(HookRenderer(context))
+        check()
+        self._bubbles = self.own(BubbleRenderer(context, scene))
+        self._particles = self.own(ParticleRenderer(context, scene))
+        self._lines = self.own(LineRenderer(context))
+        self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth))
+        self._sized = self.own(GpuOwner())  # released when the size changes
+        # Made when first needed.
+        self._ids: IdBuffer | None = None
+        self._overlay: ResolvePass | None = None
+        self._second: ResolvePass | None = None
+        self._make_target(rig, quality)
+        self.adapt(quality)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the first picture in pixels."""
+        return self.rig.outputs[0]
+
+    @property
+    def pictures(self) -> dict[tuple[int, int], Any]:
+        """The renderer's own pictures: textures by output and page."""
+        return self._target.pictures
+
+    def arrange(self, rig: CameraRig) -> None:
+        """Draw for another rig from now on; a UserError if the GPU cannot, without effect."""
+        if rig is not self.rig:
+            self._make_target(rig, self.quality)
+            self._resolve.arrange(rig.patches)
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from now on; a UserError if the GPU cannot, without effect."""
+        before = self.quality
+        if (before.scale, before.samples) != (quality.scale, quality.samples):
+            self._make_target(self.rig, quality)
+        self.quality = quality
+        self._particles.adapt(quality)
+        self._shafts.adapt(quality)
+        self._water.adapt(quality)
+        self._resolve.adapt(quality)
+        if self._second:
+            self._second.adapt(quality)
+
+    def choose(self, packet: Packet) -> None:
+        """Choose the levels of detail of static geometry, which depend on earlier packets.
+
+        Call it for packets that are not drawn, so that later pictures do not depend on that.
+        """
+        self._rocks.choose(packet, self.quality.detail)
+        self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
+        self._seabed.choose(packet, self.quality.detail)
+
+    @contextmanager
+    def apart(self, rig: CameraRig) -> Iterator[None]:
+        """Draw for another rig, with other `pictures`, independent of those before and after."""
+        before, second = self.rig, self._second
+        batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
+        self._make_target(rig, self.quality)
+        if second is None:
+            second = self.own(ResolvePass(self._context, rig.patches, self.quality.smooth))
+        second.arrange(rig.patches)
+        levels = [batch.recall() for batch in batches]
+        self._resolve, self._second = second, self._resolve
+        try:
+            yield
+        finally:
+            self._resolve, self._second = self._second, self._resolve
+            for batch, level in zip(batches, levels, strict=True):
+                batch.recall(level)
+            self._make_target(before, self.quality)
+
+    def draw(self, packet: Packet, into: Any = None) -> None:
+        """Draw every view of a packet and resolve the canvas to the outputs.
+
+        `into` is the framebuffer for a rig with one output; None draws into the renderer's own
+        `pictures`, which `read_pixels` returns.
+        """
+        context = self._context
+        calls, seconds = context.extra.calls, context.extra.seconds
+        self._target.framebuffer.use()
+        self._target.framebuffer.clear()
+        start = time.perf_counter()
+        self._fishes.upload(packet)
+        self._seaweed.upload(packet)
+        self._particles.upload(packet)
+        self._lines.upload(packet)
+        self.choose(packet)
+        if self.quality.shadows:
+            self._shadows.upload(packet)
+        self.upload_s = time.perf_counter() - start
+        self._caustics.use(1)
+        self._noise.use(2)
+        self.triangles = 0
+        context.enable(context.PROGRAM_POINT_SIZE)
+        context.depth_func = "<="  # water lies on the far plane
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        eye = None
+        for number, view in enumerate(map(self._on_canvas, packet.views)):
+            uniforms = uniforms_of(packet, view, self._scene.water)
+            if uniforms["u_eye"] != eye:  # views through one eye share their shafts
+                self._shafts.draw(uniforms)
+            eye = uniforms["u_eye"]
+            self._target.framebuffer.use()
+            context.viewport = context.scissor = view.viewport  # points must not cross the edge
+            context.disable(context.BLEND)
+            context.enable(context.DEPTH_TEST)
+            context.wireframe = self.wireframe
+            self.triangles += self._rocks.draw(number, uniforms)
+            context.enable(context.CULL_FACE)
+            self.triangles += self._coral.draw(number, uniforms)
+            context.disable(context.CULL_FACE)
+            self.triangles += self._seaweed.draw(packet, number, uniforms)
+            self.triangles += self._seabed.draw(number, uniforms)
+            if self.quality.shadows and not self.wireframe:
+                context.enable(context.BLEND)
+                self._target.framebuffer.depth_mask = False  # shadows may overlap
+                self.triangles += self._coral.draw_shadows(number, uniforms)
+                self.triangles += self._shadows.draw(uniforms)
+                self._target.framebuffer.depth_mask = True
+                context.disable(context.BLEND)
+            context.wireframe = False
+            self.triangles += self._water.draw(view, uniforms)
+            context.enable(context.BLEND)
+            context.wireframe = self.wireframe
+            self.triangles += self._fishes.draw(packet, number, uniforms)
+            self.triangles += self._hook.draw(packet, number, uniforms)
+            context.wireframe = False
+            self._target.framebuffer.depth_mask = False
+            self.triangles += self._bubbles.draw(packet, number, uniforms)
+            self.triangles += self._particles.draw(packet, number, uniforms)
+            self.triangles += self._lines.draw(packet, number, view, uniforms)
+            self._target.framebuffer.depth_mask = True
+        context.scissor = None
+        self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
+        self.draw_calls = context.extra.calls - calls
+        self.draw_s = context.extra.seconds - seconds
+
+    def show(self, canvas: Bytes, into: Any = None) -> None:
+        """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
+        texture = self._upload(canvas)
+        try:
+            self._show(texture, into, 1.0, False)
+        finally:
+            texture.release()
+
+    def id_maps(
+        self, packet: Packet, numbers: Sequence[int] | None = None, part: Rect | None = None
+    ) -> IdMaps:
+        """Draw the object ids and depths of the packet that was drawn last.
+
+        Only of the views with these `numbers`, and of a `part` of the canvas, if given. Pixels
+        outside all views are water.
+        """
+        context, size = self._context, self._target.size
+        if self._ids is None or self._ids.size != size:
+            if self._ids:
+                self._ids.release()
+            self._ids = self.own(IdBuffer(context, size))
+        self._ids.framebuffer.use()
+        self._ids.framebuffer.clear()
+        self._noise.use(2)
+        context.enable(context.PROGRAM_POINT_SIZE | context.DEPTH_TEST)
+        context.disable(context.BLEND)
+        context.depth_func = "<="
+        for number, view in enumerate(map(self._on_canvas, packet.views)):
+            if numbers is not None and number not in numbers:
+                continue
+            uniforms = uniforms_of(packet, view, self._scene.water)
+            context.viewport = context.scissor = view.viewport
+            self._rocks.draw(number, uniforms, as_ids=True)
+            context.enable(context.CULL_FACE)
+            self._coral.draw(number, uniforms, as_ids=True)
+            context.disable(context.CULL_FACE)
+            self._seabed.draw(number, uniforms, as_ids=True)
+            self._water.draw_surface(view, uniforms, as_ids=True)
+            for moving in (self._seaweed, self._fishes, self._hook, self._bubbles):
+                moving.draw(packet, number, uniforms, as_ids=True)
+        context.scissor = None
+        scale = self._scale(self.rig, self.quality)
+        return self._ids.read(None if part is None else scaled(part, scale))
+
+    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Any = None) -> None:
+        """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
+
+        The sources of `patches` are parts of the picture; `into` is as for `draw`.
+        """
+        if self._overlay is None:
+            self._overlay = self.own(ResolvePass(self._context, patches))
+        elif self._overlay.patches != tuple(patches):
+            self._overlay.arrange(patches)
+        texture = self._upload(picture)
+        try:
+            for number, patch in enumerate(patches):
+                target = self._use(patch, into)
+                size = self.rig.outputs[patch.output]
+                self._overlay.draw(texture, target, size, number, 1.0, False)
+        finally:
+            texture.release()
+
+    def _upload(self, picture: Bytes) -> Any:
+        """Upload a picture (h, w, 3), top row first; the caller releases the texture."""
+        height, width = picture.shape[:2]
+        data = np.ascontiguousarray(picture[::-1]).tobytes()
+        texture = self._context.texture((width, height), 3, data, alignment=1)
+        texture.repeat_x = texture.repeat_y = False
+        return texture
+
+    def read_pixels(self, output: int = 0, page: int = 0) -> Bytes:
+        """The last of the renderer's own `pictures`: (h, w, 3), top row first."""
+        width, height = self.rig.outputs[output]
+        data = self._target.framebuffers[output, page].read(components=3, alignment=1)
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
+
+    def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
+        """Draw every patch of the rig from the canvas to its output."""
+        begun = set()
+        for number, patch in enumerate(self.rig.patches):
+            output = patch.output, patch.page
+            size = self.rig.outputs[patch.output]
+            target = self._use(patch, into)
+            if output not in begun and (patch.place[2:] != size or patch.warp is not None):
+                self._context.viewport = (0, 0, *size)
+                target.clear()  # dark outside the patches
+            begun.add(output)
+            self._resolve.draw(canvas, target, size, number, scale, linear)
+
+    def _use(self, patch: DisplayPatch, into: Any) -> Any:
+        """The framebuffer for a patch, now in use: `into`, or the renderer's own."""
+        output = patch.output, patch.page
+        target = self._target.framebuffers[output] if into is None else into
+        target.use()
+        if into is not None:
+            self._page(patch.page)  # applies to the framebuffer in use
+        return target
+
+    def _make_target(self, rig: CameraRig, quality: Quality) -> None:
+        """Replace the canvas and the pictures for another rig or quality."""
+        canvas = scaled((0, 0, *rig.canvas), self._scale(rig, quality))[2:]
+        limit = self._context.info["GL_MAX_TEXTURE_SIZE"]
+        what = " and ".join(f"{width}x{height}" for width, height in rig.outputs)
+        if max(canvas) > limit:
+            raise UserError(
+                f"pictures of {what} need a canvas of {canvas[0]}x{canvas[1]} pixels, "
+                f"this GPU holds at most {limit} a side"
+            )
+        try:
+            samples = min(quality.samples, self._context.max_samples)
+            target = RenderTarget(self._context, canvas, samples, rig.outputs, rig.pages)
+        except moderngl.Error as fault:
+            raise UserError(
+                f"pictures of {what} are more than this GPU can hold; take a smaller --size"
+            ) from fault
+        self._sized.release()
+        self.rig, self._target = rig, self._sized.own(target)
+
+    def _scale(self, rig: CameraRig, quality: Quality) -> float:
+        """The size of the canvas over that of the rig's."""
+        return 1.0 if rig.exact else quality.scale
+
+    def _on_canvas(self, view: View) -> View:
+        """The view with its viewport on the canvas."""
+        scale = self._scale(self.rig, self.quality)
+        # An unchanged view keeps its cached planes.
+        return view if scale == 1.0 else replace(view, viewport=scaled(view.viewport, scale))

@@ -1,0 +1,102 @@
+"""Air bubbles rising from vents in the seabed to the surface (Tu §8.2)."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.frame.packet import Packet, RenderScene
+from subsea.rendering.gl.id_buffer import BUBBLES
+from subsea.rendering.gl.owner import GpuOwner, replace_data
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.sea.seabed import drawn_height
+from subsea.view.culling import IN_SIGHT
+
+SLOWEST = 0.22  # least diameter over a vent's largest, as in `bubbles.vert`
+STREAM_CM = 60.0  # half width of a stream without current
+
+
+class BubbleRenderer(GpuOwner):
+    """Draws the bubbles of the vents in sight; the shader moves them by the time alone."""
+
+    def __init__(self, context: Any, scene: RenderScene) -> None:
+        super().__init__()
+        x, y = scene.vents[:, 0], scene.vents[:, 1]
+        feet = drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
+        self._current = scene.water.current_cm_s
+        self._reach = IN_SIGHT * scene.water.visibility_cm
+        self._slots = [
+            slots((x, y, float(z)), rate, size, number)
+            for number, ((x, y, rate, size), z) in enumerate(zip(scene.vents, feet, strict=True))
+        ]
+        self._streams = [stream(slot, self._current) for slot in self._slots]
+        self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES))
+        total = sum(len(slot) for slot in self._slots)
+        self._buffer = self.own(context.buffer(reserve=max(32 * total, 32)))
+        self._array = self._programs.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])
+
+    def draw(
+        self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
+    ) -> int:
+        """Blend bubbles over a view, or draw their ids; returns the number of triangles."""
+        view, current = packet.views[number], packet.current_cm_s
+        if current is not None and current != self._current:
+            self._current = current
+            self._streams = [stream(slot, current) for slot in self._slots]
+        seen = [
+            slot
+            for slot, ends in zip(self._slots, self._streams, strict=True)
+            if in_sight(ends, view.planes, view.eye, self._reach)
+        ]
+        if not seen:
+            return 0
+        records = np.concatenate(seen)
+        replace_data(self._buffer, records)
+        array = self._programs.ready(self._array, as_ids, **uniforms, u_current=self._current)
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(records))
+        return 2 * len(records)
+
+
+def terminal_speed(diameter: Array | float) -> Array:
+    """Terminal speed in cm/s of bubbles with a diameter in cm (Mendelson 1967)."""
+    wave = np.sqrt(154.0 / np.asarray(diameter) + 495.0 * np.asarray(diameter))
+    return np.asarray(np.minimum(wave, 280.0 * np.asarray(diameter)))
+
+
+def slots(foot: tuple[float, float, float], rate: float, size: float, number: int) -> Array:
+    """Instances (n, 8) float32 of a vent at `foot`, cm, that emits `rate` bubbles a second.
+
+    The largest is `size` cm across. There are as many slots as bubbles that rise at one time;
+    each is reused after the time that the slowest bubble needs. Bubbles leave in bursts.
+    """
+    diameters = size * np.linspace(SLOWEST, 1.0, 50)
+    slowest_s = -foot[2] / float(terminal_speed(diameters).min()) + 1.0
+    count = int(np.ceil(rate * slowest_s))
+    k = np.arange(count)
+    burst = 9.0
+    moment = (k + 0.85 * burst / (2 * np.pi) * np.sin(2 * np.pi * k / burst)) / rate
+    out = np.empty((count, 8), np.float32)
+    out[:, :3] = foot
+    out[:, 3] = size
+    out[:, 4] = moment + 0.37 * number
+    out[:, 5] = count / rate
+    out[:, 6] = k % 1000 + 0.1 * number
+    out[:, 7] = 2.4 * number
+    return out
+
+
+def stream(records: Array, current_cm_s: tuple[float, float]) -> Array:
+    """The ends (2, 3) cm of the path of the slowest bubble among `records` (n, 8)."""
+    x, y, z = (float(c) for c in records[0, :3])
+    drift = np.asarray(current_cm_s) * float(records[0, 5])
+    return np.array([[x, y, z], [x + drift[0], y + drift[1], 0.0]])
+
+
+def in_sight(ends: Array, planes: Array, eye: Array, reach: float) -> bool:
+    """True if a view sees anything near the line between `ends` (2, 3)."""
+    inside = ends @ planes[:, :3].T + planes[:, 3] > -STREAM_CM
+    way = ends[1] - ends[0]
+    share = np.clip((eye - ends[0]) @ way / max(float(way @ way), 1.0), 0.0, 1.0)
+    near = np.linalg.norm(ends[0] + share * way - eye) < reach + STREAM_CM
+    return bool(inside.any(axis=0).all() and near)

@@ -1,0 +1,134 @@
+"""The seabed: the height field in square tiles at three levels of detail, with sand textures."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from subsea.core.arrays import Array, Ints
+from subsea.frame.packet import Packet, RenderScene
+from subsea.habitat.formations import formations
+from subsea.rendering.gl.id_buffer import SEABED
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
+from subsea.rendering.gl.textures import repeating
+from subsea.rendering.sea import ground_map, sand
+from subsea.view.culling import IN_SIGHT
+
+CELLS = 12  # of a side of a tile; coarser levels use every second and fourth
+LEVELS_PX = (640.0, 210.0)  # diameters of a tile from which its levels are used
+APRON_CM = 120.0  # width of cells outside the height field, which continue its edge into the fog
+SKIRT_CM = 9.0  # hides gaps between tiles of different levels
+GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
+
+
+class SeabedRenderer(GpuOwner):
+    """Draws the tiles in sight."""
+
+    def __init__(self, context: Any, scene: RenderScene, ground: ground_map.GroundMap) -> None:
+        """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
+        super().__init__()
+        programs = ProgramVariants(context, "seabed", SEABED)
+        items = tiles(*surface(scene.terrain, scene.terrain_half_width_cm))
+        reach_cm = IN_SIGHT * scene.water.visibility_cm
+        self._batch = self.own(
+            StaticBatch(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
+        )
+        self._textures = {
+            GROUND_UNIT: self.own(ground_map.upload(context, ground)),
+            RIPPLES_UNIT: self.own(repeating(context, sand.rippled, 3)),
+            LITTER_UNIT: self.own(repeating(context, sand.littered, 4)),
+        }
+        self._uniforms = {
+            "u_ground": GROUND_UNIT,
+            "u_ripples": RIPPLES_UNIT,
+            "u_litter": LITTER_UNIT,
+            "u_map": (*ground.corner, *ground.size),
+        }
+
+    @property
+    def batches(self) -> tuple[StaticBatch, ...]:
+        """State that depends on earlier packets."""
+        return (self._batch,)
+
+    def choose(self, packet: Packet, detail: float = 1.0) -> None:
+        """Choose what the views of a packet draw."""
+        self._batch.choose(packet.views, detail)
+
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw the chosen tiles or their object ids; returns the number of triangles."""
+        for unit, texture in self._textures.items():
+            texture.use(unit)
+        return int(self._batch.draw(number, uniforms | self._uniforms, as_ids))
+
+
+def surroundings(
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
+) -> ground_map.GroundMap:
+    """The ground map of the stones of a `RenderScene`."""
+    floor = partial(drawn_height, terrain, half_width_cm)
+    return ground_map.ground_map(formations(pillars, rocks), floor)
+
+
+def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:
+    """Height of the finest triangles at points x, y of any shape, cm."""
+    last = len(heights) - 1
+    u = np.clip((x + half_width) / (2 * half_width) * last, 0, last)
+    v = np.clip((y + half_width) / (2 * half_width) * last, 0, last)
+    j, i = np.minimum(u.astype(int), last - 1), np.minimum(v.astype(int), last - 1)
+    u, v = u - j, v - i
+    east, north = heights[i, j + 1], heights[i + 1, j]
+    near = heights[i, j] + u * (east - heights[i, j]) + v * (north - heights[i, j])
+    corner = heights[i + 1, j + 1]
+    far = corner + (1 - u) * (north - corner) + (1 - v) * (east - corner)
+    return np.asarray(np.where(u + v <= 1.0, near, far))
+
+
+def surface(heights: Array, half_width: float) -> tuple[Array, Array]:
+    """Positions (m, m, 3), cm, and slopes (m, m, 2) with an apron; m - 1 divides by CELLS."""
+    before = CELLS
+    after = CELLS + (1 - len(heights)) % CELLS
+    axis = np.concatenate(
+        [
+            -half_width - APRON_CM * np.arange(before, 0, -1),
+            np.linspace(-half_width, half_width, len(heights)),
+            half_width + APRON_CM * np.arange(1, after + 1),
+        ]
+    )
+    z = np.pad(heights.astype(np.float64), (before, after), mode="edge")
+    x, y = np.meshgrid(axis, axis)
+    slope_y, slope_x = np.gradient(z, axis, axis)
+    return np.stack([x, y, z], axis=2), np.stack([slope_x, slope_y], axis=2)
+
+
+def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
+    """The levels of each tile, finest first; vertices (n, 5) are position and slope."""
+    vertices = np.concatenate([positions, slopes], axis=2).astype(np.float32)
+    meshes = [_mesh(CELLS // step) for step in (1, 2, 4)]
+    found = []
+    for i in range(0, len(vertices) - 1, CELLS):
+        for j in range(0, len(vertices) - 1, CELLS):
+            tile = vertices[i : i + CELLS + 1, j : j + CELLS + 1]
+            levels = []
+            for step, (rim, triangles) in zip((1, 2, 4), meshes, strict=True):
+                top = tile[::step, ::step].reshape(-1, 5)
+                skirt = top[rim]
+                skirt[:, 2] -= SKIRT_CM
+                levels.append(StaticMesh(np.concatenate([top, skirt]), triangles))
+            found.append(levels)
+    return found
+
+
+def _mesh(cells: int) -> tuple[Ints, Ints]:
+    """Rim (r,) of a tile of cells², and triangles (m, 3) of the tile and its skirt."""
+    side = cells + 1
+    i, j = (k.ravel() for k in np.meshgrid(range(cells), range(cells), indexing="ij"))
+    a = i * side + j
+    inner = np.stack([a, a + 1, a + side, a + side, a + 1, a + side + 1], axis=1).reshape(-1, 3)
+    grid = np.arange(side * side).reshape(side, side)
+    rim = np.concatenate([grid[0, :-1], grid[:-1, -1], grid[-1, :0:-1], grid[:0:-1, 0]])
+    below = side * side + np.arange(len(rim))
+    there, deep = np.roll(rim, -1), np.roll(below, -1)
+    skirt = np.stack([rim, below, there, there, below, deep], axis=1).reshape(-1, 3)
+    return rim, np.concatenate([inner, skirt]).astype(np.int32)

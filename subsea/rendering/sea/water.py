@@ -1,0 +1,111 @@
+"""The open water behind everything, and the surface seen from below."""
+
+from math import tan
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.frame.packet import RenderScene
+from subsea.rendering.gl.id_buffer import SURFACE
+from subsea.rendering.gl.mipmaps import Texels
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.textures import halves, repeating, ripples
+from subsea.rendering.output.quality import Quality
+from subsea.view.camera import FAR_CM, View
+from subsea.view.display_rigs import VERTICAL_FOV
+
+COARSE, FINE = (64, 36), (160, 90)  # cells of the background on a plain 16:9 display
+HALF_TANGENTS = (16 / 9 * tan(VERTICAL_FOV / 2), tan(VERTICAL_FOV / 2))  # of that display
+STEPS = (8, 9)  # narrower views have fewer cells, rounded to these numbers of steps
+FINE_FROM = 8  # samples of a light shaft from which the grid is fine
+RINGS, SECTORS = 16, 48  # of the surface, a disc
+RIPPLES_UNIT = 7  # texture unit
+
+
+class WaterRenderer(GpuOwner):
+    """Draws the background on a grid, and the surface on a disc."""
+
+    def __init__(self, context: Any, scene: RenderScene) -> None:
+        super().__init__()
+        self._context = context
+        self._background = self.own(ProgramVariants(context, "water"))
+        self._grids: dict[tuple[int, int], Any] = {}  # arrays by numbers of cells
+        self._cells = COARSE
+        self._surface = self.own(ProgramVariants(context, "surface", SURFACE))
+        self._floor = float(np.mean(scene.terrain))
+        self._ripples = self.own(repeating(context, rippled, 3))
+        places, triangles = self.own_buffers(context, *disc(RINGS, SECTORS))
+        self._disc = self._surface.array([(places, "2f4", "a_place")], triangles)
+
+    def adapt(self, quality: Quality) -> None:
+        """Use a grid as fine as the light shafts of this quality."""
+        self._cells = FINE if quality.shafts >= FINE_FROM else COARSE
+
+    def draw(self, view: View, uniforms: dict[str, Any]) -> int:
+        """Fill the pixels that nothing covers; returns the number of triangles."""
+        cells = cells_for(view, self._cells)
+        if cells not in self._grids:
+            triangles = self.own_buffers(self._context, grid(*cells))
+            self._grids[cells] = self._background.array([], *triangles)
+        background = self._background.ready(self._grids[cells], False, **uniforms, u_cells=cells)
+        background.render(moderngl.TRIANGLES)
+        self._context.enable(moderngl.BLEND)
+        return background.vertices // 3 + self.draw_surface(view, uniforms)
+
+    def draw_surface(self, view: View, uniforms: dict[str, Any], as_ids: bool = False) -> int:
+        """Draw the surface or its object id if in view; returns the number of triangles."""
+        if highest(view) < 0.0:
+            return 0
+        self._ripples.use(RIPPLES_UNIT)
+        own = {"u_ripples": RIPPLES_UNIT, "u_floor": self._floor}
+        self._surface.ready(self._disc, as_ids, **uniforms, **own).render(moderngl.TRIANGLES)
+        return int(self._disc.vertices) // 3
+
+
+def rippled(seed: int) -> Texels:
+    """Slopes of the surface and their square as texels.
+
+    Where a mipmap averages the slopes out, the mean square still gives the roughness.
+    """
+    x, y = ripples(seed)
+    return halves([x, y, x**2 + y**2])
+
+
+def grid(across: int, down: int) -> NDArray[np.int32]:
+    """Triangles (n, 3) over a grid of (down + 1)·(across + 1) vertices, row by row."""
+    corner = np.arange((across + 1) * (down + 1), dtype=np.int32).reshape(down + 1, across + 1)
+    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
+    return np.stack([a, b, c, c, b, d], axis=2).reshape(-1, 3)
+
+
+def cells_for(view: View, plain: tuple[int, int]) -> tuple[int, int]:
+    """Cells across and down, each about as wide an angle as `plain` ones on a plain display."""
+    found = [
+        whole // steps * min(max(round(steps / (scale * tangent)), 1), steps)
+        for whole, steps, scale, tangent in zip(
+            plain, STEPS, np.diag(view.projection)[:2].tolist(), HALF_TANGENTS, strict=True
+        )
+    ]
+    return found[0], found[1]
+
+
+def highest(view: View) -> float:
+    """Height of the highest corner of a view, cm above the surface."""
+    up, across = view.view[:3, 2], view.projection
+    x, y = ((np.array([-1.0, 1.0]) + across[k, 2]) / across[k, k] for k in range(2))
+    rise = (up[0] * x).max() + (up[1] * y).max() - up[2]
+    return float(view.eye[2] + FAR_CM * rise)
+
+
+def disc(rings: int, sectors: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Vertices (n, 2) of the unit disc, denser toward the middle, and triangles (m, 3)."""
+    radius = np.linspace(0.0, 1.0, rings + 1) ** 2
+    angle = np.linspace(0.0, 2 * np.pi, sectors + 1)
+    places = radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    at = np.arange(places.shape[0] * places.shape[1], dtype=np.int32).reshape(places.shape[:2])
+    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
+    triangles = np.stack([a, c, b, b, c, d], axis=2).reshape(-1, 3)
+    return places.reshape(-1, 2).astype(np.float32), triangles

@@ -1,0 +1,542 @@
+"""The vertex shader against numpy, and the levels of detail against each other."""
+
+import dataclasses
+from itertools import pairwise
+
+import moderngl
+import numpy as np
+import pytest
+from msgspec import structs
+from scipy.interpolate import BSpline
+
+from capture.export.clips import SWEEP_RAD, Surface
+from subsea.core.resources import resource_path
+from subsea.fish import paint
+from subsea.fish.mesh import (
+    ABSENT,
+    BODY,
+    DETAILS,
+    FIN,
+    PECTORAL,
+    PELVIC,
+    VERTEX_ATTRIBUTES,
+    VERTEX_FORMAT,
+    finest_basis,
+    fish_mesh,
+    sample_indices,
+    species_vertices,
+    surface_points,
+)
+from subsea.fish.species import load_species
+from subsea.fish.surface import (
+    DORSAL,
+    FIN_U,
+    FIN_V,
+    LEFT,
+    RIGHT,
+    VENTRAL,
+    U,
+    V,
+    rest_control_points,
+)
+from subsea.geometry.rotation import matrix
+from subsea.geometry.spline import greville
+from subsea.rendering.fish import fishes
+from subsea.rendering.fish.fishes import (
+    GAPE_RAD,
+    INSTANCE_ATTRIBUTES,
+    INSTANCE_FORMAT,
+    frames,
+    look,
+)
+from subsea.rendering.fish.preview import FINS as AT_EASE
+from subsea.rendering.fish.preview import FishPreview, Orbit
+from subsea.rendering.fish.speck import speck
+from subsea.rendering.gl.shaders import set_uniforms, source
+from subsea.rendering.output.quality import PRESETS
+from subsea.repertoire import read_repertoire
+
+PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
+MESHES = [fish_mesh(detail) for detail in DETAILS]
+
+
+@pytest.fixture(scope="module")
+def shaded(context, scene):
+    """World positions and normals (n, 3) of one fish's vertices, as the shader computes them."""
+    compiled = context.program(
+        vertex_shader=source("fishes.vert", SPECIES=len(scene.species)),
+        varyings=("v_world", "v_normal"),
+    )
+    yield lambda level, packet, scene=scene, stiff=None: _shaded(
+        context, compiled, scene, level, packet, stiff
+    )
+    compiled.release()
+
+
+def dressed(scene, species, level):
+    """A mesh, and the attributes of its vertices."""
+    return MESHES[level], species_vertices(
+        scene.species[species].surface, MESHES[level], DETAILS[level]
+    )
+
+
+def _shaded(context, program, scene, level, packet, stiff):
+    mesh = MESHES[level]
+    own = [dressed(scene, k, level)[1] for k in range(len(scene.species))]
+    rows, points = scene.control_points.shape[:2]
+    table = np.zeros((rows, points, 4), np.float32)
+    table[..., :3] = scene.control_points
+    textures = []
+    for unit, texels in enumerate((table, np.array(own, np.float32))):
+        size = texels.shape[1], texels.shape[0]
+        textures.append(context.texture(size, 4, texels.tobytes(), dtype="f4"))
+        textures[-1].use(unit)
+    looks = np.array(
+        [
+            look(one, length, (0.0, 0.0, 1.0, 1.0))
+            for one, length in zip(scene.species, scene.recorded_length_cm, strict=True)
+        ],
+        np.float32,
+    )
+    if stiff is not None:
+        looks[:, 3, 3] = stiff
+    block = context.buffer(looks.tobytes() + np.array(frames(), "f4").tobytes())
+    block.bind_to_uniform_block(0)
+    program["Looks"].binding = 0
+    vertices = context.buffer(mesh.vertices.tobytes())
+    instances = context.buffer(packet.instances.tobytes())
+    kept = [name for name in VERTEX_ATTRIBUTES if name in program]
+    assert kept == list(VERTEX_ATTRIBUTES)
+    array = context.vertex_array(
+        program,
+        [
+            (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
+            (instances, f"{INSTANCE_FORMAT}/i", *INSTANCE_ATTRIBUTES),
+        ],
+        skip_errors=True,
+    )
+    out = context.buffer(reserve=len(mesh.vertices) * 24)
+    target = context.simple_framebuffer((1, 1))  # without a window no other framebuffer is bound
+    target.use()
+    set_uniforms(program, u_table=0, u_vertices=1)
+    array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
+    result = np.frombuffer(out.read(), np.float32).reshape(-1, 6)
+    for held in (array, out, target, vertices, instances, block, *textures):
+        held.release()
+    return result[:, :3], result[:, 3:]
+
+
+def surface(control, u, v):
+    """Points and normals of a clamped spline patch (nu, nv, 3) at parameters (n,), by scipy."""
+
+    def basis(count, t, slope):
+        degree = min(2, count - 1)
+        inner = np.linspace(0, 1, count - degree + 1)
+        knots = np.concatenate([np.zeros(degree), inner, np.ones(degree)])
+        spline = BSpline(knots, np.eye(count), degree)
+        return spline.derivative()(t) if slope else spline(t)
+
+    nu, nv = control.shape[:2]
+    mixed = [
+        np.einsum("ni,nj,ijc->nc", basis(nu, u, du), basis(nv, v, dv), control)
+        for du, dv in ((0, 0), (1, 0), (0, 1))
+    ]
+    normal = np.cross(mixed[1], mixed[2])
+    return mixed[0], normal
+
+
+@pytest.mark.parametrize("species", [0, 1])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_positions_and_normals_are_those_of_the_spline(
+    shaded, scene, make_packet, fish, species, level
+):
+    one = fish(species, (30.0, -12.0, -150.0), heading=0.8, weight=0.35, scale=1.3)
+    packet = make_packet([one])
+    mesh, own = dressed(scene, species, level)
+    position, normal = shaded(level, packet)
+    row = packet.instances[0].astype(np.float64)
+    table = scene.control_points.astype(np.float64)
+    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
+    R = matrix(row[4:8])
+    checked = 0
+    for patch, shape, part, side in (
+        (LEFT, (U, V), BODY, -1),
+        (RIGHT, (U, V), BODY, 1),
+        (DORSAL, (FIN_U, FIN_V), FIN, 1),
+        (VENTRAL, (FIN_U, FIN_V), FIN, -1),
+    ):
+        mine = (mesh.vertices[:, PART] == part) & (mesh.vertices[:, SIDE] == side)
+        u, v = mesh.vertices[mine, ALONG].astype(float), own[mine, 3]
+        body, across = surface(control[patch].reshape(*shape, 3), u, v)
+        expected = row[:3] + (row[3] * body) @ R.T
+        np.testing.assert_allclose(position[mine], expected, atol=2e-4)
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        across = across / np.maximum(size, 1e-12) @ R.T * (-side if part == BODY else 1)
+        solid = size[:, 0] > 0.02
+        np.testing.assert_allclose(normal[mine][solid], across[solid], atol=2e-3)
+        checked += mine.sum()
+    assert checked == (mesh.vertices[:, PART] <= FIN).sum()
+
+
+@pytest.mark.parametrize("species", [0, 1])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_what_is_exported_is_what_is_drawn(shaded, scene, make_packet, fish, species, level):
+    """Includes paired fins at rest; upright at the origin, heading along x."""
+    at_ease = (SWEEP_RAD, SWEEP_RAD)
+    one = fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35, pectoral=at_ease)
+    packet = make_packet([one])
+    drawn = shaded(level, packet)
+    row = packet.instances[0].astype(np.float64)
+    table = scene.control_points.astype(np.float64)
+    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
+    surface = Surface(scene.species[species].surface, scene.recorded_length_cm[species], level)
+    for exported, shown in zip(surface.at(control[None]), drawn, strict=True):
+        x, y, z = exported[0].T
+        np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=2e-3)
+
+
+def test_normals_of_the_body_point_outward(shaded, scene, make_packet, fish):
+    packet = make_packet([fish(1, (0.0, 0.0, 0.0), heading=0.0)])
+    mesh, own = dressed(scene, 1, 0)
+    position, normal = shaded(0, packet)
+    flank = (mesh.vertices[:, PART] == BODY) & (mesh.vertices[:, ALONG] == 0.5)
+    flank &= (own[:, 3] > 0.2) & (own[:, 3] < 0.7)
+    assert flank.sum() > 50
+    # Heading along x: the right side lies at negative y.
+    assert (np.sign(normal[flank, 1]) == -mesh.vertices[flank, SIDE]).all()
+    assert (np.sign(position[flank, 1]) == -mesh.vertices[flank, SIDE]).mean() > 0.9
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_both_halves_meet_without_a_crease(shaded, scene, make_packet, fish, level):
+    """Normals of a straight body agree at its ridges, and point ahead at the snout."""
+    straight = scene.control_points.copy()
+    rest = rest_control_points(scene.species[0].surface, scene.recorded_length_cm[0], 6.0)
+    straight[:2] = rest
+    packet = make_packet([fish(0, (0.0, 0.0, 0.0), heading=0.0)])
+    mesh, own = dressed(scene, 0, level)
+    still = dataclasses.replace(scene, control_points=straight)
+    _, normal = shaded(level, packet, still)
+    body = mesh.vertices[:, PART] == BODY
+    trunk = body & (own[:, 3] > 0.05) & (own[:, 3] < 0.6)
+    for ridge, up in ((0.0, 1.0), (1.0, -1.0)):
+        mine = trunk & (mesh.vertices[:, ALONG] == ridge)
+        left, right = (normal[mine & (mesh.vertices[:, SIDE] == side)] for side in (-1, 1))
+        assert len(left) == len(right) > 4
+        np.testing.assert_allclose(left, right, atol=0.03)
+        assert (up * left[:, 2] > 0.7).all()
+    snout = body & (own[:, 3] == 0.0)
+    assert (normal[snout, 0] > 0.3).all()
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-4)
+
+
+def test_pectoral_fins_sweep_outward(shaded, make_packet, fish):
+    mesh = MESHES[0]
+    paddles = mesh.vertices[:, PART] == PECTORAL
+    reach = []
+    for sweep in (0.0, 0.8):
+        packet = make_packet([fish(0, (0, 0, 0), heading=0.0, weight=0.0, pectoral=(sweep, sweep))])
+        position, _ = shaded(0, packet)
+        reach.append(-position[paddles, 1] * mesh.vertices[paddles, SIDE])
+    assert reach[1].max() > reach[0].max() + 1.0
+
+
+def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(shaded, scene, make_packet, fish):
+    mesh, own = dressed(scene, 0, 0)
+    still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
+    moved.instances[0, 17:19] = 0.5, 0.4  # folded by half, spread
+    change = {}
+    for stiff in (0.0, 1.0):
+        places = [shaded(0, p, stiff=stiff)[0] for p in (still, moved)]
+        change[stiff] = np.abs(places[0] - places[1]).max(axis=1)
+    fins = mesh.vertices[:, PART] == FIN
+    tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > 0.95)
+    assert change[0.0][fins].max() > 0.5
+    assert change[0.0][tail].max() > 0.5
+    assert change[1.0].max() == 0.0
+
+
+def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(shaded, scene, make_packet, fish):
+    """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
+    species, size = scene.species[0], scene.recorded_length_cm[0]
+    straight = scene.control_points.copy()
+    straight[:2] = rest_control_points(species.surface, size, 0.0)
+    still = dataclasses.replace(scene, control_points=straight)
+    shut, breath, bite = (make_packet([fish(0, (0, 0, 0), heading=0.0)]) for _ in range(3))
+    breath.instances[0, 16], bite.instances[0, 16] = 0.45, 1.0
+    (before, ahead), (breathing, _), (after, turned) = (
+        shaded(0, packet, still) for packet in (shut, breath, bite)
+    )
+    mesh, own = dressed(scene, 0, 0)
+    (tip, high), (corner, low) = species.skin.mouth
+    line = np.interp(own[:, 0], (tip, corner), (high, low))
+    body = (mesh.vertices[:, PART] == BODY) & (own[:, 0] < 0.8 * corner)
+    chin, brow = body & (own[:, 1] < line - 0.006), body & (own[:, 1] > line + 0.012)
+    assert chin.sum() > 10 < brow.sum()
+    joint = size * np.array([-corner - 0.25 * (corner - tip), low])
+    angle = GAPE_RAD["prey"]
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    across = [0, 2]  # the plane in which it turns
+    np.testing.assert_allclose(
+        after[chin][:, across], joint + (before[chin][:, across] - joint) @ turn.T, atol=1e-3
+    )
+    np.testing.assert_allclose(after[chin, 1], before[chin, 1], atol=1e-3)
+    np.testing.assert_allclose(turned[chin][:, across], ahead[chin][:, across] @ turn.T, atol=1e-3)
+    risen = (after - before)[brow, 2]
+    assert 0.0 < risen.max() < 0.5 * (before - after)[chin, 2].max()
+    half = np.linalg.norm(breathing - before, axis=1).max()
+    assert 0.0 < half < 0.3 * np.linalg.norm(after - before, axis=1).max()
+    far = (mesh.vertices[:, PART] != BODY) | (own[:, 0] > 4.0 * corner)
+    np.testing.assert_array_equal(after[far], before[far])
+
+
+@pytest.mark.parametrize("species", ["blacktip_reef_shark", "clownfish", "spotted_eagle_ray"])
+def test_an_open_mouth_is_dark_inside(context, species):
+    """The face from the front; a ray's mouth lies below and stays shut."""
+    kind = load_species(species)
+    shown = FishPreview(context, kind, paint.paint(kind))
+    points = rest_control_points(kind.surface, kind.length_cm, 0.0)
+
+    def black(gape):
+        fins = (*AT_EASE[:4], gape, *AT_EASE[5:])
+        shown.draw(points, Orbit(turn=np.pi / 2), (320, 180), fins)
+        return (shown.read_pixels().max(axis=2) < 50).sum()
+
+    shut, wide = black(0.0), black(1.0)
+    shown.release()
+    if kind.surface.wing:
+        assert wide == shut
+    else:
+        assert wide > shut + 60
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
+    plan = load_species("fusilier").surface
+    finless = structs.replace(plan, dorsal=None, pelvic=None)
+    mesh = MESHES[level]
+    full, less = (species_vertices(one, mesh, DETAILS[level]) for one in (plan, finless))
+    hidden = less[:, 2] == ABSENT
+    part, side = mesh.vertices[:, PART], mesh.vertices[:, SIDE]
+    np.testing.assert_array_equal(hidden, ((part == FIN) & (side > 0)) | (part == PELVIC))
+    assert (full[:, 2] != ABSENT).all()
+
+
+@pytest.mark.parametrize("species", [0, 1])
+def test_levels_agree_in_silhouette(drawn, make_packet, fish, species):
+    """All levels but specks at the size of a near fish; specks at the size of a far one."""
+    size = (240, 160)
+    empty = drawn(make_packet([], size=size))
+    shapes = []
+    for level in range(4):
+        one = fish(species, (0, 24, -200), heading=2.8, level=level)
+        shapes.append(np.abs(drawn(make_packet([one], size=size)) - empty).max(axis=2) > 2)
+    assert shapes[0].mean() > 0.08
+    for coarser, least in ((1, 0.97), (2, 0.97), (3, 0.93)):
+        both, either = shapes[0] & shapes[coarser], shapes[0] | shapes[coarser]
+        assert both.sum() / either.sum() > least
+
+
+@pytest.mark.parametrize("species", [0, 1])
+def test_a_speck_looks_like_the_level_before_it(drawn, make_packet, fish, species):
+    """Equal size and brightness where one level replaces another: at a length of 24 pixels."""
+    size = (60, 40)
+    silhouettes, sums = [], []
+    for level in (3, 4):
+        shape, colour = np.zeros(size[::-1]), np.zeros(3)
+        for k, heading in enumerate(np.linspace(0.0, 6.0, 12)):
+            one = fish(species, (0, 32, -200), heading=heading, level=level)
+            packets = [make_packet(f, size=size, time_s=3.0 * k) for f in ([one], [])]
+            change = np.subtract(*(drawn(packet, quality=PRESETS["low"]) for packet in packets))
+            shape += np.abs(change).max(axis=2) > 4
+            colour += change.sum(axis=(0, 1))
+        silhouettes.append(shape.sum() / 12)
+        sums.append(colour / 12)
+    assert silhouettes[0] > 40
+    assert silhouettes[1] == pytest.approx(silhouettes[0], rel=0.1)
+    assert (np.abs(sums[1] - sums[0]) / silhouettes[0] < 12).all()  # grey levels a pixel
+
+
+def test_a_speck_is_closed_and_a_handful_of_triangles():
+    shape = speck()
+    assert len(shape.triangles) <= 40
+    body = shape.triangles[~shape.thin[shape.triangles].any(axis=1)]
+    edges = np.concatenate([body[:, [0, 1]], body[:, [1, 2]], body[:, [2, 0]]])
+    forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
+    assert forward == backward
+    assert len(forward) == len(edges)
+    place = rest_control_points(load_species("fusilier").surface, 1.0, 0.0)[shape.points]
+    a, b, c = (place[body[:, k]] for k in range(3))
+    assert (a * np.cross(b, c)).sum() > 0  # its volume: triangles turn outward
+
+
+@pytest.mark.parametrize("level", range(5))
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_a_cross_fade_draws_each_pixel_exactly_once(drawn, make_packet, fish, level, share):
+    """Both halves of a cross-fade at one level make the whole fish; one alone makes its share.
+
+    A pixel drawn twice would make fins denser, and a missing pixel would show the water.
+    """
+
+    def faded(*fades):
+        selves = [fish(1, (0, 24, -200), heading=2.8, level=level, fade=fade) for fade in fades]
+        return drawn(make_packet(selves, size=(120, 80)), quality=PRESETS["low"])
+
+    empty, whole, both = faded(), faded(0.0), faded(share, share - 1.0)
+    one, other = faded(share), faded(share - 1.0)
+    mine = np.abs(whole - empty).max(axis=2) > 2
+    assert mine.sum() > 500
+    firsts, seconds = ((np.abs(x - empty).max(axis=2) > 2) & mine for x in (one, other))
+    assert not (firsts & seconds).any()
+    assert firsts.sum() / mine.sum() == pytest.approx(share, abs=0.04)
+    if level < 2:  # fine levels draw all bodies before all fins, so that these hide no fin behind
+        assert (np.abs(whole - both).max(axis=2) > 1).mean() < 0.01
+    else:
+        np.testing.assert_array_equal(whole, both)
+
+
+@pytest.mark.parametrize("level", range(5))
+def test_a_view_lacks_the_body_of_the_fish_whose_eye_it_is(drawn, make_packet, fish, level):
+    def seen(fishes, without=-1):
+        packet = make_packet(fishes, size=(120, 80))
+        views = tuple(dataclasses.replace(view, without=without) for view in packet.views)
+        return drawn(dataclasses.replace(packet, views=views), quality=PRESETS["low"])
+
+    own = fish(1, (0, 24, -200), level=level, number=7)
+    other = fish(0, (4, 60, -200), level=level, number=8)
+    both, alone, inside = seen([own, other]), seen([other]), seen([own, other], without=7)
+    assert (np.abs(both - alone).max(axis=2) > 2).sum() > 100
+    np.testing.assert_array_equal(inside, alone)
+
+
+def test_coarser_levels_are_decimations_of_the_finest():
+    """Their control-point weights are in the finest table, number for number."""
+    for controls in (U, V, FIN_V):
+        samples = [set(sample_indices(controls, thinned).tolist()) for thinned in range(3)]
+        assert samples[2] < samples[1] < samples[0]
+        np.testing.assert_allclose(
+            sample_indices(controls, 1) / (len(finest_basis(controls).first) - 1),
+            greville(controls),
+            atol=1e-12,
+        )
+    columns = slice(0, PART + 1)
+    known = {
+        (base, v, *row)
+        for base, v, row in zip(
+            MESHES[0].base, MESHES[0].v, MESHES[0].vertices[:, columns].tolist(), strict=True
+        )
+        if row[PART] <= FIN
+    }
+    for mesh in MESHES[1:]:
+        for base, v, row in zip(mesh.base, mesh.v, mesh.vertices[:, columns].tolist(), strict=True):
+            assert row[PART] > FIN or (base, v, *row) in known
+
+
+def test_a_wing_has_a_level_base_and_a_pointed_end():
+    plan = load_species("fusilier").surface
+    wing = structs.replace(plan.pectoral, wing=True)
+    own = species_vertices(structs.replace(plan, pectoral=wing), MESHES[0], DETAILS[0])
+    mine = MESHES[0].vertices[:, PART] == PECTORAL
+    along, place = MESHES[0].vertices[mine, ALONG], own[mine, :2]
+    chord = [np.ptp(place[along == share, 1]) / wing.width for share in np.unique(along)]
+    assert chord[0] > 0.9
+    assert chord[-1] < 0.1
+    assert (np.diff(chord) < 0).all()
+    assert place[:, 0].max() == pytest.approx(wing.length)
+    assert place[:, 0].min() < 0  # the root lies inside the body
+
+
+@pytest.mark.parametrize("name", ["fusilier", "spotted_eagle_ray"])
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_the_body_is_closed(level, name):
+    """Every edge belongs to two triangles, but at the tail, which is thinner than a pixel."""
+    mesh = MESHES[level]
+    body = mesh.vertices[:, PART] == BODY
+    rest = rest_control_points(load_species(name).surface, 1.0, 0.0)
+    place = np.full((len(body), 3), np.nan)
+    place[body] = np.round(surface_points(rest, mesh.vertices[body], mesh.base[body]), 6)
+    _, same = np.unique(place, axis=0, return_inverse=True)
+    triangles = mesh.triangles[: mesh.body]
+    solid = same.reshape(-1)[triangles[body[triangles].all(axis=1)]]
+    assert len(solid) > 100
+    edges = np.concatenate([solid[:, [0, 1]], solid[:, [1, 2]], solid[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    forward, backward = ({tuple(e) for e in way} for way in (edges, edges[:, ::-1]))
+    at_tail = {
+        tuple(e)
+        for e in edges
+        if (place[:, 0][[np.flatnonzero(same == k)[0] for k in e]] < -0.85).all()
+    }
+    assert forward - backward <= at_tail
+
+
+def test_a_far_fin_keeps_its_tip():
+    plan = load_species("fusilier").surface
+    tip = (0.45, 0.3)
+    edge = [(0.3, 0.11), (0.43, 0.13), tip, (0.47, 0.13), (0.6, 0.1), (0.74, 0.07)]
+    plan = structs.replace(plan, dorsal=structs.replace(plan.dorsal, edge=edge))
+    highest = []
+    for mesh, detail in zip(MESHES[2:], DETAILS[2:], strict=True):
+        mine = (mesh.vertices[:, PART] == FIN) & (mesh.vertices[:, SIDE] > 0)
+        highest.append(species_vertices(plan, mesh, detail)[mine, 1].max())
+    assert highest[1] == pytest.approx(highest[0])
+    assert len(MESHES[3].vertices) < len(MESHES[2].vertices) / 2
+
+
+def test_a_body_with_a_wave_keeps_its_fins():
+    """A fin rises from the eel's back in all but the coarsest level, throughout a beat."""
+    eel = load_species("ribbon_eel")
+    repertoire = read_repertoire(resource_path("repertoires/ribbon_eel.h5"))
+    for mesh, detail in zip(MESHES[:-1], DETAILS[:-1], strict=True):
+        own = species_vertices(eel.surface, mesh, detail)
+        part, side, along = mesh.vertices[:, [PART, SIDE, ALONG]].T
+        lines = [
+            (along == 0) & (part == BODY) & (side < 0),
+            (along == 0) & (part == FIN) & (side > 0),
+        ]
+        for pose in repertoire.segments["swim_fast"].control_points:
+            ridge, root = (
+                surface_points(pose, mesh.vertices[mine], own[mine, 2].astype(int))[:, [0, 2]]
+                for mine in lines
+            )
+            for one in root:
+                assert min(_distance(one, *ends) for ends in pairwise(ridge)) < (
+                    0.008 * eel.length_cm
+                )
+
+
+def _distance(point, start, end):
+    way = end - start
+    share = np.clip((point - start) @ way / (way @ way), 0, 1)
+    return np.linalg.norm(point - start - share * way)
+
+
+def test_the_number_of_calls_does_not_depend_on_the_fishes(drawn, make_packet, fish, monkeypatch):
+    """The number of calls does not depend on the number of species either."""
+    made = []
+    render = fishes.FishRenderer._render
+    monkeypatch.setattr(fishes.FishRenderer, "_render", lambda *a: (made.append(a), render(*a)))
+    calls = []
+    drawn(make_packet([], size=(64, 48)))  # the first picture has a few more calls
+    for number in (2, 40):
+        made.clear()
+        few = [
+            fish(k // 10 % 2, (0, 40, -200), level=k % 5, fade=0.5 * (k % 2))
+            for k in range(20 * number)
+        ]
+        drawn(make_packet(few, size=(64, 48)))
+        calls.append(len(made))
+    assert 0 < calls[0] == calls[1] <= 10
+
+
+def test_a_fin_hides_no_fin_behind_it(drawn, make_packet, fish):
+    """`frame.pack` puts the farther fish first: its fin shows through the nearer one's."""
+    # The tip of the dorsal fin before the other's flank is hidden by its body: only fins overlap.
+    near, far = fish(1, (0, 24, -200), heading=2.8), fish(1, (0, 30, -197), heading=2.8)
+    right, wrong, alone = (
+        drawn(make_packet(shown, size=(240, 160)), quality=PRESETS["low"])
+        for shown in ([far, near], [near, far], [near])
+    )
+    # Where the far fish shows through or beside the near one, it shows at least as strongly.
+    with_, without = ((np.abs(x - alone).max(axis=2) > 3).sum() for x in (right, wrong))
+    assert with_ > without > 0
