@@ -10,7 +10,13 @@ require("learn", "environments")
 
 import gymnasium  # noqa: E402
 
-for _name in ("Swim", "Forage", "Escape"):
+gymnasium.register(
+    "subsea/Swim-v0",
+    entry_point="subsea.environments.swim:SwimEnv",
+    vector_entry_point="subsea.environments.swim_vector:SwimVectorEnv",
+    max_episode_steps=300,
+)
+for _name in ("Forage", "Escape"):
     gymnasium.register(
         f"subsea/{_name}-v0", entry_point=f"subsea.environments.{_name.lower()}:{_name}Env"
     )
