@@ -2,7 +2,7 @@
 
 import math
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +23,7 @@ PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
 Kind = Literal["f", "i", "u", "b"]
 KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
 NOUNS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without timestamps
 
 
@@ -65,12 +66,15 @@ def recording(
     attributes: Mapping[str, Any],
     constants: Mapping[str, NDArray[Any]],
     notes: Mapping[str, Mapping[str, Any]] | None = None,
+    dimensions: Mapping[str, Sequence[str]] | None = None,
 ) -> Iterator[Callable[[Mapping[str, NDArray[Any]]], None]]:
     """Write a file whose datasets grow along their first axis.
 
-    Yields `append`, which accepts a block of rows for every dataset. `notes` are the attributes of
-    each dataset, by its name. Ctrl-C saves the blocks so far as a complete file and continues as
-    KeyboardInterrupt. With no rows, or on any other fault, no file is left.
+    Yields `append`, which accepts a block of rows for every dataset. `constants` do not grow; those
+    of type object are words. `notes` are the attributes of
+    each dataset, by its name; `dimensions` are the paths of its dimension scales, as netCDF has
+    them. Ctrl-C saves the blocks so far as a complete file and continues as KeyboardInterrupt. With
+    no rows, or on any other fault, no file is left.
     """
     notes = notes or {}
     interrupted: KeyboardInterrupt | None = None
@@ -105,7 +109,11 @@ def recording(
 
         file.attrs.update(attributes)
         for name, values in constants.items():
-            file[name] = values
+            file.create_dataset(
+                name,
+                data=values,
+                dtype=h5py.string_dtype() if values.dtype == object else values.dtype,
+            )
             file[name].attrs.update(notes.get(name, {}))
         try:
             yield append
@@ -115,8 +123,27 @@ def recording(
             interrupted = interrupt
         for name, dataset in growing.items():
             dataset.resize(rows.get(name, 0), axis=0)  # an interruption may have cut a block short
+        _attach_scales(file, dimensions or {})
     if interrupted:
         raise interrupted
+
+
+def _attach_scales(file: Any, dimensions: Mapping[str, Sequence[str]]) -> None:
+    """Name the dimensions of datasets by the datasets at these paths.
+
+    A missing one becomes a dimension without values, as in a netCDF file.
+    """
+    for name, scales in dimensions.items():
+        for k, path in enumerate(scales):
+            length = file[name].shape[k]
+            label = path.rpartition("/")[2]
+            if path not in file:
+                file.create_dataset(path, shape=(length,), dtype=">f4")
+                label = f"{NO_VARIABLE}{length:10d}"
+            if not file[path].is_scale:
+                file[path].make_scale(label)
+            if path != name:
+                file[name].dims[k].attach_scale(file[path])
 
 
 class _Disk:
@@ -170,9 +197,15 @@ def _forgiving(raw: Any) -> Iterator[_Disk]:
     disk.check()
 
 
-def text(value: str) -> np.bytes_:
+def text(value: str) -> NDArray[Any]:
     """A string as `attribute` reads it: UTF-8 of fixed length."""
-    return np.bytes_(value.encode("utf-8"))
+    return words([value]).reshape(())
+
+
+def words(values: Sequence[str]) -> NDArray[Any]:
+    """A row of strings as `texts` reads it: UTF-8 of fixed length."""
+    row = [value.encode("utf-8") for value in values]
+    return np.array(row, h5py.string_dtype("utf-8", max(map(len, row), default=0) or 1))
 
 
 def attribute(group: Any, name: str, kind: type, where: str) -> Any:

@@ -1,6 +1,7 @@
 """Check and read input files: regular files of limited size."""
 
 import stat
+from hashlib import file_digest
 from pathlib import Path
 
 from subsea.core.errors import UserError, unreadable
@@ -42,4 +43,14 @@ def read_text(path: Path, most: int = 16 * MIB) -> str:
     try:
         return read_input(path, most).decode("utf-8")
     except UnicodeDecodeError as fault:
+        raise unreadable(path, fault) from fault
+
+
+def file_hash(path: Path) -> str:
+    """The SHA-256 of a regular file, as `sha256sum` prints it; a UserError for anything else."""
+    check_input(path)
+    try:
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    except OSError as fault:
         raise unreadable(path, fault) from fault

@@ -7,14 +7,13 @@ after an interruption: every picture is complete or absent.
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from subsea import __version__
 from subsea.core.atomic_io import check_folder, replacing
 from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
+from subsea.core.input_files import file_hash, read_input
 from subsea.media.film_options import FilmOptions
 from subsea.media.frame_writers import frame_file, window_path
 
@@ -31,7 +30,7 @@ def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict
     found: dict[str, Any] = {
         "version": __version__,
         "scenario": scenario.name,
-        "sha256": sha256(scenario.read_bytes()).hexdigest(),
+        "sha256": file_hash(scenario),
     }
     if options.changes:
         found["set"] = [*options.changes]

@@ -18,47 +18,70 @@ STATIONS = 13  # points of a body's outline, from the snout to the tail's edge
 MAX_FISH_TICKS = 20_000_000  # a study holds them in memory: about 2 GB
 
 
+# Each dimension is an HDF5 dimension scale at this path; its length if that is always the same.
+DIMENSIONS: dict[str, tuple[str, int | None]] = {
+    "time": ("time", None),
+    "axis": ("axis", 3),
+    "fish": ("fish/fish", None),
+    "component": ("fish/component", 4),
+    "drive": ("fish/drive", 3),
+    "species": ("species/species", None),
+    "station": ("species/station", STATIONS),
+    "y": ("sea/y", None),
+    "x": ("sea/x", None),
+    "pillar": ("sea/pillar", None),
+    "pillar_value": ("sea/pillar_value", 4),
+    "rock": ("sea/rock", None),
+    "rock_value": ("sea/rock_value", 7),
+    "event": ("direction/event", None),
+    "role": ("direction/role", 2),
+}
+
+
 class DatasetSpec(NamedTuple):
-    """Type, shape, unit and meaning of one dataset."""
+    """Type, dimensions, unit and meaning of one dataset."""
 
     type: type
-    shape: tuple[str | int, ...]  # lengths; docs/reference/records.md explains the letters
-    unit: str  # "1" if dimensionless
+    dimensions: tuple[str, ...]  # names in DIMENSIONS
+    unit: str  # as UDUNITS writes it; "1" if dimensionless, "" for words
     meaning: str
 
 
-_BY_TICK, _BY_FISH, _BY_EVENT = ("T",), ("n",), ("e",)
+_BY_TICK, _BY_FISH, _BY_EVENT = ("time",), ("fish",), ("event",)
+_BOTH = *_BY_TICK, *_BY_FISH
 FIELDS = {
     "time": DatasetSpec(np.float64, _BY_TICK, "s", "end of the tick, from the start of the dive"),
-    "fish/position": DatasetSpec(np.float32, ("T", "n", 3), "cm", "origin of the body frame"),
+    "fish/position": DatasetSpec(np.float32, (*_BOTH, "axis"), "cm", "origin of the body frame"),
     "fish/orientation": DatasetSpec(
-        np.float32, ("T", "n", 4), "1",
+        np.float32, (*_BOTH, "component"), "1",
         "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to"
         " world axes",
     ),
-    "fish/velocity": DatasetSpec(np.float32, ("T", "n", 3), "cm/s", "velocity of the origin"),
-    "fish/snout": DatasetSpec(np.float32, ("T", "n", 3), "cm", "tip of the snout of the bent body"),
-    "fish/tail": DatasetSpec(np.float32, ("T", "n", 3), "cm", "middle of the tail's edge"),
-    "fish/intention": DatasetSpec(np.uint8, ("T", "n"), "1", "index into intention_names"),
+    "fish/velocity": DatasetSpec(np.float32, (*_BOTH, "axis"), "cm s-1", "velocity of the origin"),
+    "fish/snout": DatasetSpec(
+        np.float32, (*_BOTH, "axis"), "cm", "tip of the snout of the bent body"
+    ),
+    "fish/tail": DatasetSpec(np.float32, (*_BOTH, "axis"), "cm", "middle of the tail's edge"),
+    "fish/intention": DatasetSpec(np.uint8, _BOTH, "1", "index into intention_names"),
     "fish/segment": DatasetSpec(
-        np.uint8, ("T", "n"), "1", "recorded motion that it plays: index into segment_names"
+        np.uint8, _BOTH, "1", "recorded motion that it plays: index into segment_names"
     ),
     "fish/mental_state": DatasetSpec(
-        np.float32, ("T", "n", 3), "1", "hunger, libido and fear, 0 to 1"
+        np.float32, (*_BOTH, "drive"), "1", "hunger, libido and fear, 0 to 1"
     ),
-    "fish/alive": DatasetSpec(np.bool_, ("T", "n"), "1", "false once it is eaten or landed"),
+    "fish/alive": DatasetSpec(np.bool_, _BOTH, "1", "false once it is eaten or landed"),
     "fish/leader": DatasetSpec(
-        np.int32, ("T", "n"), "1", "fish that it follows in a school, -1 for none"
+        np.int32, _BOTH, "1", "fish that it follows in a school, -1 for none"
     ),
     "fish/target": DatasetSpec(
-        np.int32, ("T", "n"), "1",
+        np.int32, _BOTH, "1",
         "target of the intention: a fish, or a speck of plankton (target_names);"
         " -1 nothing, -2 the submarine, -3 a bait",
     ),
-    "fish/partner": DatasetSpec(np.int32, ("T", "n"), "1", "fish that it courts, -1 for none"),
-    "fish/courtship": DatasetSpec(np.uint8, ("T", "n"), "1", "index into courtship_names"),
+    "fish/partner": DatasetSpec(np.int32, _BOTH, "1", "fish that it courts, -1 for none"),
+    "fish/courtship": DatasetSpec(np.uint8, _BOTH, "1", "index into courtship_names"),
     "fish/last_meal": DatasetSpec(
-        np.float32, ("T", "n"), "s", "time of the latest meal, 0 before the first"
+        np.float32, _BOTH, "s", "time of the latest meal, 0 before the first"
     ),
     "fish/species": DatasetSpec(
         np.uint8, _BY_FISH, "1", "index into species_names (common names) and species_keys (files)"
@@ -71,38 +94,56 @@ FIELDS = {
         np.float32, _BY_FISH, "cm", "from the tip of the snout to the origin of the body frame"
     ),
     "species/half_width": DatasetSpec(
-        np.float32, ("s", STATIONS), "body lengths",
-        "half-width of the body without fins, evenly from the snout to the tail's edge",
+        np.float32, ("species", "station"), "1",
+        "half-width of the body without fins, in body lengths",
     ),
     "species/half_height": DatasetSpec(
-        np.float32, ("s", STATIONS), "body lengths", "half-height there, with the tail fin"
+        np.float32, ("species", "station"), "1", "half-height with the tail fin, in body lengths"
     ),
     "sea/heights": DatasetSpec(
-        np.float32, ("m", "m"), "cm",
-        "z of the seabed: row i along y, column j along x, evenly over the square from"
-        " -sea_half_width_cm to sea_half_width_cm",
+        np.float32, ("y", "x"), "cm",
+        "z of the seabed",
     ),
     "sea/pillars": DatasetSpec(
-        np.float64, ("p", 4), "cm", "x, y, radius and z of the top of each pillar"
+        np.float64, ("pillar", "pillar_value"), "cm", "x, y, radius and z of the top of each pillar"
     ),
     "sea/rocks": DatasetSpec(
-        np.float64, ("r", 7), "cm",
+        np.float64, ("rock", "rock_value"), "cm",
         "centre x, y, z and half axes of each ellipsoid, and its rotation to the left in rad",
     ),
     "plankton/count": DatasetSpec(np.int32, _BY_TICK, "1", "specks of plankton"),
-    "submarine/position": DatasetSpec(np.float64, ("T", 3), "cm", "position of the submarine"),
-    "direction/time": DatasetSpec(
+    "submarine/position": DatasetSpec(
+        np.float64, ("time", "axis"), "cm", "position of the submarine"
+    ),
+    "direction/began": DatasetSpec(
         np.float64, _BY_EVENT, "s", "end of the tick in which a direction began"
     ),
     "direction/number": DatasetSpec(
         np.uint8, _BY_EVENT, "1", "index of the direction in the scenario and in direction_names"
     ),
     "direction/cast": DatasetSpec(
-        np.int32, ("e", 2), "1",
+        np.int32, ("event", "role"), "1",
         "fishes of the event: male and female, hunter and prey, eaten and eater, or fleeing fish"
         " and predator; -1 none, -2 the submarine",
     ),
 }  # fmt: skip
+COORDINATES = {
+    "axis": DatasetSpec(str, ("axis",), "", "world axes; z is up, and the surface is z = 0"),
+    "fish/fish": DatasetSpec(np.int32, _BY_FISH, "1", "number of the fish"),
+    "fish/component": DatasetSpec(str, ("component",), "", "components of a quaternion"),
+    "fish/drive": DatasetSpec(str, ("drive",), "", "variables of the mental state"),
+    "species/species": DatasetSpec(str, ("species",), "", "common name"),
+    "species/station": DatasetSpec(
+        np.float64, ("station",), "1", "from the snout (0) to the tail's edge (1)"
+    ),
+    "sea/y": DatasetSpec(
+        np.float64, ("y",), "cm", "y, evenly from -sea_half_width_cm to sea_half_width_cm"
+    ),
+    "sea/x": DatasetSpec(np.float64, ("x",), "cm", "x, likewise"),
+    "sea/pillar_value": DatasetSpec(str, ("pillar_value",), "", "numbers of a pillar"),
+    "sea/rock_value": DatasetSpec(str, ("rock_value",), "", "numbers of a rock"),
+}
+"""The coordinates, beside `time`: labels and places along the dimensions of FIELDS."""
 
 
 class Record(NamedTuple):
@@ -203,9 +244,9 @@ def read_record(path: Path) -> Record:
 
 
 def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArray[Any]:
-    """Read a dataset of FIELDS; the first ones determine the `lengths` T, n, s … of the rest."""
+    """Read a dataset of FIELDS; the first ones determine the `lengths` of the rest."""
     field = FIELDS[path]
-    shape = tuple(k if isinstance(k, int) else lengths.get(k) for k in field.shape)
+    shape = tuple(lengths.get(name, DIMENSIONS[name][1]) for name in field.dimensions)
     folder, _, name = path.rpartition("/")
     group = hdf5.subgroup(file, folder, where) if folder else file
     values = hdf5.array(
@@ -214,11 +255,10 @@ def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArr
         least=0 if folder == "sea" else 1,
         most_bytes=16 * MAX_FISH_TICKS,
     )  # fmt: skip
-    found = zip(field.shape, values.shape, strict=True)
-    lengths.update({letter: k for letter, k in found if isinstance(letter, str)})
-    if lengths.get("T", 0) * lengths.get("n", 0) > MAX_FISH_TICKS:
+    lengths.update(zip(field.dimensions, values.shape, strict=True))
+    if lengths.get("time", 0) * lengths.get("fish", 0) > MAX_FISH_TICKS:
         raise UserError(
-            f"{lengths['T']} ticks of {lengths['n']} fishes are too many for one study, "
+            f"{lengths['time']} ticks of {lengths['fish']} fishes are too many for one study, "
             f"expected at most {MAX_FISH_TICKS:,} ticks × fishes",
             file=where,
         )

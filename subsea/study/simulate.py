@@ -1,6 +1,6 @@
 """`subsea simulate`: record every fish, for studies. No OpenGL."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from subsea import __version__
 from subsea.behavior.table import INTENTIONS
 from subsea.core import hdf5, interrupts
 from subsea.core.console import count_noun, say
@@ -18,19 +17,33 @@ from subsea.dive.start import start_world
 from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
-from subsea.scenario.save import scenario_text
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
-from subsea.study.record import FIELDS, FORMAT, RECORD, VERSION, outline
+from subsea.study.provenance import Provenance, provenance_of
+from subsea.study.record import (
+    COORDINATES,
+    DIMENSIONS,
+    FIELDS,
+    FORMAT,
+    RECORD,
+    STATIONS,
+    VERSION,
+    outline,
+)
 from subsea.submarine.helm import NEUTRAL
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
 SUFFIXES = (".h5", ".hdf5")
+MAX_CHANGES = 15_000  # characters; an attribute holds 64 KB
 BLOCK_FISH_TICKS = 200_000  # held in memory between two writes: about 16 MB
 
 Rows = dict[str, NDArray[Any]]
 Event = tuple[float, int, tuple[int, int]]  # time, direction, the fishes concerned
-EVENTS = ("direction/time", "direction/number", "direction/cast")
+ROLES: dict[str, tuple[int, ...]] = {
+    "direction/began": (),
+    "direction/number": (),
+    "direction/cast": (2,),
+}
 
 # Meaning of `minds.target` for each intention; others have no target.
 TARGETS = {
@@ -39,9 +52,17 @@ TARGETS = {
     "eat": "speck of plankton; of predators a fish",
     "mate": "fish",
 }
-_NOTES = {
-    name: {"unit": hdf5.text(field.unit), "meaning": hdf5.text(field.meaning)}
-    for name, field in FIELDS.items()
+_SCALES = {
+    name: [DIMENSIONS[one][0] for one in field.dimensions]
+    for name, field in (FIELDS | COORDINATES).items()
+}
+# Datasets whose values are indices, and the attribute with the names.
+CODES = {
+    "fish/intention": "intention_names",
+    "fish/segment": "segment_names",
+    "fish/courtship": "courtship_names",
+    "fish/species": "species_names",
+    "fish/kind": "kind_names",
 }
 
 
@@ -59,6 +80,8 @@ def simulate(
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
     check_result(out, RECORD, force)
     chosen, source = load_scenario(scenario, changes)
+    if len(changes) * max(map(len, changes), default=0) > MAX_CHANGES:
+        raise UserError("--set: too long for a record; write a scenario file with these values")
     if not any(shoal.number for shoal in chosen.fish):
         raise UserError("has no fishes, nothing to record", file=source)
     world = start_world(scenario, seed, fish, changes=changes)
@@ -66,10 +89,12 @@ def simulate(
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
     block = _empty_block(length, number)
     held, happened = 0, []
-    attributes = _attributes(world, scenario_text(chosen, source))
+    names = _names(world)
+    attributes = _attributes(world, names, provenance_of(chosen, source, changes, __file__))
+    constants = _constants(world) | _coordinates(world)
     with (
         interrupts.deferred_interrupts() as check,
-        hdf5.recording(out, attributes, _constants(world), _NOTES) as append,
+        hdf5.recording(out, attributes, constants, _notes(names), _SCALES) as append,
     ):
         try:
             for k in tqdm(range(ticks), unit="tick", disable=None):
@@ -100,11 +125,11 @@ def _extent(ticks: int, fishes: int) -> str:
 
 def _empty_block(length: int, n: int) -> Rows:
     """Empty arrays for `length` ticks of `n` fishes."""
-    sizes = {"T": length, "n": n}
+    sizes = {name: size for name, (_, size) in DIMENSIONS.items()} | {"time": length, "fish": n}
     return {
-        name: np.zeros([sizes[k] if isinstance(k, str) else k for k in field.shape], field.type)
+        name: np.zeros([sizes[k] or 0 for k in field.dimensions], field.type)
         for name, field in FIELDS.items()
-        if field.shape[0] == "T"
+        if field.dimensions[0] == "time"
     }
 
 
@@ -135,8 +160,8 @@ def _table(happened: list[Event]) -> Rows:
     """Events as rows of the record."""
     columns = zip(*happened, strict=True) if happened else ([], [], [])
     return {
-        name: np.array([*column], FIELDS[name].type).reshape(-1, *FIELDS[name].shape[1:])
-        for name, column in zip(EVENTS, columns, strict=True)
+        name: np.array([*column], FIELDS[name].type).reshape(-1, *ROLES[name])
+        for name, column in zip(ROLES, columns, strict=True)
     }
 
 
@@ -159,11 +184,30 @@ def _constants(world: World) -> Rows:
     return {name: np.asarray(given, FIELDS[name].type) for name, given in values.items()}
 
 
-def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
-    """The names of all codes, and everything needed to repeat the run."""
-    bounds = world.scenario.bounds
-    names = {
-        "species_keys": world.scenario.species,
+def _coordinates(world: World) -> Rows:
+    """Labels and places along the dimensions; words are of any length, as netCDF has them."""
+    sea = world.state.sea
+    along = np.linspace(-sea.half_width, sea.half_width, len(sea.heights))
+    words = {
+        "axis": "xyz",
+        "fish/component": "wxyz",
+        "fish/drive": MENTAL_STATES,
+        "species/species": [species.name for species in world.species],
+        "sea/pillar_value": ("x", "y", "radius", "top"),
+        "sea/rock_value": ("x", "y", "z", "half_axis_1", "half_axis_2", "half_axis_3", "rotation"),
+    }
+    return {
+        "fish/fish": np.arange(len(world.state.fishes.species), dtype=np.int32),
+        "species/station": np.linspace(0.0, 1.0, STATIONS),
+        "sea/y": along,
+        "sea/x": along,
+        **{name: np.array([*labels], object) for name, labels in words.items()},
+    }
+
+
+def _names(world: World) -> dict[str, Sequence[str]]:
+    """The names of all codes and columns."""
+    return {
         "species_names": [species.name for species in world.species],
         "kind_names": KINDS,
         "intention_names": INTENTIONS,
@@ -173,18 +217,46 @@ def _attributes(world: World, scenario_text: str) -> dict[str, Any]:
         "courtship_names": COURTSHIP,
         "direction_names": [one.name for one in world.scenario.direction],
     }
+
+
+def _notes(names: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Any]]:
+    """The attributes of each dataset, by the climate and forecast conventions (CF)."""
+    notes: dict[str, dict[str, Any]] = {}
+    for name, field in (FIELDS | COORDINATES).items():
+        notes[name] = {"long_name": hdf5.text(field.meaning)}
+        if field.unit:
+            notes[name]["units"] = hdf5.text(field.unit)
+        if field.type is np.bool_:
+            notes[name]["dtype"] = hdf5.text("bool")  # else xarray reads numbers
+        if name in CODES:
+            meanings = [word.replace(" ", "_") for word in names[CODES[name]]]
+            notes[name]["flag_values"] = np.arange(len(meanings), dtype=field.type)
+            notes[name]["flag_meanings"] = hdf5.text(" ".join(meanings))
+    return notes
+
+
+def _attributes(
+    world: World, names: Mapping[str, Sequence[str]], provenance: Provenance
+) -> dict[str, Any]:
+    """The names of all codes, and everything needed to repeat the run."""
+    bounds = world.scenario.bounds
+    origin = {
+        name: hdf5.text(value) if isinstance(value, str) else hdf5.words(value)
+        for name, value in provenance._asdict().items()
+        if name != "scenario"
+    }
     return {
         "format": hdf5.text(FORMAT),
         "version": VERSION,
-        "program": hdf5.text(f"subsea {__version__}"),
+        "title": hdf5.text(world.scenario.title[:200]),
+        **origin,
+        "scenario": provenance.scenario,  # of any length; strings of fixed length hold 64 KB
         "tick_s": TICK_S,
         "seed": world.state.seed,
         "fish": len(world.state.fishes.species),
-        "scenario": scenario_text,
         "radius_cm": bounds.radius_cm,
         "depth_cm": bounds.depth_cm,
         "sea_half_width_cm": float(world.state.sea.half_width),
-        **{name: np.array([word.encode("utf-8") for word in words], "S")
-           for name, words in names.items()},
+        **{name: hdf5.words(words) for name, words in names.items()},
         **{f"nature_{name}": value for name, value in world.nature._asdict().items()},
-    }  # fmt: skip
+    }

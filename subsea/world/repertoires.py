@@ -1,11 +1,11 @@
 """Read the species and repertoires of a scenario; cache each file until it changes."""
 
 from functools import lru_cache
-from hashlib import file_digest
 from pathlib import Path
 
 from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
+from subsea.core.input_files import file_hash
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
 from subsea.fish.surface import rest_control_points
@@ -68,9 +68,8 @@ def _content(path: Path) -> str:
     try:
         if not path.is_file() or path.stat().st_size > MOST_BYTES:
             return ""  # reading it raises the right error
-        with path.open("rb") as file:
-            return file_digest(file, "sha256").hexdigest()
-    except OSError:
+        return file_hash(path)
+    except (OSError, UserError):
         return ""
 
 

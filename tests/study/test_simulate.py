@@ -14,11 +14,11 @@ from subsea.core import hdf5
 from subsea.core.console import count_noun
 from subsea.fish.species import load_species
 from subsea.scenario.load import load_scenario
-from subsea.study.record import FIELDS
+from subsea.study.record import COORDINATES, DIMENSIONS, FIELDS
 from tests.support.scenes import scene
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
-SHAPES = {"T": 20, "n": 12, "s": 7, "m": 193, "p": 0, "r": 0, "e": 0}
+SIZES = {"time": 20, "fish": 12, "species": 7, "y": 193, "x": 193, "event": 0}
 
 
 def simulate(out, *arguments):
@@ -42,15 +42,16 @@ def test_a_record_matches_its_format(record):
                 found.update({name: item.shape}) if isinstance(item, h5py.Dataset) else None
             )
         )
-        sizes = {k: file["sea/" + name].shape[0] for k, name in (("p", "pillars"), ("r", "rocks"))}
+        sizes = SIZES | {k: len(file[f"sea/{k}s"]) for k in ("pillar", "rock")}
+        sizes |= {name: size for name, (_, size) in DIMENSIONS.items() if size}
         assert found == {
-            name: tuple((SHAPES | sizes).get(k, k) for k in field.shape)
-            for name, field in FIELDS.items()
-        }
+            name: tuple(sizes[k] for k in field.dimensions)
+            for name, field in (FIELDS | COORDINATES).items()
+        } | {path: (sizes[name],) for name, (path, _) in DIMENSIONS.items()}
         for name, field in FIELDS.items():
             assert file[name].dtype == field.type
-            assert file[name].attrs["unit"].decode() == field.unit
-            assert file[name].attrs["meaning"].decode() == field.meaning
+            assert file[name].attrs["units"].decode() == field.unit
+            assert file[name].attrs["long_name"].decode() == field.meaning
         assert file["time"][:] == pytest.approx(0.033 * np.arange(1, 21))
         assert np.linalg.norm(file["fish/orientation"], axis=2) == pytest.approx(1.0, abs=1e-3)
         for code in ("species", "kind", "intention", "segment", "courtship"):
@@ -107,7 +108,9 @@ def test_ctrl_c_leaves_a_valid_file_with_the_ticks_so_far(tmp_path):
             f"subsea: interrupted: {out}: {count_noun(ticks, 'tick', 'ticks')} of 12 fishes kept"
         )
         assert all(
-            len(file[name]) == ticks for name, field in FIELDS.items() if field.shape[0] == "T"
+            len(file[name]) == ticks
+            for name, field in FIELDS.items()
+            if field.dimensions[0] == "time"
         )
         assert file["time"][-1] == pytest.approx(0.033 * ticks)
 
@@ -175,7 +178,7 @@ def test_a_record_lists_the_directions_that_began(tmp_path, monkeypatch):
     assert main(["simulate", "--ticks", "40", "--scenario", str(file), "--out", str(out)]) == 0
     with h5py.File(out) as record:
         assert list(record.attrs["direction_names"].astype(str)) == ["at first", "", "they pass"]
-        times, numbers = record["direction/time"][:], record["direction/number"][:]
+        times, numbers = record["direction/began"][:], record["direction/number"][:]
         assert list(numbers) == [0, 2, 1, 2, 2]
         assert times == pytest.approx([0.033, 0.033, 0.33, 0.528, 1.023])
         assert set(times) <= set(record["time"][:])
