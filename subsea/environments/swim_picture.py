@@ -8,8 +8,8 @@ from subsea.fish.coupling import couple, place
 from subsea.fish.paint import paint
 from subsea.fish.species import Species
 from subsea.fish.surface import rest_control_points
-from subsea.render.fish.preview import FishPreview, Orbit
-from subsea.render.gl.context import headless_context
+from subsea.rendering.fish.preview import FishPreview, Orbit
+from subsea.rendering.gl.context import headless_context
 
 SIZE = (640, 360)
 ORBIT = Orbit(turn=0.3, tilt=0.6, zoom=0.8)  # from the left and above, with room to turn
