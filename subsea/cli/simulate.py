@@ -55,7 +55,7 @@ def run(options: Namespace) -> int:
     if ticks is None:
         ticks = round(options.seconds / TICK_S)
         say(f"{options.seconds:g} s are {ticks} ticks of {TICK_S:g} s")
-    return simulate(
+    extent = simulate(
         ticks,
         options.out,
         options.scenario,
@@ -64,3 +64,5 @@ def run(options: Namespace) -> int:
         options.changes,
         options.force,
     )
+    print(f"{options.out}: {extent}")
+    return 0

@@ -123,7 +123,8 @@ def deferred_interrupts() -> Iterator[Callable[[], None]]:
             pending = False
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, record) for number in SIGNALS}
+    main = threading.current_thread() is threading.main_thread()  # signals reach no other thread
+    before = {number: signal.signal(number, record) for number in SIGNALS if main}
     try:
         yield check
     finally:

@@ -1,5 +1,6 @@
 """Records of simulations: make, open and measure them; the names that a scenario may have."""
 
+import math
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -59,14 +60,15 @@ def simulate(
 
     Raises:
         UserError: A faulty scenario, or a file that cannot be written.
-        ValueError: A length under half a tick.
+        ValueError: A length under one tick.
 
     Ctrl-C keeps the ticks so far, and continues as KeyboardInterrupt.
     """
-    ticks = round(seconds / TICK_S)
-    if ticks < 1:
+    if not TICK_S <= seconds < math.inf:
         raise ValueError(f"seconds: {seconds!r}, expected at least {TICK_S}")
-    record_run(ticks, Path(out), scenario, fish, seed, change_texts(changes), force)
+    ticks = round(seconds / TICK_S)
+    texts = change_texts(changes)
+    record_run(ticks, Path(out), scenario, fish, seed, texts, force, tell=lambda line: None)
     return Path(out)
 
 

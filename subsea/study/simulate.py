@@ -1,6 +1,6 @@
 """`subsea simulate`: record every fish, for studies. No OpenGL."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,13 +68,13 @@ CODES = {
 
 def simulate(
     ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None,
-    changes: Sequence[str] = (), force: bool = False,
-) -> int:  # fmt: skip
-    """Record `ticks` ticks of a world into `out`; returns the exit code.
+    changes: Sequence[str] = (), force: bool = False, tell: Callable[[str], None] = say,
+) -> str:  # fmt: skip
+    """Record `ticks` ticks of a world into `out`; returns the extent of the record in words.
 
     `changes` are made to the scenario before its text is stored. Nobody steers the submarine.
     Ctrl-C leaves a valid file with the ticks so far. With `force` a file that is not a record is
-    replaced, too.
+    replaced, too. `tell` gets lines on the progress.
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
@@ -84,7 +84,7 @@ def simulate(
         raise UserError("--set: too long for a record; write a scenario file with these values")
     if not any(shoal.number for shoal in chosen.fish):
         raise UserError("has no fishes, nothing to record", file=source)
-    world = start_world(scenario, seed, fish, changes=changes)
+    world = start_world(scenario, seed, fish, tell, changes=changes)
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
     block = _empty_block(length, number)
@@ -114,9 +114,8 @@ def simulate(
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
     for line in world.notices:
-        say(line)
-    print(f"{out}: {_extent(ticks, number)}")
-    return 0
+        tell(line)
+    return _extent(ticks, number)
 
 
 def _extent(ticks: int, fishes: int) -> str:
