@@ -1,0 +1,33 @@
+"""docs/learn_to_swim.py, with little of everything."""
+
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from subsea.environments.swim_vector import SwimVectorEnv
+
+DOCS = Path(__file__).parents[2] / "docs"
+LEARNED = (0.19, 0.05, 0.28, 0.52, 0.38, 0.34, 0.59, 1.0, 1.0)  # as environments.md reports
+RECORDED = 0.999  # L/s
+
+
+@pytest.fixture
+def script(monkeypatch):
+    monkeypatch.syspath_prepend(DOCS)
+    return import_module("learn_to_swim")
+
+
+def test_a_brief_search_prints_and_draws(script, tmp_path, capsys):
+    script.main([str(tmp_path), "--quick"])
+    assert "recorded fast swim: 0.999 L/s" in capsys.readouterr().out
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"environment-swim.png", "environment-swimmer.jpg"}
+
+
+def test_the_learned_swim_is_faster_than_the_recorded_one(script):
+    env = SwimVectorEnv(2)
+    speeds = script.returns(env, np.tile(LEARNED, (2, 1)), seed=5, start=150, measured=100)
+    env.close()
+    assert speeds.min() > 1.05 * RECORDED
