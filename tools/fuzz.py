@@ -47,6 +47,7 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.thumbnails import read_thumbnail
 from subsea.study.record import read_record
 from subsea.study.simulate import simulate
+from subsea.study.sweep import read_result
 from subsea.view.theatre import pfm
 from subsea.view.theatre.mpcdi import read_mpcdi
 from subsea.view.theatre.theatre_file import load_theatre
@@ -57,6 +58,7 @@ from subsea.world.build import create_world
 SECONDS = 10  # for one file
 KILL_AFTER = 6  # times SECONDS, then the process is killed
 MEMORY = 2 * 2**30  # bytes
+RUN = "c0ffee"  # inputs of a run of a sweep
 MAX_FINDINGS = 5  # of a kind, then the next kind
 FILE_EVENTS = {"os.remove", "os.rename", "os.mkdir", "os.rmdir", "subprocess.Popen", "os.system"}
 WRITE_MODES = re.compile(r"[wax+]")
@@ -88,6 +90,13 @@ def records(folder: Path) -> list[bytes]:
     path = folder / "sample.h5"
     simulate(4, path, "preying", 5, 1)
     return [path.read_bytes()]
+
+
+def runs(unused: Path) -> list[bytes]:
+    """The result of a run of a sweep."""
+    return [
+        msgspec.json.encode({"inputs": RUN, "measures": {"seconds": 1.5, "mating.share": None}})
+    ]
 
 
 def reports(unused: Path) -> list[bytes]:
@@ -246,6 +255,7 @@ KINDS = {
     "from-node": Kind(".bin", node_messages, lambda p: messages.from_node(p.read_bytes())),
     "from-master": Kind(".bin", master_messages, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
+    "run": Kind(".json", runs, lambda p: read_result(p, RUN)),
     "photograph": Kind(".png", photographs, read_photograph),
     "sheet": Kind(".png", sheets, color_sheet.read),
     "meshes": Kind(".json", SKIN.samples, SKIN.read),

@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
 
     from capture.recording.batch import record_all
     from capture.recording.resume import repertoire_path
-    from capture.recording.workers import process_pool, serial
+    from capture.recording.workers import dask_workers, process_pool, serial
     from subsea.fish.species import shipped_species, species_names
     from subsea.repertoire import SEGMENTS
     from subsea.repertoire.schema import FORMAT
@@ -104,8 +104,6 @@ def run(options: argparse.Namespace) -> int:
         bars[name].update(segments - bars[name].n)
 
     if options.cluster is not None:
-        from capture.recording.dask_cluster import dask_workers
-
         workers = dask_workers(options.cluster)
     else:
         workers = serial if options.jobs == 1 else process_pool(options.jobs)

@@ -12,7 +12,8 @@ from capture.recording.resume import (
     repertoire_path,
     save_segment,
 )
-from capture.recording.workers import Check, Workers
+from capture.recording.workers import Workers
+from subsea.core.workers import Check
 from subsea.fish.species import load_species
 from subsea.repertoire import SEGMENTS, write_repertoire
 

@@ -19,13 +19,14 @@ from subsea.cli import (
     skin,
     soak,
     study,
+    sweep,
     theatre,
 )
 from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
 
 GROUPS = {
     "dive and film": (dive, film),
-    "simulate and study": (simulate, study, benchmark, soak),
+    "simulate and study": (simulate, study, sweep, benchmark, soak),
     "make fishes": (build, skin),
     "scenarios and theatres": (listing, theatre, keys),
     "this machine": (doctor, settings),

@@ -1,6 +1,6 @@
 """`subsea simulate`: record every fish, without pictures."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,17 @@ def add(commands: Any) -> None:
             "subsea simulate --ticks 900 --out run.h5 --set nature.keen=0.4 --set fish.0.hunger=1",
         ],
     )
+    add_length(parser)
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE.h5", help="record to write"
+    )
+    shared.add(parser, *shared.SCENARIO, "fish", "seed")
+    add_force(parser)
+    parser.set_defaults(run=run)
+
+
+def add_length(parser: ArgumentParser) -> None:
+    """Add --ticks and --seconds."""
     length = parser.add_mutually_exclusive_group(required=True)
     length.add_argument(
         "--ticks",
@@ -37,26 +48,26 @@ def add(commands: Any) -> None:
         metavar="S",
         help="length of the run in seconds, rounded to ticks; instead of --ticks",
     )
-    parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE.h5", help="record to write"
-    )
-    shared.add(parser, *shared.SCENARIO, "fish", "seed")
-    add_force(parser)
-    parser.set_defaults(run=run)
+
+
+def ticks_of(options: Namespace) -> int:
+    """The length of a run in ticks."""
+    from subsea.core.console import say
+    from subsea.world.world import TICK_S
+
+    if options.ticks is not None:
+        return int(options.ticks)
+    ticks = round(options.seconds / TICK_S)
+    say(f"{options.seconds:g} s are {ticks} ticks of {TICK_S:g} s")
+    return ticks
 
 
 def run(options: Namespace) -> int:
     """Record the run."""
-    from subsea.core.console import say
     from subsea.study.simulate import simulate
-    from subsea.world.world import TICK_S
 
-    ticks = options.ticks
-    if ticks is None:
-        ticks = round(options.seconds / TICK_S)
-        say(f"{options.seconds:g} s are {ticks} ticks of {TICK_S:g} s")
     extent = simulate(
-        ticks,
+        ticks_of(options),
         options.out,
         options.scenario,
         options.fish,

@@ -110,7 +110,7 @@ def warm_up(
     marker = _marker()
     if marker.exists():
         return
-    processes = _cores() if processes is None else processes
+    processes = cores() if processes is None else processes
     if processes > 1 and _can_write(marker.parent):
         with _one_at_a_time(tell), suppress(OSError):  # no more processes may be started
             if marker.exists() or _run_all(min(processes, len(JOBS)), tell, check):
@@ -141,7 +141,8 @@ def _can_write(place: Path) -> bool:
     return True
 
 
-def _cores() -> int:
+def cores() -> int:
+    """The number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

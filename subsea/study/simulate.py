@@ -1,6 +1,7 @@
 """`subsea simulate`: record every fish, for studies. No OpenGL."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from subsea.core import hdf5, interrupts
 from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError
 from subsea.core.file_kinds import check_result
-from subsea.dive.start import start_world
+from subsea.dive.start import Say, start_world
 from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
@@ -66,45 +67,75 @@ CODES = {
 }
 
 
+@dataclass(frozen=True)
+class Run:
+    """The inputs of a simulation; None: as in the scenario."""
+
+    scenario: str  # name or path
+    ticks: int
+    seed: int | None = None
+    fish: int | None = None
+    changes: tuple[str, ...] = ()  # made to the scenario before its text is stored
+
+
 def simulate(
     ticks: int, out: Path, scenario: str, fish: int | None, seed: int | None,
     changes: Sequence[str] = (), force: bool = False, tell: Callable[[str], None] = say,
 ) -> str:  # fmt: skip
     """Record `ticks` ticks of a world into `out`; returns the extent of the record in words.
 
-    `changes` are made to the scenario before its text is stored. Nobody steers the submarine.
     Ctrl-C leaves a valid file with the ticks so far. With `force` a file that is not a record is
     replaced, too. `tell` gets lines on the progress.
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
     check_result(out, RECORD, force)
-    chosen, source = load_scenario(scenario, changes)
-    if len(changes) * max(map(len, changes), default=0) > MAX_CHANGES:
+    run = Run(scenario, ticks, seed, fish, tuple(changes))
+    with interrupts.deferred_interrupts() as check:
+        world = record_run(
+            run, out, tell, lambda ticks: tqdm(ticks, unit="tick", disable=None), check
+        )
+    for line in world.notices:
+        tell(line)
+    return _extent(ticks, len(world.state.fishes.species))
+
+
+def record_run(
+    run: Run,
+    out: Path,
+    tell: Say = lambda message: None,
+    progress: Callable[[Iterable[int]], Iterable[int]] = iter,
+    check: Callable[[], None] = lambda: None,
+) -> World:
+    """Record a run into `out`; returns its world. Nobody steers the submarine.
+
+    `tell` gets messages; `progress` wraps the iterable of ticks. `check` is called before each
+    tick: if it raises KeyboardInterrupt, the file has the ticks so far.
+    """
+    chosen, source = load_scenario(run.scenario, run.changes)
+    if len(run.changes) * max(map(len, run.changes), default=0) > MAX_CHANGES:
         raise UserError("--set: too long for a record; write a scenario file with these values")
     if not any(shoal.number for shoal in chosen.fish):
         raise UserError("has no fishes, nothing to record", file=source)
-    world = start_world(scenario, seed, fish, tell, changes=changes)
+    world = start_world(run.scenario, run.seed, run.fish, tell, changes=run.changes)
     number = len(world.state.fishes.species)
-    length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, ticks)))
+    length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, run.ticks)))
     block = _empty_block(length, number)
     held, happened = 0, []
     names = _names(world)
-    attributes = _attributes(world, names, provenance_of(chosen, source, changes, __file__))
+    attributes = _attributes(world, names, provenance_of(chosen, source, run.changes, __file__))
     constants = _constants(world) | _coordinates(world)
-    with (
-        interrupts.deferred_interrupts() as check,
-        hdf5.recording(out, attributes, constants, _notes(names), _SCALES) as append,
-    ):
+    with hdf5.recording(out, attributes, constants, _notes(names), _SCALES) as append:
+        k = 0
         try:
-            for k in tqdm(range(ticks), unit="tick", disable=None):
+            for k in progress(range(run.ticks)):
                 check()
                 if k:  # the world is at its first tick when it has started
                     step(world, NEUTRAL)
                 _note(world, block, held)
                 happened += _begun(world)
                 held += 1
-                if held == length or k == ticks - 1:
+                if held == length or k == run.ticks - 1:
                     append({name: rows[:held] for name, rows in block.items()} | _table(happened))
                     held, happened = 0, []
         except KeyboardInterrupt:
@@ -113,9 +144,7 @@ def simulate(
             if not k:
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
-    for line in world.notices:
-        tell(line)
-    return _extent(ticks, number)
+    return world
 
 
 def _extent(ticks: int, fishes: int) -> str:

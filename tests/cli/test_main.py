@@ -15,8 +15,8 @@ from subsea.scenario.load import own_scenarios
 from subsea.study.record import read_record
 
 COMMANDS = (
-    "dive", "film", "simulate", "study", "benchmark", "soak", "build", "skin", "list", "theatre",
-    "keys", "doctor", "settings",
+    "dive", "film", "simulate", "study", "sweep", "benchmark", "soak", "build", "skin", "list",
+    "theatre", "keys", "doctor", "settings",
 )  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
@@ -94,6 +94,14 @@ FAULTS = [
     (["study", "nowhere.h5"], "subsea: nowhere.h5: no such file"),
     (["study", "/tmp"], "subsea: /tmp: cannot read (it is a folder)"),
     (["study", "a" * 300], "too long"),
+    (["sweep", "peaceful", "--ticks", "5", "--out", "a"], "--seeds"),
+    (["sweep", "peaceful", "--seeds", "5:1", "--ticks", "5", "--out", "a"], "such as 1:64"),
+    (["sweep", "peacefull", "--seeds", "1", "--ticks", "5", "--out", "a"], "'peaceful'"),
+    (
+        ["sweep", "peaceful", "--seeds", "1", "--ticks", "5", "--out", "a", "--set", "seed=1,2"],
+        "give the seeds with --seeds",
+    ),
+    (["sweep", "peaceful", "--seeds", "1", "--ticks", "5", "--out", "/proc/a"], "/proc/a"),
     (["theatre", "nowhere.toml"], "subsea: nowhere.toml: no such file"),
     (["skin", "no.jpg", "--auto", "--species", "clownfish"], "subsea: no.jpg: no such file"),
     (["benchmark", "--compare", "no.json"], "subsea: no.json: no such file"),

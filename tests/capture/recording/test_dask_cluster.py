@@ -14,9 +14,9 @@ import distributed
 import pytest
 
 from capture.cli.main import main
-from capture.recording import dask_cluster as module
 from capture.recording.batch import record_all
-from capture.recording.dask_cluster import dask_workers
+from capture.recording.workers import dask_workers, record_equally
+from subsea.core import dask_cluster as module
 from subsea.core.errors import UserError
 from subsea.core.extras import install_command
 from subsea.fish.species import load_species
@@ -163,4 +163,4 @@ def test_without_dask_the_error_names_the_extra(
 
 def test_a_worker_of_another_version_refuses() -> None:
     with pytest.raises(UserError, match="another version"):
-        module._record(("fusilier", "swim_slow"), load_species("fusilier"), "of yesterday")
+        record_equally((("fusilier", "swim_slow"), load_species("fusilier"), "of yesterday"))

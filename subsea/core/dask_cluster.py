@@ -1,4 +1,4 @@
-"""Record on a Dask cluster instead of local processes (extra `cluster`)."""
+"""Run jobs on a Dask cluster instead of local processes (extra `cluster`)."""
 
 import asyncio
 import logging
@@ -6,39 +6,36 @@ from collections.abc import Mapping
 from time import monotonic, sleep
 from typing import Any
 
-from capture.recording.fingerprint import fingerprint
-from capture.recording.record import Recorded
-from capture.recording.workers import POLL_S, Check, Job, Results, Workers, record_job
 from subsea.core.errors import UserError
 from subsea.core.extras import require
-from subsea.fish.species import Species
+from subsea.core.workers import POLL_S, Check, K, Pool, Results, Work
 
 CONNECT_S = 4.0
 FETCH_S = 5.0
 NO_WORKER_S = 15.0  # longest time without any worker
+LOST = object()  # the result of a job that is repeated
 
 
-def dask_workers(address: str) -> Workers:
-    """Workers of the Dask cluster with a scheduler at ``address``; lost jobs are repeated.
+def dask_pool(address: str) -> Pool[Any]:
+    """The workers of the Dask cluster with a scheduler at ``address``; lost jobs are repeated.
 
-    UserError without the package `distributed`, without an answer or a worker, or for a worker of
-    another version.
+    UserError without the package `distributed`, without an answer or a worker, or for a worker that
+    cannot do the work.
     """
 
-    def run(jobs: Mapping[Job, Species], check: Check) -> Results:
+    def run(work: Work, jobs: Mapping[K, Any], check: Check) -> Results[K]:
         if not jobs:
             return
         with _connect(address) as client:
             tasks = {
-                client.submit(_record, job, species, fingerprint(species), pure=False): job
-                for job, species in jobs.items()
+                client.submit(work, argument, pure=False): job for job, argument in jobs.items()
             }
             last_seen = monotonic()
             while tasks:
                 check()
                 for task in [task for task in tasks if task.done()]:
                     result = _result(task, address)
-                    if result is not None:
+                    if result is not LOST:
                         yield tasks.pop(task), result
                 if _has_workers(client, address):
                     last_seen = monotonic()
@@ -73,13 +70,6 @@ async def _identify(address: str) -> None:
         raise ValueError(identity["type"])
 
 
-def _record(job: Job, species: Species, expected: str) -> Recorded:
-    """Record a segment on a worker; UserError if its version differs from the caller's."""
-    if fingerprint(species) != expected:
-        raise UserError("a worker has another version of subsea, numpy or numba; install the same")
-    return record_job(job, species)
-
-
 def _has_workers(client: Any, address: str) -> bool:
     try:
         return bool(client.scheduler_info()["workers"])
@@ -87,16 +77,16 @@ def _has_workers(client: Any, address: str) -> bool:
         raise UserError(f"{address}: the scheduler has stopped") from fault
 
 
-def _result(task: Any, address: str) -> Recorded | None:
-    """The result of a finished task; None if it was lost with a worker and is repeated."""
+def _result(task: Any, address: str) -> Any:
+    """The result of a finished task; LOST if it went with a worker; None if each worker crashed."""
     from distributed import CancelledError, KilledWorker
 
     try:
-        result: Recorded = task.result(timeout=FETCH_S)
+        return task.result(timeout=FETCH_S)
     except TimeoutError:
+        return LOST
+    except KilledWorker:
         return None
-    except KilledWorker as fault:
-        raise UserError(f"{address}: workers keep crashing; is there enough memory?") from fault
     except (CancelledError, OSError) as fault:
         raise UserError(f"{address}: the scheduler has stopped") from fault
     except ImportError as fault:
@@ -106,6 +96,5 @@ def _result(task: Any, address: str) -> Recorded | None:
     except Exception as fault:  # another version may fail in any way
         reason = f"{type(fault).__name__}: {fault}".splitlines()[0]
         raise UserError(
-            f"{address}: a worker cannot record ({reason}); install the same subsea there"
+            f"{address}: a worker fails ({reason}); install the same subsea there"
         ) from fault
-    return result

@@ -1,0 +1,123 @@
+"""Run jobs in this process, in processes of this computer or on a cluster, with the same results.
+
+A `Pool` takes a function, which other processes can import, and its argument for each job. It
+yields each job with its result, in any order; None for a job whose process crashes each time.
+"""
+
+import os
+import signal
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from multiprocessing import connection, get_context, resource_tracker
+from typing import Any, TypeVar
+
+K = TypeVar("K")
+Check = Callable[[], object]
+"""Called between jobs and while waiting; raises KeyboardInterrupt to cancel."""
+Results = Generator[tuple[K, Any], None, None]
+Work = Callable[[Any], Any]
+Pool = Callable[[Work, Mapping[K, Any], Check], Results[K]]
+
+POLL_S = 0.2
+THREADS = "OPENBLAS_NUM_THREADS"
+MAX_ATTEMPTS = 3  # crashes of processes with the same job
+
+
+def serial(work: Work, jobs: Mapping[K, Any], check: Check) -> Results[K]:
+    """Run the jobs in this process, one after another."""
+    for job, argument in jobs.items():
+        check()
+        yield job, work(argument)
+
+
+def process_pool(number: int) -> Pool[Any]:
+    """A pool of up to `number` processes. A crash costs only the job of its process."""
+
+    def run(work: Work, jobs: Mapping[K, Any], check: Check) -> Results[K]:
+        waiting, crashes = deque(jobs), Counter[K]()
+        running: dict[Any, tuple[Any, K]] = {}  # process and job by the parent's end of its pipe
+        idle: list[tuple[Any, Any]] = []
+        started: list[Any] = []
+        try:
+            while waiting or running:
+                while waiting and len(running) < number:
+                    ours, process = idle.pop() if idle else _start(work, started)
+                    running[ours] = process, waiting[0]
+                    with suppress(OSError):  # has crashed; the next wait finds out
+                        ours.send(jobs[waiting.popleft()])
+                check()
+                ready: list[Any] = connection.wait([*running], POLL_S)
+                for ours in ready:
+                    process, job = running.pop(ours)
+                    try:
+                        done, result = ours.recv()
+                    except (EOFError, OSError):
+                        process.join()
+                        crashes[job] += 1
+                        if crashes[job] < MAX_ATTEMPTS:
+                            waiting.append(job)
+                        else:
+                            yield job, None
+                        continue
+                    if not done:
+                        raise result
+                    idle.append((ours, process))
+                    yield job, result
+        finally:
+            for process in started:
+                process.kill()
+            for process in started:
+                process.join()
+
+    return run
+
+
+def _start(work: Work, started: list[Any]) -> tuple[Any, Any]:
+    """Start a process that runs jobs; return the parent's end of its pipe, and the process."""
+    context = get_context("spawn")
+    resource_tracker.ensure_running()  # later, its start would let Ctrl-C through
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_serve, args=(work, theirs), daemon=True)
+    with _ctrl_c_blocked(), _one_thread():
+        process.start()
+    started.append(process)
+    theirs.close()  # so that a crash ends the pipe
+    return ours, process
+
+
+def _serve(work: Work, pipe: Any) -> None:
+    """Run jobs until the parent ends."""
+    with suppress(EOFError, OSError):
+        while True:
+            argument = pipe.recv()
+            try:
+                answer = True, work(argument)
+            except Exception as fault:
+                answer = False, fault
+            pipe.send(answer)
+
+
+@contextmanager
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Block Ctrl-C in processes that are started inside, which inherit the signal mask.
+
+    A terminal sends Ctrl-C to all processes of a group; only the main one reacts, after this block.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Let processes that are started inside use one thread for matrices, unless set otherwise."""
+    given = THREADS in os.environ
+    os.environ.setdefault(THREADS, "1")
+    try:
+        yield
+    finally:
+        if not given:
+            del os.environ[THREADS]
