@@ -92,9 +92,9 @@ class SwimEnv(gymnasium.Env[Array, Array]):
         self._school.close()
 
     def _info(self) -> dict[str, Any]:
-        school = self._school
+        bodies = self._school.bodies
         return {
-            "burst": not school.bodies.sound[0],
-            "toward": school.toward.item(),
-            "work": school.work.item(),
+            "burst": not bodies.sound[0],
+            "toward": bodies.total_toward.item(),
+            "work": bodies.total_work.item(),
         }

@@ -17,7 +17,7 @@ from subsea.biomechanics.body import (
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import EDGE_ON
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.core.kernels.struct_ref import Kind, by_pointer
@@ -40,6 +40,7 @@ POSE_UNIT = 0.1  # body lengths: displacement of a node from rest that is observ
 OBSERVED = 2 * 3 * NODES + 3 + ACTIONS + 3
 BOUND = 10.0  # observations are clipped to ±BOUND
 TU_PER_S = 10.0
+J_PER_KG = 1e-2  # a cm²/tu²
 
 _SIDE = np.tile(RING_LEFT, 3)  # +1 left, -1 right: of nodes 1 to 12, which carry the fins
 _LOW, _HIGH = STRAIN_LIMITS
@@ -61,7 +62,11 @@ class SwimBodies(NamedTuple):
     command: Array  # (n, 16) contractions, fin angles from edge-on (rad), fin sweeps (cm)
     goal: Array  # (n, 3) direction of length 1, or place
     moved: Array  # (n, 3) displacement of the centre of mass in the last step
-    work: Array  # (n,) of muscles and sweeping fins in the last step, g cm²/tu²
+    toward: Array  # (n,) distance toward the goal in the last step, body lengths
+    work: Array  # (n,) of muscles and sweeping fins in the last step, J/kg
+    total_toward: Array  # (n,) in this episode, as the next two
+    total_work: Array  # (n,)
+    total_seconds: Array  # (n,)
     sound: Bools  # (n,) whether the body kept its shape in the last step
     observed: Array  # (n, 160) float32
     strength: Array  # (12,) greatest contraction of each muscle, a fraction of its rest length
@@ -95,7 +100,11 @@ def make_bodies(muscles: Muscles, number: int, reach: float = 0.0) -> SwimBodies
         command=np.zeros((number, ACTIONS)),
         goal=np.tile([1.0, 0.0, 0.0], (number, 1)),
         moved=np.zeros((number, 3)),
+        toward=np.zeros(number),
         work=np.zeros(number),
+        total_toward=np.zeros(number),
+        total_work=np.zeros(number),
+        total_seconds=np.zeros(number),
         sound=np.ones(number, np.bool_),
         observed=np.zeros((number, OBSERVED), np.float32),
         strength=strength,
@@ -121,6 +130,7 @@ def swim(who: Ints, bodies: SwimBodies, actions: Array, ticks: int) -> None:
     muscles = np.empty((1, MUSCLES))
     force, water = np.zeros((NODES, 3)), np.zeros(3)
     rowing, before = np.zeros(FINS), np.empty(MUSCLES)
+    to_j_per_kg = J_PER_KG / bodies.mass.sum()
     material = Material(bodies.mass, bodies.length, bodies.stiffness, bodies.viscosity, bodies.drag)
     for i in who:
         x, v, command = bodies.x[i].copy(), bodies.v[i].copy(), bodies.command[i].copy()
@@ -140,14 +150,30 @@ def swim(who: Ints, bodies: SwimBodies, actions: Array, ticks: int) -> None:
         bodies.sound[i] = (
             np.isfinite(x).all() and watch[0] >= _LOW and watch[1] <= _HIGH and watch[2] > 0.0
         )
+        bodies.total_seconds[i] += ticks * TICK_S
         if bodies.sound[i]:
-            store(bodies.moved[i], minus(centre(x, bodies.mass), start))
-            bodies.work[i] = work
+            moved = minus(centre(x, bodies.mass), start)
+            store(bodies.moved[i], moved)
+            bodies.toward[i] = approach(bodies, i, x, moved)
+            bodies.work[i] = to_j_per_kg * work
+            bodies.total_toward[i] += bodies.toward[i]
+            bodies.total_work[i] += bodies.work[i]
             bodies.x[i], bodies.v[i], bodies.command[i] = x, v, command
         else:
             bodies.moved[i] = 0.0
+            bodies.toward[i] = 0.0
             bodies.work[i] = 0.0
         observe_one(bodies, i)
+
+
+@kernel
+def approach(bodies: SwimBodies, i: int, x: Array, moved: Vector) -> float:
+    """Body lengths toward the goal of body ``i``: nodes move to ``x``, the centre by ``moved``."""
+    goal = vector(bodies.goal[i])
+    if bodies.reach == 0.0:
+        return dot(moved, goal) / bodies.body_length
+    before, after = minus(goal, origin_of(bodies.x[i])), minus(goal, origin_of(x))
+    return (math.sqrt(dot(before, before)) - math.sqrt(dot(after, after))) / bodies.body_length
 
 
 @kernel

@@ -27,7 +27,6 @@ from subsea.fish.species import Species, load_species, muscular_names
 from subsea.profiling.machine import cores
 
 DISTURBANCE = 0.1  # rms random velocity of each node at the start, cm/tu
-J_PER_KG = 1e-2  # a cm²/tu²
 LEAST_PART = 16  # bodies, about 0.3 ms of work: fewer are not worth a thread
 PARTS_PER_THREAD = 4  # a thread that is held up then delays the step less
 
@@ -61,15 +60,18 @@ class SwimSchool:
         task = task_named(exercise.task)
         self._goal, self._reward = task.goal, exercise.reward or task.reward
         self._ticks = exercise.frame_skip
-        self.seconds = self._ticks * TICK_S
         length = muscles.body.length
         reach = PLACE_DISTANCES[1] * length if task.goal == "place" else 0.0
         self.bodies = make_bodies(muscles, number, reach)
-        self.toward = np.zeros(number)  # body lengths toward the goal in this episode
-        self.work = np.zeros(number)  # J/kg in this episode
-        self.time_s = np.zeros(number)
-        self._to_lengths = 1.0 / length
-        self._to_j_per_kg = J_PER_KG / float(self.bodies.mass.sum())
+        self._step = SwimStep(
+            self.bodies.toward,
+            self.bodies.work,
+            self._ticks * TICK_S,
+            self.bodies.total_toward,
+            self.bodies.total_work,
+            self.bodies.total_seconds,
+            self.bodies,
+        )
         self._threads = threads or cores()
         self._pool = ThreadPoolExecutor(self._threads, "swim") if self._threads > 1 else None
 
@@ -84,42 +86,23 @@ class SwimSchool:
         bodies = self.bodies
         bodies.x[who], bodies.command[who] = bodies.rest, 0.0
         bodies.sound[who] = True
-        self.toward[who], self.work[who], self.time_s[who] = 0.0, 0.0, 0.0
+        bodies.toward[who], bodies.work[who], bodies.total_seconds[who] = 0.0, 0.0, 0.0
+        bodies.total_toward[who], bodies.total_work[who] = 0.0, 0.0
         for i in who.tolist():
             bodies.v[i] = randoms[i].normal(0.0, DISTURBANCE, (NODES, 3))
             self._draw_goal(i, randoms[i])
         observe(who, bodies)
 
     def step(self, who: Ints, actions: Array, randoms: list[np.random.Generator]) -> Array:
-        """Advance the bodies ``who`` under ``actions`` (n, 16); return all rewards (n,).
-
-        Bodies that are not in ``who`` do not move in this step.
-        """
-        bodies = self.bodies
-        still = len(who) < len(self.toward)
-        place = bodies.reach > 0.0
-        if place:
-            before = self._distances()
+        """Advance the bodies ``who`` under ``actions`` (n, 16); return the rewards of all (n,)."""
         self._swim(who, actions)
-        toward = before - self._distances() if place else _dot(bodies.moved, bodies.goal)
-        toward = toward * self._to_lengths
-        work = bodies.work * self._to_j_per_kg
-        if still:
-            idle = np.ones(len(toward), np.bool_)
-            idle[who] = False
-            toward[idle], work[idle] = 0.0, 0.0
-        self.toward += toward
-        self.work += work
-        self.time_s[who] += self.seconds
-        rewards = self._reward(
-            SwimStep(toward, work, self.seconds, self.toward, self.work, self.time_s, bodies)
-        )
-        if place:
-            near = self._distances()[who] * self._to_lengths < ARRIVED
-            for i in (arrived := who[near]).tolist():
+        rewards = np.array(self._reward(self._step), np.float64)
+        if self.bodies.reach > 0.0:
+            arrived = who[self._distances()[who] < ARRIVED * self.bodies.body_length]
+            for i in arrived.tolist():
                 self._draw_goal(i, randoms[i])
-            observe(arrived, bodies)
-        return np.asarray(rewards, np.float64)
+            observe(arrived, self.bodies)
+        return rewards
 
     def burst(self) -> Bools:
         """True for bodies (n,) that lost their shape in their last step."""
@@ -137,24 +120,15 @@ class SwimSchool:
         cut = np.array_split(who, parts)
         list(self._pool.map(lambda part: swim(part, self.bodies, actions, self._ticks), cut))
 
-    def _origins(self) -> Array:
-        """Origins (n, 3) of the body frames."""
-        return 0.5 * (self.bodies.x[:, 5] + self.bodies.x[:, 7])
-
     def _distances(self) -> Array:
         """Distances (n,) of the bodies from their places, cm."""
-        gap = self.bodies.goal - self._origins()
-        return np.sqrt(_dot(gap, gap))
+        origins = 0.5 * (self.bodies.x[:, 5] + self.bodies.x[:, 7])
+        return np.asarray(np.linalg.norm(self.bodies.goal - origins, axis=1))
 
     def _draw_goal(self, i: int, random: np.random.Generator) -> None:
         x = self.bodies.x[i]
         length = self.bodies.body_length
         self.bodies.goal[i] = draw_goal(self._goal, 0.5 * (x[5] + x[7]), length, random)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    """Dot products (n,) of vectors (n, 3), summed in the same order for any n."""
-    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
 
 
 def checked_actions(actions: object, shape: tuple[int, ...]) -> Array:

@@ -19,7 +19,7 @@ TINY = 1e-9
 class SwimStep(NamedTuple):
     """The input of a reward: n bodies after a step. L is the body length.
 
-    SwimEnv has n = 1.
+    SwimEnv has n = 1. The arrays change with the next step.
     """
 
     toward: Array  # (n,) L: distance toward the goal in this step

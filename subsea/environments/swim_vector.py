@@ -89,10 +89,10 @@ class SwimVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         """Swim one step; ValueError for actions of another shape or that are not finite."""
         actions = checked_actions(actions, self.action_space.shape or ())
         again, who = np.flatnonzero(self._ended), np.flatnonzero(~self._ended)
-        rewards = self._school.step(who, actions, self._randoms)
-        rewards[again] = 0.0
         if len(again):
             self._school.begin(again, self._randoms)
+        rewards = self._school.step(who, actions, self._randoms)
+        rewards[again] = 0.0
         self._steps += 1
         self._steps[again] = 0
         terminated = self._school.burst()
@@ -117,6 +117,10 @@ class SwimVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return list(seed)
 
     def _infos(self, burst: Bools) -> dict[str, Any]:
-        school, everyone = self._school, np.ones(self.num_envs, np.bool_)
-        infos = {"burst": burst.copy(), "toward": school.toward.copy(), "work": school.work.copy()}
+        bodies, everyone = self._school.bodies, np.ones(self.num_envs, np.bool_)
+        infos = {
+            "burst": burst.copy(),
+            "toward": bodies.total_toward.copy(),
+            "work": bodies.total_work.copy(),
+        }
         return {**infos, **{f"_{name}": everyone for name in infos}}
