@@ -4,7 +4,8 @@ import numpy as np
 
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
-from subsea.behavior.hunting import EAGER, hunt
+from subsea.behavior.hunting import EAGER, hunt, is_chewing
+from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import wander
@@ -78,8 +79,31 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             wander(fishes, minds, i, sea, clock)
             continue
         distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)
-        near = 1.0 - (distance / fishes.length[i] - SUCK_BL) / (OPEN_BL - SUCK_BL)
-        fishes.gape[i] = min(max(near, 0.0), 1.0)
+        fishes.gape[i] = _gape_at(distance / fishes.length[i])
+
+
+@kernel
+def _gape_at(distance_bl: float) -> float:
+    """Opening of the mouth for a speck at a distance in body lengths."""
+    return min(max(1.0 - (distance_bl - SUCK_BL) / (OPEN_BL - SUCK_BL), 0.0), 1.0)
+
+
+@kernel
+def snap(i: int, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Let fish i eat its nearest food if that is before its mouth, without heading for it."""
+    k, mouth = minds.food[i], mouth_of(fishes, i)
+    if k < 0:
+        return
+    if minds.kind[i] == PREDATOR:
+        distance = norm(minus(vector(fishes.position[k]), mouth)) / fishes.length[i]
+        ready = fishes.alive[k] and not is_chewing(minds, i, clock)
+        gape = 1.0 if ready and distance < HUNTERS_OPEN_BL else 0.0
+    else:
+        distance = norm(minus(vector(sea.plankton[k]), mouth)) / fishes.length[i]
+        gape = _gape_at(distance) if sea.absent[k] <= 0.0 else 0.0
+    if gape > 0.0:
+        minds.intention[i], minds.target[i] = EAT, k
+        fishes.gape[i] = gape
 
 
 @kernel

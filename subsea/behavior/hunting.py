@@ -48,11 +48,11 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     Without prey, or while it chews the last one, cruise.
     """
     j = minds.target[i] if minds.target[i] >= 0 else minds.food[i]
-    since = clock.tick * clock.dt - minds.last_meal[i]
-    chews = since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
+    chews = is_chewing(minds, i, clock)
     if j < 0 or not fishes.alive[j] or chews:
         wander(fishes, minds, i, sea, clock)
         if chews:
+            since = clock.tick * clock.dt - minds.last_meal[i]
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
         return
     minds.target[i] = j
@@ -70,6 +70,13 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)
     fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
+
+
+@kernel
+def is_chewing(minds: Minds, i: int, clock: Clock) -> bool:
+    """True if hunter i still chews its last catch."""
+    since = clock.tick * clock.dt - minds.last_meal[i]
+    return since < CHEW_S and minds.eaten[i] > 0.0 and minds.last_meal[i] > 0.0
 
 
 @kernel

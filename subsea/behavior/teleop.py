@@ -1,20 +1,22 @@
-"""Teleoperation: a pilot's commands replace the intentions of one fish.
+"""Teleoperation: commands of a pilot or a program replace the intentions of fishes.
 
-The fish still senses and feels, and others react to it as before; its intention is to wander. The
-command is kept clear of solids and of the bounds of the sea, and the motor system turns it into
-segments, tempo and thrust.
+The fish still senses and feels, and others react to it as before; its intention is to wander, or
+to eat what is before its mouth if it may feed. The command is kept clear of solids and of the
+bounds of the sea, and the motor system turns it into segments, tempo and thrust.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.behavior.chasing import set_urge
+from subsea.behavior.eating import snap
 from subsea.behavior.steering import keep_clear
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, times, vector
-from subsea.state import WANDER, Fishes, Minds, Sea
+from subsea.state import WANDER, Clock, Fishes, Minds, Sea
 
 # Angle of a full turn. Here a fish bends its beat and aligns itself at once; beyond, it would make
 # a sharp turn, which begins later and is no faster in the end.
@@ -29,6 +31,38 @@ class TeleopCommand(NamedTuple):
     turn: float = 0.0  # left positive
     rise: float = 0.0
     speed: float = 0.0  # share of its fastest; below 0 it backs off
+
+
+class TeleopCommands(NamedTuple):
+    """Commands to k fishes for a tick, of which no two name the same fish."""
+
+    fish: Ints  # (k,)
+    turn: Array  # (k,), these three as in `TeleopCommand`
+    rise: Array
+    speed: Array
+    feeds: Bools  # (k,) whether it eats what is before its mouth
+
+    def taken(self, chosen: Any) -> "TeleopCommands":
+        """Commands chosen by an index or mask."""
+        return TeleopCommands(*(part[chosen] for part in self))
+
+
+def as_commands(command: TeleopCommand) -> TeleopCommands:
+    """The commands that steer one fish, which does not feed."""
+    turn, rise, speed = np.array(command[1:], np.float64)[:, None]
+    return TeleopCommands(np.array([command.fish]), turn, rise, speed, np.array([False]))
+
+
+@kernel
+def follow_commands(
+    commands: TeleopCommands, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock
+) -> None:
+    """Steer the commanded fishes, which must be alive."""
+    for k, i in enumerate(commands.fish):
+        turn, rise, speed = commands.turn[k], commands.rise[k], commands.speed[k]
+        follow_command(i, turn, rise, speed, fishes, minds, sea)
+        if commands.feeds[k]:
+            snap(i, fishes, minds, sea, clock)
 
 
 @kernel

@@ -76,7 +76,7 @@ def _routines() -> None:
 
 def _motion() -> None:
     world = _open_water()
-    step.perceive(world, CLOCK)
+    step.perceive(world, CLOCK, NEUTRAL)
     step.move_water(world, CLOCK)
     step.move_fishes(world, CLOCK)
 

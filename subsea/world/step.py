@@ -4,6 +4,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from subsea.behavior import biting, eating, hunting, schooling, steering
 from subsea.behavior.colouring import ease_display
 from subsea.behavior.intention import choose_intention
@@ -16,7 +18,7 @@ from subsea.behavior.table import (
     compute_desires,
     run_routines,
 )
-from subsea.behavior.teleop import TeleopCommand, follow_command
+from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.core.arrays import Ints
 from subsea.directing.director import direct
 from subsea.geometry.height_field import height_at
@@ -32,38 +34,41 @@ from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.scheduling import fish_due
 from subsea.perception.senses import sense
-from subsea.state import NOBODY, Clock, Submarine
+from subsea.state import Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
 from subsea.world.world import TICK_S, World
 
-Order = Helm | Rail | TeleopCommand  # input that steers the submarine or a fish in a tick
+# Input that steers the submarine or fishes in a tick.
+Order = Helm | Rail | TeleopCommand | TeleopCommands
 
 
 def step(world: World, order: Order) -> None:
     """Advance the world by one tick, 33 ms.
 
-    A helm or a rail moves the submarine. With a teleop command the submarine holds its place, and
-    the command steers a fish in place of its intentions.
+    A helm or a rail moves the submarine. With teleop commands the submarine holds its place, and
+    each command steers a fish in place of its intentions. An IndexError for an unknown fish.
     """
     state = world.state
     clock = Clock(state.seed, state.tick, TICK_S)
-    steered = order.fish if isinstance(order, TeleopCommand) else NOBODY
+    commands = as_commands(order) if isinstance(order, TeleopCommand) else order
     world.stages_s.clear()
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
     with _stage(world, "habitat"):
         move_water(world, clock)
     with _stage(world, "perception"):
-        who = perceive(world, clock)
-    free = who[who != steered]
+        who = perceive(world, clock, commands)
+    free = who
+    if isinstance(commands, TeleopCommands):
+        free = np.setdiff1d(who, commands.fish, assume_unique=True)
     with _stage(world, "behavior"):
         decide(world, who, free, clock)
     with _stage(world, "perception"):
         focus(free, state.fishes, state.minds, state.sea, world.nature, clock)
     with _stage(world, "behavior"):
-        act(world, free, order, clock)
+        act(world, free, commands, clock)
         state.minds.pause[who] = 0.0
     with _stage(world, "motor"):
         move_fishes(world, clock)
@@ -89,13 +94,17 @@ def move_water(world: World, clock: Clock) -> None:
     step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
 
 
-def perceive(world: World, clock: Clock) -> Ints:
+def perceive(world: World, clock: Clock, order: Order) -> Ints:
     """Update the senses of the fishes that think in this tick, and return these.
 
-    Fishes take turns to think: those far from the submarine do it less often.
+    Fishes take turns to think: those far from the submarine do it less often. Steered ones that
+    feed think in every tick, or they would miss what is before their mouths.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     who = fish_due(fishes, minds, sea, world.scenario.water.visibility_cm, clock)
+    if isinstance(order, TeleopCommands):
+        feeding = order.fish[order.feeds]
+        who = np.union1d(who, feeding[fishes.alive[feeding]])
     sense(who, fishes, minds, sea, world.nature, clock)
     for fish, light in world.seen_light.items():
         minds.light[fish] = light
@@ -120,8 +129,9 @@ def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
     fishes.gape[free] = 0.0
     run_routines(free, fishes, minds, sea, world.nature, clock)
     steering.keep_clear(free, fishes, minds, sea)
-    if isinstance(order, TeleopCommand) and fishes.alive[order.fish]:
-        follow_command(*order, fishes, minds, sea)
+    if isinstance(order, TeleopCommands):
+        living = order.taken(fishes.alive[order.fish])
+        follow_commands(living, fishes, minds, sea, clock)
     steering.ease_goals(fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)

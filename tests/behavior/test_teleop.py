@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.teleop import TeleopCommand
+from subsea.behavior.chasing import mouth_of
+from subsea.behavior.teleop import TeleopCommand, TeleopCommands
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
 from subsea.habitat.clearance import clearances
@@ -215,3 +216,60 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
         step(world, TeleopCommand(predator, speed=0.6))
         fleeing += minds.predator[prey] == predator and minds.intention[prey] == ESCAPE
     assert fleeing > 20
+
+
+def commands(fish, turn=0.0, speed=0.0, feeds=False):
+    fish = np.asarray(fish)
+    turn, rise, speed = (np.full(len(fish), share, np.float64) for share in (turn, 0.0, speed))
+    return TeleopCommands(fish, turn, rise, speed, np.full(len(fish), feeds))
+
+
+def test_several_fishes_follow_their_own_commands_in_one_tick(world, begun):
+    fish = np.array([FISH, 7, 20])
+    given = TeleopCommands(
+        fish, np.array([1.0, -1.0, 0.0]), np.array([0.0, 0.5, 0.0]), np.array([0.7, 0.7, -1.0]),
+        np.zeros(3, bool),
+    )  # fmt: skip
+    step(world, given)
+    together = {
+        name: array.copy() for name, array in snapshot.changing(world).items() if len(array) == 60
+    }
+    for k, one in enumerate(fish):
+        snapshot.restore(world, begun[1])
+        step(world, TeleopCommand(one, *(float(part[k]) for part in given[1:4])))
+        for name, array in snapshot.changing(world).items():
+            if name.startswith(("fishes.", "minds.")) and len(array) == 60:
+                np.testing.assert_array_equal(array[one], together[name][one], err_msg=name)
+    with pytest.raises(IndexError):
+        step(world, commands([FISH, 60]))
+    world.state.fishes.alive[FISH] = False
+    step(world, commands([FISH, 7], turn=1.0))  # a dead fish is not steered
+
+
+def test_a_steered_fish_that_may_feed_eats_what_is_before_its_mouth(world):
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    for feeds in (False, True):
+        minds.eaten[FISH] = 0.0
+        sea.absent[:] = 1e3
+        sea.absent[4] = 0.0
+        sea.plankton[4] = mouth_of(fishes, FISH) + 0.3 * fishes.length[FISH] * ahead(fishes, FISH)
+        for _ in range(30):
+            step(world, commands([FISH], speed=0.2, feeds=feeds))
+        assert minds.eaten[FISH] == feeds
+    assert minds.intention[FISH] == WANDER  # nothing is left to eat
+    assert fishes.gape[FISH] == 0.0
+
+
+def test_a_steered_predator_that_may_feed_catches_prey_and_chews_it():
+    world = create_world(load_scenario("preying")[0])
+    fishes, minds = world.state.fishes, world.state.minds
+    shark = int(np.flatnonzero(minds.kind == PREDATOR)[0])
+    prey = np.flatnonzero(minds.kind == PREY)
+    step(world, NEUTRAL)
+    for feeds, caught in ((False, 0), (True, 1), (True, 1)):  # the third is offered too early
+        living = prey[fishes.alive[prey]]
+        gap = 0.05 * fishes.length[shark]
+        fishes.position[living[0]] = mouth_of(fishes, shark) + gap * ahead(fishes, shark)
+        for _ in range(8):
+            step(world, commands([shark], feeds=feeds))
+        assert np.count_nonzero(~fishes.alive[prey]) == caught
