@@ -5,7 +5,6 @@ and, by `scatter` or `place`, where the steered fishes start. No fish is simulat
 their repertoires.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
@@ -17,6 +16,7 @@ from subsea.core.errors import UserError, unknown
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import out_of_solids
+from subsea.library.world import Changes, change_texts
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import STATION
 from subsea.world.build import create_world
@@ -38,7 +38,7 @@ class SeaOptions:
 
     scenario: str = "peaceful"  # a name or a file
     fish_count: int | None = None  # scales the shoals to this total; None: as in the scenario
-    changes: Sequence[str] = ()  # settings as of `--set`
+    changes: Changes = ()  # of the scenario, as of `subsea.load`
     ticks: int = 3  # of 33 ms between two decisions
     max_steps: int = 600  # decisions after which an episode is truncated
     retina_size: tuple[int, int] = (64, 64)  # pixels of each eye
@@ -75,7 +75,7 @@ class LivingSea:
 
     def __init__(self, options: SeaOptions) -> None:
         """Build the world of the scenario with its own seed."""
-        scenario, source = load_scenario(options.scenario, list(options.changes))
+        scenario, source = load_scenario(options.scenario, change_texts(options.changes))
         self.options, self.scenario = options, with_total(scenario, options.fish_count)
         self.world = create_world(self.scenario, live=0, source=str(source))
         for _ in range(SETTLE_TICKS):

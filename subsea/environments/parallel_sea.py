@@ -128,9 +128,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
 
     def close(self) -> None:
         """Release the renderer."""
-        if self._pictures is not None:
-            self._pictures.close()
-            self._pictures = None
+        self._pictures = None
 
     def _who(self) -> Ints:
         return np.array([self._fish[agent] for agent in self.agents])

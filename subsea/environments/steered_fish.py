@@ -104,9 +104,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any]):
 
     def close(self) -> None:
         """Release the renderer."""
-        if self._pictures is not None:
-            self._pictures.close()
-            self._pictures = None
+        self._pictures = None
 
     def _observe(self) -> Array | Bytes:
         if self._observation == "senses":
