@@ -34,7 +34,7 @@ class TeleopCommand(NamedTuple):
 
 
 class TeleopCommands(NamedTuple):
-    """Commands to k fishes for a tick, of which no two name the same fish."""
+    """Commands to k different fishes for a tick."""
 
     fish: Ints  # (k,)
     turn: Array  # (k,), these three as in `TeleopCommand`

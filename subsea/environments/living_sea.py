@@ -1,6 +1,6 @@
 """A scenario's sea for episodes of learning, in which chosen fishes are steered.
 
-The world is built once. Each episode restores it and draws anew the key of all its random numbers
+The world is built once. Each episode restores it and draws another key of all its random numbers
 and, by `scatter` or `place`, where the steered fishes start. No fish is simulated: all move by
 their repertoires.
 """
@@ -61,7 +61,7 @@ def sea_options(default_scenario: str, given: dict[str, Any]) -> SeaOptions:
 
 
 class Outcome(NamedTuple):
-    """What a decision has brought to k fishes, for rewards and records."""
+    """The result of a decision for k fishes, which rewards read."""
 
     world: Any  # `subsea.world.world.World`, after the decision
     fish: Ints  # (k,) their indices

@@ -20,7 +20,7 @@ RENDER_MODES = ["rgb_array"]
 
 
 class SteeredFishEnv(gymnasium.Env[Any, Any]):
-    """What `ForageEnv` and `EscapeEnv` have in common; subclasses choose and place the fish."""
+    """The base of `ForageEnv` and `EscapeEnv`, which choose and place the fish."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012 as in the base
 
