@@ -71,7 +71,9 @@ def test_every_file_named_in_a_page_exists():
         (page.name, name)
         for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
         for name in named.findall(page.read_text(encoding="utf-8"))
-        if "NAME" not in name and not (ROOT / name).exists()
+        if "NAME" not in name
+        and not (ROOT / name).exists()
+        and not re.fullmatch(r"subsea/\w+-v\d+", name)  # an environment
     }
     assert missing == set()
 

@@ -50,6 +50,13 @@ def test_gymnasium_finds_no_fault(task):
     check_env(gymnasium.make("subsea/Swim-v0", task=task).unwrapped, skip_render_check=True)
 
 
+@pytest.mark.filterwarnings("error")
+def test_gymnasium_finds_no_fault_in_pictures():
+    env = gymnasium.make("subsea/Swim-v0", render_mode="rgb_array")
+    check_env(env.unwrapped)
+    env.close()
+
+
 def test_the_same_seed_is_the_same_episode():
     episodes = []
     for _ in range(2):
