@@ -23,6 +23,7 @@ _PLACES = {
     "retina": "subsea.library.pictures",
     "Retina": "subsea.library.pictures",
     "simulate": "subsea.library.records",
+    "sweep": "subsea.library.records",
     "open_record": "subsea.library.records",
     "measure": "subsea.library.records",
     "Record": "subsea.study.record",

@@ -10,6 +10,7 @@ from subsea.library.records import open_record as open_record
 from subsea.library.records import scenarios as scenarios
 from subsea.library.records import simulate as simulate
 from subsea.library.records import species as species
+from subsea.library.records import sweep as sweep
 from subsea.library.world import World as World
 from subsea.library.world import load as load
 from subsea.study.record import Record as Record

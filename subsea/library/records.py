@@ -1,16 +1,24 @@
 """Records of simulations: make, open and measure them; the names that a scenario may have."""
 
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from subsea.core.console import say
+from subsea.core.extras import missing_packages
+from subsea.core.interrupts import deferred_interrupts
+from subsea.core.workers import process_pool, serial
+from subsea.dive.warm_up import cores, warm_up
 from subsea.fish.species import species_names
 from subsea.library.world import Changes, change_texts
 from subsea.scenario.load import scenario_names
 from subsea.study.record import Record, read_record
 from subsea.study.report import measure as measures_of
-from subsea.study.simulate import simulate as record_run
+from subsea.study.simulate import simulate as simulate_run
+from subsea.study.sweep import Sweep
+from subsea.study.sweep import sweep as run_sweep
 from subsea.world.world import TICK_S
 
 PathText = str | PathLike[str]
@@ -64,12 +72,62 @@ def simulate(
 
     Ctrl-C keeps the ticks so far, and continues as KeyboardInterrupt.
     """
-    if not TICK_S <= seconds < math.inf:
-        raise ValueError(f"seconds: {seconds!r}, expected at least {TICK_S}")
-    ticks = round(seconds / TICK_S)
+    ticks = _ticks(seconds)
     texts = change_texts(changes)
-    record_run(ticks, Path(out), scenario, fish, seed, texts, force, tell=lambda line: None)
+    simulate_run(ticks, Path(out), scenario, fish, seed, texts, force, tell=lambda line: None)
     return Path(out)
+
+
+def sweep(
+    scenario: str,
+    out: PathText,
+    *,
+    seeds: Iterable[int],
+    seconds: float,
+    values: Mapping[str, Sequence[Any]] | None = None,
+    fish: int | None = None,
+    jobs: int | None = None,
+    records: bool = False,
+) -> Path:
+    """Record and measure every combination of seeds and values, as `subsea sweep` does.
+
+    Args:
+        scenario: A name of `subsea.scenarios()`, or the path of a file.
+        out: A folder for the results. Runs that it has already are not made again.
+        seeds: The seeds.
+        seconds: Length of each run, rounded to ticks of 0.033 s.
+        values: The values of each key to try: `{"nature.timidity": [1.0, 2.0]}`.
+        fish: The number of fishes to which shoals are scaled; None: the scenario's.
+        jobs: Parallel processes; None: one for each core; 1: none but this one. A script that uses
+            several must call this below ``if __name__ == "__main__":``, as Python asks.
+        records: True keeps the record of each run in the folder ``records``.
+
+    Returns:
+        The table with a row for each run: Parquet, or CSV without the extra `sweep`.
+        docs/reference/records.md describes its columns.
+
+    Raises:
+        UserError: A faulty scenario or value, or a file that cannot be written.
+        ValueError: A length under one tick, or less than one job.
+
+    >>> table = subsea.sweep("peaceful", "few", seeds=[1, 2], seconds=0.33, fish=10, jobs=1)
+    >>> table.name
+    'sweep.parquet'
+    """
+    if jobs is not None and jobs < 1:
+        raise ValueError(f"jobs: {jobs!r}, expected at least 1")
+    runs = Sweep(scenario, [*seeds], _ticks(seconds), fish, values or {})
+    jobs = cores() if jobs is None else jobs
+    with deferred_interrupts() as check:
+        warm_up(say, check)
+        return run_sweep(
+            runs,
+            Path(out),
+            pool=serial if jobs == 1 else process_pool(jobs),
+            csv=bool(missing_packages("sweep")),
+            records=records,
+            check=check,
+        )
 
 
 def open_record(path: PathText) -> Record:
@@ -95,3 +153,10 @@ def measure(record: Record | PathText) -> dict[str, Any]:
     10
     """
     return measures_of(record if isinstance(record, Record) else open_record(record))
+
+
+def _ticks(seconds: float) -> int:
+    """Seconds in ticks; a ValueError for less than one."""
+    if not TICK_S <= seconds < math.inf:
+        raise ValueError(f"seconds: {seconds!r}, expected at least {TICK_S}")
+    return round(seconds / TICK_S)
