@@ -53,7 +53,7 @@ NAMES = (
 
 
 def senses(world: World, who: Ints) -> Array:
-    """Perceptions of the fishes `who` (k,): float32 (k, len(NAMES)) in [-1, 1]; zeros for dead ones."""
+    """Perceptions of fishes `who` (k,): float32 (k, len(NAMES)) in [-1, 1]; zeros for dead ones."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     axes = matrix(fishes.orientation[who].astype(np.float64))  # columns are the body axes
     length = fishes.length[who].astype(np.float64)
