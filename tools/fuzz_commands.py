@@ -58,6 +58,7 @@ COMMANDS = {
         "simulate": ["--ticks=1", "--fish=1", "--out=out.h5"],
         "film": ["out.png", "--fish=1", "--size=64x64", "--seconds=0.05", "--quality=low"],
         "study": ["run.h5"],
+        "sweep": ["peaceful", "--seeds=1", "--ticks=1", "--fish=1", "--jobs=1", "--out=sweep"],
         "benchmark": ["--frames=1", "--fish=1", "--size=64x64"],
         "soak": ["--minutes=0.01", "--fish=1", "--no-draw"],
         "list": ["scenarios"],
@@ -78,7 +79,7 @@ COMMANDS = {
         "mesh": ["clownfish", "mesh.obj", "--out=mesh"],
     },
 }
-SLOW = {"record", "plot", "learn", "export"}  # started with faulty arguments only
+SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with faulty arguments only
 
 
 class Case(NamedTuple):

@@ -208,6 +208,11 @@ def words(values: Sequence[str]) -> NDArray[Any]:
     return np.array(row, h5py.string_dtype("utf-8", max(map(len, row), default=0) or 1))
 
 
+def has_attribute(group: Any, name: str) -> bool:
+    """True if `group` has an attribute of that name."""
+    return name in group.attrs
+
+
 def attribute(group: Any, name: str, kind: type, where: str) -> Any:
     """The attribute `name` of a group as a plain Python value of the given `kind`.
 

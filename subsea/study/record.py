@@ -185,6 +185,15 @@ class Record(NamedTuple):
     kind_names: list[str]
 
 
+class Origin(NamedTuple):
+    """The inputs of a record, except its seed; without a hash if its version is older."""
+
+    title: str
+    scenario_sha256: str
+    changes: tuple[str, ...]
+    fish: int
+
+
 # Fields of Record that are datasets, and names that differ from the end of the path.
 _RENAMED = {"plankton/count": "plankton"}
 _READ = {
@@ -241,6 +250,22 @@ def read_record(path: Path) -> Record:
         )
     _check(record, where)
     return record
+
+
+def read_origin(path: Path) -> Origin:
+    """Read the origin of a record; a damaged file is a UserError."""
+    where = str(path)
+    with hdf5.reading(path) as file:
+        number = hdf5.attribute(file, "fish", int, where)
+        if not hdf5.has_attribute(file, "scenario_sha256"):
+            return Origin("", "", (), number)
+        changes = hdf5.texts(file, "changes", where)
+        return Origin(
+            title=hdf5.attribute(file, "title", str, where),
+            scenario_sha256=hdf5.attribute(file, "scenario_sha256", str, where),
+            changes=tuple(one for one in changes if one.partition("=")[0].strip() != "seed"),
+            fish=number,
+        )
 
 
 def _dataset(file: Any, path: str, lengths: dict[str, int], where: str) -> NDArray[Any]:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from subsea.study.record import Record, read_record
 from subsea.study.schools import School, schools, splits
 from subsea.study.table import Measured, table
 
-MEASURES = json_file("a report of `subsea study`", "minds")
+MEASURES = json_file("a report of `subsea study`", "minds", "groups")
 
 
 def study(record: Path, out: Path | None, report: Path | None, force: bool = False) -> int:
@@ -35,7 +35,7 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
     `force`, a file of another kind. Ctrl-C leaves no result.
     """
     plots = plots_in(out) if out else []
-    _refuse_clashes(record, [*([report] if report else []), *plots])
+    refuse_clashes([record], [*([report] if report else []), *plots])
     if report:
         check_result(report, MEASURES, force)
     if out:
@@ -57,9 +57,9 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
     return 0
 
 
-def _refuse_clashes(record: Path, results: list[Path]) -> None:
-    """Raise a UserError if a result would replace the record or another result."""
-    taken = {os.path.realpath(record): "the record"}
+def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
+    """Raise a UserError if a result would replace a record or another result."""
+    taken = {os.path.realpath(record): "the record" for record in records}
     for result in results:
         place = os.path.realpath(result)
         if place in taken:
