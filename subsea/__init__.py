@@ -17,6 +17,7 @@ _PLACES = {
     "World": "subsea.library.world",
     "Helm": "subsea.submarine.helm",
     "TeleopCommand": "subsea.behavior.teleop",
+    "TeleopCommands": "subsea.behavior.teleop",
     "render": "subsea.library.pictures",
     "camera": "subsea.library.pictures",
     "behind": "subsea.library.pictures",
@@ -29,6 +30,8 @@ _PLACES = {
     "Record": "subsea.study.record",
     "scenarios": "subsea.library.records",
     "species": "subsea.library.records",
+    "school": "subsea.environments.school",
+    "predator_prey": "subsea.environments.predator_prey",
     "UserError": "subsea.core.errors",
 }
 """The public names and their modules, loaded at first use. `__init__.pyi` has their types."""
@@ -40,7 +43,9 @@ def __getattr__(name: str) -> _Any:
     """Load a public name."""
     if name not in _PLACES:
         raise AttributeError(f"module 'subsea' has no attribute {name!r}")
-    found = globals()[name] = getattr(_import_module(_PLACES[name]), name)
+    module = _import_module(_PLACES[name])
+    found = module if _PLACES[name].endswith(f".{name}") else getattr(module, name)
+    globals()[name] = found
     return found
 
 

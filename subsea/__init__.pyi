@@ -1,5 +1,8 @@
 from subsea.behavior.teleop import TeleopCommand as TeleopCommand
+from subsea.behavior.teleop import TeleopCommands as TeleopCommands
 from subsea.core.errors import UserError as UserError
+from subsea.environments import predator_prey as predator_prey
+from subsea.environments import school as school
 from subsea.library.pictures import Retina as Retina
 from subsea.library.pictures import behind as behind
 from subsea.library.pictures import camera as camera

@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
-import tomlkit
 
 from subsea.behavior.table import INTENTIONS
-from subsea.behavior.teleop import TeleopCommand
+from subsea.behavior.teleop import TeleopCommand, TeleopCommands
 from subsea.core.console import say
+from subsea.core.toml_edit import toml_value
 from subsea.dive.warm_up import warm_up
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
@@ -60,8 +60,7 @@ def change_texts(changes: Changes) -> list[str]:
 
 
 def _toml(value: Any) -> str:
-    plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-    return tomlkit.item(plain).as_string()
+    return toml_value(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
 
 
 class World:
@@ -156,7 +155,8 @@ class World:
         Args:
             n: Number of ticks, at least 0.
             order: A `subsea.Helm` steers the submarine. A `subsea.TeleopCommand` steers a fish in
-                place of its mind, while the submarine holds its place.
+                place of its mind, `subsea.TeleopCommands` several, while the submarine holds its
+                place.
 
         Raises:
             ValueError: A negative number of ticks, a value outside [-1, 1], an unknown fish.
@@ -165,9 +165,9 @@ class World:
         """
         if n < 0:
             raise ValueError(f"n: expected a number of ticks of at least 0, got {n}")
-        self._check(order)
+        checked = self._checked(order)
         for _ in range(n):
-            step(self.internal, order)
+            step(self.internal, checked)
 
     def snapshot(self) -> bytes:
         """Everything that a tick may change, for `restore`."""
@@ -197,21 +197,39 @@ class World:
         n = len(self.fishes.species)
         return f"World({self.scenario!r}, seed={self.seed}, {n} fishes, tick {self.tick})"
 
-    def _check(self, order: Order) -> None:
-        """Raise a ValueError for an order that compiled code would not check."""
-        if not isinstance(order, Helm | TeleopCommand):
-            raise TypeError(f"order: expected a Helm or a TeleopCommand, got {order!r}")
-        for name, value in order._asdict().items():
+    def _checked(self, order: Any) -> Order:
+        """An order with values that compiled code may take; raises a ValueError or TypeError."""
+        if not isinstance(order, Helm | TeleopCommand | TeleopCommands):
+            raise TypeError(
+                f"order: expected a Helm, a TeleopCommand or TeleopCommands, got {order!r}"
+            )
+        given = {name: np.asarray(value) for name, value in order._asdict().items()}
+        many = isinstance(order, TeleopCommands)
+        for name, values in given.items():
+            if values.shape != (given["fish"].shape if many else ()):
+                expected = f"one number{' for each fish' * many}"
+                raise ValueError(f"order: {name} has shape {values.shape}, expected {expected}")
             if name == "fish":
-                check_fish(self, value)
-            elif not -1 <= value <= 1:
-                raise ValueError(f"order: {name} {value!r}, expected a number from -1 to 1")
+                for fish in values.ravel():
+                    check_fish(self, fish)
+            elif values.dtype.kind not in "fiub" or not (np.abs(values) <= 1).all():
+                raise ValueError(
+                    f"order: {name} {order._asdict()[name]!r}, expected numbers from -1 to 1"
+                )
+        if not many:
+            return order
+        if len(set(given["fish"].tolist())) < given["fish"].size:
+            raise ValueError("order: a fish is there twice")
+        kinds = (np.int64, np.float64, np.float64, np.float64, np.bool_)
+        return TeleopCommands(
+            *(one.astype(kind) for one, kind in zip(given.values(), kinds, strict=True))
+        )
 
 
 def check_fish(world: World, fish: int) -> None:
     """Raise a ValueError if a world has no such fish."""
     n = len(world.fishes.species)
-    if not 0 <= fish < n:
+    if not isinstance(fish, int | np.integer) or not 0 <= fish < n:
         raise ValueError(f"fish {fish}: expected one from 0 to {n - 1}")
 
 

@@ -45,7 +45,8 @@ def test_type_checkers_find_every_public_name_where_it_is_loaded_from():
     stub = ast.parse(Path(subsea.__file__).with_suffix(".pyi").read_text())
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     found = {one.asname: node.module for node in imports for one in node.names}
-    assert found == subsea._PLACES
+    places = subsea._PLACES.items()  # a module is in its package
+    assert found == {name: place.removesuffix(f".{name}") for name, place in places}
 
 
 def test_it_steps_as_every_other_part_of_the_program_does(world):
@@ -103,14 +104,34 @@ def test_a_snapshot_brings_a_world_back(world):
         other.restore(kept)
 
 
+def commands(**given):
+    usual = {"fish": [0, 1], "turn": [0, 0], "rise": [0, 0], "speed": [0, 0], "feeds": [0, 0]}
+    return subsea.TeleopCommands(**usual | given)
+
+
+def test_several_fishes_are_steered_while_others_follow_their_minds(world):
+    other = subsea.load(str(BARE), seed=5, fish=8)
+    world.step(20, commands(fish=[1, 4], turn=[1, -1], speed=[1, 1]))
+    other.step(20)
+    moved = np.linalg.norm(world.fishes.position - other.fishes.position, axis=1)
+    assert moved[[1, 4]].min() > 2.0 * moved[[0, 2, 3, 5, 6, 7]].max()
+
+
 @pytest.mark.parametrize(
     ("order", "fault", "words"),
     [
         (subsea.TeleopCommand(8), ValueError, "fish 8: expected one from 0 to 7"),
+        (subsea.TeleopCommand(0.5), ValueError, "fish 0.5: expected one from 0 to 7"),
+        (commands(fish=[0, 8]), ValueError, "fish 8: expected one from 0 to 7"),
+        (commands(fish=[2, 2]), ValueError, "order: a fish is there twice"),
+        (commands(turn=[0.0]), ValueError, r"turn has shape \(1,\), expected one number for each"),
+        (commands(speed=[0.0, np.nan]), ValueError, "speed .*, expected numbers from -1 to 1"),
+        (commands(rise=["a", "b"]), ValueError, "rise .*, expected numbers from -1 to 1"),
         (subsea.TeleopCommand(-1), ValueError, "fish -1: expected"),
-        (subsea.TeleopCommand(0, speed=float("nan")), ValueError, "speed nan, expected a number"),
-        (subsea.Helm(yaw=1.5), ValueError, "yaw 1.5, expected a number from -1 to 1"),
-        ("ahead", TypeError, "order: expected a Helm or a TeleopCommand, got 'ahead'"),
+        (subsea.TeleopCommand(0, speed=float("nan")), ValueError, "speed nan, expected numbers"),
+        (subsea.Helm(yaw=1.5), ValueError, "yaw 1.5, expected numbers from -1 to 1"),
+        (subsea.Helm(yaw=[0.0]), ValueError, r"yaw has shape \(1,\), expected one number"),
+        ("ahead", TypeError, "order: expected a Helm, a TeleopCommand or .*, got 'ahead'"),
     ],
 )
 def test_a_wrong_order_is_refused_before_the_world_changes(world, order, fault, words):
