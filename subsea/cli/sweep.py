@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
         [
             "subsea sweep schooling --seeds 1:64 --seconds 60 --out schools",
             "subsea sweep schooling --seeds 1:8 --seconds 60 --set nature.timidity=1,2 --out shy",
-            "subsea sweep peaceful --seeds 1,5 --ticks 300 --csv --out few",
+            "subsea sweep peaceful --seeds 1,5 --seconds 10 --csv --out few",
         ],
     )
     parser.add_argument("scenario", metavar="SCENARIO", help="name or .toml file")

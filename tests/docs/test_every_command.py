@@ -327,7 +327,7 @@ def shortened(words):
     """
     program, name = words[:2]
     short = shlex.split(SHORT.get(f"{program} {name}", ""))
-    if name == "simulate" and "--seconds" in words:  # in place of --ticks
+    if name in ("simulate", "sweep") and "--seconds" in words:  # in place of --ticks
         short = ["--seconds", "0.2"]
     if program == "subsea" and name in SEAS and "--paper" not in words:
         chosen = words[words.index("--scenario") + 1] if "--scenario" in words else "peaceful"
