@@ -2,10 +2,11 @@
 
 .venv/bin/python tools/signals.py [NAME...] [--number N] [--first K] [--jobs N]
 
-Starts each command N times and sends it Ctrl-C or SIGTERM, sometimes twice, between the start of
-the program and its usual end. A command must end with 0, 1, 2 or 130, within
-LIMIT_S, without a stack trace. Prints the counts, and the output of each process that ended in
-another way; the exit code is 1 if there was one.
+Starts each command and sends it Ctrl-C or SIGTERM, sometimes twice, between the first line of the
+program and its usual end, until N processes of each have received a signal. The window of a dive
+opens on a virtual display (Xvfb). A command must end with 0, 1, 2 or 130, within LIMIT_S, without a
+stack trace. Prints the counts, and the output of each process that ended in another way; the exit
+code is 1 if there was one. Needs Linux.
 """
 
 import argparse
@@ -20,9 +21,10 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from monkey import virtual_display
+
 HERE = Path(__file__).resolve().parent.parent
 LIMIT_S = 60.0  # from the signal to the end
-INTERPRETER_S = 0.25  # until Python runs the program's first line, on a busy computer
 CODES = 0, 1, 2, 130
 FAULTS = "Traceback", "Exception ignored", "KeyboardInterrupt", "Fatal Python error"
 
@@ -34,6 +36,11 @@ COMMANDS = {
     "study": ["subsea", "study", "run.h5", "--out", "OUT", "--json", "OUT.json"],
     "inspect": ["capture", "inspect", "fusilier"],
     "export": ["capture", "export", "fusilier", "--to", "gltf", "--out", "OUT"],
+    "dive": ["subsea", "dive", "--seconds", "3", "--quality", "low", "--size", "96x64"],
+    "benchmark": ["subsea", "benchmark", "--frames", "20", "--size", "96x64", "--json", "OUT.json"],
+    "doctor": ["subsea", "doctor"],
+    "list": ["subsea", "list", "scenarios"],
+    "settings": ["subsea", "settings", "--write", "--force"],
 }
 
 
@@ -56,12 +63,27 @@ def uninterrupted_s(name: str, folder: Path) -> float:
     return time.monotonic() - begun
 
 
+def wait_for_handlers(process: "subprocess.Popen[str]") -> None:
+    """Wait for the first line of the program; before, a signal ends the interpreter."""
+    while process.poll() is None:
+        status = Path(f"/proc/{process.pid}/status").read_text()
+        caught = int(status.partition("SigCgt:")[2].split()[0], 16)
+        if caught & 1 << (signal.SIGTERM - 1):
+            return
+        time.sleep(0.001)
+
+
 def interrupted(name: str, number: int, seconds: float, folder: Path) -> tuple[str, str]:
     """Interrupt a command within about `seconds`; return how it ended and what it printed."""
     draw = random.Random(f"{name} {number}")
-    process = start(name, number, folder)
-    time.sleep(INTERPRETER_S + draw.uniform(0.0, seconds))
-    late = process.poll() is not None
+    while True:
+        process = start(name, number, folder)
+        wait_for_handlers(process)
+        time.sleep(draw.uniform(0.0, seconds))
+        if process.poll() is None:
+            break
+        process.communicate()  # ended before the signal: once more
+        seconds *= 0.9
     for _ in range(draw.choice((1, 1, 2))):
         process.send_signal(draw.choice((signal.SIGINT, signal.SIGTERM)))
         time.sleep(draw.choice((0.0, 0.05, 0.5)))
@@ -74,7 +96,7 @@ def interrupted(name: str, number: int, seconds: float, folder: Path) -> tuple[s
         return f"ends with {process.returncode}", printed
     if any(fault in printed for fault in FAULTS):
         return "prints a stack trace", printed
-    return f"{process.returncode}{', before the signal' * late}", printed
+    return str(process.returncode), printed
 
 
 def main() -> int:
@@ -88,8 +110,14 @@ def main() -> int:
     # A shell's background job ignores Ctrl-C, and so would its child processes.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     faults = 0
-    with tempfile.TemporaryDirectory() as place, ThreadPoolExecutor(options.jobs) as pool:
+    with (
+        virtual_display() as display,
+        tempfile.TemporaryDirectory() as place,
+        ThreadPoolExecutor(options.jobs) as pool,
+    ):
+        os.environ["DISPLAY"] = display
         folder = Path(place)
+        os.environ |= {f"XDG_{name}_HOME": place for name in ("CONFIG", "DATA")}
         COMMANDS["record"] = ["subsea", "simulate", "--seconds", "20", "--out", "run.h5"]
         uninterrupted_s("record", folder)
         for name in options.names:

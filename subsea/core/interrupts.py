@@ -22,6 +22,8 @@ UNSAFE = (
     "numba", "llvmlite", "subsea.core.kernels", "h5py", "subsea.core.hdf5",
     "importlib", "_frozen_importlib", "weakref", "_weakrefset",
 )  # fmt: skip
+# The same for functions of any module: destructors, and what GLFW calls for events and errors.
+UNSAFE_FUNCTIONS = "__del__", "callback_wrapper"
 
 
 def run_program(program: str, main: Callable[[], int]) -> int:
@@ -79,7 +81,7 @@ def _is_safe(frame: FrameType | None) -> bool:
     """True if no function on the stack is called by C code that loses exceptions."""
     while frame is not None:
         module = f"{frame.f_globals.get('__name__')}."
-        if frame.f_code.co_name == "__del__" or any(
+        if frame.f_code.co_name in UNSAFE_FUNCTIONS or any(
             module.startswith(f"{name}.") for name in UNSAFE
         ):
             return False

@@ -3,6 +3,7 @@
 import signal
 import time
 
+import glfw
 import pytest
 
 from subsea.core import interrupts
@@ -80,6 +81,21 @@ def test_a_destructor_is_not_interrupted(recwarn):
 
     assert run_command("subsea", work) == 130
     assert steps == ["called"] and not recwarn.list
+
+
+def test_a_callback_of_a_window_is_not_interrupted(capsys):
+    def work():
+        report = glfw._GLFWerrorfun(
+            lambda code, text: called_by_c("any")(signal, signal.SIGINT, steps)
+        )
+        report(0, b"")
+        wait()
+        return 0
+
+    steps = []
+    assert run_command("subsea", work) == 130
+    assert steps == ["called"]
+    assert capsys.readouterr().err == "subsea: interrupted\n"
 
 
 def test_a_second_interrupt_does_not_stop_the_clean_up():
