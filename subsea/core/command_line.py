@@ -31,6 +31,7 @@ def run_command(program: str, run: Callable[[], int]) -> int:
         warnings.filterwarnings("error", "Environment variable 'NUMBA_", RuntimeWarning)
         try:
             try:
+                _check_cpu_features()
                 with raised_interrupts(program):
                     code = run()
             except SystemExit:  # after --help or --version
@@ -51,12 +52,27 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             return 2
 
 
+def _check_cpu_features() -> None:
+    """Refuse a setting of numba at which its compiler aborts the process."""
+    setting = os.environ.get("NUMBA_CPU_FEATURES", "")
+    if not all(part.startswith(("+", "-")) for part in setting.split(",") if part):
+        raise UserError(
+            f"numba does not start with NUMBA_CPU_FEATURES={setting} (expected + or - before each "
+            "feature, such as +avx2,-avx512f)"
+        )
+
+
 def _reason(fault: Exception) -> str | None:
     """The words for a fault of the environment; None for one of the program."""
-    settings = [f"{name}={value}" for name, value in os.environ.items() if name.startswith("NUMBA")]
-    if settings and "numba.core" in sys.modules and "numba" not in sys.modules:
-        first = str(fault).partition("\n")[0].rstrip(".")  # its import failed
-        return f"numba does not start with {', '.join(settings)} ({first})"
+    for package in ("numba", "tqdm"):
+        prefix = f"{package}_".upper()
+        settings = [
+            f"{name}={value}" for name, value in os.environ.items() if name.startswith(prefix)
+        ]
+        begun = any(module.startswith(f"{package}.") for module in sys.modules)
+        if settings and begun and package not in sys.modules:  # its import failed
+            first = str(fault).partition("\n")[0].rstrip(".")
+            return f"{package} does not start with {', '.join(settings)} ({first})"
     if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
             return None

@@ -2,10 +2,12 @@
 
 import sys
 
+from subsea.core.errors import printable
+
 
 def say(message: str) -> None:
-    """Print a message to standard error."""
-    print(f"subsea: {message}", file=sys.stderr, flush=True)
+    """Print a message to standard error, as one line; file names may have line breaks."""
+    print(f"subsea: {printable(message)}", file=sys.stderr, flush=True)
 
 
 def count_noun(number: int, one: str, many: str) -> str:

@@ -72,12 +72,17 @@ def test_a_deleted_folder_is_named(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "setting", ["NUMBA_NUM_THREADS=0", "NUMBA_OPT=junk", "NUMBA_COLOR_SCHEME=junk"]
+    "setting",
+    [
+        *("NUMBA_NUM_THREADS=0", "NUMBA_OPT=junk", "NUMBA_COLOR_SCHEME=junk"),
+        *("NUMBA_CPU_FEATURES=junk", "NUMBA_CPU_FEATURES=+avx, -avx", "TQDM_MININTERVAL=junk"),
+    ],
 )
-def test_a_setting_that_numba_refuses_is_named(setting):
+def test_a_setting_that_a_package_refuses_is_named(setting):
     program = (
         "import sys; from subsea.core.command_line import run_command\n"
-        "sys.exit(run_command('diver', lambda: __import__('subsea.geometry.vector') and 0))"
+        "sys.exit(run_command('diver', lambda: __import__('subsea.geometry.vector') and "
+        "__import__('subsea.core.progress') and 0))"
     )
     name, _, value = setting.partition("=")
     done = subprocess.run(
@@ -86,7 +91,8 @@ def test_a_setting_that_numba_refuses_is_named(setting):
     )  # fmt: skip
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
-    assert done.stderr.startswith(f"diver: numba does not start with {setting} (")
+    package = name.partition("_")[0].lower()
+    assert done.stderr.startswith(f"diver: {package} does not start with {setting} (")
 
 
 def test_sigterm_is_an_interruption(capsys):

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from subsea.core.errors import UserError, unreadable
-from subsea.core.input_files import check_input
+from subsea.core.input_files import open_input
 
 Fetch = Callable[[str, int], bytes | None]  # path, most bytes -> content
 
@@ -31,10 +31,9 @@ def open_archive(path: Path) -> Iterator[Fetch]:
 
     Paths ignore case and the kind of slash. Faults of the archive, here and later, are UserErrors.
     """
-    check_input(path)
     with ExitStack() as stack:
+        file = stack.enter_context(open_input(path))
         try:
-            file = stack.enter_context(path.open("rb"))
             _check_length(file, path)
             archive = stack.enter_context(zipfile.ZipFile(file))
         except OSError as fault:
