@@ -3,42 +3,69 @@
     python tools/fuzz_commands.py [KIND…] [--rounds N] [--seed S]
 
 A command may succeed, or end with exit code 1, 2 or 130 and one line. Anything else is a finding: a
-traceback, another code, a line that is not a message, more than SECONDS. Commands that open windows
-get no display. Exit code 1 if there is any finding.
+traceback, another code, a line that is not a message, more than SECONDS. A command that shows its
+progress is ended after PATIENCE_S and counted apart. Commands that open windows get no display.
+Prints how often each exit code came; exit code 1 if there is any finding. Needs Linux.
+
+A command starts as a fork of this process, which has imported the program, in a tenth of the time.
+Cases with environment variables or redirections start a new interpreter.
 """
 
 import argparse
+import atexit
 import os
+import pkgutil
 import random
+import re
+import runpy
+import select
 import shlex
 import signal
-import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+import threading
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: a fork loses threads
+
+import msgspec
+
+import capture
+import subsea
 from capture.cli.main import parsers as capture_parsers
 from subsea.cli.main import parsers
+from subsea.scenario.schema import Scenario
 from subsea.study.simulate import simulate
 
-SECONDS = 60
+ROOT = Path(__file__).parents[1]
+SECONDS = 150
+PATIENCE_S = 25  # with a command that shows its progress
 CODES = 0, 1, 2, 130
 ODD_VALUES = [
     *("--", "-", "", " ", "nan", "-1", "1e400", "9" * 5000, "²", "a" * 255, "a" * 300, "é"),
     *("\udcff\udcfe", "x\ny", "/dev/null", "a=b", "a.b=1", "0x10", "%s", "{}", "~"),
     *("a." * 20 + "a=1", "a." * 2000 + "a=1", "title=\udcff", "[", "1,2", "1x1", "peaceful"),
 ]
-ENVIRONMENT = [
-    *("NUMBA_NUM_THREADS=0", "NUMBA_NUM_THREADS=junk", "NUMBA_OPT=junk", "NUMBA_DEBUG=junk"),
-    *("NUMBA_COLOR_SCHEME=junk", "NUMBA_CACHE_DIR=/proc/x", "PYOPENGL_PLATFORM=junk"),
-    *("LIBGL_DRIVERS_PATH=/nowhere", "GALLIUM_DRIVER=junk", "MESA_GL_VERSION_OVERRIDE=1.0"),
-    *("HOME=/proc/x", "XDG_DATA_HOME=/dev/null", "XDG_CONFIG_HOME=/dev/zero", "TMPDIR=/nowhere"),
-    *("XDG_CACHE_HOME=/proc/x", "LANG=junk", "TERM=junk", "COLUMNS=0", "COLUMNS=junk", "PATH="),
+VARIABLES = [
+    *("NUMBA_NUM_THREADS", "NUMBA_DEBUG", "NUMBA_COLOR_SCHEME", "NUMBA_THREADING_LAYER"),
+    *("PYOPENGL_PLATFORM", "LIBGL_DRIVERS_PATH", "GALLIUM_DRIVER", "MESA_GL_VERSION_OVERRIDE"),
+    *("MESA_SHADER_CACHE_DIR", "EGL_PLATFORM", "DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"),
+    *("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "TMPDIR", "PATH", "TZ"),
+    *("LANG", "TERM", "COLUMNS", "LINES", "TQDM_MININTERVAL", "MPLBACKEND", "MPLCONFIGDIR"),
+    *("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "HDF5_USE_FILE_LOCKING", "HDF5_PLUGIN_PATH"),
 ]
+JUNK = ["", "junk", "0", "-1", "1.0", "9" * 30, "/nowhere", "/proc/x", "/dev/null", "/dev/zero"]
+JUNK += ["é", "\udcff", "a" * 300]
+# Other values of these let every start compile, which takes minutes.
+COMPILER = {"NUMBA_CACHE_DIR": "/proc/x"}, {"NUMBA_OPT": "junk"}, {"NUMBA_CPU_FEATURES": "junk"}
 LOCALES = [
     {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
     {"LC_ALL": "POSIX"},
@@ -79,7 +106,14 @@ COMMANDS = {
         "mesh": ["clownfish", "mesh.obj", "--out=mesh"],
     },
 }
-SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with faulty arguments only
+SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
+OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
+UP = "\x1b[A "  # written between bars of progress
+# Lines of this program, of Mesa and of LLVM; the last two name a faulty variable or its value.
+MESSAGE = re.compile("subsea|libGL|error: invalid value for MESA_|'.*' is not a recognized ")
+LETTERS = [(0x20, 0x7E), (0x01, 0x1F), (0xA0, 0x24F), (0x600, 0x6FF), (0x1F300, 0x1FAFF)]
+LETTERS += [(0xDC80, 0xDCFF)]  # bytes that are not UTF-8
+UNITS = "", "", "", " ", "cm", "s", "%", "e", "x", "j", "°"
 
 
 class Case(NamedTuple):
@@ -91,40 +125,112 @@ class Case(NamedTuple):
     deleted: bool = False  # the working directory
 
 
-def options_of(program: str, command: str) -> list[str]:
-    """The options of a command that take a value."""
+class End(NamedTuple):
+    """The end of a command."""
+
+    code: int | None  # None: it did not
+    lines: list[str]  # of standard error
+
+
+def options_of(program: str, command: str) -> list[argparse.Action]:
+    """The options of a command."""
     commands = (parsers() if program == "subsea" else capture_parsers())[1]
-    actions = commands.choices[command]._actions
-    return [one.option_strings[-1] for one in actions if one.option_strings and one.nargs != 0]
+    return [one for one in commands.choices[command]._actions if one.option_strings]
+
+
+@cache
+def scenario_keys() -> list[str]:
+    """All keys of scenario files, such as ``fish.0.number``."""
+    return [key.lstrip(".") for key in _keys(msgspec.inspect.type_info(Scenario), "")]
+
+
+def _keys(kind: Any, key: str) -> Iterator[str]:
+    yield key
+    for field in getattr(kind, "fields", ()):
+        yield from _keys(field.type, f"{key}.{field.encode_name}")
+    for one in getattr(kind, "types", ()):  # of a union
+        yield from _keys(one, key)
+    for number, one in enumerate(getattr(kind, "item_types", ())):  # of a tuple
+        yield from _keys(one, f"{key}.{number}")
+    if hasattr(kind, "item_type"):
+        yield from _keys(kind.item_type, f"{key}.0")
+
+
+def odd_number(rng: random.Random) -> str:
+    """A small, large or tiny number, sometimes with a unit."""
+    number = rng.choice(
+        [rng.uniform(-10, 10), rng.randint(-3, 100), 10.0 ** rng.randint(-320, 308),
+         rng.uniform(-1, 1) * 10 ** rng.uniform(-3, 6), rng.getrandbits(rng.choice([31, 64, 200]))]
+    )  # fmt: skip
+    return rng.choice(["{}", "{}", "{:+}", "{:_}", "{:.3g}"]).format(number) + rng.choice(UNITS)
+
+
+def odd_list(rng: random.Random) -> str:
+    """A list of any length."""
+    items = [odd_number(rng) for _ in range(rng.randrange(7))]
+    return rng.choice(["{}", "[{}]", "{}]"]).format(rng.choice(",x; =").join(items))
+
+
+def odd_text(rng: random.Random) -> str:
+    """Random letters."""
+    ranges = rng.choices(LETTERS, (8, 1, 3, 1, 1, 1), k=rng.randint(1, 30))
+    return "".join(chr(rng.randint(*one)) for one in ranges)
+
+
+def odd_setting(rng: random.Random) -> str:
+    """A value for a key of a scenario."""
+    parts = rng.choice(scenario_keys()).split(".")
+    if rng.random() < 0.1:
+        parts[rng.randrange(len(parts))] = rng.choice(["1", "99", "-1", "x", "", "0.0"])
+    values = ["true", '"peaceful"', "{}", "{ a = 1 }", "[[1]]", "inf", "nan", "2020-01-01", ""]
+    value = rng.choice([odd_number, odd_list, odd_text, lambda rng: rng.choice(values)])(rng)
+    return f"{'.'.join(parts)}={value}"
+
+
+def any_value(rng: random.Random) -> str:
+    """A value of one of these kinds."""
+    kinds = [lambda rng: rng.choice(ODD_VALUES), odd_number, odd_number, odd_list, odd_text]
+    return rng.choice(kinds)(rng)
 
 
 def chosen_command(rng: random.Random, quick: bool = False) -> list[str]:
     """Words of a random command that does little."""
-    program = rng.choice([*COMMANDS])
-    names = [name for name in COMMANDS[program] if not (quick and name in SLOW)]
-    name = rng.choice(names or [*COMMANDS["subsea"]])
-    return [program, name, *COMMANDS[program][name]]
+    found = [
+        [program, name, *words]
+        for program, commands in COMMANDS.items()
+        for name, words in commands.items()
+        if not (quick and name in SLOW)
+        for _ in range(3 if name in OFTEN else 1)
+    ]
+    return rng.choice(found)
 
 
-def odd_value(rng: random.Random, values: list[str] | None = None) -> Case:
-    """A command with an odd value of an option or in place of an argument."""
+def odd_value(rng: random.Random, value: Callable[[random.Random], str] = any_value) -> Case:
+    """A command with odd values of one to three options or in place of an argument."""
     words = chosen_command(rng)
-    value = rng.choice(values or ODD_VALUES)
     options = options_of(*words[:2])
     places = [k for k, word in enumerate(words) if k > 1 and not word.startswith("--")]
-    if places and (not options or rng.random() < 0.4):
-        words[rng.choice(places)] = value
-    elif options:
-        option = rng.choice(options)
+    if places and rng.random() < 0.4:
+        words[rng.choice(places)] = value(rng)
+        return Case(words)
+    for action in rng.sample(options, min(len(options), rng.choice([1, 1, 2, 3]))):
+        option = action.option_strings[-1]
         words = [word for word in words if not word.startswith(f"{option}=")]
-        words.append(f"{option}={value}")
+        if action.nargs == 0 and rng.random() < 0.9:
+            words.append(option)
+        elif action.choices and rng.random() < 0.5:
+            words.append(f"{option}={rng.choice([*action.choices])}")
+        else:
+            setting = option == "--set" and value is any_value
+            words.append(f"{option}={(odd_setting if setting else value)(rng)}")
     return Case(words)
 
 
 def special_file(rng: random.Random) -> Case:
     """A command with a pipe, device, folder or loop in place of a file."""
     kind, suffix = rng.choice(SPECIAL_FILES), rng.choice(SUFFIXES)
-    return odd_value(rng, [kind, f"./{kind}{suffix}"] if kind[0] != "/" else [kind])
+    names = [kind, f"./{kind}{suffix}"] if kind[0] != "/" else [kind]
+    return odd_value(rng, lambda rng: rng.choice(names))
 
 
 def odd_stream(rng: random.Random) -> Case:
@@ -134,21 +240,24 @@ def odd_stream(rng: random.Random) -> Case:
 
 def odd_locale(rng: random.Random) -> Case:
     """A command in an old locale, with names that are not ASCII."""
-    case = odd_value(rng, ["é", "\udcff", "é.toml", "\udcff.h5", "title=é", "\udcff.png", "out/é"])
+    names = ["é", "\udcff", "é.toml", "\udcff.h5", "title=é", "\udcff.png", "out/é"]
+    case = odd_value(rng, lambda rng: rng.choice(names))
     words = case.words if rng.random() < 0.6 else chosen_command(rng, quick=True)
     return Case(words, environment=rng.choice(LOCALES))
 
 
 def odd_environment(rng: random.Random) -> Case:
     """A command with junk in variables."""
-    chosen = rng.sample(ENVIRONMENT, rng.choice([1, 1, 2]))
-    environment = {name: value for name, _, value in (one.partition("=") for one in chosen)}
+    names = rng.sample(VARIABLES, rng.choice([1, 1, 2]))
+    environment = {name: rng.choice(JUNK) for name in names}
+    if rng.random() < 0.1:
+        environment |= rng.choice(COMPILER)
     return Case(chosen_command(rng, quick=True), environment=environment)
 
 
 def odd_folder(rng: random.Random) -> Case:
     """A command in a folder that was deleted."""
-    return Case(chosen_command(rng, quick=True), deleted=True)
+    return Case(odd_value(rng).words, deleted=True)
 
 
 KINDS: dict[str, Callable[[random.Random], Case]] = {
@@ -171,57 +280,109 @@ def make_folder(folder: Path, record: Path) -> None:
     os.mknod(folder / "socket", 0o140600)
 
 
-def finding(case: Case, folder: Path) -> str | None:
-    """The finding about how a command ends; None if correct."""
-    environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
-    environment |= {"PYTHONPATH": str(Path(__file__).parents[1]), "XDG_DATA_HOME": f"{folder}/data"}
-    environment |= case.environment
-    start = shlex.join([sys.executable, "-m", *case.words])
-    before = f"cd {shlex.quote(str(folder))}; "
-    if case.deleted:
-        before += "mkdir gone; cd gone; rmdir ../gone; "
-    # The code is that of the command, not of the last program in a pipe.
-    shell = f"{before}{start} {case.redirection or '>/dev/null'}; exit ${{PIPESTATUS[0]}}"
-    with subprocess.Popen(
-        [b"/bin/bash", b"-c", os.fsencode(shell)], env=environment, stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
-    ) as command:  # fmt: skip
-        try:
-            lines = command.communicate(timeout=SECONDS)[1].decode("utf-8", "replace").splitlines()
-        except subprocess.TimeoutExpired:
-            return f"not done after {SECONDS} s"
-        finally:
-            with suppress(ProcessLookupError):
-                os.killpg(command.pid, signal.SIGKILL)
+def end_of(case: Case, folder: Path) -> End:
+    """Run a command and wait for its end."""
+    errors = folder / "errors"
+    process = os.fork()
+    if process == 0:
+        _become(case, folder, errors)
+    ended = os.pidfd_open(process)
+    try:
+        done = bool(select.select([ended], [], [], PATIENCE_S)[0])
+        if not done and case.words[1] not in SLOW and not _bars(_lines(errors)):
+            done = bool(select.select([ended], [], [], SECONDS - PATIENCE_S)[0])
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process, signal.SIGKILL)
+        os.close(ended)
+        status = os.waitpid(process, 0)[1]
+    return End(os.waitstatus_to_exitcode(status) if done else None, _lines(errors))
+
+
+def _become(case: Case, folder: Path, errors: Path) -> NoReturn:
+    """Turn this process into a command."""
+    code: Any = 1
+    try:
+        atexit._clear()  # the end of this process keeps the folders of its parent
+        os.setsid()
+        os.chdir(folder)
+        sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__  # a test may have replaced them
+        for name, number in ((os.devnull, 0), (os.devnull, 1), (str(errors), 2)):
+            os.dup2(os.open(name, os.O_RDWR | os.O_CREAT), number)
+        if case.deleted:
+            Path("gone").mkdir()
+            os.chdir("gone")
+            (folder / "gone").rmdir()
+        os.environ.pop("DISPLAY", None)
+        os.environ.update({"PYTHONPATH": str(ROOT), "XDG_DATA_HOME": f"{folder}/data"})
+        os.environ.update(case.environment)
+        if case.environment or case.redirection:
+            start = shlex.join([sys.executable, "-m", *case.words])
+            # The code is that of the command, not of the last program in a pipe.
+            shell = f"{start} {case.redirection}; exit ${{PIPESTATUS[0]}}"
+            os.execv("/bin/bash", [b"/bin/bash", b"-c", os.fsencode(shell)])
+        sys.argv[:] = case.words
+        runpy.run_module(case.words[0], run_name="__main__", alter_sys=True)
+        code = 0
+    except SystemExit as end:
+        code = end.code or 0
+        if isinstance(code, str):
+            print(code, file=sys.stderr)
+            code = 1
+    except BaseException:
+        traceback.print_exc()
+    finally:  # as the interpreter does
+        threading._shutdown()
+        atexit._run_exitfuncs()
+        sys.stdout.flush()
+        os._exit(code)
+
+
+def _lines(errors: Path) -> list[str]:
+    return errors.read_text("utf-8", "replace").splitlines() if errors.exists() else []
+
+
+def _bars(lines: list[str]) -> list[str]:
+    """Lines of progress."""
+    return [one for one in lines if "%|" in one or one.endswith(" left") or not one.strip(UP)]
+
+
+def finding(case: Case, end: End) -> str | None:
+    """The finding about how a command ended; None if correct."""
+    code, lines = end
     if any("Traceback" in line or "Exception ignored" in line for line in lines):
         return lines[-1]
-    if command.returncode not in CODES:
-        return f"exit code {command.returncode}: {' '.join(lines[-2:])}"
-    if command.returncode == 2 and not lines and "2>" not in case.redirection:
+    bars = _bars(lines)
+    if code is None:
+        return None if bars or case.words[1] in SLOW else f"not done after {SECONDS} s"
+    if code not in CODES:
+        return f"exit code {code}: {' '.join(lines[-2:])}"
+    if code == 2 and not lines and "2>" not in case.redirection:
         return "exit code 2 without a line"
-    bars = [line for line in lines if "%|" in line or not line.strip("\x1b[A ")]  # of progress
-    if other := [
-        one for one in lines if not one.startswith(("subsea", "libGL")) and one not in bars
-    ]:
+    if other := [one for one in lines if not MESSAGE.match(one) and one not in bars]:
         return f"not a message: {' | '.join(other)[:300]}"
     return None
 
 
 def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
     """Start `rounds` commands of a kind; print and count the findings."""
-    findings = 0
+    findings, ends = 0, Counter[str]()
     for number in range(rounds):
         rng = random.Random(f"{name} {seed} {number}")
         case = KINDS[name](rng)
         with tempfile.TemporaryDirectory() as folder:
             make_folder(Path(folder), record)
-            what = finding(case, Path(folder))
-        if what:
+            end = end_of(case, Path(folder))
+        ends["still working" if end.code is None else str(end.code)] += 1
+        if what := finding(case, end):
             findings += 1
             short = ascii([word[:80] for word in case.words])
             rest = f"{case.redirection} {case.environment or ''}{' deleted' * case.deleted}"
             print(f"{name}, round {number}: {what!a}\n    {short} {rest}", flush=True)
-    print(f"{name}: {rounds} commands, {findings} findings", flush=True)
+    print(
+        f"{name}: {rounds} commands, {findings} findings, ends {dict(sorted(ends.items()))}",
+        flush=True,
+    )
     return findings
 
 
@@ -234,6 +395,10 @@ def main() -> int:
     options = parser.parse_args()
     if wrong := set(options.kinds) - KINDS.keys():
         parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
+    for package in (subsea, capture):
+        for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            if not one.name.endswith("__main__"):
+                import_module(one.name)
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "run.h5"
         simulate(2, record, "peaceful", 2, 1)

@@ -31,6 +31,11 @@ def test_every_command_gets_odd_values_and_files(fuzz):
         assert len({tuple(case.words[:2]) for case in cases}) > 10
 
 
+def test_settings_have_keys_of_scenarios(fuzz):
+    keys = {fuzz.odd_setting(random.Random(k)).partition("=")[0] for k in range(3000)}
+    assert {"seed", "fish.0.number", "water.current_cm_s.0", "hook.depth_cm"} <= keys
+
+
 @pytest.mark.parametrize(
     ("program", "redirection", "found"),
     [
@@ -40,16 +45,25 @@ def test_every_command_gets_odd_values_and_files(fuzz):
         ("1 / 0", "", "ZeroDivisionError: division by zero"),
         ("print('x' * 9999)", ">/dev/full", "OSError: [Errno 28] No space left on device"),
         ("sys.exit(7)", "", "exit code 7: "),
+        ("import os; os.kill(os.getpid(), 9)", "", "exit code -9: "),
         ("sys.exit(2)", "", "exit code 2 without a line"),
         ("print('two\\nlines', file=sys.stderr)", "", "not a message: two | lines"),
         ("open('pipe')", "", "not done after 0.5 s"),
+        ("print('50%|###', file=sys.stderr, flush=True); open('pipe')", "", None),
     ],
 )
+@pytest.mark.parametrize("environment", [{}, {"LANG": "C"}], ids=["forked", "started"])
 def test_a_command_that_ends_badly_is_found(
-    fuzz, monkeypatch, tmp_path, program, redirection, found
+    fuzz, monkeypatch, tmp_path, environment, program, redirection, found
 ):
     monkeypatch.setattr(fuzz, "SECONDS", 0.5)
+    monkeypatch.setattr(fuzz, "PATIENCE_S", 0.3)
+    monkeypatch.syspath_prepend(tmp_path)
     fuzz.make_folder(tmp_path, TOOL)
     (tmp_path / "stub.py").write_text(f"import sys\n{program}\n")
-    what = fuzz.finding(fuzz.Case(["stub"], redirection), tmp_path)
-    assert what == found
+    case = fuzz.Case(["stub", "test"], redirection, environment)
+    what = fuzz.finding(case, fuzz.end_of(case, tmp_path))
+    if environment and found == "exit code -9: ":  # bash reports it, in its own words
+        assert what.startswith("exit code 137: ")
+    else:
+        assert what == found
