@@ -42,6 +42,7 @@ import capture
 import subsea
 from capture.cli.main import parsers as capture_parsers
 from subsea.cli.main import parsers
+from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Scenario
 from subsea.study.simulate import simulate
 
@@ -55,7 +56,7 @@ ODD_VALUES = [
     *("a." * 20 + "a=1", "a." * 2000 + "a=1", "title=\udcff", "[", "1,2", "1x1", "peaceful"),
 ]
 VARIABLES = [
-    *("NUMBA_NUM_THREADS", "NUMBA_DEBUG", "NUMBA_COLOR_SCHEME", "NUMBA_THREADING_LAYER"),
+    *("NUMBA_NUM_THREADS", "NUMBA_COLOR_SCHEME", "NUMBA_THREADING_LAYER"),
     *("PYOPENGL_PLATFORM", "LIBGL_DRIVERS_PATH", "GALLIUM_DRIVER", "MESA_GL_VERSION_OVERRIDE"),
     *("MESA_SHADER_CACHE_DIR", "EGL_PLATFORM", "DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"),
     *("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "TMPDIR", "PATH", "TZ"),
@@ -64,8 +65,9 @@ VARIABLES = [
 ]
 JUNK = ["", "junk", "0", "-1", "1.0", "9" * 30, "/nowhere", "/proc/x", "/dev/null", "/dev/zero"]
 JUNK += ["é", "\udcff", "a" * 300]
-# Other values of these let every start compile, which takes minutes.
-COMPILER = {"NUMBA_CACHE_DIR": "/proc/x"}, {"NUMBA_OPT": "junk"}, {"NUMBA_CPU_FEATURES": "junk"}
+# Other values of these let every start compile, which takes minutes, or print.
+COMPILER = [{"NUMBA_CACHE_DIR": "/proc/x"}, {"NUMBA_OPT": "junk"}, {"NUMBA_CPU_FEATURES": "junk"}]
+COMPILER += [{"NUMBA_DEBUG": "junk"}]
 LOCALES = [
     {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
     {"LC_ALL": "POSIX"},
@@ -76,7 +78,8 @@ STREAMS = [
     *(">/dev/full", "2>/dev/full", ">/dev/full 2>/dev/full", ">&-", "2>&-", ">&- 2>&- <&-"),
     *("| head -1", "| true", "2>&1 | true", "</dev/zero"),
 ]
-SPECIAL_FILES = "pipe", "loop", "folder", "socket", "/dev/zero", "/dev/null", "/dev/kmsg", "loop/x"
+SPECIAL_FILES = ["pipe", "loop", "folder", "socket", "loop/x", "/dev/zero", "/dev/null"]
+SPECIAL_FILES += ["/dev/kmsg", "/proc/kmsg", "/proc/self/mem"]
 SUFFIXES = "", ".h5", ".toml", ".json", ".obj", ".png", ".mp4", ".csv", ".key"
 
 # Arguments with which each command does little; folders of results are new.
@@ -107,10 +110,13 @@ COMMANDS = {
     },
 }
 SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
+WITH_SETTINGS = "simulate", "simulate", "film", "benchmark", "soak"  # commands with --set
 OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
 UP = "\x1b[A "  # written between bars of progress
-# Lines of this program, of Mesa and of LLVM; the last two name a faulty variable or its value.
-MESSAGE = re.compile("subsea|libGL|error: invalid value for MESA_|'.*' is not a recognized ")
+# Lines of this program, and of Mesa about a faulty variable or its value.
+MESSAGE = re.compile(
+    "subsea|libGL|error: invalid value for MESA_|Failed to create .* for shader cache"
+)
 LETTERS = [(0x20, 0x7E), (0x01, 0x1F), (0xA0, 0x24F), (0x600, 0x6FF), (0x1F300, 0x1FAFF)]
 LETTERS += [(0xDC80, 0xDCFF)]  # bytes that are not UTF-8
 UNITS = "", "", "", " ", "cm", "s", "%", "e", "x", "j", "°"
@@ -156,6 +162,22 @@ def _keys(kind: Any, key: str) -> Iterator[str]:
         yield from _keys(kind.item_type, f"{key}.0")
 
 
+@cache
+def scenario_numbers(name: str) -> list[tuple[str, float]]:
+    """The numbers of a scenario, with their keys."""
+    values = msgspec.to_builtins(load_scenario(name)[0])
+    return [(key.lstrip("."), number) for key, number in _numbers(values, "")]
+
+
+def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
+    if isinstance(value, (int, float)):
+        yield key, value
+    for name, one in value.items() if isinstance(value, dict) else ():
+        yield from _numbers(one, f"{key}.{name}")
+    for number, one in enumerate(value) if isinstance(value, (list, tuple)) else ():
+        yield from _numbers(one, f"{key}.{number}")
+
+
 def odd_number(rng: random.Random) -> str:
     """A small, large or tiny number, sometimes with a unit."""
     number = rng.choice(
@@ -185,6 +207,13 @@ def odd_setting(rng: random.Random) -> str:
     values = ["true", '"peaceful"', "{}", "{ a = 1 }", "[[1]]", "inf", "nan", "2020-01-01", ""]
     value = rng.choice([odd_number, odd_list, odd_text, lambda rng: rng.choice(values)])(rng)
     return f"{'.'.join(parts)}={value}"
+
+
+def changed_number(rng: random.Random, scenario: str) -> str:
+    """Another value for a number of a scenario."""
+    key, number = rng.choice(scenario_numbers(scenario))
+    factor = rng.choice([0, -1, 0.1, rng.random(), 1.0 + rng.random(), 3, 30])
+    return f"{key}={int(number * factor) if isinstance(number, int) else number * factor}"
 
 
 def any_value(rng: random.Random) -> str:
@@ -226,6 +255,16 @@ def odd_value(rng: random.Random, value: Callable[[random.Random], str] = any_va
     return Case(words)
 
 
+def odd_scenario(rng: random.Random) -> Case:
+    """A scenario with odd values of keys."""
+    name, scenario = rng.choice(WITH_SETTINGS), rng.choice(scenario_names())
+    words = ["subsea", name, *COMMANDS["subsea"][name], f"--scenario={scenario}"]
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        setting = changed_number(rng, scenario) if rng.random() < 0.7 else odd_setting(rng)
+        words.append(f"--set={setting}")
+    return Case(words)
+
+
 def special_file(rng: random.Random) -> Case:
     """A command with a pipe, device, folder or loop in place of a file."""
     kind, suffix = rng.choice(SPECIAL_FILES), rng.choice(SUFFIXES)
@@ -262,6 +301,7 @@ def odd_folder(rng: random.Random) -> Case:
 
 KINDS: dict[str, Callable[[random.Random], Case]] = {
     "value": odd_value,
+    "scenario": odd_scenario,
     "file": special_file,
     "stream": odd_stream,
     "locale": odd_locale,
