@@ -1,5 +1,6 @@
 """The settings file: its place, contents and faults."""
 
+import os
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -116,6 +117,7 @@ def test_an_unreadable_file_is_reported_and_left(home, monkeypatch):
     with monkeypatch.context() as patch:
         for name in ("open", "exists", "read_bytes", "read_text"):
             patch.setattr(Path, name, refuse)
+        patch.setattr(os, "open", refuse)
         assert usual_settings(lines.append) == Settings()
     assert [line.split(": ", 1)[1] for line in lines] == [
         "cannot read (it is a folder); the defaults are used",
