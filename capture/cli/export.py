@@ -75,10 +75,10 @@ def run(options: argparse.Namespace) -> int:
     if options.morph and options.to != "gltf":
         raise UserError(f"--morph is for --to gltf, not {options.to}")
     check_folder(options.out)
+    model, clips = make_clips(options.species, options.detail)
     files = {"gltf": gltf_files, "vat": vat_files, "usd": usd_files}[options.to]
     for path in files(options.out, options.species):
         check_result(path, KINDS[path.suffix], options.force)
-    model, clips = make_clips(options.species, options.detail)
     if options.to == "gltf":
         return _export_gltf(options, model, clips)
     write = {"vat": write_vat, "usd": write_usd}[options.to]

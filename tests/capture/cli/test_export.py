@@ -45,6 +45,7 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
 def test_wrong_commands_are_errors_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     for arguments, expected in (
         (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
+        (["", "--to", "gltf"], "unknown species ''"),
         (["assets/species/fusilier.toml", "--to", "gltf"], "expected the name of a species"),
         (["my_fish.toml", "--to", "vat"], "my_fish.toml: expected the name of a species"),
         (["fusilier"], "--to"),
