@@ -42,6 +42,7 @@ import capture
 import subsea
 from capture.cli.main import parsers as capture_parsers
 from subsea.cli.main import parsers
+from subsea.core.errors import UserError
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Scenario
 from subsea.study.simulate import simulate
@@ -436,9 +437,11 @@ def main() -> int:
     if wrong := set(options.kinds) - KINDS.keys():
         parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
     for package in (subsea, capture):
-        for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        prefix = f"{package.__name__}."
+        for one in pkgutil.walk_packages(package.__path__, prefix, onerror=lambda name: None):
             if not one.name.endswith("__main__"):
-                import_module(one.name)
+                with suppress(ImportError, UserError):  # a missing extra
+                    import_module(one.name)
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "run.h5"
         simulate(2, record, "peaceful", 2, 1)
