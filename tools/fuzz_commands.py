@@ -195,9 +195,9 @@ def odd_list(rng: random.Random) -> str:
 
 
 def odd_text(rng: random.Random) -> str:
-    """Random letters."""
+    """Random letters, but no path outside the working directory."""
     ranges = rng.choices(LETTERS, (8, 1, 3, 1, 1, 1), k=rng.randint(1, 30))
-    return "".join(chr(rng.randint(*one)) for one in ranges)
+    return "".join(chr(rng.randint(*one)) for one in ranges).lstrip("/")
 
 
 def odd_setting(rng: random.Random) -> str:
@@ -355,7 +355,8 @@ def _become(case: Case, folder: Path, errors: Path) -> NoReturn:
             os.chdir("gone")
             (folder / "gone").rmdir()
         os.environ.pop("DISPLAY", None)
-        os.environ.update({"PYTHONPATH": str(ROOT), "XDG_DATA_HOME": f"{folder}/data"})
+        os.environ["PYTHONPATH"] = str(ROOT)
+        os.environ.update({f"XDG_{name}_HOME": f"{folder}/{name}" for name in ("DATA", "CONFIG")})
         os.environ.update(case.environment)
         if case.environment or case.redirection:
             start = shlex.join([sys.executable, "-m", *case.words])
