@@ -46,7 +46,7 @@ def test_the_wheel_holds_all_modules_and_resources_and_nothing_compiled(wheel):
         path.relative_to(ROOT).as_posix()
         for package in ("subsea", "capture")
         for path in (ROOT / package).rglob("*")
-        if path.suffix in (".py", ".typed")
+        if path.suffix in (".py", ".pyi", ".typed")
     } | {
         f"subsea/_data/{path.relative_to(ROOT).as_posix()}"
         for folder in ("assets", "shaders", "repertoires")

@@ -508,13 +508,16 @@ def test_the_tutorials_make_all_files_that_they_promise(workshop):
     assert 'name = "Reef jewel"' in (own / "species/reef_jewel.toml").read_text()
 
 
+SCRIPTS = "docs", "tools", "benchmarks"  # folders
+
+
 def test_every_option_that_a_page_names_is_one():
     known = {"--regenerate", "--now", "--user"}  # of pytest here, and of systemctl
     for program in (main, capture_cli):
         parser, commands = program.parsers()
         for one in (parser, *commands.choices.values()):
             known.update(name for action in one._actions for name in action.option_strings)
-    for path in [*ROOT.glob("docs/*.py"), *ROOT.glob("tools/*.py")]:
+    for path in (path for folder in SCRIPTS for path in (ROOT / folder).glob("*.py")):
         known.update(re.findall(r'"(--[a-z-]+)"', path.read_text(encoding="utf-8")))
     assert "--budget" in known - options_of("subsea film OUT --budget 4", known)
     for page in PAGES:

@@ -96,6 +96,9 @@ def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch)
     memory = sea.nothing()
     # One of two eyes may see a leaf just too small for the level that both share.
     lod = display in ("mono", *SURROUNDS)
+    # Forget the levels of detail of earlier pictures: an item out of sight has none.
+    for one in (seen, *((view,) for view in seen)):
+        sea.draw(one, sea.nothing(), lod)
     triangles, calls = [], []
     for view in seen:
         # Each after all of them, as all share the levels of detail.
