@@ -54,6 +54,7 @@ NOT_TYPED = {
     ".venv/bin/ruff": "`make test` begins with it",
     ".venv/bin/mypy": "`make test` does that",
     ".venv/bin/uv lock": "it asks the network",
+    ".venv/bin/jupyter": "tests/docs/test_notebooks.py runs the notebooks",
     "pip install": "it asks the network",
     "uvx": "it asks the network",
     ". .venv/bin/activate": "these programs run in it already",
@@ -513,6 +514,7 @@ SCRIPTS = "docs", "tools", "benchmarks"  # folders
 
 def test_every_option_that_a_page_names_is_one():
     known = {"--regenerate", "--now", "--user"}  # of pytest here, and of systemctl
+    known |= {"--execute", "--inplace"}  # of jupyter
     for program in (main, capture_cli):
         parser, commands = program.parsers()
         for one in (parser, *commands.choices.values()):

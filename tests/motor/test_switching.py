@@ -50,7 +50,7 @@ def test_at_random_goals_no_one_notices_either_change(make_tank, species):
         tank = make_tank(species, scale).put("swim_fast")
         usual = _changes(tank.step(40)).max()
         rng = np.random.default_rng(3)
-        for _ in range(20):
+        for _ in range(8):
             tank.aim(rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.0), rng.uniform(-0.6, 0.6))
             before = tank.step(rng.integers(5, 60))
             while tank.live.fish[0] >= 0 or not may_go_live(tank.fishes, tank.library, 0):
@@ -165,13 +165,13 @@ def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
     assert digests[0] == digests[1]
 
 
-def test_a_minute_of_nothing_but_simulation():
+def test_half_a_minute_of_nothing_but_simulation():
     """All live fishes except hovering ones: sound, inside the sea, as fast as in playback."""
     worlds = [_world(live=60, live_reach_cm=np.inf), _world()]
     speeds, hovered = [], np.zeros(60, np.bool_)
     for world in worlds:
         speed = []
-        for _ in range(1800):
+        for _ in range(950):
             step(world, Helm(surge=0.4, yaw=0.1))
             hovered |= (world is worlds[0]) & (world.state.fishes.thrust < HOVERING)
             speed.append(np.linalg.norm(world.state.fishes.velocity, axis=1).mean())

@@ -61,7 +61,7 @@ def test_no_node_is_jerked(shipped):
     library, usual = shipped
     for before, after in permutations(range(len(SEGMENTS)), 2):
         length = library.length[0, before]
-        phases = range(length) if library.cyclic[0, before] else [length - 6]
+        phases = range(0, length, 2) if library.cyclic[0, before] else [length - 6]
         for phase in phases:
             path, segments = _play(library, before, phase, max(45, length + 20), after, 16)
             switched = segments.index(after)

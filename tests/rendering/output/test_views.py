@@ -87,7 +87,7 @@ def channels(turns, half_tangent, size):
 
 @pytest.mark.parametrize("display", DISPLAYS)
 @given(heading=st.floats(-3.0, 3.0), pitch=st.floats(-0.5, 0.3))
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=2, deadline=None)
 def test_a_view_shows_and_costs_what_it_does_alone(sea, display, heading, pitch):
     rig = display_rig(display, SIZE)
     rig = plain(rig.canvas, rig.eyes, rig.level)
