@@ -14,7 +14,6 @@ from subsea.geometry.vector import Vector
 
 NEVER = math.inf  # the t of a ray that misses
 MIDDLE = 1e-9  # of a gradient that vanishes
-MIDDLE = 1e-9  # of a gradient that vanishes
 NEARLY_CM = 0.01  # above rounding errors
 
 
