@@ -43,8 +43,9 @@ def camera(eye: Any, target: Any, up: Any = (0.0, 0.0, 1.0)) -> CameraPose:
     Raises:
         ValueError: Points other than three finite numbers, or a view along `up`.
 
-    >>> subsea.camera((0, 0, -200), (300, 0, -200)).forward
-    array([1., 0., 0.])
+    Examples:
+        >>> subsea.camera((0, 0, -200), (300, 0, -200)).forward
+        array([1., 0., 0.])
     """
     place, to, above = (_vector(*named) for named in (("eye", eye), ("target", target), ("up", up)))
     side = np.cross(to - place, above)

@@ -27,8 +27,9 @@ PathText = str | PathLike[str]
 def scenarios() -> list[str]:
     """Names of all scenarios: the shipped ones, then the user's own.
 
-    >>> "peaceful" in subsea.scenarios()
-    True
+    Examples:
+        >>> "peaceful" in subsea.scenarios()
+        True
     """
     return scenario_names()
 
@@ -36,8 +37,9 @@ def scenarios() -> list[str]:
 def species() -> list[str]:
     """Names of all species: the shipped ones, then the user's own.
 
-    >>> "fusilier" in subsea.species()
-    True
+    Examples:
+        >>> "fusilier" in subsea.species()
+        True
     """
     return species_names()
 
@@ -110,9 +112,10 @@ def sweep(
         UserError: A faulty scenario or value, or a file that cannot be written.
         ValueError: A length under one tick, or less than one job.
 
-    >>> table = subsea.sweep("peaceful", "few", seeds=[1, 2], seconds=0.33, fish=10, jobs=1)
-    >>> table.name
-    'sweep.parquet'
+    Examples:
+        >>> table = subsea.sweep("peaceful", "few", seeds=[1, 2], seconds=0.33, fish=10, jobs=1)
+        >>> table.name
+        'sweep.parquet'
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"jobs: {jobs!r}, expected at least 1")
@@ -136,9 +139,10 @@ def open_record(path: PathText) -> Record:
     Raises:
         UserError: A file that is missing, damaged, or no record.
 
-    >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
-    >>> subsea.open_record(path).position.shape  # ticks, fishes, axes
-    (10, 10, 3)
+    Examples:
+        >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
+        >>> subsea.open_record(path).position.shape  # ticks, fishes, axes
+        (10, 10, 3)
     """
     return read_record(Path(path))
 
@@ -148,9 +152,10 @@ def measure(record: Record | PathText) -> dict[str, Any]:
 
     docs/reference/records.md defines each of them.
 
-    >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
-    >>> subsea.measure(path)["fishes"]
-    10
+    Examples:
+        >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
+        >>> subsea.measure(path)["fishes"]
+        10
     """
     return measures_of(record if isinstance(record, Record) else open_record(record))
 

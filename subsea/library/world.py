@@ -41,9 +41,10 @@ def load(
 
     The first call after an installation compiles the kernels, which takes a minute.
 
-    >>> world = subsea.load("peaceful", seed=1, fish=10)
-    >>> world
-    World('peaceful', seed=1, 10 fishes, tick 0)
+    Examples:
+        >>> world = subsea.load("peaceful", seed=1, fish=10)
+        >>> world
+        World('peaceful', seed=1, 10 fishes, tick 0)
     """
     chosen, source = load_scenario(scenario, change_texts(changes))
     warm_up(say)
@@ -71,13 +72,14 @@ class World:
     arrays is fish k. Lengths are in cm, times in s, angles in rad; z points up and the surface of
     the sea is at 0. docs/developers/state.md lists every array with its shape, type and unit.
 
-    >>> world = subsea.load("peaceful", seed=1, fish=10)
-    >>> world.step(30)
-    >>> world.tick, world.fishes.position.shape
-    (30, (10, 3))
-    >>> world.fishes.position[0] = 0.0
-    Traceback (most recent call last):
-    ValueError: assignment destination is read-only
+    Examples:
+        >>> world = subsea.load("peaceful", seed=1, fish=10)
+        >>> world.step(30)
+        >>> world.tick, world.fishes.position.shape
+        (30, (10, 3))
+        >>> world.fishes.position[0] = 0.0
+        Traceback (most recent call last):
+        ValueError: assignment destination is read-only
     """
 
     def __init__(self, state: State, scenario: str = "") -> None:
@@ -136,9 +138,10 @@ class World:
     def names(self) -> dict[str, tuple[str, ...]]:
         """The names of codes and columns, by the array that holds them.
 
-        >>> world = subsea.load("peaceful", seed=1, fish=10)
-        >>> world.names["minds.mental"]
-        ('hunger', 'libido', 'fear')
+        Examples:
+            >>> world = subsea.load("peaceful", seed=1, fish=10)
+            >>> world.names["minds.mental"]
+            ('hunger', 'libido', 'fear')
         """
         return {
             "fishes.species": self.species,
@@ -179,12 +182,13 @@ class World:
         Raises:
             UserError: A snapshot of another world, or a damaged one; this world is unchanged then.
 
-        >>> world = subsea.load("peaceful", seed=1, fish=10)
-        >>> before, kept = world.checksum(), world.snapshot()
-        >>> world.step(5)
-        >>> world.restore(kept)
-        >>> world.checksum() == before
-        True
+        Examples:
+            >>> world = subsea.load("peaceful", seed=1, fish=10)
+            >>> before, kept = world.checksum(), world.snapshot()
+            >>> world.step(5)
+            >>> world.restore(kept)
+            >>> world.checksum() == before
+            True
         """
         snapshot.restore(self.internal, data)
 
