@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 import subsea.environments  # noqa: F401  registers the environments
-from subsea.profiling.machine import cores
+from subsea.core.processors import cores
 
 STEPS, BODIES, VECTOR_STEPS = 1000, 1024, 8
 OTHER = """

@@ -74,8 +74,9 @@ def run(options: Namespace) -> int:
     from subsea.core.console import say
     from subsea.core.dask_cluster import dask_pool
     from subsea.core.interrupts import deferred_interrupts
+    from subsea.core.processors import cores
     from subsea.core.workers import process_pool
-    from subsea.dive.warm_up import cores, warm_up
+    from subsea.dive.warm_up import warm_up
     from subsea.study.sweep import Sweep, sweep
     from subsea.study.sweep_values import read_values
 

@@ -21,6 +21,7 @@ from msgspec.structs import replace
 
 from subsea.core.disk_cache import cache_folder
 from subsea.core.own_files import make_own_folder
+from subsea.core.processors import cores
 from subsea.core.source_stamp import ROOT, source_stamp
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
@@ -139,13 +140,6 @@ def _can_write(place: Path) -> bool:
         with suppress(OSError):
             probe.unlink()
     return True
-
-
-def cores() -> int:
-    """The number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @contextmanager

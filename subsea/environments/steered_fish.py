@@ -1,5 +1,6 @@
 """A Gymnasium environment in which one fish of a living sea is steered."""
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import gymnasium
@@ -19,7 +20,7 @@ OBSERVATIONS = ["senses", "retina"]
 RENDER_MODES = ["rgb_array"]
 
 
-class SteeredFishEnv(gymnasium.Env[Any, Any]):
+class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
     """The base of `ForageEnv` and `EscapeEnv`, which choose and place the fish."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012 as in the base
@@ -57,13 +58,13 @@ class SteeredFishEnv(gymnasium.Env[Any, Any]):
 
     wanted = "fishes"  # that may be steered, for messages
 
+    @abstractmethod
     def candidates(self) -> Ints:
         """The fishes that may be steered."""
-        raise NotImplementedError
 
+    @abstractmethod
     def start(self, fish: int) -> None:
         """Place the fish at the start of an episode."""
-        raise NotImplementedError
 
     @property
     def fish(self) -> int:

@@ -14,6 +14,7 @@ from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.solver import TICK_S
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.errors import UserError
+from subsea.core.processors import cores
 from subsea.environments.swim_bodies import ACTIONS, BOUND, OBSERVED, make_bodies, observe, swim
 from subsea.environments.swim_tasks import (
     ARRIVED,
@@ -24,7 +25,6 @@ from subsea.environments.swim_tasks import (
     task_named,
 )
 from subsea.fish.species import Species, load_species, muscular_names
-from subsea.profiling.machine import cores
 
 DISTURBANCE = 0.1  # rms random velocity of each node at the start, cm/tu
 LEAST_PART = 16  # bodies, about 0.3 ms of work: fewer are not worth a thread

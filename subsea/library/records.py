@@ -9,8 +9,9 @@ from typing import Any
 from subsea.core.console import say
 from subsea.core.extras import missing_packages
 from subsea.core.interrupts import deferred_interrupts
+from subsea.core.processors import cores
 from subsea.core.workers import process_pool, serial
-from subsea.dive.warm_up import cores, warm_up
+from subsea.dive.warm_up import warm_up
 from subsea.fish.species import species_names
 from subsea.library.world import Changes, change_texts
 from subsea.scenario.load import scenario_names

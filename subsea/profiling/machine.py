@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 import subsea
+from subsea.core.processors import cores
 
 PACKAGES = "numpy", "numba", "moderngl"
 REFERENCE_SINES = 1 << 15  # on each core: about a third of a millisecond
@@ -42,12 +43,6 @@ def machine_line(machine: Mapping[str, Any]) -> str:
     load = "" if machine["load"] is None else f", load {machine['load']}"
     commit = f"; commit {machine['commit']}" if machine["commit"] else ""
     return f"{machine['cpu']}, {count}{load}; OpenGL {machine['driver']}{commit}"
-
-
-def cores() -> int:
-    """Number of cores that this process may use."""
-    here = getattr(os, "sched_getaffinity", None)
-    return len(here(0)) if here else os.cpu_count() or 1
 
 
 def _processor() -> str:

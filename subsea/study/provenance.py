@@ -1,4 +1,4 @@
-"""What the result of a run depends on: code, packages, scenario, species and repertoires."""
+"""The inputs of a run: code, packages, scenario, species and repertoires."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ class Provenance(NamedTuple):
     """Versions and hashes of everything that a run is made from, except its seed and length."""
 
     program: str
-    packages: str  # whose versions may change a result
+    packages: str  # versions of packages that may change a result
     code_sha256: str
     scenario: str  # its text, with the changes
     scenario_sha256: str  # of its file, without them

@@ -1,4 +1,4 @@
-"""Where panels open on a screen of 1280x720, and what is remembered."""
+"""Places of panels on a screen of 1280x720, and their memory over dives."""
 
 from itertools import combinations
 

@@ -24,12 +24,12 @@ class NodeRecord:
     sent_s: float = -math.inf  # when the state was sent
     asked_s: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_ASKED))
     out_until_s: float = 0.0  # end of the time for which it was put out
-    in_step: bool = False  # whether the master waits for it
+    in_step: bool = False  # True if the master waits for it
     drawn: int = 0  # number of its last picture ...
     drawn_s: float = 0.0  # ... and when it was drawn
     not_before_s: float = 0.0  # the master does not wait for it before
     diverged_s: float = -SOON_S
-    came: bool = False  # whether it has been in step before
+    came: bool = False  # True if it has been in step before
     refusal: str = ""  # why a node of its name was refused ...
     refused_s: deque[float] = field(  # ... and when that was reported
         default_factory=lambda: deque([-math.inf] * MAX_REFUSALS, MAX_REFUSALS)
