@@ -66,10 +66,10 @@ def run(options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from capture.recording.batch import record_all
+    from capture.recording.record import segments_of
     from capture.recording.resume import repertoire_path
     from capture.recording.workers import dask_workers, process_pool, serial
-    from subsea.fish.species import shipped_species, species_names
-    from subsea.repertoire import SEGMENTS
+    from subsea.fish.species import load_species, shipped_species, species_names
     from subsea.repertoire.schema import FORMAT
 
     known = species_names()
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     def show(name: str, segments: int) -> None:
         if name not in bars:
             bars[name] = tqdm(
-                total=len(SEGMENTS),
+                total=len(segments_of(load_species(name))),
                 desc=name,
                 position=len(bars),
                 unit="segment",

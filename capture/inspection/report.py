@@ -10,7 +10,7 @@ from capture.inspection.spine_driven import measure_spine_driven
 from capture.inspection.targets import Measure
 from capture.recording.record import motion_from_provenance
 from subsea.core.errors import UserError
-from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire
+from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, read_repertoire
 
 HEADINGS = (
     "segment", "pattern", "grade", "frames", "cyclic", "cm/s", "L/s", "L/beat", "turn °",
@@ -29,7 +29,7 @@ def report(path: Path, write: Callable[[str], object]) -> bool:
     UserError where the file is damaged or not a repertoire.
     """
     repertoire = read_repertoire(path)
-    missing = [name for name in SEGMENTS if name not in repertoire.segments]
+    missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
     write(
         f"{path}: {repertoire.species}, {repertoire.body_length_cm:g} cm, from "
         f"{repertoire.source}, a frame each {1000 * repertoire.tick_s:g} ms"

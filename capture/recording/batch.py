@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
 
-from capture.recording.record import Recorded, assemble
+from capture.recording.record import Recorded, assemble, segments_of
 from capture.recording.resume import (
     finished_segments,
     is_up_to_date,
@@ -15,7 +15,7 @@ from capture.recording.resume import (
 from capture.recording.workers import Workers
 from subsea.core.workers import Check
 from subsea.fish.species import load_species
-from subsea.repertoire import SEGMENTS, write_repertoire
+from subsea.repertoire import write_repertoire
 
 
 def record_all(
@@ -43,12 +43,12 @@ def record_all(
     jobs = {
         (name, segment): species[name]
         for name, segments in done.items()
-        for segment in SEGMENTS
+        for segment in segments_of(species[name])
         if segment not in segments
     }
 
     def finish(name: str) -> None:
-        if len(done[name]) == len(SEGMENTS):
+        if len(done[name]) == len(segments_of(species[name])):
             repertoire = assemble(name, species[name], done[name])
             write_repertoire(repertoire_path(folders[name], name), repertoire)
             remove_segments(folders[name], name)

@@ -16,7 +16,7 @@ from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points
-from subsea.repertoire import SEGMENTS, Repertoire, Segment
+from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment
 
 Motion = Muscles  # the three plans that determine how a species moves
 
@@ -99,9 +99,14 @@ def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, Surfac
     return msgspec.convert(plans[0], SpinePlan), msgspec.convert(plans[1], SurfacePlan)
 
 
+def segments_of(species: Species) -> tuple[str, ...]:
+    """The segments that are recorded of a species."""
+    return BASIC_SEGMENTS
+
+
 def record_species(name: str, species: Species) -> Repertoire:
     """Record the whole repertoire of a species in this process."""
-    segments = {segment: record_segment(species, segment) for segment in SEGMENTS}
+    segments = {segment: record_segment(species, segment) for segment in segments_of(species)}
     return assemble(name, species, segments)
 
 

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from capture.recording.fingerprint import fingerprint
-from capture.recording.record import Recorded, assemble
+from capture.recording.record import Recorded, assemble, segments_of
 from subsea.core.errors import UserError
 from subsea.fish.species import Species
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
@@ -22,7 +22,7 @@ def repertoire_path(folder: Path, name: str) -> Path:
 def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
     """True if the repertoire is complete and was recorded from exactly this species."""
     repertoire = _read(repertoire_path(folder, name), name, species)
-    return repertoire is not None and set(SEGMENTS) <= repertoire.segments.keys()
+    return repertoire is not None and set(segments_of(species)) <= repertoire.segments.keys()
 
 
 def save_segment(
@@ -37,7 +37,7 @@ def save_segment(
 def finished_segments(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
     """The saved segments of a species; damaged ones and those of other fishes are skipped."""
     found = {}
-    for segment in SEGMENTS:
+    for segment in segments_of(species):
         one = _read(_segment_path(folder, name, segment), name, species)
         if one is not None and segment in one.segments:
             found[segment] = one.segments[segment], one.provenance["warm_up_beats"][segment]

@@ -74,7 +74,7 @@ class BodyTables(NamedTuple):
     turning_amplitude: Array  # (S,) at the full bend
     bend: Array  # (S, 2) contractions of the two turning segments in a sharp turn: the full bend
     bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
-    turn_rate: Array  # (S, 7) rad/s that each segment turns by itself, left positive
+    turn_rate: Array  # (S, n) rad/s that each segment turns by itself, left positive
     fin_area: Array  # (S,) of each pectoral fin
     roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
 
@@ -82,7 +82,7 @@ class BodyTables(NamedTuple):
 def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
     """The tables of these species, from the plans of their repertoires.
 
-    `speed` (S, 7) in cm/s is that of the recorded segments. Spine-driven species have no body to
+    `speed` (S, n) in cm/s is that of the recorded segments. Spine-driven species have no body to
     simulate and get rows of zeros, which nothing reads.
     """
     rows = [
@@ -92,7 +92,7 @@ def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, 7, 1, 1)
+_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
 NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -122,7 +122,7 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     bend = max((row.contraction for row in turn.steering), key=sum)
     gradual = bend_rate * sum(turn.gradual) / sum(bend)
     side = {"left": 1.0, "right": -1.0}
-    rate = {"gradual": gradual, "sharp": bend_rate}
+    rate = {"gradual": gradual}
     words = [name.split("_") for name in SEGMENTS]
     fin_area = FIN_AREA * muscles.body.length**2
     return (
@@ -130,7 +130,7 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
         (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), turn.amplitude,
         bend, bend_rate,
-        [side[word[1]] * rate[word[2]] if word[0] == "turn" else 0.0 for word in words],
+        [side[w[1]] * rate.get(w[2], bend_rate) if w[0] == "turn" else 0.0 for w in words],
         fin_area, _roll_lead(body, fin_area),
     )  # fmt: skip
 

@@ -21,6 +21,7 @@ from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies,
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
+from subsea.repertoire.schema import SUBSTITUTES
 from subsea.repertoire.transitions import (
     Kinematics,
     gentlest,
@@ -48,7 +49,7 @@ class Dynamics(NamedTuple):
     bodies: BodyTables
     muscular: NDArray[np.bool_]  # (S,) whether a species has muscles and can be simulated
     motion: Kinematics  # R rows
-    usual: Array  # (S, 7) the largest change of a node's velocity in each segment, cm per frame²
+    usual: Array  # (S, n) the largest change of a node's velocity in each segment, cm per frame²
     reach_cm: float  # distance from the viewer beyond which fishes are played back
 
 
@@ -57,15 +58,22 @@ def make_dynamics(
     reach_cm: float,
 ) -> Dynamics:  # fmt: skip
     """The constants of these species, in the order of the packed library."""
-    motions = [[kinematics_of(r.segments[name]) for name in SEGMENTS] for r in repertoires]
-    every = [motion for row in motions for motion in row]
+    motions = [
+        {name: kinematics_of(r.segments[name]) for name in r.recorded_names()} for r in repertoires
+    ]
+    every = [motion for row in motions for motion in row.values()]
     return Dynamics(
         make_bodies(species, library.speed),
         np.array([one.muscles is not None for one in species]),
         Kinematics(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
-        np.array([[usual_change(motion) for motion in row] for row in motions]),
+        np.array([[_usual(row, name) for name in SEGMENTS] for row in motions]),
         reach_cm,
     )
+
+
+def _usual(motions: dict[str, Kinematics], name: str) -> float:
+    """The largest change of a node's velocity in a segment or its substitute."""
+    return usual_change(motions[name if name in motions else SUBSTITUTES[name]])
 
 
 def swim(

@@ -2,12 +2,19 @@
 
 from typing import TYPE_CHECKING, Any
 
-from subsea.repertoire.schema import SEGMENTS, Repertoire, Segment
+from subsea.repertoire.schema import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment
 
 if TYPE_CHECKING:
     from subsea.repertoire.files import read_repertoire, write_repertoire
 
-__all__ = ["SEGMENTS", "Repertoire", "Segment", "read_repertoire", "write_repertoire"]
+__all__ = [
+    "BASIC_SEGMENTS",
+    "SEGMENTS",
+    "Repertoire",
+    "Segment",
+    "read_repertoire",
+    "write_repertoire",
+]
 
 
 def __getattr__(name: str) -> Any:

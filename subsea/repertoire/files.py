@@ -1,6 +1,7 @@
 """Reading and writing repertoire files (`repertoires/SPECIES.h5`)."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from subsea.core import hdf5
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.repertoire.schema import (
+    BASIC_SEGMENTS,
     CONTROL_POINTS,
     FORMAT,
     GRADES,
@@ -17,7 +19,6 @@ from subsea.repertoire.schema import (
     MAX_GLIDE_FRAMES,
     NODES,
     PATTERNS,
-    SEGMENTS,
     VERSION,
     Repertoire,
     Segment,
@@ -25,6 +26,7 @@ from subsea.repertoire.schema import (
 )
 from subsea.repertoire.transitions import plan_transitions
 
+READABLE = range(2, VERSION + 1)  # version 2 has the basic segments only
 UNIT_TOLERANCE = 1e-4  # of a recorded quaternion's length
 MAX_EXTENT_BL = 3.0  # limit for distances of nodes and control points from the centre
 
@@ -36,11 +38,11 @@ def read_repertoire(path: Path) -> Repertoire:
         if "format" not in file.attrs:
             raise UserError(f"not a repertoire, expected attribute format = {FORMAT!r}", file=where)
         version = hdf5.attribute(file, "version", int, where)
-        if version != VERSION:
+        if version not in READABLE:
             remedy = "update subsea or record it again" if version > VERSION else "record it again"
             raise UserError(
-                f"version {version}, this program reads version {VERSION}; {remedy} "
-                "(subsea-capture record)",
+                f"version {version}, this program reads versions {READABLE[0]} to {VERSION}; "
+                f"{remedy} (subsea-capture record)",
                 file=where,
             )
         if hdf5.attribute(file, "format", str, where) != FORMAT:
@@ -58,7 +60,7 @@ def read_repertoire(path: Path) -> Repertoire:
         }
         if not segments:
             raise UserError("empty, expected at least one segment", file=f"{where}/segments")
-        return Repertoire(
+        repertoire = Repertoire(
             species=hdf5.attribute(file, "species", str, where),
             tick_s=_positive(file, "tick_s", where),
             body_length_cm=length,
@@ -66,8 +68,8 @@ def read_repertoire(path: Path) -> Repertoire:
             provenance=_provenance(file, where),
             rest_nodes=rest,
             segments=segments,
-            transitions=_read_transitions(file, segments, where),
         )
+        return replace(repertoire, transitions=_read_transitions(file, repertoire, where))
 
 
 def write_repertoire(path: Path, repertoire: Repertoire) -> None:
@@ -98,24 +100,26 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
                 group.attrs[key] = hdf5.text(getattr(segment, key))
             for key in ("cyclic", "speed_cm_s", "turn_deg", "loop_error_bl", "bounding_radius_bl"):
                 group.attrs[key] = getattr(segment, key)
-        if all(name in repertoire.segments for name in SEGMENTS):
-            plan = plan_transitions([repertoire.segments[name] for name in SEGMENTS])
+        if all(name in repertoire.segments for name in BASIC_SEGMENTS):
+            known = [repertoire.segments[name] for name in repertoire.recorded_names()]
+            plan = plan_transitions(known)
             for key, values in plan._asdict().items():
                 file[f"transitions/{key}"] = values.astype(np.int16)
 
 
-def _read_transitions(file: Any, segments: dict[str, Segment], where: str) -> Transitions | None:
+def _read_transitions(file: Any, repertoire: Repertoire, where: str) -> Transitions | None:
     """The transitions that were planned when the file was written, or None without them."""
-    if not hdf5.has_member(file, "transitions") or any(name not in segments for name in SEGMENTS):
+    segments, names = repertoire.segments, repertoire.recorded_names()
+    missing = any(name not in segments for name in BASIC_SEGMENTS)
+    if missing or not hdf5.has_member(file, "transitions"):
         return None
     group, where = hdf5.subgroup(file, "transitions", where), where + "/transitions"
-    rows = sum(len(segments[name].nodes) for name in SEGMENTS)
+    rows = sum(len(segments[name].nodes) for name in names)
     entry, frames, leave = (
-        hdf5.array(group, key, (rows, len(SEGMENTS)), where, kind="i")
-        for key in Transitions._fields
+        hdf5.array(group, key, (rows, len(names)), where, kind="i") for key in Transitions._fields
     )
-    starts = np.cumsum([0, *(len(segments[name].nodes) for name in SEGMENTS)])
-    for k, name in enumerate(SEGMENTS):
+    starts = np.cumsum([0, *(len(segments[name].nodes) for name in names)])
+    for k, name in enumerate(names):
         last = starts[k + 1] - 1 if segments[name].cyclic else starts[k]
         if (entry[:, k] < starts[k]).any() or (entry[:, k] > last).any():
             raise UserError(

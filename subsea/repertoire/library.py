@@ -9,13 +9,20 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.fish.coupling import Coupling, place
-from subsea.repertoire.schema import SEGMENTS, Repertoire, Transitions
+from subsea.repertoire.schema import (
+    BASIC_SEGMENTS,
+    SEGMENTS,
+    SUBSTITUTES,
+    Repertoire,
+    Transitions,
+)
 from subsea.repertoire.transitions import plan_transitions
 
 
 class Library(NamedTuple):
     """Rows are frames of all segments of all species in sequence (R rows, S species).
 
+    There are n segments, as in SEGMENTS. One that was not recorded has the rows of its substitute.
     The first four tables end with 2 k rows for the poses of simulated fishes.
     """
 
@@ -23,13 +30,14 @@ class Library(NamedTuple):
     translation: Array  # (R + 2 k, 3) float32, cm
     nodes: Array  # (R + 2 k, 23, 3) float32, cm, body axes
     control_points: Array  # (R + 2 k, 426, 3) float32, cm, body axes
-    first: Ints  # (S, 7) int32, first row of each segment
-    length: Ints  # (S, 7) int32, rows of each segment
-    cyclic: NDArray[np.bool_]  # (S, 7)
-    speed: Array  # (S, 7) float32, cm/s of the recorded fish
-    entry: Ints  # (R, 7) int32, row at which a segment is entered from each row ...
-    glide: Ints  # (R, 7) int32, ... and the number of frames that takes
-    leave: NDArray[np.bool_]  # (R, 7), True if this row is good for leaving to a segment
+    has: NDArray[np.bool_]  # (S, n), True for a segment that was recorded
+    first: Ints  # (S, n) int32, first row of each segment
+    length: Ints  # (S, n) int32, rows of each segment
+    cyclic: NDArray[np.bool_]  # (S, n)
+    speed: Array  # (S, n) float32, cm/s of the recorded fish
+    entry: Ints  # (R, n) int32, row at which a segment is entered from each row ...
+    glide: Ints  # (R, n) int32, ... and the number of frames that takes
+    leave: NDArray[np.bool_]  # (R, n), True if this row is good for leaving to a segment
     coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
@@ -40,23 +48,26 @@ def pack(
 ) -> Library:
     """Pack repertoires into flat arrays, with rows for `live` simulated fishes.
 
-    Missing control points are computed from the nodes; a missing segment is a UserError.
+    Missing control points are computed from the nodes; a missing basic segment is a UserError.
     """
     rotation, translation, nodes, points = [], [], [], []
     plans: list[Transitions] = []
-    first, length, cyclic, speed = [], [], [], []
+    first, length, cyclic, speed, has = [], [], [], [], []
     row = 0
     for repertoire, coupling in zip(repertoires, couplings, strict=True):
-        missing = [name for name in SEGMENTS if name not in repertoire.segments]
+        missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
         if missing:
             raise UserError(f"repertoire of {repertoire.species}: no segment {missing[0]!r}")
-        segments = [repertoire.segments[name] for name in SEGMENTS]
+        names = repertoire.recorded_names()
+        segments = [repertoire.segments[name] for name in names]
+        played = [names.index(n if n in names else SUBSTITUTES[n]) for n in SEGMENTS]
         starts = row + np.cumsum([0] + [len(s.nodes) for s in segments])
         row = int(starts[-1])
-        first.append(starts[:-1])
-        length.append(np.diff(starts))
-        cyclic.append([s.cyclic for s in segments])
-        speed.append([s.speed_cm_s for s in segments])
+        first.append(starts[played])
+        length.append(np.diff(starts)[played])
+        cyclic.append([segments[k].cyclic for k in played])
+        speed.append([segments[k].speed_cm_s for k in played])
+        has.append([name in names for name in SEGMENTS])
         for segment in segments:
             rotation.append(segment.increment_rotation)
             translation.append(segment.increment_translation)
@@ -67,12 +78,17 @@ def pack(
                 else segment.control_points
             )
         plan = repertoire.transitions or plan_transitions(segments)
-        plans.append(plan._replace(entry=starts[0] + plan.entry))
+        plans.append(
+            Transitions(
+                starts[0] + plan.entry[:, played], plan.frames[:, played], plan.leave[:, played]
+            )
+        )
     return Library(
         rotation=_table(rotation, live),
         translation=_table(translation, live),
         nodes=_table(nodes, live),
         control_points=_table(points, live),
+        has=np.array(has, np.bool_),
         first=np.array(first, np.int32),
         length=np.array(length, np.int32),
         cyclic=np.array(cyclic, np.bool_),

@@ -9,16 +9,30 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array, Ints
 
 FORMAT = "subsea-repertoire"
-VERSION = 2
+VERSION = 3
 NODES = 23
 CONTROL_POINTS = 426
 MAX_FRAMES = 2000
 MAX_GLIDE_FRAMES = 14
 PATTERNS = ("forward", "left", "right")
-GRADES = ("slow", "medium", "fast", "gradual", "sharp")
+GRADES = (
+    "slow",
+    "medium",
+    "fast",
+    "gradual",
+    "sharp",
+    "burst",
+    "moderate",
+    "wide",
+    "rest",
+    "glide",
+    "start",
+    "stop",
+    "forward",
+)
 
-# The code of a segment in `state.fishes.segment` is its place in this list.
-SEGMENTS = (
+# Every repertoire has these.
+BASIC_SEGMENTS = (
     "swim_slow",
     "swim_medium",
     "swim_fast",
@@ -27,6 +41,25 @@ SEGMENTS = (
     "turn_right_gradual",
     "turn_right_sharp",
 )
+
+# A repertoire may lack these; playback then takes the substitute.
+SUBSTITUTES = {
+    "swim_burst": "swim_fast",
+    "cstart_left_moderate": "turn_left_sharp",
+    "cstart_left_wide": "turn_left_sharp",
+    "cstart_right_moderate": "turn_right_sharp",
+    "cstart_right_wide": "turn_right_sharp",
+    "turn_left_rest": "turn_left_sharp",
+    "turn_right_rest": "turn_right_sharp",
+    "turn_left_glide": "turn_left_sharp",
+    "turn_right_glide": "turn_right_sharp",
+    "swim_start": "swim_medium",
+    "swim_stop": "swim_slow",
+    "row_forward": "swim_slow",
+}
+
+# The code of a segment in `state.fishes.segment` is its place in this list.
+SEGMENTS = (*BASIC_SEGMENTS, *SUBSTITUTES)
 
 
 @dataclass(frozen=True)
@@ -51,14 +84,14 @@ class Segment:
 
 
 class Transitions(NamedTuple):
-    """From each of the r rows of a repertoire to each of its segments, in the order of SEGMENTS.
+    """From each of the r rows of a repertoire to each of its m segments, as in `recorded_names`.
 
     Rows are the frames of the segments, one segment after another.
     """
 
-    entry: Ints  # (r, 7) row at which the segment is entered
-    frames: Ints  # (r, 7) length of the glide, 1 to MAX_GLIDE_FRAMES
-    leave: NDArray[np.bool_]  # (r, 7) True if this row is a good one to leave
+    entry: Ints  # (r, m) row at which the segment is entered
+    frames: Ints  # (r, m) length of the glide, 1 to MAX_GLIDE_FRAMES
+    leave: NDArray[np.bool_]  # (r, m) True if this row is a good one to leave
 
 
 @dataclass(frozen=True)
@@ -73,3 +106,7 @@ class Repertoire:
     rest_nodes: Array  # (23, 3) cm
     segments: dict[str, Segment]
     transitions: Transitions | None = None  # planned when it is written, or else on packing
+
+    def recorded_names(self) -> list[str]:
+        """Names of the known segments that the file has, in the order of SEGMENTS."""
+        return [name for name in SEGMENTS if name in self.segments]

@@ -45,6 +45,7 @@ NEVER = float("inf")
 MOST = 2**31 - 1  # counts and waiting times are below
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 water = written_by("habitat, behavior")
+startled = written_by("behavior, motor")
 hooked = written_by("habitat, behavior, directing")
 
 
@@ -64,6 +65,8 @@ class Fishes(NamedTuple):
     snout: Annotated[F32, creation("n", unit="cm"), "x of the tip of the snout in body axes"]
     girth: Annotated[F32, creation("n", 2, unit="cm"), "height and width of the body without fins"]
     oars: Annotated[BOOL, creation("n"), "whether it rows with its pectoral fins (Tu appendix B.2)"]
+    burst: Annotated[F32, creation("n", start=1), "greatest goal speed, in a burst"]
+    ram: Annotated[F32, creation("n"), "least goal speed: a ram ventilator never stops"]
 
     position: Annotated[F32, motor("n", 3, unit="cm"), "origin of the body frame B, world axes"]
     orientation: Annotated[F32, motor("n", 4, start=UPRIGHT), "quaternion, body to world axes"]
@@ -98,6 +101,10 @@ class Fishes(NamedTuple):
     ]
     live: Annotated[BOOL, motor("n"), "whether it is simulated, not played back"]
     stay: Annotated[F32, motor("n", unit="s", start=NEVER), "time since `live` changed"]
+
+    startle: Annotated[
+        F32, startled("n", unit="rad"), "C-start asked for by behavior, left positive; then 0"
+    ]
 
     drift: Annotated[F32, water("n", 3, unit="cm/s"), "imposed by water, suction or a line"]
 
