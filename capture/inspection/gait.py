@@ -34,6 +34,7 @@ def turn_contraction_step(body: Body, swim: SwimPlan, turn: TurnPlan, angles: li
 
 def entries(body: Body, swim: SwimPlan, steady: BodyState) -> list[tuple[BodyState, float]]:
     """States and phases of steady swimming at grade medium, evenly over a beat."""
+    swim = swim.at("medium")
     found = []
     for k in range(ENTRY_PHASES):
         state = copy_state(steady)
@@ -57,14 +58,15 @@ def turned(
     The new heading is the mean over the last of ``settle`` beats after the turn. NaN where the
     body loses its shape after the turn; UserError where it does so within.
     """
-    beat = swim_contraction(swim, phase + beat_phase(swim, swim.ticks_per_beat), swim.medium)
+    gait = swim.at("medium")
+    beat = swim_contraction(gait, phase + beat_phase(gait, gait.ticks_per_beat), gait.medium)
     before = simulate(body, copy_state(start), beat)
     trial = sharp_turn(body, swim, turn, angle, LEFT, start, phase)
     after = simulate(body, trial.state, np.tile(beat, (settle, 1)))
     if not is_sound(trial.state):
         return float("nan")
     heading = headings(np.concatenate([before[:1], trial.frames, after]))
-    return float(heading[-swim.ticks_per_beat :].mean() - headings(before).mean())
+    return float(heading[-gait.ticks_per_beat :].mean() - headings(before).mean())
 
 
 def muscle_work(body: Body, state: BodyState, contraction: Floats) -> float:

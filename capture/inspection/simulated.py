@@ -20,7 +20,13 @@ from capture.inspection.targets import (
 )
 from capture.inspection.timing import frame_cost, replay_cost, step_cost
 from capture.recording.record import Motion, run_trial, steady_contraction
-from capture.recording.trial import Trial, beat_contraction, displacement, speed_map
+from capture.recording.trial import (
+    Trial,
+    beat_contraction,
+    displacement,
+    grade_contraction,
+    speed_map,
+)
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
@@ -86,10 +92,11 @@ def _swimming(motion: Motion, body: Body, trials: dict[str, Trial]) -> Iterator[
     length, ticks = motion.body.length, motion.swim.ticks_per_beat
     beat_tu = ticks * STEPS_PER_TICK * STEP
     speeds = {
-        grade: float(np.linalg.norm(displacement(trials[f"swim_{grade}"].frames))) / length
+        grade: float(np.linalg.norm(displacement(trials[f"swim_{grade}"].frames)))
+        / (length * motion.swim.at(grade).ticks_per_beat)
         for grade in ("slow", "medium", "fast")
     }
-    fast = speeds["fast"]
+    fast = speeds["fast"] * ticks
     rate = fast / beat_tu
     yield compare("fast swim, per beat", fast, ".3f", " L", at_least(0.35), at_least(0.5))
     yield compare("fast swim, per tu (0.1 s)", rate, ".4f", " L", at_least(0.08), at_least(0.1))
@@ -123,7 +130,7 @@ def _straightness(motion: Motion, body: Body, steady: BodyState) -> Iterator[Mea
 
 
 def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]:
-    beat = beat_contraction(motion.swim, motion.swim.medium)
+    beat = grade_contraction(motion.swim, "medium")
     lean = _mean_attitude(swim_beats(body, copy_state(steady), beat, STEADY_BEATS))
     yield compare("roll, pitch without fins", lean, ".4f", "°", at_most(0.1))
     tall = build_body(motion.body, back=1.1)
@@ -155,13 +162,12 @@ def _lean(state: BodyState, mass: Floats) -> None:
 
 def _balanced(motion: Motion, body: Body, state: BodyState, count: int) -> tuple[float, float]:
     """Roll and pitch of the last of ``count`` beats swum at grade medium with balancing fins."""
-    swim = motion.swim
-    beat = beat_contraction(swim, swim.medium)
+    beat = grade_contraction(motion.swim, "medium")
     area = FIN_AREA * motion.body.length**2
     frames = []
     for _ in range(count):
         frames = [state.x.copy()]
-        for tick in np.split(beat, swim.ticks_per_beat):
+        for tick in np.split(beat, len(beat) // STEPS_PER_TICK):
             force = pectoral_force(state, area, *balance(state), STILL)
             frames.extend(simulate(body, state, tick, force=force))
     return _mean_attitude(np.array(frames))

@@ -27,6 +27,7 @@ from capture.recording.trial import (
     STRAIGHT,
     beat_contraction,
     displacement,
+    grade_contraction,
     loop_error,
     sharp_turn,
     speed_map,
@@ -71,7 +72,7 @@ GAIT_LIMITS = {  # of a fast gait (docs/developers/biomechanics-figures.md)
 }
 STRIDE = at_least(0.35)  # L/beat of a fast gait; a body that cannot reach it may still learn
 TURN_LIMITS = {"contraction_step": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.7)}
-GRADE_RATIO = at_least(1.4)
+GRADE_RATIO, BURST_RATIO = at_least(1.4), at_least(1.1)
 GRADUAL_DEG = Range(2.0, 18.0)
 
 
@@ -210,28 +211,26 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
         return faults
     try:
         levels = speed_map(body, swim).speed
-        grades = [
-            steady_beat(body, beat_contraction(swim, level)).frames
-            for level in (swim.slow, swim.medium, 1.0)
-        ]
+        grades = [steady_beat(body, grade_contraction(swim, grade)).frames for grade in swim.grades]
     except UserError as fault:
         return [str(fault)]
     if not (np.diff(levels) > 0).all():
         faults.append("its speed does not rise with the amplitude")
-    slow, medium, fast = (float(np.linalg.norm(displacement(frames))) for frames in grades)
-    for name, ratio in (("medium", medium / slow), ("fast", fast / medium)):
-        if not GRADE_RATIO.holds(ratio):
-            faults.append(f"{name} is only {ratio:.2f} times as fast as the grade below")
+    speeds = [float(np.linalg.norm(displacement(one))) / (len(one) - 1) for one in grades]
+    for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
+        if not (GRADE_RATIO if name != "burst" else BURST_RATIO).holds(speed / below):
+            faults.append(f"{name} is only {speed / below:.2f} times as fast as the grade below")
     rng = np.random.default_rng([seed, HORIZON])
-    others = rng.uniform(AMPLITUDES[-1] / 2, 1.0, STARTS)
-    for amplitude in (*STARTS * (1.0, swim.medium, swim.slow), *others.tolist()):
-        beat = beat_contraction(swim, amplitude)
+    others = rng.uniform(AMPLITUDES[-1] / 2, 1.0, STARTS).tolist()
+    graded = [(swim.at(grade), swim.amplitude(grade)) for grade in reversed(swim.grades)]
+    for gear, amplitude in (*STARTS * graded, *((swim, other) for other in others)):
+        beat = beat_contraction(gear, amplitude)
         state = start_swimming(body, beat, STRONG_DISTURBANCE, rng)
         beats = round(VERIFY_FACTOR * HORIZON) - 1 - MEASURED_BEATS
         survived = beats_survived(body, state, beat, beats)
         if survived < beats:
             return [*faults, f"disturbed, it lost its shape within {survived + 5} beats"]
-        gait = measure_gait(body, swim, amplitude, state)
+        gait = measure_gait(body, gear, amplitude, state)
         steady = {name: GAIT_LIMITS[name] for name in ("drift", "aside", "closure")}
         if not is_sound(state) or missed(gait, steady):
             return [*faults, f"disturbed, it does not swim straight at amplitude {amplitude:.2g}"]
@@ -274,11 +273,11 @@ def turn_faults(body: Body, swim: SwimPlan, turn: TurnPlan, seed: int) -> list[s
     faults = []
     angles = [row.angle for row in turn.steering]
     try:
-        steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+        steady = steady_beat(body, grade_contraction(swim, "medium")).state
         turning = measure_turning(body, swim, turn, steady, angles)
         rng = np.random.default_rng([seed, HORIZON])
         for angle in angles:
-            beat = beat_contraction(swim, swim.medium)
+            beat = grade_contraction(swim, "medium")
             start = disturbed(steady, DISTURBANCE, rng)
             simulate(body, start, np.tile(beat, (MEASURED_BEATS, 1)))
             settle = round(VERIFY_FACTOR * HORIZON)
@@ -309,6 +308,6 @@ def gradual_turn(
     body: Body, swim: SwimPlan, bend: tuple[float, float] = STRAIGHT, side: float = LEFT
 ) -> float:
     """Degrees per beat of steady swimming at grade medium with a constant bend."""
-    frames = steady_beat(body, beat_contraction(swim, swim.medium, bend, side)).frames
+    frames = steady_beat(body, grade_contraction(swim, "medium", bend, side)).frames
     heading = headings(frames)
     return float(side * (heading[-1] - heading[0]))

@@ -18,7 +18,7 @@ from capture.learning.fitness import (
 )
 from capture.learning.learn import LearnedControllers, learn
 from capture.learning.species_edit import write_controllers
-from capture.recording.trial import beat_contraction, steady_beat
+from capture.recording.trial import beat_contraction, grade_contraction, steady_beat
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.core.atomic_io import check_file
@@ -164,7 +164,7 @@ def _turning(muscles: Muscles) -> TurnMeasures | None:
     plan, swim, turn = muscles
     body = build_body(plan)
     try:
-        steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+        steady = steady_beat(body, grade_contraction(swim, "medium")).state
         angles = [row.angle for row in turn.steering]
         return measure_turning(body, swim, turn, steady, angles)
     except UserError:

@@ -16,7 +16,7 @@ from capture.learning.fitness import (
 )
 from capture.learning.search import Optimizer, distinct
 from capture.learning.swim import MAX_VERIFIED, MIN_GAIN
-from capture.recording.trial import beat_contraction, steady_beat
+from capture.recording.trial import grade_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import S_MAX
@@ -52,7 +52,7 @@ def verified_turn(
 
     With a new gait any controller is better: the old hold times do not fit.
     """
-    steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+    steady = steady_beat(body, grade_contraction(swim, "medium")).state
     # Two rows suffice for the search: the angles between them follow.
     ends = (old.steering[0], old.steering[-1])
     angles = [row.angle for row in ends]
@@ -90,7 +90,7 @@ def refit_holds(
     angles = [row.angle for row in turn.steering]
     while turn_contraction_step(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
-    steady = steady_beat(body, beat_contraction(swim, swim.medium)).state
+    steady = steady_beat(body, grade_contraction(swim, "medium")).state
     return _verified(body, swim, turn, steady, seed, notes)
 
 

@@ -7,7 +7,7 @@ import msgspec
 from capture.recording.fingerprint import fingerprint, library_versions
 from capture.recording.segment import make_segment
 from capture.recording.spine_motion import nodes_at_rest, record_spine_segment
-from capture.recording.trial import STRAIGHT, Trial, beat_contraction, sharp_turn, steady_beat
+from capture.recording.trial import STRAIGHT, Trial, grade_contraction, sharp_turn, steady_beat
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT
@@ -23,12 +23,11 @@ Motion = Muscles  # the three plans that determine how a species moves
 
 def steady_contraction(motion: Motion, name: str) -> Floats:
     """Contractions (6 T, 12) of one beat of a segment, or of the beat before a sharp turn."""
-    swim = motion.swim
     kind, _, grade = name.rpartition("_")
     if kind == "swim":
-        return beat_contraction(swim, {"slow": swim.slow, "medium": swim.medium}.get(grade, 1.0))
+        return grade_contraction(motion.swim, grade)
     bias = motion.turn.gradual if grade == "gradual" else STRAIGHT
-    return beat_contraction(swim, swim.medium, bias, side_of(name))
+    return grade_contraction(motion.swim, "medium", bias, side_of(name))
 
 
 def side_of(name: str) -> float:

@@ -73,6 +73,13 @@ def beat_contraction(
     return swim_contraction(swim, phase, amplitude) + bend_contraction(bias, side)
 
 
+def grade_contraction(
+    swim: SwimPlan, grade: str, bias: tuple[float, float] = STRAIGHT, side: float = LEFT
+) -> Floats:
+    """Contractions (6 T, 12) of one beat of a grade; the rest as :func:`beat_contraction`."""
+    return beat_contraction(swim.at(grade), swim.amplitude(grade), bias, side)
+
+
 def steady_beat(body: Body, beat: Floats) -> Trial:
     """Swim from rest until the loop closes; return the last, steady beat.
 

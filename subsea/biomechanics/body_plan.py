@@ -16,7 +16,10 @@ DENSITIES = (0.3, 6.0)  # g per cm³ between the nodes: water, with room for tis
 
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
-Fraction = Annotated[float, msgspec.Meta(ge=0, le=0.6)]
+MAX_CONTRACTION = 0.6
+Fraction = Annotated[float, msgspec.Meta(ge=0, le=MAX_CONTRACTION)]
+Ticks = Annotated[int, msgspec.Meta(ge=4, le=60)]  # of a beat
+GRADES = ("slow", "medium", "fast", "burst")
 
 
 def _check(name: str, value: float, limits: tuple[float, float], scale: float, unit: str) -> None:
@@ -95,24 +98,52 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         )
 
 
-class SwimPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+class SwimPlan(
+    msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, omit_defaults=True
+):
     """The swim controller (Tu §4.6.1): contractions are fractions of a muscle's rest length.
 
-    ``contraction`` holds those of the anterior and posterior swimming segment at grade fast;
-    ``slow`` and ``medium`` are the amplitudes of the other grades relative to it. ``lag`` is the
+    ``contraction`` holds those of the anterior and posterior swimming segment at grade fast,
+    ``ticks_per_beat`` its beat; ``slow``, ``medium`` and ``burst`` are the amplitudes of the other
+    grades relative to it, and ``..._ticks`` their beats, by default that of fast. ``lag`` is the
     phase in radians by which the posterior segment follows the anterior one.
     """
 
-    ticks_per_beat: Annotated[int, msgspec.Meta(ge=4, le=60)]
+    ticks_per_beat: Ticks
     contraction: tuple[Fraction, Fraction]
     lag: Annotated[float, msgspec.Meta(ge=0, le=3.2)]
-    slow: Annotated[float, msgspec.Meta(gt=0, lt=1)]
-    medium: Annotated[float, msgspec.Meta(gt=0, lt=1)]
+    slow: Annotated[float, msgspec.Meta(gt=0, le=1)]
+    medium: Annotated[float, msgspec.Meta(gt=0, le=1)]
+    burst: Annotated[float, msgspec.Meta(gt=0, le=2)] | None = None  # None: no such grade
+    slow_ticks: Ticks | None = None
+    medium_ticks: Ticks | None = None
+    burst_ticks: Ticks | None = None
 
     def __post_init__(self) -> None:
-        """Reject a slow grade that is not slower than medium."""
-        if self.slow >= self.medium:
+        """Reject a slow grade that is not slower than medium, and an impossible burst."""
+        if self.slow_ticks == self.medium_ticks and self.slow >= self.medium:
             raise ValueError(f"slow = {self.slow:g} must be less than medium = {self.medium:g}")
+        if self.burst is None and self.burst_ticks is not None:
+            raise ValueError("burst_ticks needs burst, the amplitude of that grade")
+        if self.burst is not None and max(self.contraction) * self.burst > MAX_CONTRACTION:
+            raise ValueError(f"burst = {self.burst:g} contracts muscles over {MAX_CONTRACTION:g}")
+
+    @property
+    def grades(self) -> tuple[str, ...]:
+        """Names of the grades, slowest first; burst is the last where there is one."""
+        return GRADES[: 3 if self.burst is None else 4]
+
+    def amplitude(self, grade: str) -> float:
+        """Amplitude of the beat at a grade, relative to fast."""
+        given = {"slow": self.slow, "medium": self.medium, "fast": 1.0, "burst": self.burst}[grade]
+        return 1.0 if given is None else given
+
+    def at(self, grade: str) -> "SwimPlan":
+        """This plan with the ticks of a grade as ``ticks_per_beat``: apply once."""
+        ticks = None if grade == "fast" else getattr(self, f"{grade}_ticks")
+        if ticks in (None, self.ticks_per_beat):
+            return self
+        return msgspec.structs.replace(self, ticks_per_beat=ticks)
 
 
 class Steering(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -98,22 +98,22 @@ def turn_share(row: Steering, ticks: ArrayLike) -> Floats:
 
 
 def turn_beats(swim: SwimPlan, row: Steering) -> int:
-    """Length of a sharp turn in beats: it ends with the beat in which the body has settled."""
+    """Length of a sharp turn in beats of medium; the body has settled before the last one ends."""
     ticks = row.bend_ticks + row.hold_ticks + row.restore_ticks + SETTLE_TICKS
-    return int(np.ceil(ticks / swim.ticks_per_beat))
+    return int(np.ceil(ticks / swim.at("medium").ticks_per_beat))
 
 
 def turn_contraction(swim: SwimPlan, turn: TurnPlan, angle: float, phase: float = 0.0) -> Floats:
     """Contractions (6 T, 12) of a turn by ``angle`` degrees, left positive: turn-MC (Tu §4.6.1).
 
-    It begins in steady swimming at grade medium, at ``phase`` radians of the beat; the steering
-    map holds for left turns at phase 0 and right ones at π. A turn wider than WIDEST_TURN is a
-    sequence of equal smaller ones, each of a whole number of beats.
+    It begins in steady swimming at grade medium, at ``phase`` radians of the beat, whose ticks it
+    keeps; the steering map holds for left turns at phase 0 and right ones at π. A turn wider than
+    WIDEST_TURN is a sequence of equal smaller ones, each of a whole number of beats.
     """
     side = LEFT if angle >= 0 else RIGHT
     parts = max(1, int(np.ceil(abs(angle) / WIDEST_TURN)))
     row = steering(turn, abs(angle) / parts)
-    per_beat = swim.ticks_per_beat * STEPS_PER_TICK
+    per_beat = swim.at("medium").ticks_per_beat * STEPS_PER_TICK
     steps = np.arange(turn_beats(swim, row) * per_beat)
     share = turn_share(row, steps / STEPS_PER_TICK)
     amplitude = swim.medium + (turn.amplitude - swim.medium) * share

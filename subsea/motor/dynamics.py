@@ -19,7 +19,7 @@ from subsea.biomechanics.body import (
     Material,
     build_body,
 )
-from subsea.biomechanics.body_plan import Muscles
+from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools
@@ -68,9 +68,10 @@ class BodyTables(NamedTuple):
     drag: Array  # (S,)
     contraction: Array  # (S, 3) of the three muscle segments at grade fast
     lag: Array  # (S, 3) of their beat
-    beat: Array  # (S,) ticks in a beat
+    beat: Array  # (S,) ticks in a beat at grade fast
     speed: Array  # (S, 4) cm/s: standing still and the three swims, at the recorded tempo ...
-    amplitude: Array  # (S, 4) ... and the amplitudes of the beat that make them
+    amplitude: Array  # (S, 4) ... and the amplitudes of the beat that make them ...
+    pace: Array  # (S, 4) ... and its frequencies, relative to fast
     turning_amplitude: Array  # (S,) at the full bend
     bend: Array  # (S, 2) contractions of the two turning segments in a sharp turn: the full bend
     bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
@@ -92,7 +93,7 @@ def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
+_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
 NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -121,6 +122,8 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     bend_rate = math.radians(second.angle - first.angle) / held
     bend = max((row.contraction for row in turn.steering), key=sum)
     gradual = bend_rate * sum(turn.gradual) / sum(bend)
+    paces = [swim.ticks_per_beat / swim.at(grade).ticks_per_beat for grade in GRADES[:3]]
+    pace = (paces[0], *paces)
     side = {"left": 1.0, "right": -1.0}
     rate = {"gradual": gradual}
     words = [name.split("_") for name in SEGMENTS]
@@ -128,7 +131,7 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag,
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
-        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), turn.amplitude,
+        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), pace, turn.amplitude,
         bend, bend_rate,
         [side[w[1]] * rate.get(w[2], bend_rate) if w[0] == "turn" else 0.0 for w in words],
         fin_area, _roll_lead(body, fin_area),
@@ -204,9 +207,9 @@ def swim_live(
 def _ease_muscles(
     fishes: Fishes, library: Library, bodies: BodyTables, live: Live, slot: int
 ) -> None:
-    """Ease amplitude and bend toward the speed and the turning rate of playback.
+    """Ease amplitude, tempo and bend toward the speed and the turning rate of playback.
 
-    The amplitude alone sets the speed; the tempo returns to that of the recorded beat.
+    The tempo is that of the beat relative to grade fast: those of the grades, and between them.
     """
     i = live.fish[slot]
     kind, wanted = fishes.species[i], fishes.wanted_segment[i]
@@ -222,7 +225,8 @@ def _ease_muscles(
     amplitude += abs(share) * max(bodies.turning_amplitude[kind] - amplitude, 0.0)
     gap = amplitude - live.amplitude[slot]
     live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
-    live.tempo[slot] += min(max(1.0 - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
+    tempo = np.interp(speed, bodies.speed[kind], bodies.pace[kind])
+    live.tempo[slot] += min(max(tempo - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
 
 
 @kernel

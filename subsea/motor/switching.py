@@ -191,11 +191,12 @@ def to_live(
     live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
     begin = math.pi if segment == RIGHT_GRADUAL else 0.0
     row = a - library.first[kind, segment] + 1
-    live.phase[slot] = (begin + 2.0 * math.pi * (row + w) / bodies.beat[kind]) % (2.0 * math.pi)
-    live.amplitude[slot] = np.interp(
-        library.speed[kind, segment], bodies.speed[kind], bodies.amplitude[kind]
-    )
-    live.tempo[slot] = tempo
+    speed, speeds = library.speed[kind, segment], bodies.speed[kind]
+    pace = float(np.interp(speed, speeds, bodies.pace[kind]))
+    beats = (row + w) * pace / bodies.beat[kind]
+    live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
+    live.amplitude[slot] = np.interp(speed, speeds, bodies.amplitude[kind])
+    live.tempo[slot] = tempo * pace
     live.bend[slot] = bodies.bend[kind] * bodies.turn_rate[kind, segment] / bodies.bend_rate[kind]
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
     # The present pose is the first row of the slot; the next tick writes the other.

@@ -46,6 +46,8 @@ def test_impossible_controllers_are_refused(fusilier: Species) -> None:
         (SwimPlan, swim | {"slow": 1.2}, "slow"),
         (SwimPlan, swim | {"slow": 0.6}, "less than medium"),
         (SwimPlan, swim | {"ticks_per_beat": 2}, "ticks_per_beat"),
+        (SwimPlan, swim | {"burst": 1.2}, "over 0.6"),
+        (SwimPlan, swim | {"burst_ticks": 12}, "needs burst"),
         (TurnPlan, turn | {"steering": steering[::-1]}, "must increase"),
         (TurnPlan, turn | {"sharp": 80.0, "steering": steering[:3]}, "ends at 60 degrees"),
     ]
@@ -65,3 +67,15 @@ def test_mass_and_volume_of_a_box_with_pyramids_at_its_ends(fusilier: Species) -
     assert box.length == 18.0
     assert box.hull_volume == pytest.approx(8 * (12 + 1.5 + 1.5))
     assert box.mass == 1 + 20 * 4 + 4
+
+
+def test_each_grade_has_its_own_beat(fusilier: Species) -> None:
+    old = fusilier.swim
+    assert old.grades == ("slow", "medium", "fast")
+    assert all(old.at(grade) is old for grade in old.grades)
+    graded = msgspec.structs.replace(old, slow=0.9, medium=0.8, slow_ticks=30, burst=1.1)
+    assert [graded.at(grade).ticks_per_beat for grade in graded.grades] == [30, 14, 14, 14]
+    assert [graded.amplitude(grade) for grade in graded.grades] == [0.9, 0.8, 1.0, 1.1]
+    # Old files have no new keys, and written plans are read again.
+    assert not {"burst", "slow_ticks"} & msgspec.to_builtins(old).keys()
+    assert msgspec.convert(msgspec.to_builtins(graded), SwimPlan) == graded

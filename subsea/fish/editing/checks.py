@@ -199,8 +199,9 @@ class SwimTrial(NamedTuple):
     step_cm: float  # greatest change of a muscle's length in one step
 
 
-def beat_of(swim: SwimPlan, amplitude: float = 1.0) -> Floats:
-    """Contractions (6 T, 12) of a beat from phase 0."""
+def beat_of(swim: SwimPlan, grade: str = "fast") -> Floats:
+    """Contractions (6 T, 12) of a beat of a grade from phase 0."""
+    swim, amplitude = swim.at(grade), swim.amplitude(grade)
     steps = swim.ticks_per_beat * STEPS_PER_TICK
     return swim_contraction(swim, 2 * np.pi * np.arange(steps) / steps, amplitude)
 
@@ -312,13 +313,12 @@ def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, 
 def _turned(body: Body, muscles: Muscles) -> float:
     """Change of the mean heading by a sharp turn to the left, degrees."""
     _, swim, turn = muscles
-    beat = beat_of(swim, swim.medium)
+    beat, count = beat_of(swim, "medium"), swim.at("medium").ticks_per_beat
     frames, state = _from_rest(body, beat, BEATS)
-    before = frames[-swim.ticks_per_beat :]
+    before = frames[-count:]
     bent = simulate(body, state, turn_contraction(swim, turn, turn.sharp))
     after = simulate(body, state, np.tile(beat, (4, 1)))
     if not is_sound(state):
         return float("nan")
     heading = headings(np.concatenate([before, bent, after]))
-    count = swim.ticks_per_beat
     return float(heading[-count:].mean() - heading[:count].mean())

@@ -11,7 +11,7 @@ import numpy as np
 
 from subsea.biomechanics.body import MUSCLES, Body, build_body
 from subsea.biomechanics.body_frame import body_frame
-from subsea.biomechanics.body_plan import Muscles
+from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, swim_contraction
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
@@ -57,7 +57,7 @@ class Swimmer:
             self._body: Body = body
             rest = rest_control_points(species.surface, species.length_cm, body.rest[0, 0])
             self._coupling = couple(species.surface.coupling, body.rest, rest)
-            ticks = self._muscles.swim.ticks_per_beat
+            ticks = self._muscles.swim.at("medium").ticks_per_beat
             if self._beat.maxlen != ticks + 1:
                 self._beat = deque(self._beat, maxlen=ticks + 1)
         self._now = self._then = self._points()
@@ -115,7 +115,8 @@ class Swimmer:
     def _swim(self, muscles: Muscles) -> None:
         """Simulate a tick; restart if the body loses its shape."""
         assert self._state is not None
-        per_beat = muscles.swim.ticks_per_beat * STEPS_PER_TICK
+        grade = self.mode if self.mode in GRADES else "medium"
+        per_beat = muscles.swim.at(grade).ticks_per_beat * STEPS_PER_TICK
         phase = self._phase + 2 * np.pi * np.arange(STEPS_PER_TICK) / per_beat
         self._phase = float(self._phase + 2 * np.pi * STEPS_PER_TICK / per_beat) % (2 * np.pi)
         contraction = swim_contraction(muscles.swim, phase, self._amplitude)
