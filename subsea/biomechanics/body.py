@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
+from subsea.biomechanics.elongated import Sections, make_sections
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -103,6 +104,7 @@ class Material(NamedTuple):
     stiffness: Floats  # (91,)
     viscosity: Floats  # (91,)
     drag: float  # µ of Tu eq. 4.3
+    sections: Sections  # of the elongated-body water, zeros under Tu's
 
 
 class Body(NamedTuple):
@@ -114,6 +116,7 @@ class Body(NamedTuple):
     stiffness: Floats  # (91,)
     viscosity: Floats  # (91,)
     drag: float  # µ of Tu eq. 4.3
+    sections: Sections  # of the elongated-body water, zeros under Tu's
 
     @property
     def material(self) -> Material:
@@ -147,4 +150,5 @@ def build_body(plan: BodyPlan, back: float = 1.0) -> Body:
         stiffness=kinds[KINDS],
         viscosity=np.full(len(UNITS), plan.viscosity),
         drag=plan.water_drag,
+        sections=make_sections(plan),
     )

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from operator import mul
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import msgspec
 
@@ -35,6 +35,11 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     ``stations`` are the distances behind the nose tip of nose, five rings and tail tips; their
     last is the body length. ``masses`` are grams per node at the same seven stations.
 
+    ``water`` is Tu's (eq. 4.3, with ``water_drag`` as its µ) or that of a slender body (Lighthill
+    1971). The latter takes the heights of the outline at the rings and of the tail's edge
+    (``spans``, cm; by default those of the nodes), the friction coefficient ``skin_drag`` on the
+    wetted area, and the cross-flow coefficient ``cross_drag``.
+
     Model any species at about 20 cm, the length of Tu's constants: playback scales motion to the
     individual (SMC §4.4).
     """
@@ -49,6 +54,10 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     other_stiffness: Modulus = 30.0
     viscosity: Modulus = 0.1
     water_drag: Modulus = 1.0
+    water: Literal["tu", "elongated"] = "tu"
+    spans: tuple[Positive, Positive, Positive, Positive, Positive, Positive] | None = None
+    skin_drag: Annotated[float, msgspec.Meta(ge=0, le=0.1)] = 0.012
+    cross_drag: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
 
     def __post_init__(self) -> None:
         """Reject a body that is implausible or that the simulation cannot carry."""
@@ -66,10 +75,18 @@ class BodyPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
             *((f"half_widths[{ring}]", size) for ring, size in enumerate(self.half_widths)),
             *((f"half_heights[{ring}]", size) for ring, size in enumerate(self.half_heights)),
             ("tail_half_height", self.tail_half_height),
+            *((f"spans[{k}]", 0.5 * span) for k, span in enumerate(self.spans or ())),
         ]
         for name, size in sizes:
             _check(name, size, HALF_SIZES, length, "cm at this length")
         _check("sum of masses", self.mass, DENSITIES, self.hull_volume, "g in this hull")
+
+    @property
+    def section_heights(self) -> tuple[float, ...]:
+        """Heights (6,) in cm of the rings and of the tail's edge, for the water."""
+        if self.spans is not None:
+            return self.spans
+        return (*(2.0 * half for half in self.half_heights), 2.0 * self.tail_half_height)
 
     @property
     def length(self) -> float:

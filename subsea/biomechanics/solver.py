@@ -8,6 +8,12 @@ four times. Rows beyond the last node are padding, so that no loop has to test f
 import numpy as np
 
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats, Material
+from subsea.biomechanics.elongated import (
+    SECTIONS,
+    add_section_forces,
+    section_frames,
+    section_means,
+)
 from subsea.biomechanics.water import add_water_force
 from subsea.core.kernels import kernel
 
@@ -48,6 +54,70 @@ def factorize(band: Floats) -> float:
 @kernel
 def substitute(band: Floats, load: Floats) -> None:
     """Solve L D Lᵀ V = G in place: ``load`` (30, 3) is G and becomes V (Tu eqs. 4.13, 4.14)."""
+    _forward(band, load)
+    _backward(band, load)
+
+
+@kernel
+def couple_sections(
+    band: Floats, load: Floats, columns: Floats, normal: Floats, resistance: Floats
+) -> None:
+    """Solve for V with the added mass and the cross-flow of the sections, in place.
+
+    The matrix is A + Σ r_k (n_k ⊗ c_k)(n_k ⊗ c_k)ᵀ: the mean velocity c_k·V of section k along its
+    normal n_k meets the ``resistance`` r_k (6,). A acts on each axis alone, so that A⁻¹ is needed
+    for six columns c_k (``columns`` (30, 6), overwritten) and not for all of their products
+    (Woodbury). ``band`` holds the factors of A and ``load`` (30, 3) the right-hand side.
+    """
+    for i in range(NODES):
+        for k in range(1, HALF_BANDWIDTH + 1):
+            factor = band[i, k]
+            for c in range(SECTIONS):
+                columns[i + k, c] -= factor * columns[i, c]
+    _forward(band, load)
+    # Matrix and right-hand side of the six pushes along the normals; then Cholesky.
+    matrix = np.zeros((SECTIONS, SECTIONS))
+    push = np.zeros(SECTIONS)
+    scaled = np.zeros(SECTIONS)
+    for i in range(1, NODES):
+        for c in range(SECTIONS):
+            scaled[c] = columns[i, c] * band[i, 0]
+        for c in range(SECTIONS):
+            for d in range(SECTIONS):
+                matrix[c, d] += scaled[c] * columns[i, d]
+            along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
+            push[c] += scaled[c] * (along + normal[c, 2] * load[i, 2])
+    for c in range(SECTIONS):
+        for d in range(SECTIONS):
+            alike = normal[c, 0] * normal[d, 0] + normal[c, 1] * normal[d, 1]
+            matrix[c, d] *= alike + normal[c, 2] * normal[d, 2]
+        matrix[c, c] += 1.0 / resistance[c]
+    for c in range(SECTIONS):
+        for d in range(c):
+            matrix[c, c] -= matrix[c, d] * matrix[c, d]
+            push[c] -= matrix[c, d] * push[d]
+        matrix[c, c] = np.sqrt(matrix[c, c])
+        push[c] /= matrix[c, c]
+        for row in range(c + 1, SECTIONS):
+            for d in range(c):
+                matrix[row, c] -= matrix[row, d] * matrix[c, d]
+            matrix[row, c] /= matrix[c, c]
+    for c in range(SECTIONS - 1, -1, -1):
+        for row in range(c + 1, SECTIONS):
+            push[c] -= matrix[row, c] * push[row]
+        push[c] /= matrix[c, c]
+    for c in range(SECTIONS):
+        px, py, pz = push[c] * normal[c, 0], push[c] * normal[c, 1], push[c] * normal[c, 2]
+        for i in range(1, NODES):
+            load[i, 0] -= columns[i, c] * px
+            load[i, 1] -= columns[i, c] * py
+            load[i, 2] -= columns[i, c] * pz
+    _backward(band, load)
+
+
+@kernel
+def _forward(band: Floats, load: Floats) -> None:
+    """Solve L X = G in place."""
     for i in range(NODES):
         x, y, z = load[i, 0], load[i, 1], load[i, 2]
         for k in range(1, HALF_BANDWIDTH + 1):
@@ -55,6 +125,11 @@ def substitute(band: Floats, load: Floats) -> None:
             load[i + k, 0] -= factor * x
             load[i + k, 1] -= factor * y
             load[i + k, 2] -= factor * z
+
+
+@kernel
+def _backward(band: Floats, load: Floats) -> None:
+    """Solve D Lᵀ V = X in place."""
     load[NODES:] = 0.0
     for i in range(NODES - 1, -1, -1):
         inverse = band[i, 0]
@@ -136,13 +211,29 @@ def advance(
     """
     band = np.empty((ROWS, HALF_BANDWIDTH + 1))
     load = np.zeros((ROWS, 3))
+    slender = material.sections.added[SECTIONS - 1] > 0.0
+    tangent, normal, before = np.empty((3, SECTIONS, 3))
+    columns = np.empty((ROWS, SECTIONS))
+    if slender:
+        section_frames(x - step * v, tangent, normal)
     for n in range(muscles.shape[0]):
         band[:] = 0.0
         load[:NODES] = force
-        add_water_force(x, v, water, material.drag, load)
+        if slender:
+            before[:] = normal
+            section_frames(x, tangent, normal)
+            resistance = add_section_forces(
+                v, water, material.sections, step, before, tangent, normal, load
+            )
+        else:
+            add_water_force(x, v, water, material.drag, load)
         assemble(x, v, material, muscles[n], step, band, load, watch[:2])
         watch[2] = min(watch[2], factorize(band))
-        substitute(band, load)
+        if slender:
+            section_means(columns)
+            couple_sections(band, load, columns, normal, resistance)
+        else:
+            substitute(band, load)
         for i in range(NODES):
             for axis in range(3):
                 v[i, axis] = load[i, axis]

@@ -16,6 +16,7 @@ from subsea.biomechanics.body import (
 )
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.elongated import sections_of
 from subsea.biomechanics.fins import EDGE_ON
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools, Ints
@@ -77,6 +78,7 @@ class SwimBodies(NamedTuple):
     stiffness: Floats  # (91,)
     viscosity: Floats  # (91,)
     drag: float
+    sections: Array  # (5, 6) fields of `Sections`
     body_length: float
     fin_area: float
     reach: float  # of a goal that is a place, cm: observed as 1; 0 if the goal is a direction
@@ -115,6 +117,7 @@ def make_bodies(muscles: Muscles, number: int, reach: float = 0.0) -> SwimBodies
         stiffness=body.stiffness,
         viscosity=body.viscosity,
         drag=float(body.drag),
+        sections=np.array(body.sections),
         body_length=float(muscles.body.length),
         fin_area=float(FIN_AREA * muscles.body.length**2),
         reach=float(reach),
@@ -131,7 +134,10 @@ def swim(who: Ints, bodies: SwimBodies, actions: Array, ticks: int) -> None:
     force, water = np.zeros((NODES, 3)), np.zeros(3)
     rowing, before = np.zeros(FINS), np.empty(MUSCLES)
     to_j_per_kg = J_PER_KG / bodies.mass.sum()
-    material = Material(bodies.mass, bodies.length, bodies.stiffness, bodies.viscosity, bodies.drag)
+    material = Material(
+        bodies.mass, bodies.length, bodies.stiffness, bodies.viscosity, bodies.drag,
+        sections_of(bodies.sections),
+    )  # fmt: skip
     for i in who:
         x, v, command = bodies.x[i].copy(), bodies.v[i].copy(), bodies.command[i].copy()
         watch = np.array([np.inf, 0.0, np.inf])

@@ -20,6 +20,7 @@ from subsea.biomechanics.body import (
     build_body,
 )
 from subsea.biomechanics.body_plan import GRADES, Muscles
+from subsea.biomechanics.elongated import sections_of
 from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools
@@ -66,6 +67,7 @@ class BodyTables(NamedTuple):
     stiffness: Array  # (S, 91)
     viscosity: Array  # (S, 91)
     drag: Array  # (S,)
+    sections: Array  # (S, 5, 6) fields of `Sections`
     contraction: Array  # (S, 3) of the three muscle segments at grade fast
     lag: Array  # (S, 3) of their beat
     beat: Array  # (S,) ticks in a beat at grade fast
@@ -93,8 +95,8 @@ def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, 3, 3, 1, 4, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
-NO_BODY = tuple(np.zeros(n) if n > 1 else 0.0 for n in _ROW)
+_ROW = (23, 91, 91, 91, 1, (5, 6), 3, 3, 1, 4, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
+NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
 
@@ -109,6 +111,7 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
         stiffness=bodies.stiffness * physics.stiffness,
         viscosity=bodies.viscosity * physics.viscosity,
         drag=bodies.drag * water,
+        sections=bodies.sections * water,
         fin_area=bodies.fin_area * water,
         roll_lead=bodies.roll_lead * lead,
     )
@@ -129,7 +132,7 @@ def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
     words = [name.split("_") for name in SEGMENTS]
     fin_area = FIN_AREA * muscles.body.length**2
     return (
-        body.mass, body.length, body.stiffness, body.viscosity, body.drag,
+        body.mass, body.length, body.stiffness, body.viscosity, body.drag, np.array(body.sections),
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
         (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), pace, turn.amplitude,
         bend, bend_rate,
@@ -191,7 +194,7 @@ def swim_live(
         watch = np.array([np.inf, 0.0, np.inf])
         material = Material(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
-            bodies.viscosity[kind], bodies.drag[kind],
+            bodies.viscosity[kind], bodies.drag[kind], sections_of(bodies.sections[kind]),
         )  # fmt: skip
         advance(x, v, material, muscles[:steps], np.zeros(3), force, step, watch)
         sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
