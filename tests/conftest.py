@@ -19,7 +19,7 @@ from subsea.core.arrays import Array
 from subsea.core.console import say
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
-from subsea.repertoire import SEGMENTS, Repertoire, Segment
+from subsea.repertoire import BASIC_SEGMENTS, Repertoire, Segment
 from subsea.scenario.schema import NatureTable
 from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty
 
@@ -175,7 +175,7 @@ def known_repertoire() -> Repertoire:
         source="closed form",
         provenance={"by": "tests/conftest.py"},
         rest_nodes=straight_nodes(),
-        segments={name: segment(*forms[name]) for name in SEGMENTS},
+        segments={name: segment(*forms[name]) for name in BASIC_SEGMENTS},
     )
 
 

@@ -30,7 +30,7 @@ from subsea.fish.mesh import (
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
 from subsea.fish.surface import CONTROL_POINTS, PaddlePlan, SurfacePlan, rest_control_points
 from subsea.geometry.rotation import matrix, multiply, normalised
-from subsea.repertoire import SEGMENTS, Repertoire, Segment, read_repertoire
+from subsea.repertoire import Repertoire, Segment, read_repertoire
 
 SWEEP_RAD = 0.35  # of relaxed paired fins, away from the body
 # From `shaders/fishes.vert`: spread of a wing, its part of the sweep, outward lean of a paddle.
@@ -118,9 +118,7 @@ def clips_of(
         sheet=sheet_of(species),
     )
     clips = []
-    for segment in SEGMENTS:
-        if segment not in repertoire.segments:
-            continue
+    for segment in repertoire.recorded_names():
         one = repertoire.segments[segment]
         control = one.control_points
         points, normals = surface.at(place(coupling, one.nodes) if control is None else control)

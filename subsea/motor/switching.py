@@ -245,7 +245,8 @@ def way_back(
     goals = np.concatenate([first + np.arange(n) for first, n, cyclic in segments if cyclic])
     present = Kinematics(nodes, shift, spin, arriving, arriving)
     row, frames, change = gentlest(present, 0, dynamics.motion, goals)
-    segment = int(np.flatnonzero(library.first[kind] <= row).max())
+    first = library.first[kind]
+    segment = int(np.flatnonzero((first <= row) & (row < first + library.length[kind]))[0])
     return WayBack(segment, int(row), int(frames), float(change))
 
 

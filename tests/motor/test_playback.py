@@ -11,7 +11,7 @@ from subsea.biomechanics.body_frame import body_frame
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.playback import advance, play
 from subsea.motor.pose import nodes_world
-from subsea.repertoire.schema import SEGMENTS
+from subsea.repertoire.schema import BASIC_SEGMENTS, SEGMENTS
 from subsea.state import Fishes, empty
 
 TICK = 0.033
@@ -129,8 +129,8 @@ def _largest_step(library, make_fishes, name):
 
 def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
     """Between any two segments the fish never nearly stops, and no node leaps."""
-    usual = {name: _largest_step(library, make_fishes, name) for name in SEGMENTS}
-    for before, after in product(SEGMENTS, SEGMENTS):
+    usual = {name: _largest_step(library, make_fishes, name) for name in BASIC_SEGMENTS}
+    for before, after in product(BASIC_SEGMENTS, repeat=2):
         fishes = make_fishes(1, before)
         fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
         # An acyclic segment is played to its end first.
@@ -152,7 +152,7 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
 
 def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes):
     """The turn begins within a beat from any phase of a swim."""
-    for after, phase in product(SEGMENTS[3:], range(12)):
+    for after, phase in product(BASIC_SEGMENTS[3:], range(12)):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):
             play(fishes, library, TICK)

@@ -9,7 +9,7 @@ import pytest
 from subsea.fish.species import muscular_names
 from subsea.motor.pose import nodes_world
 from subsea.motor.switching import HOVERING, KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live
-from subsea.repertoire import SEGMENTS
+from subsea.repertoire import BASIC_SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.submarine.helm import NEUTRAL, Helm
@@ -19,7 +19,7 @@ from subsea.world.step import step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes
-CYCLIC = [name for name in SEGMENTS if "sharp" not in name]
+CYCLIC = [name for name in BASIC_SEGMENTS if "sharp" not in name]
 
 
 def _changes(path):

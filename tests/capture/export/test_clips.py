@@ -19,7 +19,7 @@ from subsea.core.resources import resource_path
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
-from subsea.repertoire import SEGMENTS, read_repertoire
+from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
 from subsea.world.repertoires import coupling_of
 
@@ -33,8 +33,10 @@ def test_each_frame_is_a_row_of_the_playback_table(
     library = pack([repertoire], [coupling_of(species, repertoire)])
     surface = Surface(species.surface, repertoire.body_length_cm, 0)
     scale = np.mean(species.size_cm) / repertoire.body_length_cm
-    assert [clip.name for clip in clips] == list(SEGMENTS)
-    for clip, first, rows in zip(clips, library.first[0], library.length[0], strict=True):
+    assert [clip.name for clip in clips] == repertoire.recorded_names()
+    table = library.first[0], library.length[0], library.has[0]
+    recorded = [(first, rows) for first, rows, has in zip(*table, strict=True) if has]
+    for clip, (first, rows) in zip(clips, recorded, strict=True):
         shown = surface.at(library.control_points[first : first + rows])
         assert len(clip.points) == len(clip.position) == rows + clip.cyclic
         np.testing.assert_allclose(clip.points[:rows], scale * shown[0], atol=1e-4 * scale)

@@ -19,16 +19,18 @@ from msgspec import structs
 from capture.cli.main import main
 from capture.recording import batch, workers
 from capture.recording.batch import record_all
-from capture.recording.record import record_segment
+from capture.recording.record import record_segment, segments_of
 from capture.recording.resume import finished_segments, save_segment
 from capture.recording.workers import process_pool, serial
 from subsea.core import hdf5
 from subsea.core.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
-from subsea.repertoire import SEGMENTS, Repertoire, write_repertoire
+from subsea.repertoire import Repertoire, write_repertoire
 from subsea.repertoire.schema import FORMAT
 
 NAMES = ["emperor_angelfish", "fusilier"]
+EACH, OTHERS = (segments_of(load_species(name)) for name in reversed(NAMES))
+WHOLE = len(OTHERS)  # segments of the first species
 
 
 @pytest.fixture(scope="module")
@@ -75,10 +77,12 @@ def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) ->
     )
     assert_same(tmp_path, whole)
     for name in NAMES:
-        assert [count for which, count in told if which == name] == list(range(8))
+        assert [count for which, count in told if which == name] == list(
+            range(len(segments_of(load_species(name))) + 1)
+        )
 
 
-@pytest.mark.parametrize("done", [0, 4, 7, 11, 14])
+@pytest.mark.parametrize("done", [0, 4, WHOLE, WHOLE + 4, WHOLE + len(EACH)])
 def test_an_interrupted_recording_continues_where_it_stopped(
     done: int, whole: Path, tmp_path: Path, swum: list[str]
 ) -> None:
@@ -86,15 +90,16 @@ def test_an_interrupted_recording_continues_where_it_stopped(
         if len(swum) == done:
             raise KeyboardInterrupt
 
-    if done < 14:
+    finished = (done >= WHOLE) + (done == WHOLE + len(EACH))
+    if finished < 2:
         with pytest.raises(KeyboardInterrupt):
             record_all(dict.fromkeys(NAMES, tmp_path), serial, check=interrupt)
     else:
         record_all(dict.fromkeys(NAMES, tmp_path), serial, check=interrupt)
-    assert [path.name for path in tmp_path.glob("*.h5")] == [f"{n}.h5" for n in NAMES[: done // 7]]
+    assert [path.name for path in tmp_path.glob("*.h5")] == [f"{n}.h5" for n in NAMES[:finished]]
     recorded = record_all(dict.fromkeys(NAMES, tmp_path), serial)
-    assert recorded == NAMES[done // 7 :]
-    assert swum == list(SEGMENTS) * 2
+    assert recorded == NAMES[finished:]
+    assert swum == [*OTHERS, *EACH]
     assert_same(tmp_path, whole)
 
 
@@ -111,7 +116,7 @@ def test_an_up_to_date_repertoire_is_skipped_unless_forced(
     assert main(["record", "fusilier", "--out", str(tmp_path), "--force"]) == 0
     assert capsys.readouterr().out == f"{path}\n"
     assert path.stat().st_mtime_ns > before
-    assert swum == list(SEGMENTS)
+    assert swum == list(EACH)
 
 
 def test_damaged_segments_and_those_of_another_fish_are_recorded_again(

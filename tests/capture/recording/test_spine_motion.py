@@ -18,7 +18,7 @@ from subsea.fish.species import load_species, species_names
 from subsea.fish.spine import SpinePlan, Turn
 from subsea.geometry.rotation import matrix
 from subsea.geometry.spline import basis_table, dense
-from subsea.repertoire import SEGMENTS, write_repertoire
+from subsea.repertoire import BASIC_SEGMENTS, write_repertoire
 
 OTHER_TURN = {"gradual": 30.0, "sharp": 30.0, "sharp_beats": 6}
 NAMES = [name for name in species_names() if load_species(name).spine]
@@ -30,7 +30,7 @@ def species(request):
 
 
 def test_recorded_motion_is_that_of_the_plan_and_symmetric(species):
-    recorded = {name: record_segment(species, name)[0] for name in SEGMENTS}
+    recorded = {name: record_segment(species, name)[0] for name in BASIC_SEGMENTS}
     plan, mirror = species.spine, np.array([1.0, 1.0, -1.0])
     for segment in recorded.values():
         if segment.cyclic:
@@ -79,7 +79,7 @@ def recorded_and_planned(name):
     return record_segment(species, name)[0], nodes
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from(SEGMENTS))
+@given(st.integers(0, 2**32 - 1), st.sampled_from(BASIC_SEGMENTS))
 def test_replay_from_any_pose_equals_the_recorded_motion(seed, name):
     segment, nodes = recorded_and_planned(name)
     rng = np.random.default_rng(seed)
