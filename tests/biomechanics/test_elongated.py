@@ -200,3 +200,39 @@ def test_half_the_step_gives_the_same_swim(slender: BodyPlan) -> None:
         way.append(body.mass @ state.x / body.mass.sum())
     assert way[0][0] > 1.0
     np.testing.assert_allclose(way[0], way[1], atol=0.05 * way[0][0])
+
+
+# Lighthill 1971, table 1: edge of the tail of a swimming dace (Bainbridge 1963), SI units.
+DACE = np.array([
+    # V, height, α (°), α + θ (°), m w W - ½ m w² ∂x/∂a
+    (0.50, 0.094, 3, 17, 0.03),
+    (0.60, 0.087, 3, 45, 0.07),
+    (0.74, 0.079, 5, 60, 0.18),
+    (0.68, 0.083, 16, 48, 0.43),
+    (0.52, 0.087, 10, 13, 0.04),
+    (0.62, 0.088, -8, -36, 0.17),
+    (0.87, 0.083, -16, -60, 0.86),
+    (0.67, 0.084, -10, -46, 0.29),
+    (0.52, 0.092, -6, -25, 0.07),
+    (0.48, 0.093, 0, -3, 0.00),
+])  # fmt: skip
+
+
+def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender: BodyPlan) -> None:
+    thrust = []
+    for speed, height, alpha, heading, _ in DACE:
+        spans = (*slender.section_heights[:-1], 100 * height)
+        plan = msgspec.structs.replace(slender, skin_drag=0.0, cross_drag=0.0, spans=spans)
+        body = build_body(plan)
+        lean, way = np.radians(heading - alpha), np.radians(heading)
+        x = Rotation.from_rotvec([0.0, -lean, 0.0]).apply(body.rest)
+        v = np.tile(10.0 * speed * np.array([np.cos(way), 0.0, np.sin(way)]), (NODES, 1))
+        tangent, normal = frames(x)
+        load = np.zeros((30, 3))
+        add_section_forces(v, STILL, body.sections, STEP, normal, tangent, normal, load)
+        along = np.einsum("ki,ki->k", means(v), normal)
+        held = (body.sections.added / STEP * along) @ normal
+        thrust.append(1e-3 * (load.sum(axis=0) - held)[0])  # g cm/tu² is 1e-3 N
+    # The angles are printed in whole degrees: a half of one is a sixth of the smallest.
+    np.testing.assert_allclose(thrust, DACE[:, 4], atol=0.04, rtol=0.1)
+    assert np.mean(thrust) == pytest.approx(0.21, abs=0.02)
