@@ -5,11 +5,11 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from capture.cli import export, inspect, learn, mesh, plot, record
+from capture.cli import export, inspect, learn, mesh, plot, record, validate
 from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
 
 GROUPS = {
-    "record and measure": (record, inspect, plot),
+    "record and measure": (record, inspect, plot, validate),
     "learn to swim": (learn,),
     "use elsewhere": (export, mesh),
 }

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from capture.plots.top_view import (
+from capture.inspection.top_view import (
     TopView,
     above,
     lateral_offset,

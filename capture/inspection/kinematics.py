@@ -1,0 +1,149 @@
+"""Wave, beat and path of recorded motion, as biologists measure them.
+
+Lengths in body lengths L unless stated; a cycle is a whole number of beats.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from capture.inspection.simulated import replay
+from capture.inspection.top_view import above, lateral_offset, midline
+from subsea.biomechanics.body import Floats
+from subsea.biomechanics.body_frame import body_frame
+from subsea.core.arrays import Array
+from subsea.repertoire import Repertoire, Segment
+
+FINER = 16  # times as many samples, by a Fourier series, for exact extremes
+
+
+class BodyWave(NamedTuple):
+    """The lateral motion of a body in steady swimming."""
+
+    stations: Floats  # (m,) behind the snout
+    envelope: Floats  # (m,) half amplitude
+    wavelength: float
+    frequency: float  # Hz of the recorded fish
+    amplitude: float  # peak to peak, of the last station
+
+
+def published_envelope(wave: str, at: Array) -> Floats:
+    """Half amplitude of the published wave of a kind at stations (m,).
+
+    Carangiform: Borazjani and Sotiropoulos (2008). Anguilliform: 0.1 exp(α (x - 1)) with the middle
+    of α, 1 to 2.
+    """
+    if wave == "anguilliform":
+        return np.asarray(0.1 * np.exp(1.5 * (at - 1.0)))
+    return np.asarray(0.02 - 0.08 * at + 0.16 * at**2)
+
+
+def published_limits(wave: str, at: Array) -> tuple[Floats, Floats]:
+    """Lowest and highest published half amplitudes at stations (m,); they differ for eels."""
+    if wave == "anguilliform":
+        return np.asarray(0.1 * np.exp(2.0 * (at - 1.0))), np.asarray(0.1 * np.exp(at - 1.0))
+    middle = published_envelope(wave, at)
+    return middle, middle
+
+
+def envelope_deviation(wave: str, found: BodyWave) -> tuple[float, float]:
+    """Greatest distance of an envelope from the published one, and its station."""
+    low, high = published_limits(wave, found.stations)
+    off = np.maximum(np.maximum(low - found.envelope, found.envelope - high), 0.0)
+    worst = int(off.argmax())
+    return float(off[worst]), float(found.stations[worst])
+
+
+def body_wave(segment: Segment, repertoire: Repertoire) -> BodyWave:
+    """The wave of a cyclic segment."""
+    length = repertoire.body_length_cm
+    rest = midline(repertoire.rest_nodes)[:, 0]
+    stations = (rest[0] - rest) / length
+    return travelling_wave(lateral_offset(segment) / length, stations, repertoire.tick_s)
+
+
+def travelling_wave(lateral: Floats, stations: Floats, tick_s: float) -> BodyWave:
+    """The wave of lateral offsets (t, m) over one cycle, sampled every tick at stations (m,).
+
+    The beat is the strongest harmonic of the last station; the wavelength follows from the phase of
+    that harmonic along the body, weighted by amplitude.
+    """
+    ticks = len(lateral)
+    series = np.fft.rfft(lateral - lateral.mean(axis=0), axis=0)
+    harmonic = 1 + int(np.abs(series[1:, -1]).argmax())
+    beat = series[harmonic]
+    phase = np.unwrap(np.angle(beat))
+    weight = np.abs(beat)
+    slope = np.polyfit(stations, phase, 1, w=weight)[0]
+    fine = np.fft.irfft(series, FINER * ticks, axis=0) * FINER
+    half = 0.5 * np.ptp(fine, axis=0)
+    return BodyWave(
+        stations=stations,
+        envelope=np.asarray(half),
+        wavelength=float(2 * np.pi / max(abs(slope), 1e-9)),
+        frequency=harmonic / (ticks * tick_s),
+        amplitude=float(2 * half[-1]),
+    )
+
+
+def wing_amplitude(segment: Segment, length: float) -> float:
+    """Vertical sweep of the wing's tip, peak to peak; NaN for a segment without control points."""
+    points = segment.control_points
+    if points is None:
+        return float("nan")
+    tip = int(np.abs(points[0, :, 2]).argmax())
+    return float(np.ptp(points[:, tip, 1]) / length)
+
+
+def turn_path(segment: Segment) -> tuple[Floats, Floats]:
+    """Middle of the body (t, 2), cm, and heading (t,), rad, of a segment from above.
+
+    Of a cycle the middle of two cycles, so that the beat does not count as a turn.
+    """
+    frames = replay(segment, np.zeros(3), np.eye(3), 2 if segment.cyclic else 1)
+    middle = above(frames).mean(axis=-1)
+    forward = body_frame(frames)[1][..., 0]
+    heading = np.unwrap(np.angle(above(forward)))
+    if segment.cyclic:
+        half = len(frames) // 2
+        middle, heading = middle[half - 1 :: half], heading[half - 1 :: half]
+    return np.stack([middle.real, middle.imag], axis=-1), np.asarray(heading)
+
+
+def path_radius(middle: Floats, heading: Floats) -> float:
+    """Radius of a turn, in the unit of `middle` (t, 2): arc length over change of heading (t,).
+
+    Taken between one and nine tenths of the change; NaN for a path that does not turn.
+    """
+    change = heading - heading[0]
+    whole = change[-1]
+    if abs(whole) < 1e-6:
+        return float("nan")
+    share = np.maximum.accumulate(change / whole)
+    first, last = np.searchsorted(share, [0.1, 0.9])
+    if len(share) == 2:
+        first, last = 0, 1
+    last = max(last, first + 1)
+    arc = np.linalg.norm(np.diff(middle[first : last + 1], axis=0), axis=1).sum()
+    if len(share) == 2:  # the chord of one cycle
+        half = 0.5 * abs(whole)
+        arc *= half / np.sin(half)
+    return float(arc / abs(heading[last] - heading[first]))
+
+
+def turning_radius(segment: Segment, length: float) -> float:
+    """Radius of the path of a turn."""
+    return path_radius(*turn_path(segment)) / length
+
+
+def escape(segment: Segment, tick_s: float) -> tuple[float, float]:
+    """Angle, degrees, and duration, s, of the first bend of a C-start.
+
+    The angle is the greatest change of heading of the head; the duration that until nine tenths of
+    it are reached.
+    """
+    frames = replay(segment, np.zeros(3), np.eye(3), 1)
+    head = above(frames[:, 0] - frames[:, 5:9].mean(axis=1))
+    angle = np.abs(np.degrees(np.unwrap(np.angle(head))))  # it began along the x axis
+    most = float(angle.max())
+    return most, float((1 + np.searchsorted(np.maximum.accumulate(angle), 0.9 * most)) * tick_s)

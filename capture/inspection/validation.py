@@ -1,0 +1,216 @@
+"""Compare a repertoire with measured fishes (assets/swimming.toml)."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import msgspec
+
+from capture.inspection.drag import expected_strouhal, glide_drag
+from capture.inspection.kinematics import (
+    BodyWave,
+    body_wave,
+    envelope_deviation,
+    escape,
+    turning_radius,
+    wing_amplitude,
+)
+from capture.recording.record import motion_from_provenance
+from subsea.biomechanics.solver import TIME_UNIT_S
+from subsea.core.findings import Finding
+from subsea.fish.measured import ITSELF, MeasuredRange, MeasuredSwimming, SwimmingFacts
+from subsea.fish.species import Species
+from subsea.repertoire import Repertoire
+
+FULL_TEMPO = 3.0  # fastest playback over recorded
+ENVELOPE_L = 0.02  # greatest deviation from the published envelope
+BAINBRIDGE_HZ = 5.0  # his line holds above
+BAINBRIDGE_CM = 50.0  # his fishes were shorter
+NEAR = 0.3  # relative distance from a line that counts as near
+SWIMS = ("swim_slow", "swim_medium", "swim_fast", "swim_burst")
+TURNS = tuple(
+    f"turn_{side}_{grade}"
+    for grade in ("sharp", "rest", "glide", "gradual")
+    for side in ("left", "right")
+)
+ROW = "row_forward"
+ESCAPES = ("cstart_left_moderate", "cstart_left_wide")  # right ones mirror them
+NAN = float("nan")
+
+
+class Swim(NamedTuple):
+    """One steady swim of an adult at the recorded tempo."""
+
+    name: str
+    speed: float  # L/s
+    frequency: float  # Hz
+    amplitude: float  # peak to peak, L
+    wave: BodyWave
+
+    @property
+    def stride(self) -> float:
+        """Body lengths a beat."""
+        return self.speed / self.frequency
+
+    @property
+    def strouhal(self) -> float:
+        """Frequency times amplitude over speed."""
+        return self.frequency * self.amplitude / self.speed
+
+
+class Validated(NamedTuple):
+    """The measures of one species, for tables and plots."""
+
+    species: str
+    facts: SwimmingFacts
+    adult_cm: float  # middle of the sizes of adults
+    rate: float  # frames of an adult over those of the recorded fish
+    swims: list[Swim]  # those recorded, from slow to burst
+    expected: float  # Strouhal number for the drag of an adult; NaN for eels and rays
+    findings: list[Finding]
+
+
+def bainbridge(frequency: float) -> float:
+    """Speed in L/s of Bainbridge's dace, trout and goldfish (1958)."""
+    return 0.25 * (3.0 * frequency - 4.0)
+
+
+def adult_rate(adult_cm: float, recorded_cm: float) -> float:
+    """Playback rate of an adult by Froude similarity, as in `subsea.world.populate`."""
+    return float((adult_cm / recorded_cm) ** -0.5)
+
+
+def validate(repertoire: Repertoire, species: Species, table: MeasuredSwimming) -> Validated:
+    """Measure a repertoire, as an adult of its species swims it."""
+    facts = table.species[repertoire.species]
+    adult = 0.5 * sum(species.size_cm)
+    rate = adult_rate(adult, repertoire.body_length_cm)
+    swims = [_swim(name, repertoire, rate, facts) for name in SWIMS if name in repertoire.segments]
+    fast = next(swim for swim in swims if swim.name == "swim_fast")
+    expected = NAN
+    if facts.wave == "carangiform":
+        expected = expected_strouhal(species.surface, adult, fast.speed * adult)
+    found = Validated(repertoire.species, facts, adult, rate, swims, expected, [])
+    found.findings.extend(
+        [
+            *_waves(found),
+            *_speeds(found),
+            *_rowing(found, repertoire),
+            *_turns(found, repertoire),
+            *_escapes(found, repertoire),
+            *_drag(found, repertoire, species, table),
+        ]
+    )
+    return found
+
+
+def published(
+    subject: str, quantity: str, value: float, unit: str, measured: MeasuredRange, note: str = ""
+) -> Finding:
+    """A finding with its published range; the source says whose it is and if it was recalled."""
+    of = "" if measured.of == ITSELF else f" ({measured.of})"
+    recalled = ", recalled" if measured.recalled else ""
+    source = f"{measured.source}{of}{recalled}"
+    return Finding(subject, quantity, value, unit, *measured.range, source, note)
+
+
+def _swim(name: str, repertoire: Repertoire, rate: float, facts: SwimmingFacts) -> Swim:
+    segment = repertoire.segments[name]
+    length = repertoire.body_length_cm
+    wave = body_wave(segment, repertoire)
+    amplitude, frequency = wave.amplitude, wave.frequency
+    if facts.gait == "ray":
+        amplitude = wing_amplitude(segment, length)
+        frequency = 1.0 / (len(segment.nodes) * repertoire.tick_s)
+    return Swim(name, rate * segment.speed_cm_s / length, rate * frequency, amplitude, wave)
+
+
+def _waves(found: Validated) -> Iterator[Finding]:
+    """Envelope, wavelength, amplitude, stride and Strouhal number."""
+    name, facts = found.species, found.facts
+    fast = next(swim for swim in found.swims if swim.name == "swim_fast")
+    if facts.wave != "none":
+        off, at = envelope_deviation(facts.wave, fast.wave)
+        source = "anguilliform wave" if facts.wave == "anguilliform" else "borazjani_2008"
+        note = f"worst at {at:.2f} L"
+        yield Finding(name, "envelope off the published one, fast", off, " L", 0.0, ENVELOPE_L,
+                      source, note)  # fmt: skip
+    if facts.wavelength:
+        yield published(name, "wavelength, fast", fast.wave.wavelength, " L", facts.wavelength)
+    if facts.amplitude:
+        yield published(name, "tail amplitude, fast", fast.amplitude, " L", facts.amplitude)
+        slow = found.swims[0]
+        yield published(name, "tail amplitude, slow", slow.amplitude, " L", facts.amplitude)
+    yield published(name, "stride, fast", fast.stride, " L", facts.stride)
+    yield published(name, "Strouhal number, fast", fast.strouhal, "", facts.strouhal)
+    if facts.wave == "carangiform":
+        low, high = (1 - NEAR) * found.expected, (1 + NEAR) * found.expected
+        yield Finding(name, "Strouhal number for its size, fast", fast.strouhal, "", low, high,
+                      "lighthill_1971 (estimate)", f"{found.adult_cm:.0f} cm")  # fmt: skip
+
+
+def _speeds(found: Validated) -> Iterator[Finding]:
+    """Speeds and beats of an adult, and Bainbridge's line."""
+    name, facts = found.species, found.facts
+    swims = {swim.name: swim for swim in found.swims}
+    fast = swims["swim_fast"]
+    yield published(name, "speed, slow", swims["swim_slow"].speed, " L/s", facts.slow)
+    yield published(name, "speed, fastest cruise", fast.speed, " L/s", facts.cruise)
+    burst = swims.get("swim_burst", fast)
+    note = f"{burst.name} {FULL_TEMPO:g} times as fast"
+    yield published(name, "speed, burst", FULL_TEMPO * burst.speed, " L/s", facts.burst, note)
+    yield published(name, "beat, fastest cruise", fast.frequency, " Hz", facts.beat)
+    top = FULL_TEMPO * burst.frequency
+    if facts.wave == "carangiform" and found.adult_cm < BAINBRIDGE_CM:
+        ratio = FULL_TEMPO * burst.speed / bainbridge(top) if top > BAINBRIDGE_HZ else NAN
+        yield Finding(name, "burst over Bainbridge's speed at its beat", ratio, "", 1 - NEAR,
+                      1 + NEAR, "bainbridge_1958", f"{top:.1f} Hz")  # fmt: skip
+
+
+def _rowing(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+    """Fastest speed with pectoral fins alone, of those that row."""
+    if found.facts.gait_change:
+        row, speed = repertoire.segments.get(ROW), NAN
+        if row:
+            speed = FULL_TEMPO * found.rate * row.speed_cm_s / repertoire.body_length_cm
+        yield published(found.species, "speed, pectoral fins alone", speed, " L/s",
+                        found.facts.gait_change)  # fmt: skip
+
+
+def _turns(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+    """The tightest of the recorded turns, and each."""
+    radius = {
+        name: turning_radius(segment, repertoire.body_length_cm)
+        for name in TURNS
+        if (segment := repertoire.segments.get(name))
+    }
+    least = min(radius, key=lambda name: radius[name], default="")
+    yield published(
+        found.species, "turning radius, least", radius.get(least, NAN), " L", found.facts.radius,
+        least,
+    )  # fmt: skip
+
+
+def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+    """Angle and duration of C-starts."""
+    facts = found.facts
+    if facts.escape_angle is None or facts.escape_duration is None:
+        return
+    for name in ESCAPES:
+        angle, duration = NAN, NAN
+        if segment := repertoire.segments.get(name):
+            angle, duration = escape(segment, repertoire.tick_s / found.rate)
+        yield published(found.species, f"{name}: angle", angle, "°", facts.escape_angle)
+        yield published(found.species, f"{name}: duration", duration, " s", facts.escape_duration)
+
+
+def _drag(
+    found: Validated, repertoire: Repertoire, species: Species, table: MeasuredSwimming
+) -> Iterator[Finding]:
+    """Drag of the passive body that coasts from its fastest cruise."""
+    try:
+        motion = motion_from_provenance(repertoire.provenance)
+    except msgspec.ValidationError:
+        return
+    speed = repertoire.segments["swim_fast"].speed_cm_s * TIME_UNIT_S
+    drag = glide_drag(motion, species.surface, speed)
+    yield published(found.species, "drag coefficient of a glide", drag, "", table.coasting.drag)

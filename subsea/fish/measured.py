@@ -1,0 +1,107 @@
+"""Measured swimming of real fishes: the ranges that checks compare with (assets/swimming.toml)."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+
+from subsea.core.errors import unknown
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import error_at, load_toml
+
+FILE = "swimming.toml"
+ITSELF = "itself"
+
+Gait = Literal["body-caudal", "pectoral", "ram", "eel", "ray"]
+Wave = Literal["carangiform", "anguilliform", "none"]
+Number = Annotated[float, msgspec.Meta(ge=0.0, le=1000.0)]
+Word = Annotated[str, msgspec.Meta(min_length=1, max_length=400)]
+
+
+class MeasuredRange(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A published range of one quantity."""
+
+    range: tuple[Number, Number]
+    of: Word  # the measured species, or `ITSELF`
+    source: Word  # a key of [sources]
+    recalled: bool = False  # not looked up again in the source
+
+    def __post_init__(self) -> None:
+        """Refuse an empty range."""
+        if self.range[0] >= self.range[1]:
+            raise ValueError("range must name the smaller number first")
+
+
+class SwimmingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Swimming of one species; lengths in body lengths L, speeds in L/s, angles in degrees."""
+
+    gait: Gait
+    wave: Wave  # whose envelope its body should have
+    slow: MeasuredRange
+    cruise: MeasuredRange
+    burst: MeasuredRange
+    beat: MeasuredRange  # Hz while cruising
+    stride: MeasuredRange
+    strouhal: MeasuredRange
+    amplitude: MeasuredRange | None = None  # of the tail's edge, peak to peak
+    wavelength: MeasuredRange | None = None
+    radius: MeasuredRange  # of turns at low speed
+    gait_change: MeasuredRange | None = None  # speed at which the tail joins the pectoral fins
+    escape_angle: MeasuredRange | None = None  # of C-starts; None: it makes none
+    escape_duration: MeasuredRange | None = None  # s
+
+
+class CoastingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Drag of a straight body."""
+
+    drag: MeasuredRange  # coefficient on the wetted area
+
+
+class SchoolFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Schools on the way."""
+
+    polarisation: MeasuredRange
+    nearest: MeasuredRange  # distance of the nearest neighbour, L
+    room: MeasuredRange  # volume for each fish, L³
+    elevation: MeasuredRange  # of the nearest neighbour above or below, degrees
+    split: MeasuredRange  # duration, s
+
+
+class PredationFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Attacks on single fishes and on groups."""
+
+    catches: MeasuredRange  # of one shark in three minutes
+    confusion: MeasuredRange  # captures per attack on groups of 20, over those on single fishes
+
+
+class MeasuredSwimming(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The whole table."""
+
+    sources: dict[str, Word]
+    coasting: CoastingFacts
+    schools: SchoolFacts
+    predation: PredationFacts
+    species: dict[str, SwimmingFacts]
+
+
+def load_measured(path: Path | None = None) -> MeasuredSwimming:
+    """Read the shipped table or one at `path`; UserError with the line of a fault."""
+    path = path or resource_path("assets") / FILE
+    table = load_toml(path, MeasuredSwimming)
+    groups = {f"species.{name}": facts for name, facts in table.species.items()}
+    for name, group in groups.items() | {
+        ("coasting", table.coasting), ("schools", table.schools), ("predation", table.predation)
+    }:  # fmt: skip
+        for key in group.__struct_fields__:
+            value = getattr(group, key)
+            if isinstance(value, MeasuredRange) and value.source not in table.sources:
+                fault = unknown("source", value.source, list(table.sources))
+                raise error_at(path, f"{name}.{key}", fault.message)
+    return table
+
+
+def measured_species(table: MeasuredSwimming, name: str) -> SwimmingFacts:
+    """The facts of a species; UserError for one that the table lacks."""
+    if name not in table.species:
+        raise unknown("species in assets/swimming.toml:", name, list(table.species))
+    return table.species[name]

@@ -1,0 +1,45 @@
+"""`subsea-capture validate`: its results and its errors of one line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from capture.cli.main import main
+
+
+def test_every_species_gets_a_row_of_each_kind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, report, plots = tmp_path / "page.md", tmp_path / "report.json", tmp_path / "plots"
+    words = ["validate", "fusilier", "spotted_eagle_ray", "--plots", str(plots)]
+    assert main([*words, "--report", str(page), "--json", str(report)]) == 0
+    out = capsys.readouterr().out
+    rows = json.loads(report.read_text())["findings"]
+    assert {row["subject"] for row in rows} == {"fusilier", "spotted_eagle_ray"}
+    assert sum(line.endswith("FAILS") for line in out.splitlines()) == sum(
+        row["verdict"] == "fails" for row in rows
+    )
+    assert page.read_text().count("color:red") == out.count("FAILS")
+    assert sorted(path.name for path in plots.iterdir()) == [
+        "swimming-speeds.png",
+        "swimming-strouhal.png",
+        "swimming-waves.png",
+    ]
+
+
+def test_wrong_words_are_errors_of_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.md"
+    mine.write_text("# Mine\n")
+    for arguments, expected in (
+        (["fusiler"], "did you mean 'fusilier'?"),
+        (["--report", str(mine)], "exists without the lines"),
+        (["--json", str(mine)], "is not a validation report"),
+        (["--plots", str(mine)], "mine.md"),
+    ):
+        assert main(["validate", *arguments]) == 2
+        err = capsys.readouterr().err
+        assert expected in err and err.count("\n") == 1
+    assert mine.read_text() == "# Mine\n"

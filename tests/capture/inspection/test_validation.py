@@ -1,0 +1,61 @@
+"""A repertoire beside measured fishes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from capture.inspection.validation import FULL_TEMPO, bainbridge, validate
+from subsea.core.findings import MISSING, Finding
+from subsea.fish.measured import load_measured
+from subsea.fish.species import load_species, repertoire_file
+from subsea.repertoire import Repertoire, read_repertoire
+
+
+def found_in(repertoire: Repertoire) -> dict[str, Finding]:
+    species = load_species(repertoire.species)
+    return {one.quantity: one for one in validate(repertoire, species, load_measured()).findings}
+
+
+def test_an_adult_beats_by_froude_similarity(repertoire: Repertoire) -> None:
+    found = found_in(repertoire)
+    adult = 0.5 * sum(load_species(repertoire.species).size_cm)
+    rate = (repertoire.body_length_cm / adult) ** 0.5
+    segment = repertoire.segments["swim_fast"]
+    speed = rate * segment.speed_cm_s / repertoire.body_length_cm
+    beat = rate / (len(segment.nodes) * repertoire.tick_s)
+    assert found["speed, fastest cruise"].value == pytest.approx(speed)
+    assert found["beat, fastest cruise"].value == pytest.approx(beat)
+    assert found["stride, fast"].value == pytest.approx(speed / beat)
+    strouhal = found["Strouhal number, fast"].value
+    assert strouhal == pytest.approx(found["tail amplitude, fast"].value * beat / speed)
+    assert found["burst over Bainbridge's speed at its beat"].value == pytest.approx(
+        FULL_TEMPO * speed / bainbridge(FULL_TEMPO * beat)
+    )
+
+
+def test_segments_that_a_file_lacks_are_not_recorded(repertoire: Repertoire) -> None:
+    segments = {
+        name: segment for name, segment in repertoire.segments.items() if "cstart" not in name
+    }
+    found = found_in(dataclasses.replace(repertoire, segments=segments))
+    assert found["cstart_left_wide: angle"].verdict == MISSING
+    segments["cstart_left_wide"] = segments["turn_left_sharp"]
+    found = found_in(dataclasses.replace(repertoire, segments=segments))
+    turned = segments["turn_left_sharp"].turn_deg
+    assert found["cstart_left_wide: angle"].value == pytest.approx(turned, abs=25)
+
+
+def test_eels_and_rays_have_measures_of_their_own() -> None:
+    eel, ray = (
+        found_in(read_repertoire(repertoire_file(name)))
+        for name in ("ribbon_eel", "spotted_eagle_ray")
+    )
+    assert eel["envelope off the published one, fast"].source == "anguilliform wave"
+    assert "drag coefficient of a glide" not in eel
+    assert "wavelength, fast" not in ray
+    assert all(np.isfinite(one.value) for one in ray.values())
+
+
+def test_bainbridges_line() -> None:
+    assert [bainbridge(f) for f in (5.0, 10.0, 20.0)] == [2.75, 6.5, 14.0]

@@ -1,0 +1,74 @@
+"""Verdicts of findings, and the page that keeps the text around its marks."""
+
+import json
+import math
+
+import pytest
+
+from subsea.core.errors import UserError
+from subsea.core.findings import (
+    FAIL,
+    MISSING,
+    NO_RANGE,
+    PASS,
+    Finding,
+    check_page,
+    report_lines,
+    summary,
+    text_table,
+    to_json,
+    write_page,
+)
+
+FOUND = [
+    Finding("fusilier", "stride", 0.5, " L", 0.6, 0.8, "videler_1991 (27 species)"),
+    Finding("fusilier", "angle", math.nan, "°", 60, 150, "domenici_1997"),
+    Finding("shark", "speed", 0.5, " L/s", 0.5, 1.2, "webb_1982"),
+    Finding("sea", "ticks", 3.0),
+]
+
+
+def test_verdicts_include_the_ends_of_a_range():
+    assert [one.verdict for one in FOUND] == [FAIL, MISSING, PASS, NO_RANGE]
+    assert FOUND[0]._replace(value=0.8).verdict == PASS
+    assert FOUND[0]._replace(high=math.inf).verdict == FAIL
+    assert summary(FOUND) == (
+        "1 within the published range, 1 outside, 1 not recorded, 1 without a range"
+    )
+
+
+def test_failures_are_capitals_in_text_and_red_on_the_page():
+    table = text_table(FOUND)
+    assert table[1].split()[-1] == "FAILS" and len(table) == 5
+    page = report_lines(FOUND, {"videler_1991": "Videler", "other": "Other"})
+    assert sum("color:red" in line for line in page) == 1
+    assert "- `videler_1991`: Videler." in page
+    assert not [line for line in page if "Other" in line]
+
+
+def test_json_has_null_for_what_is_no_number():
+    rows = json.loads(to_json(FOUND, seeds=[1]))
+    assert rows["seeds"] == [1]
+    assert [row["value"] for row in rows["findings"]] == [0.5, None, 0.5, 3.0]
+    assert rows["findings"][3]["low"] is None
+
+
+def test_a_page_keeps_what_is_outside_its_marks(tmp_path):
+    page = tmp_path / "page.md"
+    write_page(page, "one", ["first"])
+    text = page.read_text() + "\n<!-- made by two -->\n<!-- end of two -->\nEnd.\n"
+    page.write_text(text)
+    write_page(page, "two", ["second \\1"])
+    write_page(page, "one", ["again"])
+    lines = [line for line in page.read_text().splitlines() if line and line[0] != "<"]
+    assert lines == ["# one", "again", "second \\1", "End."]
+    check_page(page, "two")
+
+
+def test_a_page_without_marks_is_not_replaced(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("# Mine\n")
+    with pytest.raises(UserError, match="exists without the lines"):
+        check_page(page, "one")
+    check_page(page, "one", force=True)
+    check_page(tmp_path / "new.md", "one")
