@@ -37,6 +37,7 @@ from subsea.core.resources import resource_path
 from subsea.dive.cluster import messages
 from subsea.dive.settings import default_text, read_settings
 from subsea.fish import color_sheet
+from subsea.fish.measured import load_measured
 from subsea.fish.photo.dress import load_mesh, save_mesh
 from subsea.fish.photo.photograph import Photograph, read_photograph
 from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
@@ -249,6 +250,9 @@ KINDS = {
         lambda p: read_thumbnail(p.with_suffix(".toml")),
     ),
     "species": Kind(".toml", shipped("assets/species", ".toml"), lambda p: load_species(str(p))),
+    "measured": Kind(
+        ".toml", lambda unused: [resource_path("assets/swimming.toml").read_bytes()], load_measured
+    ),
     "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
     "snapshot": Kind(".bin", SEA.samples, SEA.read),
