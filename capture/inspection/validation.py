@@ -16,7 +16,7 @@ from capture.inspection.kinematics import (
 )
 from capture.recording.record import motion_from_provenance
 from subsea.biomechanics.solver import TIME_UNIT_S
-from subsea.core.findings import Finding
+from subsea.core.findings import RangeCheck
 from subsea.fish.measured import ITSELF, MeasuredRange, MeasuredSwimming, SwimmingFacts
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
@@ -66,7 +66,7 @@ class Validated(NamedTuple):
     rate: float  # frames of an adult over those of the recorded fish
     swims: list[Swim]  # those recorded, from slow to burst
     expected: float  # Strouhal number for the drag of an adult; NaN for eels and rays
-    findings: list[Finding]
+    findings: list[RangeCheck]
 
 
 def bainbridge(frequency: float) -> float:
@@ -105,12 +105,12 @@ def validate(repertoire: Repertoire, species: Species, table: MeasuredSwimming) 
 
 def published(
     subject: str, quantity: str, value: float, unit: str, measured: MeasuredRange, note: str = ""
-) -> Finding:
+) -> RangeCheck:
     """A finding with its published range; the source says whose it is and if it was recalled."""
     of = "" if measured.of == ITSELF else f" ({measured.of})"
     recalled = ", recalled" if measured.recalled else ""
     source = f"{measured.source}{of}{recalled}"
-    return Finding(subject, quantity, value, unit, *measured.range, source, note)
+    return RangeCheck(subject, quantity, value, unit, *measured.range, source, note)
 
 
 def _swim(name: str, repertoire: Repertoire, rate: float, facts: SwimmingFacts) -> Swim:
@@ -124,7 +124,7 @@ def _swim(name: str, repertoire: Repertoire, rate: float, facts: SwimmingFacts) 
     return Swim(name, rate * segment.speed_cm_s / length, rate * frequency, amplitude, wave)
 
 
-def _waves(found: Validated) -> Iterator[Finding]:
+def _waves(found: Validated) -> Iterator[RangeCheck]:
     """Envelope, wavelength, amplitude, stride and Strouhal number."""
     name, facts = found.species, found.facts
     fast = next(swim for swim in found.swims if swim.name == "swim_fast")
@@ -132,7 +132,7 @@ def _waves(found: Validated) -> Iterator[Finding]:
         off, at = envelope_deviation(facts.wave, fast.wave)
         source = "anguilliform wave" if facts.wave == "anguilliform" else "borazjani_2008"
         note = f"worst at {at:.2f} L"
-        yield Finding(name, "envelope off the published one, fast", off, " L", 0.0, ENVELOPE_L,
+        yield RangeCheck(name, "envelope off the published one, fast", off, " L", 0.0, ENVELOPE_L,
                       source, note)  # fmt: skip
     if facts.wavelength:
         yield published(name, "wavelength, fast", fast.wave.wavelength, " L", facts.wavelength)
@@ -144,11 +144,11 @@ def _waves(found: Validated) -> Iterator[Finding]:
     yield published(name, "Strouhal number, fast", fast.strouhal, "", facts.strouhal)
     if facts.wave == "carangiform":
         low, high = (1 - NEAR) * found.expected, (1 + NEAR) * found.expected
-        yield Finding(name, "Strouhal number for its size, fast", fast.strouhal, "", low, high,
+        yield RangeCheck(name, "Strouhal number for its size, fast", fast.strouhal, "", low, high,
                       "lighthill_1971 (estimate)", f"{found.adult_cm:.0f} cm")  # fmt: skip
 
 
-def _speeds(found: Validated) -> Iterator[Finding]:
+def _speeds(found: Validated) -> Iterator[RangeCheck]:
     """Speeds and beats of an adult, and Bainbridge's line."""
     name, facts = found.species, found.facts
     swims = {swim.name: swim for swim in found.swims}
@@ -162,11 +162,11 @@ def _speeds(found: Validated) -> Iterator[Finding]:
     top = FULL_TEMPO * burst.frequency
     if facts.wave == "carangiform" and found.adult_cm < BAINBRIDGE_CM:
         ratio = FULL_TEMPO * burst.speed / bainbridge(top) if top > BAINBRIDGE_HZ else NAN
-        yield Finding(name, "burst over Bainbridge's speed at its beat", ratio, "", 1 - NEAR,
+        yield RangeCheck(name, "burst over Bainbridge's speed at its beat", ratio, "", 1 - NEAR,
                       1 + NEAR, "bainbridge_1958", f"{top:.1f} Hz")  # fmt: skip
 
 
-def _rowing(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+def _rowing(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
     """Fastest speed with pectoral fins alone, of those that row."""
     if found.facts.gait_change:
         row, speed = repertoire.segments.get(ROW), NAN
@@ -176,7 +176,7 @@ def _rowing(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
                         found.facts.gait_change)  # fmt: skip
 
 
-def _turns(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+def _turns(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
     """The tightest of the recorded turns, and each."""
     radius = {
         name: turning_radius(segment, repertoire.body_length_cm)
@@ -190,7 +190,7 @@ def _turns(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
     )  # fmt: skip
 
 
-def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
+def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
     """Angle and duration of C-starts."""
     facts = found.facts
     if facts.escape_angle is None or facts.escape_duration is None:
@@ -205,7 +205,7 @@ def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[Finding]:
 
 def _drag(
     found: Validated, repertoire: Repertoire, species: Species, table: MeasuredSwimming
-) -> Iterator[Finding]:
+) -> Iterator[RangeCheck]:
     """Drag of the passive body that coasts from its fastest cruise."""
     try:
         motion = motion_from_provenance(repertoire.provenance)

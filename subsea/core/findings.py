@@ -18,7 +18,7 @@ HEADINGS = ("of", "quantity", "ours", "published", "source", "verdict")
 RED = '<span style="color:red">**fails**</span>'
 
 
-class Finding(NamedTuple):
+class RangeCheck(NamedTuple):
     """One quantity of one species, school or sea; NaN where nothing of the kind was recorded."""
 
     subject: str
@@ -40,7 +40,7 @@ class Finding(NamedTuple):
         return PASS if self.low <= self.value <= self.high else FAIL
 
 
-def text_table(findings: Sequence[Finding]) -> list[str]:
+def text_table(findings: Sequence[RangeCheck]) -> list[str]:
     """Lines of an aligned table."""
     rows = [HEADINGS, *(_cells(one, FAIL.upper()) for one in findings)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -50,7 +50,7 @@ def text_table(findings: Sequence[Finding]) -> list[str]:
     ]
 
 
-def summary(findings: Sequence[Finding]) -> str:
+def summary(findings: Sequence[RangeCheck]) -> str:
     """The number of quantities for each verdict."""
     counts = dict.fromkeys((PASS, FAIL, MISSING, NO_RANGE), 0)
     for one in findings:
@@ -61,13 +61,13 @@ def summary(findings: Sequence[Finding]) -> str:
     )
 
 
-def markdown(findings: Sequence[Finding]) -> list[str]:
+def markdown(findings: Sequence[RangeCheck]) -> list[str]:
     """Lines of a Markdown table; what fails is red."""
     rows = [HEADINGS, ("---",) * len(HEADINGS), *(_cells(one, RED) for one in findings)]
     return ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
 
 
-def sources_named(findings: Sequence[Finding], sources: Mapping[str, str]) -> list[str]:
+def sources_named(findings: Sequence[RangeCheck], sources: Mapping[str, str]) -> list[str]:
     """Lines of a list of the sources that findings name by their keys."""
     named = " ".join(one.source for one in findings)
     lines = [
@@ -76,13 +76,13 @@ def sources_named(findings: Sequence[Finding], sources: Mapping[str, str]) -> li
     return ["Sources:", "", *lines] if lines else []
 
 
-def report_lines(findings: Sequence[Finding], sources: Mapping[str, str]) -> list[str]:
+def report_lines(findings: Sequence[RangeCheck], sources: Mapping[str, str]) -> list[str]:
     """Lines of a page: the summary, the table and its sources."""
     table = markdown(findings)
     return [f"{summary(findings)}.", "", *table, "", *sources_named(findings, sources)]
 
 
-def to_json(findings: Iterable[Finding], **more: Any) -> str:
+def to_json(findings: Iterable[RangeCheck], **more: Any) -> str:
     """The findings and more values as JSON; NaN and unlimited ends are null."""
     rows = [one._asdict() | {"verdict": one.verdict} for one in findings]
     for row in rows:
@@ -123,7 +123,7 @@ def _marks(name: str) -> tuple[str, str]:
     return f"<!-- made by {name} -->", f"<!-- end of {name} -->"
 
 
-def _cells(one: Finding, failure: str) -> tuple[str, ...]:
+def _cells(one: RangeCheck, failure: str) -> tuple[str, ...]:
     """The cells of a row; `failure` is the word for what fails."""
     ours = "–" if math.isnan(one.value) else f"{one.value:.3g}{one.unit}"
     if one.note:
@@ -132,7 +132,7 @@ def _cells(one: Finding, failure: str) -> tuple[str, ...]:
     return one.subject, one.quantity, ours, _range(one), one.source or "–", verdict
 
 
-def _range(one: Finding) -> str:
+def _range(one: RangeCheck) -> str:
     if one.low == -math.inf and one.high == math.inf:
         return "–"
     if one.high == math.inf:

@@ -11,7 +11,7 @@ from subsea.core.findings import (
     MISSING,
     NO_RANGE,
     PASS,
-    Finding,
+    RangeCheck,
     check_page,
     report_lines,
     summary,
@@ -21,10 +21,10 @@ from subsea.core.findings import (
 )
 
 FOUND = [
-    Finding("fusilier", "stride", 0.5, " L", 0.6, 0.8, "videler_1991 (27 species)"),
-    Finding("fusilier", "angle", math.nan, "°", 60, 150, "domenici_1997"),
-    Finding("shark", "speed", 0.5, " L/s", 0.5, 1.2, "webb_1982"),
-    Finding("sea", "ticks", 3.0),
+    RangeCheck("fusilier", "stride", 0.5, " L", 0.6, 0.8, "videler_1991 (27 species)"),
+    RangeCheck("fusilier", "angle", math.nan, "°", 60, 150, "domenici_1997"),
+    RangeCheck("shark", "speed", 0.5, " L/s", 0.5, 1.2, "webb_1982"),
+    RangeCheck("sea", "ticks", 3.0),
 ]
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from capture.inspection.validation import FULL_TEMPO, bainbridge, validate
-from subsea.core.findings import MISSING, Finding
+from subsea.core.findings import MISSING, RangeCheck
 from subsea.fish.measured import load_measured
 from subsea.fish.species import load_species, repertoire_file
 from subsea.repertoire import Repertoire, read_repertoire
 
 
-def found_in(repertoire: Repertoire) -> dict[str, Finding]:
+def found_in(repertoire: Repertoire) -> dict[str, RangeCheck]:
     species = load_species(repertoire.species)
     return {one.quantity: one for one in validate(repertoire, species, load_measured()).findings}
 
