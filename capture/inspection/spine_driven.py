@@ -7,7 +7,7 @@ import numpy as np
 from capture.inspection.simulated import REPLAYED_CYCLES, replay
 from capture.inspection.targets import Measure, at_least, at_most, compare, within
 from capture.recording.record import spine_from_provenance
-from capture.recording.spine_motion import spine_motion
+from capture.recording.spine_segments import motion_of_segment
 from subsea.biomechanics.body_frame import body_frame
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
@@ -35,7 +35,7 @@ def measure_spine_driven(repertoire: Repertoire) -> Iterator[Measure]:
     errors = [_replay_error(plan, surface, repertoire, name) for name in cyclic]
     name = f"{REPLAYED_CYCLES} cycles replayed against the plan"
     yield compare(name, max(errors) / plan.length, ".1e", " L", at_most(0.01), at_most(1e-4))
-    nodes = spine_motion(plan, surface, "swim_fast").nodes
+    nodes = motion_of_segment(plan, surface, "swim_fast").nodes
     tail = nodes[:, 21:].mean(axis=1)[:, 2]
     yield Measure("tail sweep, fast", f"{np.ptp(tail) / plan.length:.3f} L")
 
@@ -44,7 +44,7 @@ def _replay_error(
     plan: SpinePlan, surface: SurfacePlan, repertoire: Repertoire, name: str
 ) -> float:
     """Largest error of a node after some cycles of replay, cm."""
-    nodes = spine_motion(plan, surface, name).nodes
+    nodes = motion_of_segment(plan, surface, name).nodes
     origin, rotation = body_frame(nodes)
     replayed = replay(repertoire.segments[name], origin[0], rotation[0], REPLAYED_CYCLES)[-1]
     # Each cycle moves the fish by the same rigid motion.

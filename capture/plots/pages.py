@@ -14,7 +14,7 @@ from capture.recording.record import (
     run_trial,
     spine_from_provenance,
 )
-from capture.recording.spine_motion import spine_motion
+from capture.recording.spine_segments import motion_of_segment
 from capture.recording.trial import deformation, speed_map
 from subsea.biomechanics.body import Floats, build_body
 from subsea.core.atomic_io import replacing
@@ -87,7 +87,7 @@ def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Fl
             plans = spine_from_provenance(repertoire.provenance)
         except msgspec.ValidationError:
             return None
-        frames = spine_motion(*plans, name).nodes
+        frames = motion_of_segment(*plans, name).nodes
     return np.asarray(deformation(frames[:1])[0])
 
 

@@ -6,7 +6,8 @@ import msgspec
 
 from capture.recording.fingerprint import fingerprint, library_versions
 from capture.recording.segment import make_segment
-from capture.recording.spine_motion import nodes_at_rest, record_spine_segment
+from capture.recording.spine_motion import nodes_at_rest
+from capture.recording.spine_segments import record_spine_segment, spine_segments
 from capture.recording.trial import STRAIGHT, Trial, grade_contraction, sharp_turn, steady_beat
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
@@ -100,7 +101,7 @@ def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, Surfac
 
 def segments_of(species: Species) -> tuple[str, ...]:
     """The segments that are recorded of a species."""
-    return BASIC_SEGMENTS
+    return spine_segments(species.spine) if species.spine else BASIC_SEGMENTS
 
 
 def record_species(name: str, species: Species) -> Repertoire:

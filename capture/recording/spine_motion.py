@@ -1,24 +1,38 @@
-"""Record a spine-driven species: the same seven segments, kinematically (KS part II).
+"""Move a spine-driven fish along its path, kinematically (KS part II).
 
-There is no water: the distance of a beat follows from the slip in the species' plan.
+Stride and recoil of a beat follow from the water; with a slip in the plan there is neither water
+nor recoil.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from capture.recording.segment import make_segment
+from capture.recording.spine_water import coast, recoil_of, stride_of, unit_mass
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.core.arrays import Array
-from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, bend_points, flap_wings, pose_spine
+from subsea.fish.spine import (
+    MIDDLES,
+    RUN_IN,
+    SpineGait,
+    SpinePlan,
+    bend_points,
+    flap_wings,
+    keep_height,
+    pose_spine,
+)
 from subsea.fish.surface import SurfacePlan, along, fit_control_points, rest_surface
-from subsea.repertoire import Segment
 
 PATH_STEPS = 20000  # steps of the integration of a path
 RING_SHARE = 0.7  # of the body's half-width and half-height
 FRAME_NODES = [0, 5, 6, 7, 8]  # define the body frame
 RING_ON_WING = 0.6  # half spans
+PEAK = 15.0 / 8.0  # greatest over mean curvature of a bend
+GLIDE_TURN = np.radians(90.0)
+MOST_LEAN = 0.75  # sine of the bank
+LEAST_RADIUS = 0.6  # disc widths, of a gliding ray; mantas turn within 2 m (Fish et al. 2018)
 
 
 class SpineMotion(NamedTuple):
@@ -45,72 +59,112 @@ class SwimPath(NamedTuple):
         return np.asarray(self.turn * share)
 
 
-def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
-    """Record the segment ``name`` with control points: 23 nodes are too few for eels and rays."""
-    kind, _, grade = name.rpartition("_")
-    motion = spine_motion(plan, surface, name)
-    return make_segment(
-        motion.nodes,
-        plan.length,
-        pattern={"swim": "forward", "turn_left": "left", "turn_right": "right"}[kind],
-        grade=grade,
-        cyclic=grade != "sharp",
-        surface=motion.points,
-    )
+class Travel(NamedTuple):
+    """Swimming along a path, at T + 1 ticks."""
+
+    path: SwimPath
+    beat: Array  # beats since the start
+    amplitude: Array  # of the swing
+    travelled: Array  # body lengths
+
+
+class Stroke(NamedTuple):
+    """The beat of a gait at T times."""
+
+    gait: SpineGait
+    beat: Array  # (T,) beats since the start
+    amplitude: Array  # (T,) of the swing
+    side: float = 0.0  # beats by which the spine, but not the wings, is ahead
 
 
 def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
-    """Compute all frames of a segment."""
-    gait, beats, path = gait_and_path(plan, name)
-    beat = np.linspace(0.0, beats, beats * gait.ticks_per_beat + 1)
-    travelled = beat * plan.stride(gait)
+    """Compute all frames of a segment that follows a path."""
+    gait, travel = gait_and_travel(plan, surface, name)
+    path, travelled = travel.path, travel.travelled
     heading = path.heading(travelled)
     # A right turn is the mirror image of a left one: its beat begins half a beat later.
-    side = 0.5 if path.turn < 0 else 0.0
+    stroke = Stroke(gait, travel.beat, travel.amplitude, 0.5 if path.turn < 0 else 0.0)
     around = path.heading(travelled[:, None] + plan.centre - MIDDLES) - heading[:, None]
-    spine = pose_spine(plan, beat + side, gait.amplitude, around, unit_mass(surface))
+    moved = pose_surface(plan, surface, stroke, around)
+    moved = roll(moved, bank_angle(plan, surface, path, travelled))
+    frame = np.concatenate([path_points(path, travelled), heading[:, None]], axis=1)
+    return in_world(plan, surface, moved, frame)
+
+
+def pose_surface(plan: SpinePlan, surface: SurfacePlan, stroke: Stroke, around: Array) -> Array:
+    """Nodes and points (T, 449, 3) of a fish, with its recoil; (ahead, up, right), body lengths.
+
+    ``around`` (T, n) are the directions of its path at the units, relative to that at its centre.
+    """
+    amplitude = stroke.amplitude[:, None]
     rest = np.concatenate([rest_nodes(plan, surface), rest_surface(surface)])
+    body, beat = rest, stroke.beat
     if plan.wings:
-        body = flap_wings(plan.wings, rest, half_span(surface), beat, gait.amplitude)
-    else:
-        body = rest
-    moved = roll(bend_points(spine, body), bank_angle(plan, path, travelled))
-    # The body frame follows the path without sway and bank, so that playback can steer it.
-    moved[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest[FRAME_NODES] * (-1, 1, 1)
-    c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        body = flap_wings(plan.wings, rest, half_span(surface), beat, amplitude)
+        if stroke.gait.slip is not None:
+            body = keep_height(body, rest)
+    spine = pose_spine(plan, beat + stroke.side, amplitude, around, unit_mass(surface))
+    recoil = recoil_of(plan, surface, stroke.gait, beat if plan.wings else beat + stroke.side)
+    recoil = recoil * amplitude / max(stroke.gait.amplitude, 1e-9)
+    return shake(bend_points(spine, body), recoil, bool(plan.wings))
+
+
+def shake(points: Array, recoil: Array, up: bool) -> Array:
+    """Turn and shift points (T, p, 3) by the recoil (T, 3), upward or to the left."""
+    axis, sign = (1, 1.0) if up else (2, -1.0)
+    ahead, aside = points[..., 0], sign * points[..., axis]
+    c, s = np.cos(recoil[:, 2:]), np.sin(recoil[:, 2:])
+    out = points.copy()
+    out[..., 0] = c * ahead - s * aside + recoil[:, :1]
+    out[..., axis] = sign * (s * ahead + c * aside + recoil[:, 1:2])
+    return out
+
+
+def in_world(plan: SpinePlan, surface: SurfacePlan, moved: Array, frame: Array) -> SpineMotion:
+    """A motion from points in axes of frames (T, 3): ahead and left in body lengths, heading."""
+    # The body frame has neither recoil nor bank, so that playback can steer it.
+    rest = rest_nodes(plan, surface)[FRAME_NODES]
+    moved[:, FRAME_NODES] = (plan.centre, 0.0, 0.0) + rest * (-1, 1, 1)
+    x, y, heading = frame.T[..., None]
+    c, s = np.cos(heading), np.sin(heading)
     ahead, up, right = np.moveaxis(moved, -1, 0)
-    place = path_points(path, travelled)
-    world = np.stack(
-        [
-            place[:, None, 0] + c * ahead + s * right,
-            up,
-            -place[:, None, 1] - s * ahead + c * right,
-        ],
-        axis=-1,
-    )
+    world = np.stack([x + c * ahead + s * right, up, -y - s * ahead + c * right], axis=-1)
     world *= plan.length
     return SpineMotion(
         world[:, :NODES], np.asarray(fit_control_points(world[:, NODES:]), np.float64)
     )
 
 
-def gait_and_path(plan: SpinePlan, name: str) -> tuple[SpineGait, int, SwimPath]:
-    """SpineGait, number of beats and path of a segment such as ``turn_left_gradual``."""
+def gait_and_travel(plan: SpinePlan, surface: SurfacePlan, name: str) -> tuple[SpineGait, Travel]:
+    """Gait and travel of a segment such as ``turn_left_gradual``."""
     kind, _, grade = name.rpartition("_")
-    if kind == "swim":
-        gait = {"slow": plan.slow, "medium": plan.medium, "fast": plan.fast}[grade]
-        length = plan.stride(gait)
-        return gait, 1, SwimPath(length, (0.0, length), 0.0, True)
+    gait = getattr(plan, grade) if kind == "swim" else plan.medium
+    stride, ticks = stride_of(plan, surface, gait), gait.ticks_per_beat
     side = 1.0 if kind == "turn_left" else -1.0
-    length = plan.stride(plan.medium)
-    if grade == "gradual":
-        turn = np.radians(plan.turn.gradual)
-        return plan.medium, 1, SwimPath(length, (0.0, length), side * turn, True)
-    # The snout enters the bend at the start, and the tail leaves it at the end.
-    length *= plan.turn.sharp_beats
-    bend = plan.centre, length - (1.0 - plan.centre)
-    turn = float(np.radians(plan.turn.sharp))
-    return plan.medium, plan.turn.sharp_beats, SwimPath(length, bend, side * turn, False)
+    if grade == "glide":
+        return gait, glide_travel(plan, surface, side * GLIDE_TURN, stride / ticks)
+    if grade == "sharp":
+        beats = max(plan.turn.sharp_beats, math.ceil((1.0 + RUN_IN) / stride))
+        path = through_bend(plan, beats * stride, side * np.radians(plan.turn.sharp))
+    else:
+        beats = 1
+        turn = side * np.radians(plan.turn.gradual) if grade == "gradual" else 0.0
+        path = SwimPath(stride, (0.0, stride), turn, True)
+    beat = np.linspace(0.0, beats, beats * ticks + 1)
+    return gait, Travel(path, beat, np.full(len(beat), gait.amplitude), beat * stride)
+
+
+def through_bend(plan: SpinePlan, length: float, turn: float) -> SwimPath:
+    """A path with a bend that the snout enters at the start and the tail leaves at the end."""
+    return SwimPath(length, (plan.centre, length - (1.0 - plan.centre)), turn, False)
+
+
+def glide_travel(plan: SpinePlan, surface: SurfacePlan, turn: float, speed: float) -> Travel:
+    """A turn of a ray that holds its wings still and slows down, from ``speed`` per tick."""
+    bend = abs(turn) * PEAK * LEAST_RADIUS * 2.0 * half_span(surface)
+    travelled = coast(plan, surface, speed, 1.0 + bend)
+    still = np.zeros(len(travelled))
+    return Travel(through_bend(plan, float(travelled[-1]), turn), still, still, travelled)
 
 
 def path_points(path: SwimPath, travelled: Array) -> Array:
@@ -122,16 +176,18 @@ def path_points(path: SwimPath, travelled: Array) -> Array:
     return np.stack([np.interp(travelled, at, x), np.interp(travelled, at, y)], axis=-1)
 
 
-def bank_angle(plan: SpinePlan, path: SwimPath, travelled: Array) -> Array:
-    """Bank angle on the path, rad, left side down positive, proportional to the curvature.
+def bank_angle(plan: SpinePlan, surface: SurfacePlan, path: SwimPath, travelled: Array) -> Array:
+    """Bank angle on the path, rad, left side down positive.
 
-    `bank` is reached at the greatest curvature of a sharp turn.
+    The lift of banked wings turns a ray, so the sine of the bank is proportional to the curvature
+    at any speed. `bank` belongs to the greatest curvature of a sharp turn.
     """
-    _, _, sharp = gait_and_path(plan, "turn_left_sharp")
+    sharp = gait_and_travel(plan, surface, "turn_left_sharp")[1].path
     step = 1e-4
-    most = sharp.turn / (sharp.bend[1] - sharp.bend[0]) * 15.0 / 8.0  # of the quintic
+    most = PEAK * sharp.turn / (sharp.bend[1] - sharp.bend[0])
     curvature = (path.heading(travelled + step) - path.heading(travelled - step)) / (2.0 * step)
-    return np.asarray(np.radians(plan.turn.bank) * np.clip(curvature / most, -1.0, 1.0))
+    lean = np.sin(np.radians(plan.turn.bank)) * curvature / most
+    return np.asarray(np.arcsin(np.clip(lean, -MOST_LEAN, MOST_LEAN)))
 
 
 def roll(points: Array, angle: Array) -> Array:
@@ -139,12 +195,6 @@ def roll(points: Array, angle: Array) -> Array:
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     ahead, up, right = np.moveaxis(points, -1, 0)
     return np.stack([ahead, c * up + s * right, c * right - s * up], axis=-1)
-
-
-def unit_mass(surface: SurfacePlan) -> Array:
-    """Relative mass (n,) of each unit of the spine: its cross-section."""
-    back, belly = along(surface.back, MIDDLES), along(surface.belly, MIDDLES)
-    return np.asarray(along(surface.width, MIDDLES) * (back - belly))
 
 
 def half_span(surface: SurfacePlan) -> float:

@@ -74,11 +74,14 @@ class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
 
 class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One grade of swimming; ``slip`` is the speed of the fish over that of its wave."""
+    """One grade of swimming.
+
+    ``slip`` is the speed of the fish over that of its wave; without it the water decides.
+    """
 
     ticks_per_beat: Beat  # of 0.033 s
     amplitude: Share  # of the swing
-    slip: Annotated[float, msgspec.Meta(gt=0, lt=1)]
+    slip: Annotated[float, msgspec.Meta(gt=0, lt=1)] | None = None
 
 
 class Turn(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -100,26 +103,31 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     slow: SpineGait
     medium: SpineGait
     fast: SpineGait
+    burst: SpineGait | None = None
     turn: Turn
 
     def __post_init__(self) -> None:
         """Refuse grades out of order, and a sharp turn that ends before the tail follows."""
-        speeds = [self.stride(g) / g.ticks_per_beat for g in (self.slow, self.medium, self.fast)]
-        if not speeds[0] < speeds[1] < speeds[2]:
-            raise ValueError("slow, medium and fast must each be faster than the one before")
-        way = self.turn.sharp_beats * self.stride(self.medium)
-        if way < 1.0 + RUN_IN:
+        grades = [one for one in (self.slow, self.medium, self.fast, self.burst) if one]
+        if len({one.slip is None for one in grades}) > 1:
+            raise ValueError("either all gaits have a slip or none")
+        speeds = [(one.slip or 1.0) / one.ticks_per_beat for one in grades]
+        if any(b <= a for a, b in pairwise(speeds)):
+            raise ValueError("slow, medium, fast and burst must each be faster than the one before")
+        way = self.turn.sharp_beats * (self.medium.slip or 1.0) * self.wavelength
+        if self.medium.slip and way < 1.0 + RUN_IN:
             raise ValueError(
                 f"sharp_beats = {self.turn.sharp_beats} make a way of {way:.2f} body lengths; "
                 f"expected {1.0 + RUN_IN:g} or more, for the tail to come round"
             )
 
-    def stride(self, gait: SpineGait) -> float:
-        """Body lengths in a beat: the slip times the wavelength along wing chord or spine."""
+    @property
+    def wavelength(self) -> float:
+        """Body lengths along wing chord or spine that the wave moves in a beat."""
         if self.wings:
             front, rear = self.wings.chord
-            return gait.slip * (rear - front) / self.wings.chord_lag
-        return gait.slip * self.swing.wavelength
+            return (rear - front) / self.wings.chord_lag
+        return self.swing.wavelength
 
 
 def phase(swing: Swing, at: Array) -> Array:
@@ -138,7 +146,7 @@ def oscillation(swing: Swing, angle: Array) -> Array:
     return np.asarray(2.0 * np.abs((angle / np.pi) % 2.0 - 1.0) - 1.0)
 
 
-def swing_angles(swing: Swing, at: Array, beat: Array, amplitude: float) -> Array:
+def swing_angles(swing: Swing, at: Array, beat: Array, amplitude: float | Array) -> Array:
     """Directions, rad, of the units at `at` at times `beat`; both are broadcast (KS part II)."""
     now, there = 2.0 * np.pi * np.asarray(beat), phase(swing, at)
     if swing.propagation == "tailward":
@@ -172,12 +180,15 @@ JOINTS = np.linspace(0.0, 1.0, UNITS + 1)
 MIDDLES = 0.5 * (JOINTS[1:] + JOINTS[:-1])
 
 
-def pose_spine(plan: SpinePlan, beat: Array, amplitude: float, path: Array, mass: Array) -> Spines:
+def pose_spine(
+    plan: SpinePlan, beat: Array, amplitude: float | Array, path: Array, mass: Array
+) -> Spines:
     """The spine at times `beat` (T,), on a path with directions `path` (T, n) at its units.
 
-    `path` is relative to the direction at the centre. Flexible parts follow the path and swing
-    about it. As water prevents sway and yaw, the whole is then fitted to the path by the rigid
-    motion of least squares, with `mass` (n,) of the units as weights.
+    `amplitude` is a number or (T, 1). `path` is relative to the direction at the centre. Flexible
+    parts follow the path and swing about it. As water prevents sway and yaw, the whole is then
+    fitted to the path by the rigid motion of least squares, with `mass` (n,) of the units as
+    weights.
     """
     give = np.minimum(along(np.asarray(plan.swing.flexibility), JOINTS[1:-1]), 1.0)
     bent = np.zeros_like(path)
@@ -228,10 +239,12 @@ def bend_points(spine: Spines, points: Array) -> Array:
     return out
 
 
-def flap_wings(wings: Wings, points: Array, span: float, beat: Array, amplitude: float) -> Array:
+def flap_wings(
+    wings: Wings, points: Array, span: float, beat: Array, amplitude: float | Array
+) -> Array:
     """Points (T, p, 3) of a body with beating wings at times `beat`, from (p, 3) at rest.
 
-    `span` is that of one wing. The mean height of all points is constant.
+    `span` is that of one wing, `amplitude` a number or (T, 1).
     """
     x, up, right = points.T
     reach = np.abs(right)
@@ -240,17 +253,23 @@ def flap_wings(wings: Wings, points: Array, span: float, beat: Array, amplitude:
         (x - front) / (rear - front), 0.0, 1.0
     )
     out_to = (reach / span)[:, None] * (np.arange(WING_UNITS) + 0.5) / WING_UNITS  # (p, n)
-    chain = chain_points(_lifted(wings, out_to, late[..., None], amplitude), reach)[..., -1, :]
+    far = np.asarray(amplitude)[..., None]
+    chain = chain_points(_lifted(wings, out_to, late[..., None], far), reach)[..., -1, :]
     tilt = _lifted(wings, reach / span, late, amplitude)
     out = np.empty((len(late), *points.shape))
     out[..., 0] = x
     out[..., 1] = chain[..., 1] + up * np.cos(tilt)
     out[..., 2] = np.sign(right) * (chain[..., 0] - up * np.sin(tilt))
-    out[..., 1] -= (out[..., 1] - up).mean(axis=1, keepdims=True)
     return out
 
 
-def _lifted(wings: Wings, at: Array, beat: Array, amplitude: float) -> Array:
+def keep_height(moved: Array, rest: Array) -> Array:
+    """Move points (T, p, 3) up or down, so that their mean height is that of `rest` (p, 3)."""
+    shift = (rest[:, 1] - moved[..., 1]).mean(axis=1)
+    return np.asarray(moved + shift[:, None, None] * (0.0, 1.0, 0.0))
+
+
+def _lifted(wings: Wings, at: Array, beat: Array, amplitude: Array | float) -> Array:
     """Directions, rad upward, of the units of a wing."""
     give = along(np.asarray(wings.swing.flexibility), at)
     return np.asarray(

@@ -47,7 +47,7 @@ FAULTS = {
         ("chord = [0.07, 0.3]", "chord = [0.3, 0.07]", "chord"),
         ("chord_lag = 0.22", "chord_lag = 0.0", "chord_lag"),
         ("[skin.dorsal]", "[skin.ventral]", "skin.dorsal"),
-        ("sharp_beats = 3", "sharp_beats = 2", "sharp_beats"),
+        ("amplitude = 0.92 }", "amplitude = 0.92, slip = 0.5 }", "a slip or none"),
     ],
 }
 

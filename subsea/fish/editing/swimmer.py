@@ -18,7 +18,15 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
 from subsea.core.arrays import Array
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species
-from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, bend_points, flap_wings, pose_spine
+from subsea.fish.spine import (
+    MIDDLES,
+    SpineGait,
+    SpinePlan,
+    bend_points,
+    flap_wings,
+    keep_height,
+    pose_spine,
+)
 from subsea.fish.surface import (
     SurfacePlan,
     along,
@@ -161,7 +169,7 @@ def by_spine(plan: SpinePlan, surface: SurfacePlan, beat: float, amplitude: floa
     spine = pose_spine(plan, at, amplitude, np.zeros((1, len(MIDDLES))), heavy)
     body = rest
     if plan.wings and surface.wing:
-        body = flap_wings(plan.wings, rest, surface.wing.span, at, amplitude)
+        body = keep_height(flap_wings(plan.wings, rest, surface.wing.span, at, amplitude), rest)
     points = fit_control_points(bend_points(spine, body))[0] * plan.length
     points[:, 0] += (0.5 - plan.centre) * plan.length  # origin in the middle of the fish
     return np.asarray(points)

@@ -1,0 +1,152 @@
+"""Free manoeuvres of an eel: bends and beats are prescribed, the water moves the fish.
+
+An escape bends the body to a C that begins behind the head. The bend runs to the tail, and the
+beat sets in (a C-start: Domenici & Blake 1997). Turns from rest and from a glide are the same,
+slower. The size of the bend is searched that turns the fish as far as asked.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from capture.recording.spine_motion import SpineMotion, Stroke, in_world, pose_surface
+from capture.recording.spine_water import recoil_of, spine_strip, stride_of, unit_mass
+from subsea.biomechanics.elongated_body import follow, start_momentum, swim
+from subsea.biomechanics.solver import TICK_S
+from subsea.core.arrays import Array
+from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, pose_spine
+from subsea.fish.surface import SurfacePlan
+
+STEPS = 4  # of the water, in a tick; even
+STAGE_S = 0.0025  # s per cm of length, of either stage of a C-start (about)
+LATE = 0.6  # share of the bend's time by which the tail follows the head
+CLOSE = np.radians(0.01)
+MOST_BEND = np.radians(250.0)  # of the path; stiff parts of the body follow it less
+
+
+class Manoeuvre(NamedTuple):
+    """A bend and a beat over some ticks."""
+
+    ticks: int
+    gait: SpineGait
+    beats_from: float  # share of the time at which the beat sets in, over ``easing``
+    easing: float  # share of the time; negative if the beat ceases
+    speed: float  # of the start, body lengths per tick
+    turn: float  # rad in total, left positive
+    bend: int  # ticks until the body is straight again
+
+
+class Passage(NamedTuple):
+    """A manoeuvre at its ticks."""
+
+    frame: Array  # (T + 1, 3): body lengths ahead and left, heading in rad
+    stroke: Stroke
+    around: Array  # (T + 1, n) directions of the units
+
+
+def spine_manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
+    """Compute all frames of a free manoeuvre, such as ``cstart_left_wide``."""
+    what = manoeuvre(plan, surface, name)
+    bend = find_bend(plan, surface, what._replace(turn=abs(what.turn)))
+    course = move(plan, surface, what, -bend if what.turn < 0.0 else bend)
+    moved = pose_surface(plan, surface, course.stroke, course.around)
+    return in_world(plan, surface, moved, course.frame)
+
+
+def manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> Manoeuvre:
+    """Timing and aim of the segment ``name``."""
+    kind, _, grade = name.rpartition("_")
+    side = -1.0 if "right" in name else 1.0
+    stages = round(2.0 * STAGE_S * plan.length / TICK_S)
+
+    def pace(gait: SpineGait) -> float:
+        return stride_of(plan, surface, gait) / gait.ticks_per_beat
+
+    slow, medium, fast = plan.slow, plan.medium, plan.fast
+    if kind.startswith("cstart"):
+        turn, time = {"moderate": (70.0, stages), "wide": (135.0, round(1.2 * stages))}[grade]
+        ticks = time + fast.ticks_per_beat // 2
+        return Manoeuvre(ticks, fast, 0.4, 0.5, pace(slow), side * np.radians(turn), time)
+    if grade == "rest":
+        time = 4 * stages
+        ticks = time + slow.ticks_per_beat // 2
+        return Manoeuvre(ticks, slow, 0.5, 0.5, 0.0, side * np.radians(90.0), time)
+    if grade == "glide":
+        time = 3 * stages
+        return Manoeuvre(time, medium, 2.0, 1.0, pace(medium), side * np.radians(90.0), time)
+    if grade == "start":
+        time = 2 * medium.ticks_per_beat
+        return Manoeuvre(time, medium, 0.0, 0.6, 0.0, 0.0, time)
+    time = 3 * medium.ticks_per_beat
+    return Manoeuvre(time, medium, 0.0, -0.4, pace(medium), 0.0, time)
+
+
+def find_bend(plan: SpinePlan, surface: SurfacePlan, what: Manoeuvre) -> float:
+    """The greatest bend of the path from snout to tail, rad, that turns the fish by ``what.turn``.
+
+    By the Illinois variant of the false position. ValueError if the fish cannot turn so far.
+    """
+
+    def miss(bend: float) -> float:
+        return float(move(plan, surface, what, bend).frame[-1, 2] - what.turn)
+
+    a, b = (-MOST_BEND / 4, MOST_BEND / 4) if not what.turn else (0.0, MOST_BEND)
+    here, there = miss(a), miss(b)
+    if not here < 0.0 < there:
+        raise ValueError(f"no bend turns the fish by {np.degrees(what.turn):.0f} degrees")
+    while True:
+        c = (a * there - b * here) / (there - here)
+        missed = miss(c)
+        if abs(missed) < CLOSE:
+            return c
+        if missed * there < 0.0:
+            a, here = b, there
+        else:
+            here *= 0.5
+        b, there = c, missed
+
+
+def move(plan: SpinePlan, surface: SurfacePlan, what: Manoeuvre, bend: float) -> Passage:
+    """Let the fish bend, beat and move freely."""
+    ticks = np.linspace(0.0, what.ticks, STEPS * what.ticks + 1)
+    share = ticks / what.ticks
+    beat = ticks / what.gait.ticks_per_beat
+    eased = ease((share - what.beats_from) / abs(what.easing))
+    amplitude = what.gait.amplitude * (eased if what.easing > 0 else 1.0 - eased)
+    # Where its turn is mirrored the beat is too.
+    stroke = Stroke(what.gait, beat, amplitude, 0.5 if what.turn < 0 else 0.0)
+    late = (ticks[:, None] / what.bend - LATE * MIDDLES) / (1.0 - LATE)
+    curved = np.sin(np.pi * np.clip(late, 0.0, 1.0)) ** 2
+    around = -bend * np.cumsum(curved, axis=1) / curved.sum(axis=1).max()
+    around -= around[:, [int(plan.centre * len(MIDDLES))]]
+    spine = pose_spine(plan, beat + stroke.side, amplitude[:, None], around, unit_mass(surface))
+    step = TICK_S / STEPS
+    parts = spine_strip(plan, surface, spine.place, step, cyclic=False)
+    start = np.array([what.speed * plan.length / TICK_S, 0.0, 0.0])
+    track = swim(parts, step, start_momentum(parts, start))
+    way = follow(track.velocity, 2.0 * step)[:: STEPS // 2]
+    one = slice(None, None, STEPS)
+    stroke = Stroke(what.gait, beat[one], amplitude[one], stroke.side)
+    recoil = recoil_of(plan, surface, what.gait, stroke.beat + stroke.side)
+    recoil *= stroke.amplitude[:, None] / what.gait.amplitude
+    return Passage(
+        without_recoil(way / (plan.length, plan.length, 1.0), recoil), stroke, around[one]
+    )
+
+
+def without_recoil(way: Array, recoil: Array) -> Array:
+    """Frames (T, 3) that, shaken by the recoil, are those of ``way``; the first is at 0."""
+    heading = way[:, 2] - recoil[:, 2]
+    c, s = np.cos(heading), np.sin(heading)
+    x = way[:, 0] - c * recoil[:, 0] + s * recoil[:, 1]
+    y = way[:, 1] - s * recoil[:, 0] - c * recoil[:, 1]
+    first = heading[0]
+    c0, s0 = np.cos(first), np.sin(first)
+    x, y = x - x[0], y - y[0]
+    return np.stack([c0 * x + s0 * y, c0 * y - s0 * x, heading - first], axis=1)
+
+
+def ease(share: Array) -> Array:
+    """0 to 1 with a smooth beginning and end."""
+    share = np.clip(share, 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share))
