@@ -5,6 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.command_line import add_command, add_force, number_reader
+from subsea.core.errors import UserError
+
+MAX_JOBS = 64
 
 
 def add(commands: Any) -> None:
@@ -15,29 +18,50 @@ def add(commands: Any) -> None:
         "find the motor controllers of a species' body",
         "Optimises the tables [swim] and [turn] of a species file for speed, economy, a straight\n"
         "course and exact turns. The result is verified under disturbances, then written. Exit\n"
-        "code 1 if nothing better was found; then nothing is written. Needs the extra `learn`.",
+        "code 1 if nothing better was found; then nothing is written. Needs the extra `learn`.\n"
+        "--body and --gait search bodies and gaits like those of real fishes, for several species\n"
+        "at once; an interrupted run continues where it stopped.",
         [
             "subsea-capture learn fusilier",
             "subsea-capture learn fusilier --only turn --dry-run",
             "subsea-capture learn my_fish.toml --method annealing --out /tmp/my_fish.toml",
+            "subsea-capture learn --body --gait --all --jobs 2",
         ],
     )
-    parser.add_argument("species", metavar="SPECIES", help="species, or path of its .toml file")
+    parser.add_argument(
+        "species", metavar="SPECIES", nargs="*", help="species, or paths of their .toml files"
+    )
+    parser.add_argument(
+        "--gait",
+        action="store_true",
+        help="find lifelike gaits with a frequency for each grade, and their turns",
+    )
+    parser.add_argument(
+        "--body", action="store_true", help="with them, find material and masses of the body"
+    )
+    parser.add_argument(
+        "--all", action="store_true", help="with --body or --gait: all shipped species with muscles"
+    )
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=number_reader(int, 1, MAX_JOBS),
+        default=1,
+        help="with --body or --gait: parallel processes (default 1)",
+    )
     parser.add_argument(
         "--only", choices=["swim", "turn"], default="", help="learn this table only"
     )
     parser.add_argument(
         "--method",
         choices=["cma", "annealing"],
-        default="cma",
         help="CMA-ES (default) or simulated annealing",
     )
     parser.add_argument(
         "--budget",
         metavar="N",
         type=number_reader(int, 1, 1_000_000),
-        default=300,
-        help="evaluations of each search (default 300)",
+        help="evaluations of each search (default 300, with --body or --gait 3000)",
     )
     parser.add_argument(
         "--seed",
@@ -56,11 +80,13 @@ def add(commands: Any) -> None:
         "--economy",
         metavar="W",
         type=number_reader(float, 0, 10),
-        default=0.1,
         help="weight of economy relative to speed (default 0.1)",
     )
     parser.add_argument(
-        "--out", metavar="FILE", type=Path, help="species file to write (default: the one read)"
+        "--out",
+        metavar="PATH",
+        type=Path,
+        help="species file to write (default: the one read); with --body or --gait a folder",
     )
     parser.add_argument("--dry-run", action="store_true", help="write nothing")
     add_force(parser)
@@ -69,6 +95,16 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
+    if options.body or options.gait:
+        return _learn_whole(options)
+    if options.all or options.jobs != 1 or len(options.species) > 1:
+        raise UserError("--all, --jobs and several species: give --body or --gait too")
+    if not options.species:
+        raise UserError("expected SPECIES: the name of one, or the path of its .toml file")
+    return _learn_controllers(options)
+
+
+def _learn_controllers(options: argparse.Namespace) -> int:
     from capture.learning.improve import improve_species
     from subsea.core.file_kinds import check_result, toml_file
 
@@ -76,13 +112,33 @@ def run(options: argparse.Namespace) -> int:
         check_result(options.out, toml_file("a species", "surface", "skin"), options.force)
 
     return improve_species(
-        options.species,
+        options.species[0],
         options.out,
         options.dry_run,
-        options.budget,
+        options.budget or 300,
         only=options.only,
-        method=options.method,
+        method=options.method or "cma",
         seed=options.seed,
         ticks=options.ticks,
-        economy=options.economy,
+        economy=0.1 if options.economy is None else options.economy,
+    )
+
+
+def _learn_whole(options: argparse.Namespace) -> int:
+    from capture.learning.batch import learn_species
+
+    for name in ("only", "method", "ticks", "economy"):
+        if getattr(options, name) not in (None, ""):
+            raise UserError(f"--{name} and --body or --gait: give one of the two")
+    if options.all == bool(options.species):
+        raise UserError("name species or give --all, one of the two")
+    return learn_species(
+        options.species or None,
+        options.out,
+        options.dry_run,
+        body=options.body,
+        budget=options.budget or 3000,
+        seed=options.seed,
+        jobs=options.jobs,
+        force=options.force,
     )

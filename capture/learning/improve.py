@@ -40,7 +40,7 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     muscles = species.muscles
     if muscles is None:
         raise UserError("driven by its spine; expected a species with muscles", file=source)
-    target = out or _default_target(source)
+    target = out or writable_source(source)
     if not dry_run:
         check_file(target)
     best: dict[str, tuple[float, SwimPlan | TurnPlan]] = {}
@@ -84,11 +84,11 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     return 0
 
 
-def _default_target(source: Path) -> Path:
+def writable_source(source: Path, dry_run: bool = False) -> Path:
     """The file to write: the one read; UserError for one of an installed package."""
     shipped = source.parent == resource_path(SHIPPED)
-    if shipped and not resource_path("pyproject.toml").is_file():
-        raise UserError("name the species file to write: --out FILE")
+    if shipped and not dry_run and not resource_path("pyproject.toml").is_file():
+        raise UserError("name what to write: --out PATH")
     return source
 
 

@@ -22,13 +22,16 @@ BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}
 IGNORED = (tokenize.COMMENT, tokenize.NL)
 
 
-def fingerprint(species: Species) -> str:
-    """Hash the plans of a species (no names, sizes or colours), the code and its libraries."""
+def fingerprint(species: Species, root: str = ROOT) -> str:
+    """Hash the plans of a species (no names, sizes or colours), the code and its libraries.
+
+    The code is that of the module ``root`` and of all that it imports.
+    """
     plans = msgspec.to_builtins(species)
     for key in ("name", "scientific_name", "kind", "size_cm", "skin"):
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}
-    known = {"plans": plans, "versions": libraries, "code": _code_hash()}
+    known = {"plans": plans, "versions": libraries, "code": _code_hash(root)}
     return hashlib.sha256(msgspec.json.encode(known, order="deterministic")).hexdigest()
 
 
@@ -38,16 +41,16 @@ def library_versions() -> dict[str, str]:
 
 
 @cache
-def _code_hash() -> str:
-    modules = code_modules()
+def _code_hash(root: str) -> str:
+    modules = code_modules(root)
     code = "\0".join(code_of(modules[name]) for name in sorted(modules))
     return hashlib.sha256(code.encode()).hexdigest()
 
 
-def code_modules() -> dict[str, str]:
-    """Names and sources of the recorder and of all modules that it imports, except SKIPPED."""
+def code_modules(root: str = ROOT) -> dict[str, str]:
+    """Names and sources of ``root`` and of all modules that it imports, except SKIPPED."""
     found: dict[str, str] = {}
-    waiting = [ROOT]
+    waiting = [root]
     while waiting:
         name = waiting.pop()
         spec = find_spec(name)

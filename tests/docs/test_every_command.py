@@ -61,6 +61,7 @@ NOT_TYPED = {
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",
+    "subsea-capture learn --body": "it takes minutes to an hour; tests/capture/learning runs it",
 }
 # Replacements of words in capitals. Later ones are for what is left by those before.
 STANDS_FOR = (

@@ -1,0 +1,180 @@
+"""Learn several species in parallel processes and write their files.
+
+The journal of a species, ``.SPECIES.learning`` beside the file to write, has its finished
+evaluations, and its result once that is written. All journals are removed when every species of the
+command is done.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import closing, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+from tqdm import tqdm
+
+from capture.learning.improve import writable_source
+from capture.learning.journal import evaluations, read_journal, write_journal
+from capture.learning.report import report
+from capture.learning.species_edit import write_plans
+from capture.learning.whole import ROOT, Learned, Task, learn_whole, turn_budget
+from capture.recording.fingerprint import fingerprint
+from subsea.core.errors import UserError
+from subsea.core.extras import require
+from subsea.core.file_kinds import check_results, toml_file
+from subsea.core.interrupts import deferred_interrupts
+from subsea.core.toml_files import load_toml
+from subsea.core.workers import MAX_ATTEMPTS, Check, Pool, process_pool
+from subsea.fish.species import Species, shipped_species, species_file
+
+
+class Plan(NamedTuple):
+    """A task with the species file that it reads and the one that it writes."""
+
+    task: Task
+    source: Path
+    target: Path | None  # None: write nothing
+
+
+Progress = Callable[[str, int], object]  # name and finished evaluations
+
+
+def learn_species(
+    names: list[str] | None,
+    out: Path | None,
+    dry_run: bool,
+    body: bool,
+    budget: int,
+    seed: int,
+    jobs: int,
+    force: bool,
+) -> int:
+    """Learn species (None: all shipped ones with muscles) and report; 0 if all were found, else 1.
+
+    They are written to their own files or into the folder ``out``; with ``force`` journals are
+    ignored and foreign files replaced.
+    """
+    require("learn", "learning")
+    sources = [species_file(name) for name in names or shipped_species()]
+    with TemporaryDirectory() as scratch:
+        plans: dict[str, Plan] = {}
+        for source in dict.fromkeys(sources):
+            species = load_toml(source, Species)
+            if species.muscles is None:
+                if names is None:
+                    continue
+                raise UserError("driven by its spine; expected a species with muscles", file=source)
+            if source.stem in plans:
+                raise UserError(f"two species files have the name {source.stem}", file=source)
+            target = out / source.name if out else writable_source(source, dry_run)
+            journal = journal_path(Path(scratch) / source.name if dry_run else target)
+            task = Task(source.stem, species, body, budget, seed, journal)
+            plans[source.stem] = Plan(task, source, None if dry_run else target)
+        _prepare(plans, force)
+        bars = {
+            name: tqdm(
+                total=budget + turn_budget(budget),
+                desc=name,
+                position=place,
+                unit="try",
+                disable=None,
+            )
+            for place, name in enumerate(plans)
+        }
+
+        def show(name: str, done: int) -> None:
+            bar = bars[name]
+            bar.total = max(bar.total or 0, done)
+            bar.update(done - bar.n)
+
+        def finish(name: str, learned: Learned) -> None:
+            for line in report(name, learned):
+                tqdm.write(line)
+
+        try:
+            with deferred_interrupts() as check:
+                found = learn_all(plans, process_pool(jobs), check, show, finish)
+        except KeyboardInterrupt:
+            why = "dry run: nothing is kept" if dry_run else "run the same command to continue"
+            raise KeyboardInterrupt(why) from None
+        finally:
+            for bar in bars.values():
+                bar.close()
+    return 0 if found else 1
+
+
+def _prepare(plans: Mapping[str, Plan], force: bool) -> None:
+    """Check that the files can be written, and with ``force`` remove journals."""
+    targets = [plan.target for plan in plans.values() if plan.target is not None]
+    check_results(targets, toml_file("a species", "surface", "skin"), force)
+    for plan in plans.values():
+        if force:
+            with suppress(OSError):
+                plan.task.journal.unlink()
+
+
+def journal_path(target: Path) -> Path:
+    """The journal of a species file."""
+    return target.with_name(f".{target.stem}.learning")
+
+
+def learn_all(
+    plans: Mapping[str, Plan],
+    pool: Pool[str],
+    check: Check,
+    progress: Progress,
+    finish: Callable[[str, Learned], object],
+) -> bool:
+    """Learn and write the species; True if every one was found, then their journals are removed.
+
+    Those that an interrupted run of the same command has finished are skipped. ``progress`` is
+    called while they are learned, ``finish`` with each result after it is written.
+    """
+    waiting = {name: plan for name, plan in plans.items() if not is_done(plan)}
+
+    def look() -> None:
+        check()
+        for name, plan in waiting.items():
+            progress(name, evaluations(plan.task.journal))
+
+    complete = True
+    tasks = {name: plan.task for name, plan in waiting.items()}
+    with closing(pool(learn_whole, tasks, look)) as results:
+        for name, learned in results:
+            if learned is None:
+                raise UserError(f"worker processes crashed {MAX_ATTEMPTS} times in learning {name}")
+            complete &= learned.muscles is not None
+            progress(name, evaluations(plans[name].task.journal))
+            if learned.muscles is not None:
+                write_result(plans[name], learned)
+            finish(name, learned)
+    if complete:
+        for plan in plans.values():
+            with suppress(OSError):
+                plan.task.journal.unlink()
+    return complete
+
+
+def write_result(plan: Plan, learned: Learned) -> None:
+    """Write the species file, and into the journal that this is done."""
+    if plan.target is None or learned.muscles is None:
+        return
+    write_plans(plan.source, plan.target, learned.muscles)
+    mark = _mark(plan.task, load_toml(plan.target, Species))
+    write_journal(plan.task.journal, read_journal(plan.task.journal) | {"done": mark})
+
+
+def is_done(plan: Plan) -> bool:
+    """True if the target is the result of this task."""
+    done = read_journal(plan.task.journal).get("done")
+    if plan.target is None or done is None:
+        return False
+    try:
+        return bool(done == _mark(plan.task, load_toml(plan.target, Species)))
+    except UserError:
+        return False
+
+
+def _mark(task: Task, written: Species) -> str:
+    """Identify a written result and the options of the command."""
+    return f"{fingerprint(written, ROOT)} {task.body:d} {task.budget} {task.seed}"

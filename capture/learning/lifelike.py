@@ -1,0 +1,210 @@
+"""The loss of a body and its gait against those of real fishes.
+
+A lifelike gait has the tail amplitude, Strouhal number, stride and body wave of steadily swimming
+fishes, and its grades differ by frequency rather than amplitude (Bainbridge 1958).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from capture.inspection.gait import muscle_work, swim_beats
+from capture.inspection.targets import Range, at_least, at_most
+from capture.learning.fitness import (
+    DISTURBANCE,
+    PENALTY,
+    UNSOUND,
+    beats_survived,
+    excess,
+    start_swimming,
+)
+from capture.recording.trial import beat_contraction, displacement, loop_error
+from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats
+from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_plan import SwimPlan
+from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.fins import UP
+from subsea.biomechanics.gait import MIN_DISTANCE, contraction_step, snout_bend, straightness
+from subsea.biomechanics.simulation import BodyState, copy_state, is_sound
+
+STATIONS = [[0], *([1 + 4 * k, 2 + 4 * k, 3 + 4 * k, 4 + 4 * k] for k in range(RINGS))]
+STATIONS.append([UPPER_TAIL, LOWER_TAIL])
+BEHIND = 0.4  # L from the snout: from here on the amplitude of a fish's wave grows
+WARM_UP, MEASURED = 30, 5  # beats of a candidate at each grade
+TRIED, HALF = ("burst", "slow"), 0.5
+"""Grades of a candidate besides fast, those that differ most from it, and an amplitude of fast."""
+RATIOS = (at_least(1.15), at_most(0.5), at_most(0.7))  # of their speeds over that of fast
+POOR, OTHERS_MOST = 15.0, 10.0
+"""Loss of a fast gait whose other grades are not tried, and the greatest of another grade."""
+
+# Borazjani & Sotiropoulos 2008: half amplitude over distance from the snout, in body lengths.
+ENVELOPE = (0.02, -0.08, 0.16)
+LIMITS = {
+    "strouhal": Range(0.25, 0.35),  # Taylor et al. 2003; Eloy 2012
+    "stride": Range(0.6, 0.8),
+    "tail": Range(0.18, 0.22),  # Bainbridge 1958
+    "envelope": at_most(0.02),
+    "growth": at_least(1.1),
+    "bend": at_most(20.0),
+    "wavelength": Range(0.9, 1.1),
+    "snout": at_most(5.0),
+    "contraction_step": at_most(S_MAX),
+    "closure": at_most(1e-3),
+    "drift": at_most(1.0),
+    "aside": at_most(0.02),
+}
+SLOWEST = at_least(0.2)  # stride of any grade
+HARD = {"strouhal": Range(0.22, 0.42), "tail": Range(0.15, 0.25), "stride": at_least(0.45)}
+ENVELOPE_WEIGHT, ECONOMY = 20.0, 0.05  # of the mean deviation in L; of ln(cost)
+
+
+class Wave(NamedTuple):
+    """Measures of a steady gait; L is the body length."""
+
+    strouhal: float
+    stride: float  # L/beat
+    tail: float  # L, peak to peak
+    envelope: float  # L, greatest deviation of the half amplitude from ENVELOPE
+    deviation: float  # L, its mean size
+    growth: float  # least ratio of the half amplitudes of neighbouring stations behind BEHIND
+    bend: float  # degrees, greatest angle between neighbouring sections behind BEHIND
+    wavelength: float  # L
+    snout: float  # degrees
+    contraction_step: float  # cm a step
+    closure: float  # L
+    drift: float  # degrees of heading over the measured beats
+    aside: float  # L meanwhile
+    cost: float  # J/(kg m)
+
+
+def measure_wave(body: Body, swim: SwimPlan, amplitude: float, state: BodyState) -> Wave:
+    """Measure MEASURED more beats of ``state``, which changes."""
+    beat, ticks = beat_contraction(swim, amplitude), swim.ticks_per_beat
+    frames = swim_beats(body, state, beat, MEASURED)
+    last = frames[-ticks - 1 :]
+    length = float(np.ptp(body.rest[:, 0]))
+    at = np.array([body.rest[0, 0] - body.rest[nodes, 0].mean() for nodes in STATIONS]) / length
+    chord = displacement(last)
+    way = float(chord @ body_frame(last)[1][:, :, 0].mean(axis=0))
+    way = float(np.copysign(max(abs(way), MIN_DISTANCE), way))
+    across = lateral(last) / length
+    half = np.ptp(across, axis=0) / 2
+    off = np.abs(half - np.polynomial.polynomial.polyval(at, ENVELOPE))
+    drift, aside = straightness(frames, ticks)
+    work = muscle_work(body, copy_state(state), beat)
+    return Wave(
+        strouhal=2 * half[-1] * length / abs(way),
+        stride=way / length,
+        tail=2 * half[-1],
+        envelope=off.max(),
+        deviation=off.mean(),
+        growth=(half[1:] / np.maximum(half[:-1], 1e-6))[at[:-1] >= BEHIND].min(),
+        bend=rear_bend(last, at),
+        wavelength=wavelength(across, at),
+        snout=snout_bend(last),
+        contraction_step=contraction_step(body, beat),
+        closure=loop_error(last) / length,
+        drift=drift,
+        aside=aside / length,
+        cost=work / (float(body.mass.sum()) * abs(way)),
+    )
+
+
+def lateral(beat: Floats) -> Floats:
+    """Place of nose, rings and tail (T, 7) across the path of one beat (T + 1, 23, 3), cm."""
+    chord = displacement(beat)
+    aside = np.cross(UP, chord / max(float(np.linalg.norm(chord)), MIN_DISTANCE))
+    across = np.stack([beat[:, nodes].mean(axis=1) @ aside for nodes in STATIONS], axis=1)
+    drift = np.linspace(0.0, across[-1] - across[0], len(across))
+    return np.asarray((across - drift)[1:])
+
+
+def rear_bend(beat: Floats, at: Floats) -> float:
+    """Greatest angle between neighbouring sections that meet behind BEHIND, degrees."""
+    middles = np.stack([beat[:, nodes].mean(axis=1) for nodes in STATIONS], axis=1)
+    sections = np.diff(middles, axis=1)
+    a, b = sections[:, :-1], sections[:, 1:]
+    sine = np.linalg.norm(np.cross(a, b), axis=2)
+    angles = np.degrees(np.arctan2(sine, (a * b).sum(axis=2)))
+    return float(angles[:, at[1:-1] >= BEHIND].max())
+
+
+def wavelength(across: Floats, at: Floats) -> float:
+    """Length of the body wave, L: from the phases of the beat at stations ``at`` behind BEHIND.
+
+    ``across`` (T, 7) is their lateral place in one beat. Infinite for a standing wave.
+    """
+    behind = at >= BEHIND
+    phase = np.unwrap(np.angle(np.fft.rfft(across[:, behind], axis=0)[1]))
+    slope = float(np.polyfit(at[behind], phase, 1)[0])
+    return 2 * np.pi / -slope if slope < 0 else np.inf
+
+
+def wave_loss(body: Body, swim: SwimPlan, seed: int) -> float:
+    """Penalties of the gait at fast, and at the other grades, which must be sound and straight.
+
+    ``seed`` disturbs the start. A body that loses its shape has UNSOUND or more. Gaits beyond
+    POOR are not tried at other grades and pay what these can cost.
+    """
+    rng = np.random.default_rng(seed)
+    others = [(swim.at(grade), swim.amplitude(grade)) for grade in TRIED]
+    trials = [(swim, 1.0), *others, (swim, HALF)]
+    loss, speed = 0.0, 0.0
+    for number, (gear, amplitude) in enumerate(trials):
+        wave, survived = swim_and_measure(body, gear, amplitude, DISTURBANCE, rng)
+        if wave is None:
+            return UNSOUND + len(trials) - number - survived
+        if number == 0:
+            loss, speed = _fast_loss(wave), wave.stride / swim.ticks_per_beat
+            if loss > POOR:
+                return min(loss + OTHERS_MOST * (len(trials) - 1), UNSOUND - 1.0)
+        else:
+            ratio = wave.stride / gear.ticks_per_beat / max(speed, 1e-6)
+            loss += _other_loss(wave, ratio, RATIOS[number - 1])
+    return min(loss, UNSOUND - 1.0)
+
+
+def swim_and_measure(
+    body: Body, swim: SwimPlan, amplitude: float, rms: float, rng: np.random.Generator
+) -> tuple[Wave | None, float]:
+    """Swim from a disturbed start and measure; the share of the beats in which it kept its shape.
+
+    The measures are None for a body that lost its shape.
+    """
+    beat = beat_contraction(swim, amplitude)
+    state = start_swimming(body, beat, rms, rng)
+    beats = WARM_UP - 1
+    survived = beats_survived(body, state, beat, beats) if is_sound(state) else 0
+    if survived < beats:
+        return None, survived / (beats + MEASURED)
+    wave = measure_wave(body, swim, amplitude, state)
+    return (wave, 1.0) if is_sound(state) else (None, beats / (beats + MEASURED))
+
+
+def _fast_loss(wave: Wave) -> float:
+    off = [excess(getattr(wave, name), limit) for name, limit in LIMITS.items()]
+    hard = [excess(getattr(wave, name), limit) for name, limit in HARD.items()]
+    if wave.stride < 0:
+        hard.append(2.0)
+    loss = PENALTY * (sum(off) + 2 * sum(hard)) + ENVELOPE_WEIGHT * wave.deviation
+    return float(loss + ECONOMY * np.log(np.clip(wave.cost, 1e-3, 1e3)))
+
+
+def _other_loss(wave: Wave, ratio: float, limit: Range) -> float:
+    """Penalties of another grade: it swims straight, in a closed loop and at another speed.
+
+    ``ratio`` is its speed over that of fast, with its ``limit``.
+    """
+    steady = {name: LIMITS[name] for name in ("drift", "aside", "closure", "snout")}
+    loss = sum(excess(getattr(wave, name), limit) for name, limit in steady.items())
+    loss += excess(wave.stride, SLOWEST) + excess(ratio, limit)
+    return float(min(PENALTY / 2 * loss, OTHERS_MOST))
+
+
+def missed_aims(wave: Wave) -> list[str]:
+    """The aims that a gait misses, as text."""
+    return [
+        f"{name} {getattr(wave, name):.3g} (aim {limit.text('')})"
+        for name, limit in LIMITS.items()
+        if not limit.holds(getattr(wave, name))
+    ]
