@@ -22,7 +22,7 @@ def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(
     now = fingerprint(species)
     monkeypatch.setattr(module, "__version__", "another")  # the code is hashed instead
     assert fingerprint(species) == now
-    monkeypatch.setattr(module, "_code_hash", lambda: "another")
+    monkeypatch.setattr(module, "_code_hash", lambda root: "another")
     assert fingerprint(species) not in before
 
 
