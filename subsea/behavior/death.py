@@ -73,6 +73,8 @@ def pass_leadership(fishes: Fishes, minds: Minds, leader: int) -> None:
     if heir != NOBODY:
         # A single follower has nobody left to lead.
         minds.leads[heir] = (minds.leader == heir).any()
+        minds.waypoint[heir] = minds.waypoint[leader]
+        minds.patience[heir] = minds.patience[leader]
 
 
 @kernel

@@ -1,37 +1,56 @@
-"""Schooling: follow the leader, align with neighbours, keep apart (Tu §7.9.2)."""
+"""Schooling: align with the nearest neighbours, keep with them and apart from them.
+
+Each fish minds its seven nearest. Some fishes of a school know its destination; the others follow
+from fish to fish (Couzin et al., Nature 433:513, 2005). A school with a leader follows that
+instead (`behavior/leading.py`).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
+from subsea.behavior.leading import CLOSED, LOST_S, follow_leader
+from subsea.behavior.wandering import BOUND, redraw
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.geometry.keyed_random import uniform
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
-from subsea.state import FEAR, PREY, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
-SPACING_BL = 1.0  # distance to each neighbour
-FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
-OWN_WAY, COMPANY = 2.0, 0.3  # weights of way and company while it passes an obstacle, ...
-HURRY = 0.7  # ... and its least speed, to rejoin soon
-CLOSED = 0.6  # factor on the spacing in an alarmed school
-SIGHT_S = 1.0  # how recently a leader must have been seen to copy its heading
-LOST_S = 25.0  # how long a fish swims on to where it last saw its leader
-# A straggler is farther from its leader than this, with fewer companions than this.
+APART_BL, ATTRACT_BL, FAR_BL = 0.8, 1.0, 3.0  # separation within, attraction beyond, full beyond
+LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly the same depth
+ALIGN, SEPARATE, ATTRACT, GOAL, FLEE = 1.0, 1.3, 0.9, 0.5, 1.2  # weights
+INFORMED = 0.2  # share of fishes that know the destination
+NEAR_GOAL_BL = 6.0  # distance to the destination at which its weight fades
+CRUISING = 0.5  # share of the fastest speed that a school at ease tends to ...
+TENDENCY = 0.15  # ... with this weight against the speed of the neighbours
+ALONG = 0.25  # change of speed by the attraction and separation along the heading
+ALARMED_SPEED = 0.9
+OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all else meanwhile
+LEAST_SPEED = 0.3
+# A school of n extends RADIUS_BL n^(1/3) from its middle; beyond this share of that a fish heads
+# for the middle, hurrying.
+RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.3
+# A straggler has fewer companions than this within this distance, cm and lengths.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
-# A school of n extends REACH_BL n^(1/3) from its leader, which waits while more than the share
-# LEFT_BEHIND is farther away.
-REACH_BL, LEFT_BEHIND = 3.0, 0.1
+INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
 
 
 @kernel
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """Slightly more than wandering, for fishes that like schooling and know of a school."""
+    """Slightly more than wandering, for fishes that like schooling and know of a school.
+
+    Stronger than curiosity while their school is on an errand.
+    """
     now = clock.tick * clock.dt
     for i in who:
         out[i] = 0.02 if has_school(minds, i, now) else 0.0
+        if out[i] > 0.0 and not minds.led[i] and minds.errand[known_by(minds, i)] > 0.0:
+            out[i] = BOUND
 
 
 @kernel
@@ -48,116 +67,154 @@ def alarmed_desire(
 
 
 @kernel
+def known_by(minds: Minds, i: int) -> int:
+    """The fish by which the school of fish i is known, or i itself without a school."""
+    return int(minds.leader[i]) if minds.leader[i] >= 0 else i
+
+
+@kernel
 def has_school(minds: Minds, i: int, now: float) -> bool:
-    """True if fish i likes schooling, has a leader, and knows where it or company is."""
-    knows = now - minds.leader_seen[i] < LOST_S or minds.neighbour[i, 0] >= 0
-    return minds.schools[i] and minds.leader[i] >= 0 and knows
+    """True if fish i likes schooling, belongs to a school, and knows where it or company is.
+
+    A leader follows nobody. Others may know where the fish is that their school is known by.
+    """
+    company = minds.neighbour[i, 0] >= 0
+    if minds.leader[i] >= 0:
+        return minds.schools[i] and (company or now - minds.leader_seen[i] < LOST_S)
+    return minds.schools[i] and company and minds.leads[i] and not minds.led[i]
 
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Follow the leader in company, or head for where it was last seen."""
-    now = clock.tick * clock.dt
+    """Swim with the neighbours, and around obstacles, or follow the leader."""
     for i in who:
+        if minds.led[i]:
+            follow_leader(i, fishes, minds, sea, nature, clock)
+            continue
         here, length = vector(fishes.position[i]), float(fishes.length[i])
-        leader = minds.leader[i]
-        lost = now - minds.leader_seen[i]
-        ahead = vector(fishes.goal_direction[leader]) if lost < SIGHT_S else ZERO
-        toward = minus(vector(minds.leader_place[i]), here) if lost < LOST_S else ZERO
-        pace = fishes.goal_speed[leader] if lost < SIGHT_S else fishes.goal_speed[i]
-        spacing = SPACING_BL * (CLOSED if minds.mental[i, FEAR] > nature.alarmed else 1.0)
-        company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
-                           spacing)  # fmt: skip
-        urge = plus(plus(_pull(toward, length), ahead), company)
-        way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
+        alarmed = minds.mental[i, FEAR] > nature.alarmed
+        school = known_by(minds, i)
+        spacing = CLOSED if alarmed else 1.0
+        urge, pace = _company(fishes, minds, i, spacing)
+        cruising = CRUISING
+        if minds.errand[school] > 0.0:
+            cruising = minds.errand[school] * np.sqrt(fishes.length[school] / length)
+        if alarmed:
+            cruising = ALARMED_SPEED
+            urge = plus(urge, times(FLEE, _away(fishes, minds, i, sea)))
+        elif is_informed(i, school, clock):
+            toward = minus(vector(minds.waypoint[school]), here)
+            distance = max(norm(toward), NEAR_GOAL_BL * length)
+            urge = plus(urge, times(GOAL / distance, toward))
+        pace += TENDENCY * (cruising - pace)
+        middle = minus(vector(minds.leader_place[i]), here)
+        radius = RADIUS_BL * spacing * length * minds.school_size[i] ** (1.0 / 3.0)
+        outside = min(max(norm(middle) / radius - WITHIN, 0.0), 1.0)
+        middle = times(outside / max(norm(middle), 1.0), middle)
+        wish = plus(urge, times(REJOIN, middle))
+        way = detour(wish, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
         if norm(way) > 0.0:
-            # Meanwhile climb or dive to the leader, as under an arch.
-            way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))
-            urge = plus(times(OWN_WAY, way), (COMPANY * company[0], COMPANY * company[1], 0.0))
-            pace = max(pace, HURRY)
-        set_urge(minds, i, urge)
-        whim = 0.08 * (fishes.identity[i] - 0.5)
-        fishes.goal_speed[i] = _pace(toward, ahead, length, pace + whim)
+            # It rejoins the others behind the obstacle.
+            set_urge(minds, i, plus(times(COMPANY, urge), times(OWN_WAY, way)))
+            pace = max(pace, cruising) + HURRY * outside
+        else:
+            set_urge(minds, i, wish)
+            pace += HURRY * dot(middle, x_axis(fishes.orientation[i]))
+        fishes.goal_speed[i] = min(max(pace, LEAST_SPEED), 1.0)
 
 
 @kernel
-def _pull(toward: Vector, length: float) -> Vector:
-    """Pull toward the leader, stronger with distance."""
-    distance = norm(toward)
-    lag = distance / (FOLLOW_BL * length)
-    return times(min(lag * lag, 2.5) / max(distance, 1.0), toward)
+def is_informed(i: int, school: int, clock: Clock) -> bool:
+    """True if fish i knows the destination of its school: the same fishes throughout a dive."""
+    return i == school or uniform(clock.seed, i, 0, INFORMED_PURPOSE) < INFORMED
 
 
 @kernel
-def _company(
-    position: Array, velocity: Array, length: Array, neighbour: Ints, i: int, spacing: float
-) -> Vector:
-    """Alignment with the neighbours, and separation at `spacing` body lengths."""
-    out, ahead = ZERO, ZERO
-    here = vector(position[i])
-    count = 0
-    for j in neighbour:
+def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vector, float]:
+    """Alignment, separation and attraction of the neighbours, and the pace that keeps with them.
+
+    `spacing` is a factor on the distances. Separation counts most from the nearest.
+    """
+    here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
+    apart, toward, heading = ZERO, ZERO, ahead
+    speed, count = 0.0, 0
+    for j in minds.neighbour[i]:
         if j < 0:
             break
-        away = minus(here, vector(position[j]))
-        distance = norm(away)
-        space = spacing * 0.5 * (length[i] + length[j])
-        if distance < 1.5 * space:
-            crowd = 1.5 - distance / space
-            out = plus(out, times(1.8 * crowd / max(distance, 0.1), away))
-        its = vector(velocity[j])
-        ahead = plus(ahead, times(1.0 / max(norm(its), 1.0), its))
+        way = minus(vector(fishes.position[j]), here)
+        distance = max(norm((way[0], way[1], LAYER * way[2])), 0.1)
+        apart_bl = distance / (0.5 * (fishes.length[i] + fishes.length[j]) * spacing)
+        way = times(1.0 / distance, way)
+        if apart_bl < APART_BL:
+            push = 1.0 - apart_bl / APART_BL
+            apart = minus(apart, times(push, way))
+        if not minds.schools[j] or known_by(minds, j) != known_by(minds, i):
+            continue
+        heading = plus(heading, x_axis(fishes.orientation[j]))
+        pull = min(max((apart_bl - ATTRACT_BL) / (FAR_BL - ATTRACT_BL), 0.0), 1.0)
+        toward = plus(toward, times(pull, way))
+        speed += norm(minus(vector(fishes.velocity[j]), vector(fishes.drift[j])))
         count += 1
-    return plus(out, times(0.7 / max(count, 1), ahead))
+    share = 1.0 / max(count, 1)
+    keep = plus(times(SEPARATE, apart), times(ATTRACT * share, toward))
+    urge = plus(times(ALIGN / (count + 1.0), heading), keep)
+    if count == 0:
+        return urge, CRUISING
+    return urge, share * speed / fishes.fast[i] + ALONG * dot(keep, ahead)
 
 
 @kernel
-def _pace(toward: Vector, ahead: Vector, length: float, pace: float) -> float:
-    """Speed: faster behind the leader or far away, slower ahead of it, never zero."""
-    behind = max(dot(toward, ahead) / (FOLLOW_BL * length), -1.0)
-    distance = norm(toward) / (FOLLOW_BL * length)
-    return min(max(pace + 0.25 * behind + 0.5 * max(distance - 1.5, 0.0), 0.08), 1.0)
+def _away(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> Vector:
+    """Unit vector away from the worst predator in sight, or zero."""
+    j = minds.predator[i]
+    if j == NOBODY:
+        return ZERO
+    danger = vector(sea.submarine[:3]) if j == SUBMARINE else vector(fishes.position[j])
+    away = minus(vector(fishes.position[i]), danger)
+    return times(1.0 / max(norm(away), 1.0), away)
+
+
+@kernel
+def guide_schools(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
+    """Choose new destinations of schools without a leader; runs every tick.
+
+    The destination is the waypoint of the fish by which a school is known. It is redrawn when an
+    informed fish is there, or after a while.
+    """
+    for i in range(len(minds.leader)):
+        school = known_by(minds, i)
+        if minds.led[i] or not minds.leads[school] or not fishes.alive[i]:
+            continue
+        if i == school:
+            minds.patience[i] -= np.float32(clock.dt)
+        if is_informed(i, school, clock):
+            toward = minus(vector(minds.waypoint[school]), vector(fishes.position[i]))
+            if norm(toward) < NEAR_GOAL_BL * fishes.length[i]:
+                minds.patience[school] = 0.0
+    for i in range(len(minds.leader)):
+        done = minds.patience[i] <= 0.0 and minds.errand[i] <= 0.0
+        if minds.leads[i] and not minds.led[i] and done:
+            redraw(fishes, minds, i, sea, clock)
 
 
 @kernel
 def straggles(fishes: Fishes, minds: Minds, i: int, now: float) -> bool:
-    """True if fish i is far from the known place of its leader, with little company."""
-    if minds.neighbour[i, COMPANIONS - 1] >= 0:
+    """True if fish i is far from its school, with little company."""
+    j = minds.neighbour[i, COMPANIONS - 1]
+    here, reach = vector(fishes.position[i]), STRAGGLING_BL * fishes.length[i]
+    if j >= 0 and norm(minus(vector(fishes.position[j]), here)) < reach:
         return False
     if minds.leader[i] < 0 or now - minds.leader_seen[i] > LOST_S:
         return False
-    toward = minus(vector(minds.leader_place[i]), vector(fishes.position[i]))
-    return norm(toward) > STRAGGLING_BL * fishes.length[i]
-
-
-@kernel
-def leaves_behind(fishes: Fishes, minds: Minds, leader: int, now: float) -> bool:
-    """True if too many followers are farther from their leader than their school extends.
-
-    Followers that lost the leader long ago do not count: a school does not wait for ever.
-    """
-    here, followers, behind = vector(fishes.position[leader]), 0, 0
-    for i in range(len(minds.leader)):
-        if _is_followed_by(fishes, minds, leader, i, now):
-            followers += 1
-    reach = REACH_BL * fishes.length[leader] * followers ** (1.0 / 3.0)
-    for i in range(len(minds.leader)):
-        if _is_followed_by(fishes, minds, leader, i, now):
-            behind += norm(minus(vector(fishes.position[i]), here)) > reach
-    return behind > LEFT_BEHIND * followers
-
-
-@kernel
-def _is_followed_by(fishes: Fishes, minds: Minds, leader: int, i: int, now: float) -> bool:
-    """True if fish i is alive, follows that leader and knows where it is."""
-    return minds.leader[i] == leader and fishes.alive[i] and now - minds.leader_seen[i] < LOST_S
+    return norm(minus(vector(minds.leader_place[i]), here)) > reach
 
 
 @kernel
 def join_schools(who: Ints, alive: NDArray[np.bool_], minds: Minds) -> None:
     """Let fishes that like schooling but have no school join a companion.
 
-    A fish that meets a school follows its leader; when two loners meet, one becomes the leader.
+    A fish that meets a school joins it; when two loners meet, the school is known by one, which
+    leads it if the other follows leaders.
     """
     for i in who:
         if not minds.schools[i] or minds.leader[i] >= 0 or minds.leads[i]:

@@ -3,11 +3,12 @@
 import numpy as np
 
 from subsea.behavior.chasing import set_urge
-from subsea.behavior.schooling import leaves_behind
+from subsea.behavior.leading import leaves_behind
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, store, times, vector
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
@@ -15,12 +16,14 @@ from subsea.state import Clock, Fishes, Minds, Nature, Sea
 ROAM = 0.8  # share of the sea's radius within which waypoints lie
 SLOPE = 0.3  # steepest way to a waypoint
 ARRIVED_BL = 3.0  # distance at which a waypoint is reached
-PATIENCE_S = (9.0, 24.0)  # how long a fish heads for a waypoint
+PATIENCE_S = (2.0, 12.0)  # how long a fish heads for a waypoint, beyond the time for the way ...
+SLOWEST = 0.3  # ... at this share of its fastest speed
 FLOOR_CM = 75.0  # height of waypoints above the floor ...
 SURFACE_CM = 80.0  # ... their depth ...
 FREE_CM = 40.0  # ... and their distance from solids, ...
 ATTEMPTS = 6  # ... within this many attempts
-LEADERS_ATTEMPTS = 24  # of a leader, whose way must also be ...
+LEADERS_ATTEMPTS = 24  # of a school, whose way must also ...
+AHEAD_COS = -0.2  # ... not be behind it, and be ...
 BROAD_CM = 100.0  # ... this far from solids, which split a school
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
@@ -33,9 +36,13 @@ ANGLE_PURPOSE, RADIUS_PURPOSE, DEPTH_PURPOSE, PATIENCE_PURPOSE = (np.int64(key) 
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """A small constant desire; the strongest of its level on an errand."""
+    """A small constant desire; the strongest of its level on an errand.
+
+    In the company of its school a fish goes on the errand with it.
+    """
     for i in who:
-        out[i] = BOUND if minds.errand[i] > 0.0 else 0.01
+        schools = minds.leads[i] and not minds.led[i] and minds.neighbour[i, 0] >= 0
+        out[i] = BOUND if minds.errand[i] > 0.0 and not schools else 0.01
 
 
 @kernel
@@ -66,14 +73,18 @@ def heading(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> Vec
     toward = minus(vector(minds.waypoint[i]), here)
     done = minds.patience[i] <= 0.0 or norm(toward) < ARRIVED_BL * fishes.length[i]
     if done and minds.errand[i] <= 0.0:
-        _draw(minds, i, here, sea, clock)
+        redraw(fishes, minds, i, sea, clock)
         toward = minus(vector(minds.waypoint[i]), here)
     return times(1.0 / max(norm(toward), 1.0), toward)
 
 
 @kernel
-def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
-    """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it."""
+def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
+    """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it.
+
+    That of a school lies ahead of it, so that the school does not have to turn back.
+    """
+    here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
@@ -86,11 +97,14 @@ def _draw(minds: Minds, i: int, here: Vector, sea: Sea, clock: Clock) -> None:
         z = min(max(floor + depth * (-SURFACE_CM - floor), here[2] - rise), here[2] + rise)
         store(minds.waypoint[i], (x, y, max(z, floor)))
         there = vector(minds.waypoint[i])
-        if _is_free(sea, there) and (not minds.leads[i] or is_broad(sea, here, there)):
+        way = minus(there, here)
+        onward = dot(way, ahead) > AHEAD_COS * norm(way) and is_broad(sea, here, there)
+        if _is_free(sea, there) and (not minds.leads[i] or onward):
             break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
-    minds.patience[i] = low + (high - low) * share
+    way_s = norm(minus(vector(minds.waypoint[i]), here)) / (SLOWEST * fishes.fast[i])
+    minds.patience[i] = low + (high - low) * share + way_s
 
 
 @kernel

@@ -47,8 +47,10 @@ def focus(world: World, fish: int) -> Focus:
     if intention == ESCAPE:
         return _somebody(world, fish, int(minds.predator[fish]))
     if intention == SCHOOL:
-        if minds.leader[fish] >= 0:
+        if minds.led[fish] and minds.leader[fish] >= 0:
             return _somebody(world, fish, int(minds.leader[fish]))
+        if not minds.led[fish]:
+            return "its neighbours", None
         return ("those that follow it" if minds.leads[fish] else NOTHING), None
     if intention == EAT and (target == BAIT or minds.kind[fish] != PREDATOR):
         if target == BAIT:

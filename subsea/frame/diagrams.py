@@ -252,10 +252,10 @@ class DiagramBuilder:
                 yield make_lines([(snout, there[0])], ALARMED)
 
     def _school(self, who: Ints, alpha: float) -> Iterable[Lines]:
-        """Lines from each schooling fish to its leader and its neighbours."""
+        """Lines from each schooling fish to its neighbours, and to a leader that it follows."""
         minds, alive = self.world.state.minds, self.world.state.fishes.alive
         schooling = who[minds.schools[who]]
-        led = schooling[minds.leader[schooling] >= 0]
+        led = schooling[minds.led[schooling] & (minds.leader[schooling] >= 0)]
         led = led[alive[minds.leader[led]]]
         near = minds.neighbour[schooling]
         pairs = np.stack([np.repeat(schooling, near.shape[1]), near.ravel()], axis=1)

@@ -90,10 +90,10 @@ def set_targets(
             if now >= 0 and best >= 0 and bodies.alive[now]:
                 toward = minus(vector(bodies.position[now]), eye)
                 if perceives(bodies, i, now, scene, nature, norm(toward)):
-                    schools = is_in_school(minds, now)
+                    schools = is_in_school(bodies, minds, now)
                     present = cost_of(toward, norm(toward), ahead, schools)
                     toward = minus(vector(bodies.position[best]), eye)
-                    schools = is_in_school(minds, best)
+                    schools = is_in_school(bodies, minds, best)
                     other = cost_of(toward, norm(toward), ahead, schools)
                     best = now if present - other <= nature.devotion_cm else best
             minds.target[i] = best

@@ -12,6 +12,7 @@ from subsea.perception.vision import Bodies, Surroundings, ahead_of, eye_of, see
 from subsea.state import PREDATOR, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
+COMPANY_CM = 110.0  # distance of company that confuses a predator
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
@@ -69,7 +70,7 @@ def perceive_prey(
                     continue
                 if not perceives(bodies, i, j, scene, nature, distance):
                     continue
-                schools = is_in_school(minds, j)
+                schools = is_in_school(bodies, minds, j)
                 insert(found, cost, j, cost_of(toward, distance, ahead, schools))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
@@ -87,10 +88,15 @@ def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
 
 
 @kernel
-def is_in_school(minds: Minds, j: int) -> bool:
+def is_in_school(bodies: Bodies, minds: Minds, j: int) -> bool:
     """True if fish j belongs to a school and has company of its species near."""
-    belongs = minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0)
-    return belongs and minds.neighbour[j, 0] >= 0
+    belongs, k = (
+        minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0),
+        minds.neighbour[j, 0],
+    )
+    if not belongs or k < 0:
+        return False
+    return norm(minus(vector(bodies.position[k]), vector(bodies.position[j]))) < COMPANY_CM
 
 
 @kernel

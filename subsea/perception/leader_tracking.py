@@ -1,10 +1,10 @@
-"""Track the leader's place, by a fish's own eyes or from its companions."""
+"""Track the place of the leader, or of the middle of the school."""
 
 import numpy as np
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import store, vector
+from subsea.geometry.vector import store, times, vector
 from subsea.perception.vision import Bodies, Surroundings, sees_fish
 from subsea.state import Clock, Minds, Nature
 
@@ -21,7 +21,7 @@ def watch_leader(
     now = clock.tick * clock.dt
     for i in who:
         leader = np.int64(minds.leader[i])
-        if leader < 0 or not minds.schools[i] or not bodies.alive[leader]:
+        if leader < 0 or not minds.led[i] or not minds.schools[i] or not bodies.alive[leader]:
             continue
         if sees_fish(bodies, i, leader, scene, nature):
             minds.leader_seen[i] = now
@@ -33,3 +33,26 @@ def watch_leader(
             if minds.leader[j] == leader and minds.leader_seen[j] > minds.leader_seen[i]:
                 minds.leader_seen[i] = minds.leader_seen[j]
                 store(minds.leader_place[i], vector(minds.leader_place[j]))
+
+
+@kernel
+def watch_schools(who: Ints, bodies: Bodies, minds: Minds, clock: Clock) -> None:
+    """Update place and size of the schools without a leader, for the fishes `who` of them.
+
+    The place is the middle of all fishes of the school: fishes pass on where it is, as they do
+    with the place of a leader.
+    """
+    n = len(minds.leader)
+    middle, size = np.zeros((n, 3)), np.zeros(n)
+    for i in range(n):
+        school = minds.leader[i] if minds.leader[i] >= 0 else i
+        if bodies.alive[i] and minds.schools[i] and not minds.led[i]:
+            size[school] += 1.0
+            for axis in range(3):
+                middle[school, axis] += bodies.position[i, axis]
+    for i in who:
+        if minds.schools[i] and not minds.led[i]:
+            school = minds.leader[i] if minds.leader[i] >= 0 else i
+            minds.leader_seen[i] = clock.tick * clock.dt
+            minds.school_size[i] = size[school]
+            store(minds.leader_place[i], times(1.0 / size[school], vector(middle[school])))

@@ -8,12 +8,13 @@ from subsea.geometry.vector import vector
 from subsea.perception.grid import Grid, make_grid, nearest
 from subsea.state import Fishes, Minds
 
-REACH_CM = 110.0  # range of companions
+REACH_CM = 110.0  # range of companions ...
+SCHOOL_CM = 300.0  # ... and of fishes that school, which also see them
 CELL_CM = 60.0  # large enough that few cells are empty
 
 
-def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> None:
-    """Set `minds.neighbour` of the fishes `who`: the nearest of their species within `reach` cm.
+def find_neighbours(who: Ints, fishes: Fishes, minds: Minds) -> None:
+    """Set `minds.neighbour` of the fishes `who`: the nearest of their species within reach.
 
     Equal distances are ordered by index, so the result does not depend on the order of `who`.
     """
@@ -21,11 +22,12 @@ def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, reach: float) -> No
     for kind in np.unique(kinds):
         fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
         grid = make_grid(fishes.position, fellows, CELL_CM)
-        _find(who[kinds == kind], fishes.position, minds.neighbour, grid, reach)
+        _find(who[kinds == kind], fishes.position, minds, grid)
 
 
 @kernel
-def _find(who: Ints, position: Array, neighbour: Ints, grid: Grid, reach: float) -> None:
-    gaps, slots = np.empty(neighbour.shape[1]), np.empty(len(grid.member), np.int64)
+def _find(who: Ints, position: Array, minds: Minds, grid: Grid) -> None:
+    gaps, slots = np.empty(minds.neighbour.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
-        nearest(grid, vector(position[i]), reach, i, neighbour[i], gaps, slots)
+        reach = SCHOOL_CM if minds.schools[i] else REACH_CM
+        nearest(grid, vector(position[i]), reach, i, minds.neighbour[i], gaps, slots)

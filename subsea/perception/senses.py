@@ -6,7 +6,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.grid import make_grid
-from subsea.perception.neighbours import REACH_CM, find_neighbours
+from subsea.perception.neighbours import find_neighbours
 from subsea.perception.vision import bodies_of, middles_of, surroundings_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
@@ -19,9 +19,10 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     if len(who) == 0:
         return
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
-    find_neighbours(who, fishes, minds, REACH_CM)
+    find_neighbours(who, fishes, minds)
     bodies, scene = bodies_of(fishes), surroundings_of(sea)
     leader_tracking.watch_leader(who, bodies, minds, scene, nature, clock)
+    leader_tracking.watch_schools(who, bodies, minds, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
     large, middles = fishes.length > LARGE_CM, middles_of(bodies)
     crowd = (

@@ -28,6 +28,7 @@ Colour = tuple[Share, Share, Share]
 Factor = Annotated[float, msgspec.Meta(ge=0, le=100)]
 Dread = Annotated[float, msgspec.Meta(ge=0, le=5000)]
 Kind = Literal["pacifist", "prey", "predator"]
+SchoolKind = Literal["neighbours", "leader"]
 Weight = Annotated[float, msgspec.Meta(ge=0, le=1000)]
 GrowthKind = Literal[
     "staghorn", "bush", "table", "brain", "lettuce", "finger", "leather", "soft", "fan", "pipes",
@@ -76,6 +77,7 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     heading_deg: Coordinate | None = None  # None: random
     toward_cm: tuple[Coordinate, Coordinate, Coordinate] | None = None  # their first goal
     leader_cm: BodyLength | None = None  # of the first fish, the leader; None: like the others
+    school: SchoolKind | None = None  # None: "leader" with `leader_cm`, else "neighbours"
     kind: Kind | None = None  # None: the species'
     male_share: Share = 0.5
     likes: list[Habit] = []  # Tu §7.3
@@ -85,6 +87,11 @@ class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     digestion: Rate | None = None  # p0 of Tu §7.4, 1/s
     libido_rate: Rate | None = None  # p1, 1/s
     dread_cm: Dread | None = None  # D0
+
+    @property
+    def is_led(self) -> bool:
+        """True if schools of the shoal follow a leader (Tu §7.9.2)."""
+        return self.school == "leader" or (self.school is None and self.leader_cm is not None)
 
 
 class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-NEIGHBOURS = 6  # companions that a fish attends to
+NEIGHBOURS = 7  # companions that a fish attends to
 CHOICES = 3  # targets among which it chooses: K of Tu §6.5.3
 NOBODY, SUBMARINE = -1, -2  # in place of the index of a fish
 BAIT = -3  # target of a plankton eater that is after the bait instead of a speck

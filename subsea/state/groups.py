@@ -64,6 +64,7 @@ class Fishes(NamedTuple):
     identity: Annotated[F32, creation("n"), "individual variation in [0, 1)"]
     snout: Annotated[F32, creation("n", unit="cm"), "x of the tip of the snout in body axes"]
     girth: Annotated[F32, creation("n", 2, unit="cm"), "height and width of the body without fins"]
+    fast: Annotated[F32, creation("n", start=30, unit="cm/s"), "speed of its fast swim"]
     oars: Annotated[BOOL, creation("n"), "whether it rows with its pectoral fins (Tu appendix B.2)"]
     burst: Annotated[F32, creation("n", start=1), "greatest goal speed, in a burst"]
     ram: Annotated[F32, creation("n"), "least goal speed: a ram ventilator never stops"]
@@ -157,9 +158,16 @@ class Minds(NamedTuple):
     libido_rate: Annotated[F32, panels("n", unit="1/s"), "p1 (Tu §7.4)"]
     dread: Annotated[F32, panels("n", unit="cm"), "D0: distance of a predator at which fear is 1"]
 
+    led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
+
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
-    leader_place: Annotated[F32, perception("n", 3, unit="cm"), "where the leader was last seen"]
+    leader_place: Annotated[
+        F32,
+        perception("n", 3, unit="cm"),
+        "where the leader, or the middle of its school, was last seen",
+    ]
     leader_seen: Annotated[F32, perception("n", unit="s", start=-NEVER), "world time of that"]
+    school_size: Annotated[F32, perception("n"), "fishes of its school, if that has no leader"]
     threat: Annotated[FISH, perception("n"), "fish with the most imminent collision, or NOBODY"]
     barrier: Annotated[
         I32,
@@ -204,8 +212,10 @@ class Minds(NamedTuple):
     urge: Annotated[F32, behavior("n", 3), "direction of the routine, any length, world axes"]
     waypoint: Annotated[F32, behavior("n", 3, unit="cm"), "destination of a wandering fish"]
     patience: Annotated[F32, behavior("n", unit="s"), "time until a wandering fish turns elsewhere"]
-    leader: Annotated[FISH, behavior("n"), "whom a schooling fish follows"]
-    leads: Annotated[BOOL, behavior("n"), "whether others follow it"]
+    leader: Annotated[
+        FISH, behavior("n"), "whom a schooling fish follows, or by whom its school is known"
+    ]
+    leads: Annotated[BOOL, behavior("n"), "whether others follow it, or a school is known by it"]
     partner: Annotated[FISH, behavior("n"), "fish that it courts; mutual from CIRCLING on"]
     courtship: Annotated[COURTSHIP_STATE, behavior("n"), "code in COURTSHIP"]
     courtship_time: Annotated[F32, behavior("n", unit="s"), "time in this state"]

@@ -58,7 +58,7 @@ def populate(
             fishes.length[first] = shoal.leader_cm
         fishes.identity[these] = rng.uniform(0, 1, number)
         schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
-        minds.schools[these] = schooling
+        minds.schools[these], minds.led[these] = schooling, shoal.is_led
         places = _places(shoal, number, scenario, rng)
         if shoal.leader_cm and shoal.position_cm:
             places[:1] = shoal.position_cm
@@ -98,6 +98,7 @@ def populate(
     fishes.girth[:] = fishes.length[:, None] * _girths([*species.values()], library)[fishes.species]
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
+    fishes.fast[:] = fastest_cm_s(fishes, library)
     fishes.breath[:] = 2 * np.pi * fishes.identity
     fishes.fin_phase[:] = fishes.breath[:, None]
     flat = np.array([one.surface.depth > FLAT_BL for one in species.values()])

@@ -117,6 +117,7 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
         world.state.fishes, world.state.minds, world.state.sea, world.nature
     )  # fmt: skip
     schooling.join_schools(who, fishes.alive, minds)
+    schooling.guide_schools(fishes, minds, sea, clock)
     update_mental_state(who, fishes, minds, nature, clock)
     end_courtships(who, fishes, minds)
     compute_desires(who, fishes, minds, sea, nature, clock)

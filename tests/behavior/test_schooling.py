@@ -1,89 +1,107 @@
-"""Schooling: following, spacing, speed, and desire for it."""
+"""Schooling with neighbours: alignment, separation, attraction, destinations and joining."""
 
 import numpy as np
+import pytest
 
-from subsea.behavior import schooling
-from subsea.behavior.steering import ease_goals
+from subsea.behavior import leading, schooling
 from subsea.state import FEAR, PREY
 
+HERE = np.array([0.0, 0.0, -300.0])
 
-def _school(tank, n=3):
-    t = tank(n)
-    t.minds.leader[1:] = 0
+
+def _school(tank, *places_bl, n=None):
+    """Fishes of one school at places (body lengths of 20 cm) around the first."""
+    t = tank(n or len(places_bl) + 1)
     t.minds.schools[:] = True
-    t.minds.kind[:] = PREY
-    _see(t)
+    t.minds.leader[1:] = 0
+    t.minds.leads[0] = True
+    t.fishes.position[:] = HERE
+    t.fishes.position[1 : len(places_bl) + 1] += 20.0 * np.array(places_bl, float).reshape(-1, 3)
+    t.minds.leader_place[:] = HERE
+    t.minds.school_size[:] = len(t.minds.leader)
+    t.minds.neighbour[0, : len(places_bl)] = np.arange(1, len(places_bl) + 1)
     return t
 
 
-def _see(t):
-    """Every follower knows the leader's place."""
-    t.minds.leader_place[:] = t.fishes.position[0]
-    t.minds.leader_seen[:] = 0.0
+def _urge(t, i=0):
+    t.run(schooling.act, i)
+    return t.minds.urge[i] / np.linalg.norm(t.minds.urge[i])
 
 
-def test_stragglers_catch_up(tank):
-    t = _school(tank)
-    t.fishes.position[1] = -40.0, 0.0, -300.0
-    t.fishes.position[2] = -400.0, 50.0, -300.0
-    _see(t)
-    for tick in range(30):
-        t.at(tick).run(schooling.act, 1, 2)
-        ease_goals(t.fishes, t.minds, t.clock)
-    toward = t.fishes.position[0] - t.fishes.position[2]
-    assert t.fishes.goal_direction[2] @ toward / np.linalg.norm(toward) > 0.9
-    assert t.fishes.goal_speed[2] > t.fishes.goal_speed[1]
+@pytest.mark.parametrize(("gap_bl", "sign"), [(0.4, -1.0), (0.95, 0.0), (2.0, 1.0)])
+def test_neighbours_repel_near_and_attract_far(tank, gap_bl, sign):
+    """Between the two distances only the heading, x, counts; the goal lies ahead."""
+    t = _school(tank, (0.0, gap_bl, 0.0))
+    t.minds.waypoint[0] = HERE + (500.0, 0.0, 0.0)
+    assert np.sign(np.round(_urge(t)[1], 6)) == sign
 
 
-def test_companions_too_close_part(tank):
-    t = _school(tank)
-    t.fishes.position[1] = -60.0, 3.0, -300.0
-    t.fishes.position[2] = -60.0, -3.0, -300.0
-    t.minds.neighbour[1, 0], t.minds.neighbour[2, 0] = 2, 1
-    t.run(schooling.act, 1, 2)
-    assert t.minds.urge[1, 1] > 0 > t.minds.urge[2, 1]
+def test_it_aligns_with_neighbours(tank):
+    t = _school(tank, (0, 0.95, 0), (0, -0.95, 0))
+    t.minds.waypoint[0] = HERE
+    north = np.array([0.5, 0.5, 0.5, 0.5])
+    t.fishes.orientation[1:] = north
+    np.testing.assert_allclose(_urge(t), [1 / 5**0.5, 2 / 5**0.5, 0.0], atol=1e-5)
 
 
-def test_schooling_at_ease_needs_habit_leader_and_knowledge_of_company(tank):
-    t = _school(tank, 4)
-    t.minds.schools[2] = False
-    np.testing.assert_array_equal(t.desire(schooling.desire) > 0, [False, True, False, True])
-    later = t.at(int(2 * schooling.LOST_S / 0.033))
-    assert not later.desire(schooling.desire).any()
-    t.minds.neighbour[1, 0] = 3
-    np.testing.assert_array_equal(later.desire(schooling.desire) > 0, [False, True, False, False])
+def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
+    speeds = []
+    for ahead in (0.95, 3.0):
+        t = _school(tank, (ahead, 0.0, 0.0))
+        t.fishes.velocity[1] = 0.7 * t.fishes.fast[0], 0.0, 0.0
+        t.run(schooling.act, 0)
+        speeds.append(float(t.fishes.goal_speed[0]))
+    share = schooling.TENDENCY
+    assert speeds[0] == pytest.approx((1 - share) * 0.7 + share * schooling.CRUISING, abs=1e-4)
+    assert speeds[1] > speeds[0] + 0.1
 
 
-def test_a_leader_out_of_sight_is_sought_where_it_was_seen_last(tank):
-    t = _school(tank, 2)
-    t.fishes.position[1] = -200.0, 0.0, -300.0
-    _see(t)
-    t.fishes.position[0] = -200.0, 500.0, -300.0
-    t.fishes.goal_direction[0] = 0.0, 1.0, 0.0
-    t.at(100).run(schooling.act, 1)
-    urge = t.minds.urge[1] / np.linalg.norm(t.minds.urge[1])
-    np.testing.assert_allclose(urge, [1.0, 0.0, 0.0], atol=1e-5)
+def test_few_know_the_destination(tank):
+    """The one that the school is known by, and a fifth of the others, the same ones later."""
+    t = tank(1)
+    later = t.at(3000).clock
+    knows = [schooling.is_informed(i, 0, t.clock) for i in range(2000)]
+    assert knows[0]
+    assert np.mean(knows) == pytest.approx(schooling.INFORMED, abs=0.03)
+    assert knows == [schooling.is_informed(i, 0, later) for i in range(2000)]
+
+
+def test_a_fish_outside_its_school_heads_for_the_middle(tank):
+    t = _school(tank, (0, 0.95, 0))
+    t.minds.waypoint[0] = HERE
+    t.minds.leader_place[0] = HERE + (0.0, 300.0, 0.0)
+    assert _urge(t)[1] > 0.5
+
+
+def test_a_school_draws_a_destination_once_an_informed_fish_is_there(tank):
+    t = _school(tank, (1, 0, 0))
+    t.minds.patience[:] = 100.0
+    t.minds.waypoint[:] = HERE + (1000.0, 0.0, 0.0)
+    schooling.guide_schools(t.fishes, t.minds, t.sea, t.clock)
+    np.testing.assert_allclose(t.minds.waypoint[0], HERE + (1000.0, 0.0, 0.0))
+    t.fishes.position[0, 0] = 1000.0 - 5.0 * 20.0
+    schooling.guide_schools(t.fishes, t.minds, t.sea, t.clock)
+    assert np.linalg.norm(t.minds.waypoint[0] - HERE - (1000.0, 0.0, 0.0)) > 1.0
+    np.testing.assert_allclose(t.minds.waypoint[1], HERE + (1000.0, 0.0, 0.0))
+
+
+def test_an_errand_is_that_of_the_school(tank):
+    t = _school(tank, (1, 0, 0))
+    t.minds.neighbour[1, 0] = 0
+    t.minds.errand[0] = 0.9
+    assert (t.desire(schooling.desire) > 0.5).all()
+    t.minds.led[:] = True
+    assert not (t.desire(schooling.desire) > 0.5).any()
 
 
 def test_ranks_are_closed_between_alarm_and_panic(tank):
     """f0 < F and F^m < f1 (Tu §7.5)."""
-    t = _school(tank, 5)
+    t = _school(tank, n=5)
+    t.minds.kind[:], t.minds.neighbour[:, 0] = PREY, 1
+    t.minds.led[0] = True
     t.minds.mental[:, FEAR] = 0.4, 0.4, 0.6, 0.9, 0.9
     t.minds.menace[:] = 0.4, 0.4, 0.6, 0.7, 0.9
     np.testing.assert_allclose(t.desire(schooling.alarmed_desire), [0, 0, 0.6, 0.9, 0], atol=1e-6)
-
-
-def test_an_alarmed_school_is_denser(tank):
-    gaps = []
-    for fear in (0.0, 0.6):
-        t = _school(tank, 3)
-        t.fishes.position[1:] = (-40.0, 12.0, -300.0), (-40.0, -12.0, -300.0)
-        _see(t)
-        t.minds.neighbour[1, 0], t.minds.neighbour[2, 0] = 2, 1
-        t.minds.mental[:, FEAR] = fear
-        t.run(schooling.act, 1, 2)
-        gaps.append(t.minds.urge[1, 1] - t.minds.urge[2, 1])
-    assert gaps[0] > gaps[1]
 
 
 def test_loners_that_meet_form_a_school_and_others_join_it(tank):
@@ -108,61 +126,14 @@ def test_nobody_joins_the_dead(tank):
     assert t.minds.leader[0] == -1
 
 
-def test_followers_beyond_the_reach_of_their_school_are_left_behind(tank):
-    """Limit for eight followers of 20 cm: two body lengths times three."""
-    t = tank(10)
-    t.minds.leader[1:9] = 0
-    t.minds.leader_seen[:] = 0.0
-    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-    t.fishes.position[1, 0] = 2.0 * schooling.REACH_BL * 20.0 - 1.0
-    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-    t.fishes.position[1, 0] += 2.0
-    assert schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-    assert not schooling.leaves_behind(t.fishes, t.minds, 0, schooling.LOST_S + 1.0)  # long lost
-    t.fishes.alive[1] = False
-    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-
-
-def test_one_of_many_is_not_waited_for(tank):
-    t = tank(21)
-    t.minds.leader[1:] = 0
-    t.minds.leader_seen[:] = 0.0
-    t.fishes.position[1:3, 0] = 900.0
-    assert not schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-    t.fishes.position[3, 0] = 900.0
-    assert schooling.leaves_behind(t.fishes, t.minds, 0, 1.0)
-
-
 def test_a_straggler_is_far_from_its_leader_and_from_companions(tank):
-    t = _school(tank, 6)
+    t = _school(tank, n=6)
+    t.minds.leader_seen[:] = 0.0
     far = schooling.STRAGGLING_BL * 20.0
     t.fishes.position[1:, 0] = -far - 1.0, -far + 1.0, -far - 1.0, -far - 1.0, -far - 1.0
     t.minds.neighbour[3, : schooling.COMPANIONS] = 1, 2, 4, 5
+    t.minds.neighbour[1, : schooling.COMPANIONS] = 3, 4, 5, 0  # the last is too far away
     t.minds.leader[4] = -1
-    t.minds.leader_seen[5] = -schooling.LOST_S
+    t.minds.leader_seen[5] = -leading.LOST_S
     found = [schooling.straggles(t.fishes, t.minds, i, 1.0) for i in range(6)]
     assert found == [False, True, False, False, False, False]
-
-
-def test_a_fish_far_ahead_of_its_leader_comes_back(tank):
-    """The leader slows down for a fish behind it, but does not halt if that is far away."""
-    t = _school(tank, 3)
-    t.fishes.goal_speed[0] = 0.1  # the leader waits, and heads for both
-    t.fishes.position[1] = 60.0, 0.0, -300.0
-    t.fishes.position[2] = 300.0, 0.0, -300.0
-    _see(t)
-    t.run(schooling.act, 1, 2)
-    assert t.fishes.goal_speed[1] < 0.15
-    assert t.fishes.goal_speed[2] > 0.5
-
-
-def test_around_an_obstacle_it_rises_or_sinks_to_its_leader(tank):
-    for height in (-250.0, -350.0):
-        t = tank(2, pillars=[(120.0, 0.0, 30.0, 0.0)])
-        t.minds.leader[1], t.minds.schools[:] = 0, True
-        t.fishes.position[0] = 240.0, 0.0, height
-        t.fishes.position[1] = 0.0, 0.0, -300.0
-        _see(t)
-        t.run(schooling.act, 1)
-        assert abs(t.minds.urge[1, 1]) > 0.3
-        assert t.minds.urge[1, 2] * (height + 300.0) > 0.0

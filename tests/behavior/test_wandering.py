@@ -29,7 +29,9 @@ def test_patience_ends(tank):
         t.at(tick).run(wandering.act)
     assert np.linalg.norm(t.minds.waypoint[0] - [500.0, 0.0, -300.0]) > 1
     low, high = wandering.PATIENCE_S
-    assert low - 1 <= t.minds.patience[0] <= high
+    way = np.linalg.norm(t.minds.waypoint[0] - t.fishes.position[0])
+    beyond = t.minds.patience[0] - way / (wandering.SLOWEST * t.fishes.fast[0])
+    assert low - 1 <= beyond <= high
 
 
 def test_a_recommendation_against_monotony_is_taken_up(tank):

@@ -131,7 +131,7 @@ def test_preferences_stay_between_minus_one_and_one(tank, seed):
     t.sea.plankton[:] = t.fishes.position[0] + rng.normal(0, 30, (3, 3))
     t.minds.mates[0], t.minds.predators[0] = (1, 2, 3), (4, 5, SUBMARINE)
     t.minds.foods[0] = 0, 1, 2
-    t.minds.neighbour[0], t.minds.threat[0] = range(6, 12), 6
+    t.minds.neighbour[0], t.minds.threat[0] = range(5, 12), 6
     t.minds.mental[0] = rng.uniform(0, 1, 3)
     t.minds.intention[0] = rng.integers(0, 7)
     assert (np.abs(_preference(t)) <= 1.0 + 1e-6).all()

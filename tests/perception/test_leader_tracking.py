@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.perception.leader_tracking import watch_leader
+from subsea.perception.leader_tracking import watch_leader, watch_schools
 from subsea.perception.vision import bodies_of, surroundings_of
 
 FOLLOWERS = np.array([1, 2])
@@ -12,7 +12,7 @@ def _school(tank):
     """A leader, a follower that sees it, and one from which a pillar hides it."""
     t = tank(3, pillars=[(50.0, -60.0, 30.0, -100.0)])
     t.fishes.position[:] = (100.0, 0.0, -300.0), (0.0, 0.0, -300.0), (0.0, -120.0, -300.0)
-    t.minds.leader[1:] = 0
+    t.minds.leader[1:], t.minds.led[:] = 0, True
     t.minds.schools[:] = True
     return t
 
@@ -51,3 +51,17 @@ def test_companions_of_another_school_pass_on_nothing(tank):
     t.minds.leader[1] = 2
     _watch(t, 100)
     assert t.minds.leader_seen[2] == -np.inf
+
+
+def test_a_school_without_a_leader_knows_its_middle(tank):
+    """Of the living that belong to it; a led fish knows its leader only."""
+    t = tank(6)
+    t.minds.schools[:], t.minds.leader[1:5], t.minds.led[4] = True, 0, True
+    t.fishes.position[:] = np.arange(18.0).reshape(6, 3)
+    t.fishes.alive[3] = False
+    watch_schools(np.arange(6), bodies_of(t.fishes), t.minds, t.at(10).clock)
+    middle = t.fishes.position[:3].mean(axis=0)
+    np.testing.assert_allclose(t.minds.leader_place[:3], np.tile(middle, (3, 1)), rtol=1e-6)
+    assert t.minds.school_size[[0, 1, 2, 5]].tolist() == [3, 3, 3, 1]
+    assert t.minds.leader_seen[0] > 0.3
+    assert t.minds.leader_seen[4] == -np.inf

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.perception.foraging import SCHOOL_COST, TURN_COST
+from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
 from subsea.perception.senses import sense
 from subsea.perception.vision import (
     SUBMARINE_CM,
@@ -160,7 +160,9 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
     t.minds.leads[:] = t.minds.intention == SCHOOL
     t.run(sense)
-    schools = t.minds.leads & (t.minds.neighbour[:, 0] >= 0)
+    near = t.minds.neighbour[:, 0]
+    gaps = np.linalg.norm(t.fishes.position[near] - t.fishes.position, axis=1)
+    schools = t.minds.leads & (near >= 0) & (gaps < COMPANY_CM)
     for i in np.flatnonzero(t.fishes.alive & (t.minds.kind == PREDATOR)):
         x = np.subtract(eye_of(bodies_of(t.fishes), i), t.fishes.position[i]) / t.fishes.snout[i]
         able = []

@@ -326,3 +326,15 @@ def test_a_faulty_setting_is_one_line(setting, words):
 def test_an_individual_has_one_table(tmp_path):
     message = fault_of(tmp_path, PEACEFUL + 2 * "\n[[individual]]\nfish = 4\n")
     assert "`individual[1].fish` 4: has a table already" in message
+
+
+@pytest.mark.parametrize(
+    ("keys", "led"),
+    [("", False), ("\nleader_cm = 31.0", True), ('\nschool = "leader"', True),
+     ('\nleader_cm = 31.0\nschool = "neighbours"', False)],
+)  # fmt: skip
+def test_a_school_follows_a_leader_if_the_scenario_says_so(tmp_path, keys, led):
+    place = "position_cm = [-130.0, 40.0, -340.0]"
+    minds = world_of(tmp_path, BARE.replace(place, place + keys)).state.minds
+    assert minds.led[:33].all() == led
+    assert not minds.led[33:].any()
