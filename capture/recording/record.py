@@ -1,14 +1,15 @@
-"""Record a species' repertoire: its three swims and four turns (SMC §4.3)."""
+"""Record a species' repertoire: swims, turns, escapes, starts and stops (SMC §4.3)."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
 from capture.recording.fingerprint import fingerprint, library_versions
+from capture.recording.manoeuvres import manoeuvre
 from capture.recording.segment import make_segment
 from capture.recording.spine_motion import nodes_at_rest
 from capture.recording.spine_segments import record_spine_segment, spine_segments
-from capture.recording.trial import STRAIGHT, Trial, grade_contraction, sharp_turn, steady_beat
+from capture.recording.trial import STRAIGHT, Trial, grade_contraction, steady_beat
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT
@@ -17,7 +18,8 @@ from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points
-from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment
+from subsea.repertoire import SEGMENTS, Repertoire, Segment
+from subsea.repertoire.schema import ACYCLIC
 
 Motion = Muscles  # the three plans that determine how a species moves
 
@@ -38,16 +40,17 @@ def side_of(name: str) -> float:
 
 def run_trial(motion: Motion, name: str) -> Trial:
     """Simulate the trial of the segment ``name``."""
-    body = build_body(motion.body)
-    trial = steady_beat(body, steady_contraction(motion, name))
-    if not name.endswith("sharp"):
-        return trial
-    turn = motion.turn
-    turned = sharp_turn(body, motion.swim, turn, turn.sharp, side_of(name), trial.state)
-    return turned._replace(warm_up_beats=trial.warm_up_beats)
+    if name.rpartition("_")[2] in ACYCLIC:
+        return manoeuvre(motion, name)
+    return steady_beat(build_body(motion.body), steady_contraction(motion, name))
 
 
-Recorded = tuple[Segment, int]  # a segment and the number of its warm-up beats
+class Recorded(NamedTuple):
+    """A segment, the number of its warm-up beats, and the couple of fins that the hull lacks."""
+
+    segment: Segment
+    warm_up_beats: int = 0
+    couple: float = 0.0  # rad/tu²
 
 
 def record_segment(species: Species, name: str) -> Recorded:
@@ -56,19 +59,19 @@ def record_segment(species: Species, name: str) -> Recorded:
     Of muscle-driven species only schooling ones store control points, as in SMC §4.1.
     """
     if species.spine:
-        return record_spine_segment(species.spine, species.surface, name), 0
+        return Recorded(record_spine_segment(species.spine, species.surface, name))
     motion = motion_of(species)
     trial = run_trial(motion, name)
-    kind, _, grade = name.rpartition("_")
+    grade = name.rpartition("_")[2]
     segment = make_segment(
         trial.frames,
         species.length_cm,
-        pattern={"swim": "forward", "turn_left": "left", "turn_right": "right"}[kind],
+        pattern="left" if "left" in name else "right" if "right" in name else "forward",
         grade=grade,
-        cyclic=grade != "sharp",
+        cyclic=grade not in ACYCLIC,
         coupling=_surface_coupling(species.surface, motion.body) if species.schooling else None,
     )
-    return segment, trial.warm_up_beats
+    return Recorded(segment, trial.warm_up_beats, trial.couple)
 
 
 def _surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:
@@ -100,8 +103,13 @@ def spine_from_provenance(provenance: dict[str, Any]) -> tuple[SpinePlan, Surfac
 
 
 def segments_of(species: Species) -> tuple[str, ...]:
-    """The segments that are recorded of a species."""
-    return spine_segments(species.spine) if species.spine else BASIC_SEGMENTS
+    """The segments that are recorded of a species, in the order of SEGMENTS."""
+    if species.spine:
+        return spine_segments(species.spine)
+    missing = {"row_forward"}
+    if "burst" not in motion_of(species).swim.grades:
+        missing.add("swim_burst")
+    return tuple(name for name in SEGMENTS if name not in missing)
 
 
 def record_species(name: str, species: Species) -> Repertoire:
@@ -131,9 +139,12 @@ def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repe
             "step_tu": STEP,
             "steps_per_tick": STEPS_PER_TICK,
             "time_unit_s": TIME_UNIT_S,
-            "warm_up_beats": {segment: beats for segment, (_, beats) in sorted(recorded.items())},
+            "warm_up_beats": {name: one.warm_up_beats for name, one in sorted(recorded.items())},
+            "couples": {name: one.couple for name, one in sorted(recorded.items()) if one.couple},
             **{key: msgspec.to_builtins(plan) for key, plan in plans.items()},
         },
         rest_nodes=rest,
-        segments={segment: recorded[segment][0] for segment in SEGMENTS if segment in recorded},
+        segments={
+            segment: recorded[segment].segment for segment in SEGMENTS if segment in recorded
+        },
     )

@@ -40,7 +40,11 @@ def finished_segments(folder: Path, name: str, species: Species) -> dict[str, Re
     for segment in segments_of(species):
         one = _read(_segment_path(folder, name, segment), name, species)
         if one is not None and segment in one.segments:
-            found[segment] = one.segments[segment], one.provenance["warm_up_beats"][segment]
+            found[segment] = Recorded(
+                one.segments[segment],
+                one.provenance["warm_up_beats"][segment],
+                one.provenance["couples"].get(segment, 0.0),
+            )
     return found
 
 

@@ -6,9 +6,9 @@ from capture.recording.spine_motion import SpineMotion, spine_motion
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Segment
+from subsea.repertoire.schema import ACYCLIC
 
 GLIDES = ("turn_left_glide", "turn_right_glide")
-ACYCLIC = ("sharp", "moderate", "wide", "rest", "glide", "start", "stop")
 
 
 def spine_segments(plan: SpinePlan) -> tuple[str, ...]:

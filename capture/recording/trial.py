@@ -34,7 +34,8 @@ class Trial(NamedTuple):
 
     frames: Floats
     state: BodyState
-    warm_up_beats: int
+    warm_up_beats: int = 0
+    couple: float = 0.0  # rad/tu², of fins that the hull lacks: `capture/recording/manoeuvres.py`
 
 
 def deformation(frames: Floats) -> Floats:

@@ -100,7 +100,7 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     first = library.first[kind, now]
     at_end = a == first + library.length[kind, now] - 1
     wanted = fishes.wanted_segment[i]
-    may_leave = library.leave[a, wanted] if library.cyclic[kind, now] else at_end
+    may_leave = library.leave[a, wanted] or (at_end and not library.cyclic[kind, now])
     fishes.row_a[i] = a
     if may_leave and (wanted != now or not library.cyclic[kind, now]):
         fishes.row_b[i] = library.entry[a, wanted]

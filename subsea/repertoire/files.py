@@ -129,7 +129,12 @@ def _read_transitions(file: Any, repertoire: Repertoire, where: str) -> Transiti
             raise UserError(f"no way leads out of {name}", file=f"{where}/leave")
     if (frames < 1).any() or (frames > MAX_GLIDE_FRAMES).any():
         raise UserError(f"expected 1 to {MAX_GLIDE_FRAMES}", file=f"{where}/frames")
-    return Transitions(entry, frames, leave.astype(np.bool_))
+    leave = leave.astype(np.bool_)
+    if hdf5.attribute(file, "version", int, where) == 2:
+        for k, name in enumerate(names):
+            if not segments[name].cyclic:  # it had to be played to its end
+                leave[starts[k] : starts[k + 1] - 1] = False
+    return Transitions(entry, frames, leave)
 
 
 def _read_segment(group: Any, length: float, where: str) -> Segment:

@@ -31,6 +31,8 @@ GRADES = (
     "forward",
 )
 
+ACYCLIC = ("sharp", "moderate", "wide", "rest", "glide", "start", "stop")  # grades: played once
+
 # Every repertoire has these.
 BASIC_SEGMENTS = (
     "swim_slow",

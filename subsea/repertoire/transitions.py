@@ -7,13 +7,15 @@ length minimise the largest change of any node's velocity at both ends of the gl
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
 
-LEAVING_SHARE = 0.3  # of the rows of a cyclic segment: those with the gentlest glides
+LEAVING_SHARE = 0.3  # of the rows of a cyclic segment: the gentlest; of an acyclic one: the last
 ROUGH = 1.5  # largest change of velocity at such rows over the usual one, unless all are worse
+ESCAPES = ("moderate", "wide")
 NEARLY = 1.15  # factor within which a change counts as the gentlest
 
 
@@ -37,18 +39,28 @@ def plan_transitions(segments: list[Segment]) -> Transitions:
     frames = np.ones(shape, np.int64)
     leave = np.ones(shape, np.bool_)
     for a, (here, segment) in enumerate(zip(motions, segments, strict=True)):
-        # Acyclic segments are left at their end and entered at their beginning.
-        rows = np.arange(len(here.nodes)) if segment.cyclic else np.array([len(here.nodes) - 1])
+        # Acyclic segments are entered at their beginning and left near their end.
+        late = 0 if segment.cyclic else round((1.0 - LEAVING_SHARE) * len(here.nodes))
         for b, (there, target) in enumerate(zip(motions, segments, strict=True)):
             goals = np.arange(len(there.nodes)) if target.cyclic else np.array([0])
+            escape = target.grade in ESCAPES  # may begin at once
+            rows = np.arange(0 if escape else late, len(here.nodes))
             best = [gentlest(here, row, there, goals) for row in rows]
             place = starts[a] + rows
             entry[place, b] = [starts[b] + goal for goal, _, _ in best]
             frames[place, b] = [length for _, length, _ in best]
             change = np.array([least for _, _, least in best]) / max(usual[a], usual[b], 1e-12)
-            enough = np.quantile(change, LEAVING_SHARE)
-            leave[place, b] = change <= min(enough, max(ROUGH, NEARLY * change.min()))
+            leave[starts[a] : starts[a] + late, b] = False
+            leave[starts[a] + rows[rows >= late], b] = _gentle(
+                change[rows >= late], LEAVING_SHARE if segment.cyclic else 1.0
+            )
     return Transitions(entry, frames, leave)
+
+
+def _gentle(change: Array, share: float) -> NDArray[np.bool_]:
+    """True for the rows that are good for leaving: a share of those with the least change."""
+    most = min(float(np.quantile(change, share)), max(ROUGH, NEARLY * float(change.min())))
+    return np.asarray(change <= most)
 
 
 def kinematics_of(segment: Segment) -> Kinematics:

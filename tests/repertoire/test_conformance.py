@@ -12,12 +12,12 @@ from capture.inspection.simulated import replay
 from capture.recording.record import (
     motion_from_provenance,
     record_segment,
-    side_of,
+    run_trial,
     steady_contraction,
 )
 from capture.recording.resume import is_up_to_date
 from capture.recording.segment import heading_change
-from capture.recording.trial import Trial, sharp_turn, steady_beat
+from capture.recording.trial import Trial
 from subsea.biomechanics.body import UNITS, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.simulation import BodyState, simulate
@@ -26,7 +26,8 @@ from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import load_species, species_names
 from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix
-from subsea.repertoire import BASIC_SEGMENTS, Repertoire, Segment, read_repertoire
+from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment, read_repertoire
+from subsea.repertoire.schema import ACYCLIC
 
 SPECIES = species_names()
 SWIMS = ("swim_slow", "swim_medium", "swim_fast")
@@ -62,9 +63,10 @@ def test_a_repertoire_is_complete_and_belongs_to_its_species(species):
     rest = rest_control_points(plan.surface, plan.length_cm, repertoire.rest_nodes[0, 0])
     reach = 1.35 * np.linalg.norm(rest, axis=1).max()
     for name, segment in repertoire.segments.items():
-        assert name.removeprefix("turn_").startswith(("swim", segment.pattern))
+        side = name.split("_")[1] if name.startswith(("turn", "cstart")) else "forward"
+        assert segment.pattern == side
         assert name.endswith(segment.grade)
-        assert segment.cyclic == (segment.grade != "sharp")
+        assert segment.cyclic == (segment.grade not in ACYCLIC)
         # SMC §4.1 stores control points of schools only; spine-driven fishes need them too.
         if plan.muscles or plan.schooling:
             assert (segment.control_points is not None) == plan.schooling
@@ -96,7 +98,7 @@ def test_rows_are_poses_of_a_sound_body_and_agree_with_the_attributes(species):
         radius = np.linalg.norm(nodes, axis=2).max() / length
         assert radius <= segment.bounding_radius_bl * (1 + 1e-9) and radius < 1, name
         steps = np.diff(world(segment, 2 if segment.cyclic else 1), axis=0)
-        assert np.linalg.norm(steps, axis=2).max() < 0.12 * length, name
+        assert np.linalg.norm(steps, axis=2).max() < 0.16 * length, name
         place, heading = np.zeros((1, 3)), np.eye(3)
         for turn, step in zip(matrix(turns), segment.increment_translation, strict=True):
             place = np.concatenate([place, [place[-1] + heading @ step]])
@@ -122,6 +124,7 @@ def test_cycles_close_and_sharp_turns_begin_and_end_in_swimming(species):
             across = np.concatenate([nodes[-2:], nodes[:2]])
             jump = np.linalg.norm(np.diff(across, n=2, axis=0), axis=2).max()
             assert jump <= 1.5 * inside, name
+        if segment.grade != "sharp":
             continue
         for row in (nodes[0], nodes[-1]):
             gap = np.linalg.norm(swim.nodes - row, axis=2).max(axis=1).min()
@@ -142,8 +145,10 @@ def test_grades_turns_and_sides_are_as_named(species):
     turn = plan.spine.turn if plan.spine else plan.turn
     assert 2 < segments["turn_left_gradual"].turn_deg < 18
     assert segments["turn_left_sharp"].turn_deg == pytest.approx(turn.sharp, abs=4.0)
-    for grade in ("gradual", "sharp"):
-        left, right = (segments[f"turn_{side}_{grade}"] for side in ("left", "right"))
+    for name in segments:
+        if "left" not in name:
+            continue
+        left, right = segments[name], segments[name.replace("left", "right")]
         # The frame's origin, the middle of nodes 5 and 7, is not its own mirror image.
         assert right.turn_deg == pytest.approx(-left.turn_deg, abs=0.01)
         assert right.speed_cm_s == pytest.approx(left.speed_cm_s, rel=1e-4)
@@ -152,8 +157,8 @@ def test_grades_turns_and_sides_are_as_named(species):
         seen = [
             to_body(one, *(part[None] for part in body_frame(one[0]))) for one in (path, mirrored)
         ]
-        assert np.ptp(seen[0][:, 0], axis=0).max() > 0.1 * length, grade
-        np.testing.assert_allclose(seen[1], seen[0], atol=1e-5 * length, err_msg=grade)
+        assert np.ptp(seen[0][:, 0], axis=0).max() > 0.1 * length, name
+        np.testing.assert_allclose(seen[1], seen[0], atol=1e-5 * length, err_msg=name)
 
 
 @each_species
@@ -171,7 +176,7 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
     assert rebuilt == plan
     length = repertoire.body_length_cm
     for name, shipped in repertoire.segments.items():
-        fresh, beats = record_segment(rebuilt, name)
+        fresh, beats, _ = record_segment(rebuilt, name)
         tolerances = dict.fromkeys(("increment_translation", "nodes", "increment_rotation"), 1e-6)
         if shipped.control_points is not None:
             tolerances["control_points"] = 1e-5
@@ -184,31 +189,33 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
 
 
 @cache
-def start_of(species: str, name: str) -> Trial:
-    """Steady swimming at the moment at which the segment begins."""
-    motion = motion_from_provenance(repertoire_of(species).provenance)
-    return steady_beat(build_body(motion.body), steady_contraction(motion, name))
+def trial_of(species: str, name: str) -> Trial:
+    """The simulation that a segment was recorded from."""
+    return run_trial(motion_from_provenance(repertoire_of(species).provenance), name)
 
 
 @given(
     species=st.sampled_from([name for name in SPECIES if load_species(name).muscles]),
-    name=st.sampled_from(BASIC_SEGMENTS),
+    number=st.integers(0, len(SEGMENTS) - 1),
     pose=st.tuples(*[st.floats(-1, 1)] * 4),
     place=st.tuples(*[st.floats(-1e3, 1e3)] * 3),
 )
-def test_a_segment_replayed_from_any_pose_is_the_simulation_from_there(species, name, pose, place):
-    """The fish that swims on, turned and moved, against the rows of the file."""
+def test_a_segment_replayed_from_any_pose_is_the_simulation_from_there(
+    species, number, pose, place
+):
+    """The fish that swims on, or the manoeuvre, turned and moved, against the rows of the file."""
     assume(np.linalg.norm(pose) > 0.1)
     repertoire = repertoire_of(species)
+    names = repertoire.recorded_names()
+    name = names[number % len(names)]
+    assume(name != "row_forward")  # it has no muscles: tests/capture/recording/test_rowing.py
     motion = motion_from_provenance(repertoire.provenance)
-    body, steady = build_body(motion.body), start_of(species, name).state
-    turned = matrix(np.array(pose) / np.linalg.norm(pose))
-    state = BodyState(steady.x @ turned.T + place, steady.v @ turned.T, steady.watch.copy())
-    played = replay(repertoire.segments[name], *body_frame(state.x), 1)
-    if name.endswith("sharp"):
-        turn = motion.turn
-        frames = sharp_turn(body, motion.swim, turn, turn.sharp, side_of(name), state).frames
-        swum = frames[1:]
-    else:
-        swum = simulate(body, state, steady_contraction(motion, name))
-    np.testing.assert_allclose(played, swum, atol=1e-6 * repertoire.body_length_cm)
+    trial, turned = trial_of(species, name), matrix(np.array(pose) / np.linalg.norm(pose))
+    frames = trial.frames @ turned.T + place
+    if repertoire.segments[name].cyclic:
+        steady = trial.state
+        state = BodyState(steady.x @ turned.T + place, steady.v @ turned.T, steady.watch.copy())
+        beat = steady_contraction(motion, name)
+        frames = np.concatenate([state.x[None], simulate(build_body(motion.body), state, beat)])
+    played = replay(repertoire.segments[name], *body_frame(frames[0]), 1)
+    np.testing.assert_allclose(played, frames[1:], atol=1e-6 * repertoire.body_length_cm)

@@ -139,10 +139,11 @@ def test_damaged_segments_and_those_of_another_fish_are_recorded_again(
 @pytest.mark.parametrize("name", species_names())
 def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
     species = load_species(name)
-    segment, beats = record_segment(species, "turn_left_sharp")
-    save_segment(tmp_path, name, species, "turn_left_sharp", (segment, beats))
-    ((back, again),) = finished_segments(tmp_path, name, species).values()
-    assert again == beats
+    recorded = record_segment(species, "turn_left_sharp")
+    segment = recorded.segment
+    save_segment(tmp_path, name, species, "turn_left_sharp", recorded)
+    ((back, *numbers),) = finished_segments(tmp_path, name, species).values()
+    assert numbers == [recorded.warm_up_beats, recorded.couple]
     for field in dataclasses.fields(segment):
         ours, theirs = getattr(segment, field.name), getattr(back, field.name)
         if field.name == "control_points" and ours is not None:

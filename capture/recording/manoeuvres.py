@@ -1,0 +1,281 @@
+"""Simulate the acyclic segments: escapes, turns from rest and glides, starts and stops.
+
+The muscles bend the body to the inner side and straighten it again. Bending and straightening
+alone are nearly reciprocal: both waters turn most of the heading back. A fish holds it with fins
+that the hull lacks, spread and swept by its own muscles. They are a couple about the vertical, and
+its size is found such that the fish turns by the angle that is wanted. Only turns to the left are
+simulated: those to the right are their mirror images.
+"""
+
+from itertools import product
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+
+from capture.recording.trial import Trial, displacement, grade_contraction, steady_beat
+from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, build_body
+from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.controllers import (
+    LEFT,
+    S_MAX,
+    bend_contraction,
+    ease,
+    swim_contraction,
+)
+from subsea.biomechanics.elongated import make_sections
+from subsea.biomechanics.fins import brake, pectoral_force
+from subsea.biomechanics.gait import headings
+from subsea.biomechanics.simulation import (
+    NO_FORCE,
+    STILL,
+    BodyState,
+    at_rest,
+    copy_state,
+    is_sound,
+    simulate,
+)
+from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.core.errors import UserError
+
+MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
+"""The node on the other side of the body for each node."""
+TOLERANCE_DEG = 0.5
+MOST_JERK_BL = 0.1  # largest change of the velocity of a node, body lengths per tick²
+MOST_SPIN_DEG = 20.0  # of the head in a tick
+CLOSE_DEG = 5.0  # a turn that is nearer to its angle is not tried with less bend
+SLOWER = (1.0, 1.5)  # factors of the times of a turn, if it cannot be as fast
+SHARES = (1.0, 0.85, 0.7, 0.55, 0.4)  # of the bend and the beat
+COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a body without drag
+FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
+COAST_TICKS = 12  # of a glide before a turn
+MOST_QUICK_BEATS = 4  # of a start
+STARTED = 0.9  # share of the speed of medium at which a start ends
+STOP_TICKS = 45
+STOPPED = 0.1  # share of the speed of medium at which a fish counts as stopped
+
+
+class Turn(NamedTuple):
+    """A bend to the inner side with a couple, and the beats after it; times in ticks."""
+
+    angle: float  # degrees, of the mean heading
+    contraction: float  # of all three muscle segments; less where the body would lose its shape
+    bend: float  # until the body is bent
+    hold: float
+    release: float  # until it is straight again
+    counter: float  # contraction of the outer side after the bend, relative to the bend
+    beats: int  # swum on
+    grade: str  # of these beats
+    entry: str = "rest"  # or "glide", or "swim": at medium, with a beat that goes on
+
+
+TURNS = {
+    "cstart_left_moderate": Turn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst"),
+    "cstart_left_wide": Turn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst"),
+    "turn_left_rest": Turn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow"),
+    "turn_left_sharp": Turn(90.0, 0.18, 6.0, 6.0, 10.0, 0.0, 1, "medium", "swim"),
+    "turn_left_glide": Turn(90.0, 0.18, 8.0, 8.0, 12.0, 0.0, 1, "medium", "glide"),
+}
+
+
+def manoeuvre(motion: Muscles, name: str) -> Trial:
+    """Simulate an acyclic segment; UserError where the body loses its shape."""
+    body, swim = build_body(motion.body), motion.swim
+    if name == "swim_start":
+        return _start(body, swim)
+    if name == "swim_stop":
+        return _stop(body, swim)
+    left = name.replace("_right_", "_left_")
+    turn, start = TURNS[left], at_rest(body)
+    if left == "turn_left_sharp":
+        turn = turn._replace(angle=motion.turn.sharp)
+    if turn.entry != "rest":
+        start = _swimming(body, swim, turn.entry)
+    trial = turn_from(Turner(body, _inertia(motion.body, body), swim), turn, start)
+    return trial if name == left else mirrored(trial)
+
+
+def mirrored(trial: Trial) -> Trial:
+    """The trial of a fish in a mirror along its plane of symmetry."""
+    flip = np.array([1.0, 1.0, -1.0])
+    x, v = (values[MIRROR] * flip for values in (trial.state.x, trial.state.v))
+    state = BodyState(x, v, trial.state.watch.copy())
+    return trial._replace(frames=trial.frames[:, MIRROR] * flip, state=state)
+
+
+class Turner(NamedTuple):
+    """A fish that turns."""
+
+    body: Body
+    inertia: Floats  # (23,) g, of the nodes with the water that moves aside with them
+    swim: SwimPlan
+
+
+def turn_from(fish: Turner, turn: Turn, start: BodyState) -> Trial:
+    """Turn left by ``turn.angle``: a search for the couple, and then for its nearest value.
+
+    Where the body would lose its shape it bends and beats less. Returns the sound turn that is
+    nearest to the angle.
+    """
+    # From swimming, the first and the last frame are at the same phase of the beat.
+    beat = 1 if turn.entry == "swim" else fish.swim.at(turn.grade).ticks_per_beat
+    best, error = None, np.inf
+    length = float(np.ptp(fish.body.rest[:, 0]))
+
+    def attempt(couple: float) -> float:
+        """The angle that is missing, degrees; NaN where the body loses its shape."""
+        nonlocal best, error
+        trial = _with_couple(fish, start, contraction, couple * push)
+        if not (is_sound(trial.state) and _is_smooth(trial.frames, length)):
+            return np.nan
+        missing = turn.angle - mean_heading(trial.frames, beat)
+        if abs(missing) < error:
+            best, error = trial._replace(couple=couple), abs(missing)
+        return missing
+
+    for slow, counter, share in product(SLOWER, dict.fromkeys((turn.counter, 0.0)), SHARES):
+        milder = turn._replace(hold=slow * turn.hold, release=slow * turn.release, counter=counter)
+        contraction, push = _turn_controls(fish.body, fish.swim, milder, share)
+        below = 0.0
+        for couple in COUPLES:
+            missing = attempt(couple)
+            if missing < 0.0:
+                low, high = below, couple
+                while error > TOLERANCE_DEG and high - low > 1e-4:
+                    middle = 0.5 * (low + high)
+                    low, high = (middle, high) if attempt(middle) > 0.0 else (low, middle)
+                break
+            below = couple
+        if error < CLOSE_DEG:
+            break
+    if best is None:
+        raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
+    return best
+
+
+def _is_smooth(frames: Floats, length: float) -> bool:
+    """True if neither a node nor the snout is jerked."""
+    change = np.linalg.norm(np.diff(frames, 2, axis=0), axis=2).max()
+    spin = np.abs(np.diff(headings(frames))).max()
+    return bool(change <= MOST_JERK_BL * length and spin <= MOST_SPIN_DEG)
+
+
+def mean_heading(frames: Floats, beat: int) -> float:
+    """Mean heading over the last ``beat`` ticks relative to the first frame, degrees."""
+    heading = headings(frames)
+    return float(heading[-beat:].mean() - heading[0])
+
+
+def _turn_controls(body: Body, swim: SwimPlan, turn: Turn, share: float) -> tuple[Floats, Floats]:
+    """Contractions (6 T, 12) and the couple (T,) relative to its size."""
+    swim = swim.at(turn.grade)
+    amplitude = share * swim.amplitude(turn.grade)
+    turning = turn.bend + turn.hold + turn.release
+    ticks = int(np.ceil(turning)) + turn.beats * swim.ticks_per_beat
+    if turn.entry == "swim":
+        ticks = int(np.ceil(ticks / swim.ticks_per_beat)) * swim.ticks_per_beat
+    at = np.arange(ticks * STEPS_PER_TICK) / STEPS_PER_TICK
+    fastest = S_MAX * STEPS_PER_TICK * turn.bend / body.length[:MUSCLES].max()
+    size = share * min(turn.contraction, fastest)
+    released = turn.bend + turn.hold
+    inner = np.clip(at / turn.bend, 0.0, 1.0) - ease((at - released) / turn.release)
+    half = 0.5 * turn.release
+    outer = ease((at - released) / half) - ease((at - released - half) / half)
+    contraction = _bend(size, LEFT, inner) + _bend(turn.counter * size, -LEFT, outer)
+    begin = released + half
+    fade = amplitude * (ease((at - begin) / turn.release) if turn.entry != "swim" else 1.0)
+    phase = 2.0 * np.pi * (at - ticks) / swim.ticks_per_beat  # ends at phase 0
+    contraction += swim_contraction(swim, phase, fade)
+    middle = (np.arange(ticks) + 0.5) / turning
+    return contraction, np.where(middle < 1.0, np.sin(np.pi * middle) ** 2, 0.0)
+
+
+def _bend(size: float, side: float, share: Floats) -> Floats:
+    """Contractions of all three muscle segments on one side."""
+    front = bend_contraction((size, size), side, share)
+    front[:, 8:] = front[:, 4:8]
+    return front
+
+
+def _inertia(plan: BodyPlan, body: Body) -> Floats:
+    """Mass (23,) of the nodes with the water that moves aside with them, g."""
+    added = make_sections(msgspec.structs.replace(plan, water="elongated")).added
+    share = np.append(added[:-1] / NODES_AT_STATION[1], added[-1] / NODES_AT_STATION[-1])
+    water = np.repeat([0.0, *share], NODES_AT_STATION)
+    return np.asarray(body.mass + water)
+
+
+def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Floats) -> Trial:
+    """Simulate with a couple (T,), rad/tu², about the vertical through the centre of mass."""
+    state, inertia = copy_state(start), fish.inertia
+    frames = [state.x.copy()]
+    for tick, turning in zip(_ticks(contraction), couple, strict=True):
+        force = NO_FORCE
+        if turning:
+            arm = state.x - inertia @ state.x / inertia.sum()
+            force = turning * inertia[:, None] * np.cross((0.0, 1.0, 0.0), arm)
+        frames.extend(simulate(fish.body, state, tick, force=force))
+        if not np.isfinite(state.x).all():
+            frames += [state.x.copy()] * (len(couple) + 1 - len(frames))
+            break
+    return Trial(np.array(frames), state)
+
+
+def _ticks(contraction: Floats) -> list[Floats]:
+    return np.split(contraction, len(contraction) // STEPS_PER_TICK)
+
+
+def _swimming(body: Body, swim: SwimPlan, entry: str) -> BodyState:
+    """The state of a fish that swims at grade medium, or coasts from there with a straight body."""
+    beat = grade_contraction(swim, "medium")
+    state = steady_beat(body, beat).state
+    if entry == "glide":
+        simulate(body, state, _fading(beat, COAST_TICKS))
+    return state
+
+
+def _fading(beat: Floats, ticks: int) -> Floats:
+    """Contractions (6 T, 12) of a beat that is repeated and fades in three quarters of the time."""
+    steps = ticks * STEPS_PER_TICK
+    fade = 1.0 - ease(np.arange(1, steps + 1) / (0.75 * steps))
+    return np.asarray(fade[:, None] * np.resize(beat, (steps, MUSCLES)))
+
+
+def _start(body: Body, swim: SwimPlan) -> Trial:
+    """Swim off from rest with quick beats, then at grade medium, to phase 0."""
+    beat, quick = (grade_contraction(swim, grade) for grade in ("medium", "fast"))
+    usual = np.linalg.norm(displacement(steady_beat(body, beat).frames))
+    ticks = len(beat) // STEPS_PER_TICK
+    best: Trial | None = None
+    for number in range(MOST_QUICK_BEATS + 1):
+        contraction = np.concatenate([*[quick] * number, beat, beat])
+        fade = ease(np.arange(len(contraction)) / len(quick))[:, None]
+        state = at_rest(body)
+        frames = np.concatenate([body.rest[None], simulate(body, state, fade * contraction)])
+        if not is_sound(state):
+            break
+        best = Trial(frames, state)
+        if np.linalg.norm(displacement(frames[-ticks - 1 :])) > STARTED * usual:
+            break
+    if best is None:
+        raise UserError("the body lost its shape in a start")
+    return best
+
+
+def _stop(body: Body, swim: SwimPlan) -> Trial:
+    """Stop beating at phase 0 of medium, glide, and brake with both pectoral fins."""
+    trial = steady_beat(body, grade_contraction(swim, "medium"))
+    state = trial.state
+    slow = STOPPED * float(np.linalg.norm(body.mass @ state.v))
+    frames = [state.x.copy()]
+    frames.extend(simulate(body, state, _fading(grade_contraction(swim, "medium"), COAST_TICKS)))
+    area = FIN_AREA * float(np.ptp(body.rest[:, 0])) ** 2
+    relaxed = np.zeros((STEPS_PER_TICK, MUSCLES))
+    for _ in range(STOP_TICKS):
+        force = pectoral_force(state, area, *brake(), STILL)
+        frames.extend(simulate(body, state, relaxed, force=force))
+        if np.linalg.norm(body.mass @ state.v) < slow:
+            break
+    if not is_sound(state):
+        raise UserError("the body lost its shape in a stop")
+    return Trial(np.array(frames), state, trial.warm_up_beats)
