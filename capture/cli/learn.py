@@ -61,7 +61,7 @@ def add(commands: Any) -> None:
         "--budget",
         metavar="N",
         type=number_reader(int, 1, 1_000_000),
-        help="evaluations of each search (default 300, with --body or --gait 3000)",
+        help="evaluations of each search (default 300, with --body or --gait 4000)",
     )
     parser.add_argument(
         "--seed",
@@ -137,7 +137,7 @@ def _learn_whole(options: argparse.Namespace) -> int:
         options.out,
         options.dry_run,
         body=options.body,
-        budget=options.budget or 3000,
+        budget=options.budget or 4000,
         seed=options.seed,
         jobs=options.jobs,
         force=options.force,

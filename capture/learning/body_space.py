@@ -14,7 +14,7 @@ from subsea.biomechanics.solver import STEP
 from subsea.biomechanics.stability import longest_step
 from subsea.fish.surface import SurfacePlan, along
 
-TICKS = (12, 24)  # of a fast beat
+TICKS, FIRST_TICKS = (12, 20), 17  # of a fast beat: range of the search, and its start
 BURST_TICKS, MEDIUM_TICKS, SLOW_TICKS = 0.8, 1.45, 2.1  # over those of fast
 STIFFNESS, VISCOSITY = (20.0, 800.0), (0.03, 3.0)
 MASS_FACTOR = 4.0  # of a station's share in the mass, up or down
@@ -35,19 +35,19 @@ def outline_volume(surface: SurfacePlan, length: float) -> float:
 
 
 def species_point(plan: BodyPlan, swim: SwimPlan, volume: float) -> Floats:
-    """The point of a species in the unit box, clipped to it.
+    """The point of a species in the unit box, clipped to it: where a search begins.
 
-    Soft bodies begin at a stiffness that carries the mass of the water.
+    Soft bodies begin at a stiffness that carries the mass of the water, beats at FIRST_TICKS.
     """
     fewest, most = TICKS
     low, high = LAGS
     contraction = np.array(swim.contraction) / max_contractions(
-        build_body(plan), _burst_ticks(swim.ticks_per_beat)
+        build_body(plan), _burst_ticks(FIRST_TICKS)
     )
     values = [
         *contraction,
         (swim.lag - low) / (high - low),
-        (swim.ticks_per_beat + 0.5 - fewest) / (most + 1 - fewest),
+        (FIRST_TICKS + 0.5 - fewest) / (most + 1 - fewest),
         *(max(_share(k, STIFFNESS), 0.5) for k in _stiffness(plan)),
         _share(plan.viscosity, VISCOSITY),
         (plan.mass / (DENSITY * volume) - MASS[0]) / (MASS[1] - MASS[0]),

@@ -55,7 +55,8 @@ LIMITS = {
 }
 SLOWEST = at_least(0.2)  # stride of any grade
 HARD = {"strouhal": Range(0.22, 0.42), "tail": Range(0.15, 0.25), "stride": at_least(0.45)}
-ENVELOPE_WEIGHT, ECONOMY = 20.0, 0.05  # of the mean deviation in L; of ln(cost)
+ENVELOPE_WEIGHT = 20.0  # of the mean deviation in L
+ECONOMY, HASTE = 0.05, 0.5  # of ln(cost), and of -ln(speed)
 
 
 class Wave(NamedTuple):
@@ -155,7 +156,8 @@ def wave_loss(body: Body, swim: SwimPlan, seed: int) -> float:
         if wave is None:
             return UNSOUND + len(trials) - number - survived
         if number == 0:
-            loss, speed = _fast_loss(wave), wave.stride / swim.ticks_per_beat
+            speed = wave.stride / swim.ticks_per_beat
+            loss = _fast_loss(wave) - HASTE * float(np.log(max(speed, 1e-4)))
             if loss > POOR:
                 return min(loss + OTHERS_MOST * (len(trials) - 1), UNSOUND - 1.0)
         else:
