@@ -20,7 +20,7 @@ def add(commands: Any) -> None:
         commands,
         "record",
         "record the motion of species",
-        "Simulates three swims and four turns of each species and writes the repertoire\n"
+        "Simulates the swims, turns and escapes of each species and writes the repertoire\n"
         "OUT/SPECIES.h5. Skips repertoires that are up to date; an interrupted run continues\n"
         "where it stopped.",
         [
