@@ -12,9 +12,9 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times,
 from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
-ROOM_BL = 4.0  # room that a fish needs to turn away
-BODY_BL = 0.45  # farthest part of a body from its middle ...
-CLEARANCE_CM = 8.0  # ... and free water beyond
+ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time of a turn
+BODY_BL = 0.45  # farthest part of a body from its middle
+CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.1  # free water beyond snout and tail
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 
@@ -23,29 +23,35 @@ SLOPE_CM = 20.0  # baseline of the seabed's slope
 def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
     """Turn `minds.urge` of the fishes `who` away from the bounds of the sea and from solids.
 
-    Near a boundary the urge is constrained (SMC §6.2): the nearer the fish, the less it may point
-    outward, and too near it must point inward. The rest of the urge runs along the boundary.
+    Near a boundary the urge is constrained (SMC §6.2): the nearer snout or tail, the less it may
+    point outward, and too near it must point inward. The rest runs along the boundary.
     """
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     for i in who:
-        here = vector(fishes.position[i])
+        here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
         urge = vector(minds.urge[i])
-        length = norm(urge)
-        urge = times(1.0 / length, urge) if length >= 1e-9 else x_axis(fishes.orientation[i])
+        size, length = norm(urge), float(fishes.length[i])
+        urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
+        snout = plus(here, times(float(fishes.snout[i]), ahead))
+        tail = plus(snout, times(-length, ahead))
+        reach = CLEARANCE_CM + CLEARANCE_BL * length
+        # Large fishes turn more slowly, and fast ones on a wider circle.
+        room = ROOM_BL * length + ROOM_S * norm(vector(fishes.velocity[i])) / fishes.rate[i]
         # Twice, so that in a corner neither undoes the other.
         for _ in range(2):
-            urge = _inside(fishes, i, sea, urge)
-            urge = _around(fishes, i, sea, urge)
+            for part in (tail, snout):
+                urge = _inside(part, reach, room, sea, urge)
+                urge = _around(part, reach, room, sea, urge)
             urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
         set_urge(minds, i, urge)
 
 
 @kernel
-def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
-    """The urge constrained by wall, surface and floor."""
-    p = vector(fishes.position[i])
-    reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
-    room = ROOM_BL * fishes.length[i]
+def _inside(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vector:
+    """The urge constrained by wall, surface and floor near a part of the body at p.
+
+    It keeps `reach` cm off, and turns away within `room` cm more.
+    """
     away = max(np.sqrt(p[0] * p[0] + p[1] * p[1]), 1e-6)
     if sea.radius - away < reach + room:
         inward = (-p[0] / away, -p[1] / away, 0.0)
@@ -61,11 +67,8 @@ def _inside(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
 
 
 @kernel
-def _around(fishes: Fishes, i: int, sea: Sea, urge: Vector) -> Vector:
-    """The urge constrained by pillars and rocks."""
-    p = vector(fishes.position[i])
-    reach = BODY_BL * fishes.length[i] + CLEARANCE_CM
-    room = ROOM_BL * fishes.length[i]
+def _around(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vector:
+    """The urge constrained by pillars and rocks near a part of the body at p."""
     for k in range(len(sea.pillars)):
         normal, distance = from_pillar(sea.pillars[k], p)
         if distance < reach + room:

@@ -1,20 +1,15 @@
-"""Separation of bodies from each other, from solids and from the rim, by water drift."""
-
-import math
+"""Separation of bodies from each other, by water drift."""
 
 import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
-from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
+from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds
 
 GAP_BL = 0.12  # gap between skins, over the longer body, where separation begins
 FULL_CM_S = 6.0  # speed at which touching bodies are pushed apart
-STONE_CM, STONE_PER_S = 4.0, 6.0  # range, and outward speed per cm within it
-RIM_CM, RIM_PER_S = 12.0, 8.0  # the same at the rim of the sea
 CLOSEST = 2  # neighbours considered, besides the threat
 
 
@@ -43,56 +38,6 @@ def separate(fishes: Fishes, minds: Minds) -> None:
                 speed = FULL_CM_S * min(close, 1.0) / distance
                 for axis in range(3):
                     fishes.drift[i, axis] += np.float32(speed * away[axis])
-
-
-@kernel
-def keep_off_solids(fishes: Fishes, sea: Sea) -> None:
-    """Add to `fishes.drift` what keeps bodies off solids and within the rim.
-
-    Between two stones a fish may turn from one into the other, and a fleeing fish may reach the
-    rim too fast to turn.
-    """
-    for i in range(len(fishes.length)):
-        middle, length = vector(fishes.position[i]), float(fishes.length[i])
-        away = max(math.sqrt(middle[0] * middle[0] + middle[1] * middle[1]), 1e-6)
-        if away > sea.radius - RIM_CM:
-            inward = (-middle[0] / away, -middle[1] / away, 0.0)
-            _push(fishes.drift[i], inward, sea.radius - away, RIM_CM, RIM_PER_S)
-        for k in range(len(sea.pillars)):
-            if from_pillar(sea.pillars[k], middle)[1] < STONE_CM + length:
-                _keep_off(fishes, i, sea.pillars[k])
-        for k in range(len(sea.rocks)):
-            if not far_from_rock(sea.rocks[k], middle, STONE_CM + length):
-                _keep_off(fishes, i, sea.rocks[k])
-
-
-@kernel
-def _keep_off(fishes: Fishes, i: int, solid: Array) -> None:
-    """Push fish i, by its nearest part, away from a pillar (4,) or a rock (7,)."""
-    middle, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
-    snout, length = float(fishes.snout[i]), float(fishes.length[i])
-    way, gap = _from_solid(solid, middle)
-    for half in range(3):
-        place = plus(middle, times(snout - 0.5 * half * length, ahead))
-        other, near = _from_solid(solid, place)
-        if near < gap:
-            way, gap = other, near
-    _push(fishes.drift[i], way, gap, STONE_CM, STONE_PER_S)
-
-
-@kernel
-def _from_solid(solid: Array, p: Vector) -> tuple[Vector, float]:
-    """Outward direction at p and distance from a pillar (4,) or a rock (7,)."""
-    return from_pillar(solid, p) if len(solid) == 4 else from_rock(solid, p)
-
-
-@kernel
-def _push(drift: Array, way: Vector, gap: float, reach: float, rate: float) -> None:
-    """Add a drift along `way`, `gap` cm from a solid: `rate` cm/s per cm within `reach`."""
-    if gap < reach:
-        speed = rate * (reach - gap)
-        for axis in range(3):
-            drift[axis] += np.float32(speed * way[axis])
 
 
 @kernel

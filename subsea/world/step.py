@@ -24,9 +24,10 @@ from subsea.directing.director import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.bow_wave import add_bow_wave
+from subsea.habitat.contact import keep_in_free_water
 from subsea.habitat.current import flow_at, set_drift
 from subsea.habitat.seaweed import step_seaweed
-from subsea.habitat.separation import keep_off_solids, separate
+from subsea.habitat.separation import separate
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
@@ -56,6 +57,7 @@ def step(world: World, order: Order) -> None:
     world.stages_s.clear()
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
+    own = state.fishes.velocity - state.fishes.drift
     with _stage(world, "habitat"):
         move_water(world, clock)
     with _stage(world, "perception"):
@@ -70,6 +72,8 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "behavior"):
         act(world, free, commands, clock)
         state.minds.pause[who] = 0.0
+    with _stage(world, "habitat"):
+        keep_in_free_water(state.fishes, state.sea, own, TICK_S)
     with _stage(world, "motor"):
         move_fishes(world, clock)
     if isinstance(order, Rail):
@@ -89,7 +93,6 @@ def move_water(world: World, clock: Clock) -> None:
     set_drift(fishes, sea, flow)
     add_bow_wave(fishes, sea)
     separate(fishes, state.minds)
-    keep_off_solids(fishes, sea)
     hook.move_hook(sea, clock)
     step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
 
