@@ -21,8 +21,13 @@ class Outside(NamedTuple):
 
 
 def outside(record: Record) -> list[Outside]:
-    """Count the fish-ticks outside the free water, for each species in a record."""
+    """Count the fish-ticks outside the free water, for each species in a record.
+
+    A fish that struggles on the hook is lifted out of the water and does not count.
+    """
     gaps, which = clearances(record)
+    if "struggle" in record.intention_names:
+        gaps[record.intention == record.intention_names.index("struggle")] = np.inf
     found = []
     for k, name in enumerate(record.species_names):
         those = np.flatnonzero(record.species == k)
