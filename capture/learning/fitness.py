@@ -71,7 +71,7 @@ GAIT_LIMITS = {  # of a fast gait (docs/developers/biomechanics-figures.md)
     "closure": at_most(1e-3),
 }
 STRIDE = at_least(0.35)  # L/beat of a fast gait; a body that cannot reach it may still learn
-TURN_LIMITS = {"contraction_step": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.7)}
+TURN_LIMITS = {"contraction_step": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.5)}
 GRADE_RATIO, BURST_RATIO = at_least(1.4), at_least(1.1)
 GRADUAL_DEG = Range(2.0, 18.0)
 

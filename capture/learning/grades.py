@@ -44,7 +44,7 @@ def grade_waves(body: Body, swim: SwimPlan) -> dict[str, Wave]:
 def _wave(body: Body, swim: SwimPlan, grade: str) -> Wave:
     """Measures of a grade, swum from rest."""
     rng = np.random.default_rng(0)
-    wave, _ = swim_and_measure(body, swim.at(grade), swim.amplitude(grade), 0.0, rng)
+    wave, _, _ = swim_and_measure(body, swim.at(grade), swim.amplitude(grade), 0.0, rng)
     if wave is None:
         raise UserError(f"it loses its shape at grade {grade}")
     return wave

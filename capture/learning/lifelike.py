@@ -22,10 +22,17 @@ from capture.recording.trial import beat_contraction, displacement, loop_error
 from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan
-from subsea.biomechanics.controllers import S_MAX
+from subsea.biomechanics.controllers import LEFT, S_MAX, bend_contraction, ease
 from subsea.biomechanics.fins import UP
-from subsea.biomechanics.gait import MIN_DISTANCE, contraction_step, snout_bend, straightness
-from subsea.biomechanics.simulation import BodyState, copy_state, is_sound
+from subsea.biomechanics.gait import (
+    MIN_DISTANCE,
+    contraction_step,
+    headings,
+    snout_bend,
+    straightness,
+)
+from subsea.biomechanics.simulation import BodyState, copy_state, is_sound, simulate
+from subsea.biomechanics.solver import STEPS_PER_TICK
 
 STATIONS = [[0], *([1 + 4 * k, 2 + 4 * k, 3 + 4 * k, 4 + 4 * k] for k in range(RINGS))]
 STATIONS.append([UPPER_TAIL, LOWER_TAIL])
@@ -53,6 +60,8 @@ LIMITS = {
     "drift": at_most(1.0),
     "aside": at_most(0.02),
 }
+RADIUS = at_most(1.0)  # L, of the circle of a body bent by PROBE
+PROBE, PROBE_TICKS, PROBE_BEATS = (0.3, 0.3), 10, 4  # contraction, ticks to it, and beats
 SLOWEST = at_least(0.2)  # stride of any grade
 HARD = {"strouhal": Range(0.22, 0.42), "tail": Range(0.15, 0.25), "stride": at_least(0.45)}
 ENVELOPE_WEIGHT = 20.0  # of the mean deviation in L
@@ -152,7 +161,7 @@ def wave_loss(body: Body, swim: SwimPlan, seed: int) -> float:
     trials = [(swim, 1.0), *others, (swim, HALF)]
     loss, speed = 0.0, 0.0
     for number, (gear, amplitude) in enumerate(trials):
-        wave, survived = swim_and_measure(body, gear, amplitude, DISTURBANCE, rng)
+        wave, state, survived = swim_and_measure(body, gear, amplitude, DISTURBANCE, rng)
         if wave is None:
             return UNSOUND + len(trials) - number - survived
         if number == 0:
@@ -163,13 +172,31 @@ def wave_loss(body: Body, swim: SwimPlan, seed: int) -> float:
         else:
             ratio = wave.stride / gear.ticks_per_beat / max(speed, 1e-6)
             loss += _other_loss(wave, ratio, RATIOS[number - 1])
+    loss += PENALTY * excess(turning_radius(body, swim, state), RADIUS)
     return min(loss, UNSOUND - 1.0)
+
+
+def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> float:
+    """Radius in L of the circle of a body that is held bent by PROBE and beats at HALF.
+
+    NaN where it loses its shape. ``state`` of a body that swims so, at phase 0, changes.
+    """
+    beat = beat_contraction(swim, HALF)
+    steps = np.arange(PROBE_BEATS * len(beat))
+    bend = bend_contraction(PROBE, LEFT, ease(steps / (PROBE_TICKS * STEPS_PER_TICK)))
+    frames = simulate(body, state, np.tile(beat, (PROBE_BEATS, 1)) + bend)
+    if not is_sound(state):
+        return np.nan
+    last = frames[-swim.ticks_per_beat - 1 :]
+    heading = np.radians(headings(last))
+    way = np.linalg.norm(displacement(last)) / float(np.ptp(body.rest[:, 0]))
+    return float(way / max(heading[-1] - heading[0], 1e-3))
 
 
 def swim_and_measure(
     body: Body, swim: SwimPlan, amplitude: float, rms: float, rng: np.random.Generator
-) -> tuple[Wave | None, float]:
-    """Swim from a disturbed start and measure; the share of the beats in which it kept its shape.
+) -> tuple[Wave | None, BodyState, float]:
+    """Swim from a disturbed start; measures, final state, and share of beats in good shape.
 
     The measures are None for a body that lost its shape.
     """
@@ -178,9 +205,11 @@ def swim_and_measure(
     beats = WARM_UP - 1
     survived = beats_survived(body, state, beat, beats) if is_sound(state) else 0
     if survived < beats:
-        return None, survived / (beats + MEASURED)
+        return None, state, survived / (beats + MEASURED)
     wave = measure_wave(body, swim, amplitude, state)
-    return (wave, 1.0) if is_sound(state) else (None, beats / (beats + MEASURED))
+    if not is_sound(state):
+        return None, state, beats / (beats + MEASURED)
+    return wave, state, 1.0
 
 
 def _fast_loss(wave: Wave) -> float:

@@ -23,11 +23,11 @@ from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.simulation import BodyState
 from subsea.core.errors import UserError
 
-BENDS = (0.03, 0.35)
+BENDS = (0.03, 0.5)
 BEND_TICKS = (4.0, 20.0)
 RESTORE_TICKS = (8.0, 40.0)
 AMPLITUDES = (0.0, 1.0)
-LONGEST_HOLD = 160.0  # ticks
+LONGEST_HOLD = 320.0  # ticks
 GRADUAL_DEG_PER_BEAT = 8.0  # angle of a gradual turn in one beat
 
 
