@@ -17,7 +17,7 @@ from capture.inspection.kinematics import (
 from capture.recording.record import motion_from_provenance
 from subsea.biomechanics.solver import TIME_UNIT_S
 from subsea.core.findings import RangeCheck
-from subsea.fish.measured import ITSELF, MeasuredRange, MeasuredSwimming, SwimmingFacts
+from subsea.fish.measured import MeasuredSwimming, SwimmingFacts, published
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
@@ -101,16 +101,6 @@ def validate(repertoire: Repertoire, species: Species, table: MeasuredSwimming) 
         ]
     )
     return found
-
-
-def published(
-    subject: str, quantity: str, value: float, unit: str, measured: MeasuredRange, note: str = ""
-) -> RangeCheck:
-    """A finding with its published range; the source says whose it is and if it was recalled."""
-    of = "" if measured.of == ITSELF else f" ({measured.of})"
-    recalled = ", recalled" if measured.recalled else ""
-    source = f"{measured.source}{of}{recalled}"
-    return RangeCheck(subject, quantity, value, unit, *measured.range, source, note)
 
 
 def _swim(name: str, repertoire: Repertoire, rate: float, facts: SwimmingFacts) -> Swim:

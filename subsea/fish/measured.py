@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from subsea.core.errors import unknown
+from subsea.core.findings import RangeCheck
 from subsea.core.resources import resource_path
 from subsea.core.toml_files import error_at, load_toml
 
@@ -105,3 +106,12 @@ def measured_species(table: MeasuredSwimming, name: str) -> SwimmingFacts:
     if name not in table.species:
         raise unknown("species in assets/swimming.toml:", name, list(table.species))
     return table.species[name]
+
+
+def published(
+    subject: str, quantity: str, value: float, unit: str, measured: MeasuredRange, note: str = ""
+) -> RangeCheck:
+    """A quantity beside its range; the source says whose it is and if it was recalled."""
+    of = "" if measured.of == ITSELF else f" ({measured.of})"
+    source = f"{measured.source}{of}{', recalled' if measured.recalled else ''}"
+    return RangeCheck(subject, quantity, value, unit, *measured.range, source, note)

@@ -155,6 +155,7 @@ class Record(NamedTuple):
     snout: Array  # (T, n, 3) cm
     tail: Array  # (T, n, 3) cm
     intention: Ints  # (T, n)
+    segment: Ints  # (T, n)
     mental_state: Array  # (T, n, 3)
     alive: Bools  # (T, n)
     leader: Ints  # (T, n)
@@ -180,6 +181,7 @@ class Record(NamedTuple):
     alarmed: float  # f0: fear above it is alarm
     species_names: list[str]
     intention_names: list[str]
+    segment_names: list[str]
     mental_state_names: list[str]
     courtship_names: list[str]
     kind_names: list[str]
@@ -196,15 +198,15 @@ class Origin(NamedTuple):
 
 # Fields of Record that are datasets, and names that differ from the end of the path.
 _RENAMED = {"plankton/count": "plankton"}
-_READ = {
+READ = {
     name: path
     for path in FIELDS
     if (name := _RENAMED.get(path, path.rpartition("/")[2])) in Record._fields
     and not path.startswith(("submarine/", "direction/"))
 }
 _CODED = (
-    ("intention", "intention_names"), ("courtship", "courtship_names"),
-    ("species", "species_names"), ("kind", "kind_names"),
+    ("intention", "intention_names"), ("segment", "segment_names"),
+    ("courtship", "courtship_names"), ("species", "species_names"), ("kind", "kind_names"),
 )  # fmt: skip
 
 
@@ -236,9 +238,9 @@ def read_record(path: Path) -> Record:
                 f"version {version} of the format, expected {VERSION}; record it again", file=where
             )
         lengths: dict[str, int] = {}
-        first = ("time", "fish/species", *_READ.values())
+        first = ("time", "fish/species", *READ.values())
         read = {dataset: _dataset(file, dataset, lengths, where) for dataset in first}
-        fields: dict[str, Any] = {name: read[dataset] for name, dataset in _READ.items()}
+        fields: dict[str, Any] = {name: read[dataset] for name, dataset in READ.items()}
         names = [name for name in Record._fields if name.endswith("_names")]
         record = Record(
             **fields | {name: hdf5.texts(file, name, where) for name in names},

@@ -1,6 +1,6 @@
 """`subsea simulate`: record every fish, for studies. No OpenGL."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,9 +25,11 @@ from subsea.study.record import (
     DIMENSIONS,
     FIELDS,
     FORMAT,
+    READ,
     RECORD,
     STATIONS,
     VERSION,
+    Record,
     outline,
 )
 from subsea.submarine.helm import NEUTRAL
@@ -145,6 +147,38 @@ def record_run(
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
     return world
+
+
+def live_records(
+    world: World, ticks: int, fish_ticks: int, check: Callable[[], None] = lambda: None
+) -> Iterator[Record]:
+    """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory.
+
+    `check`, which may raise, is called before each tick.
+    """
+    number = len(world.state.fishes.species)
+    names = {name: list(words) for name, words in _names(world).items()}
+    constants = _constants(world)
+    done = 0
+    while done < ticks:
+        length = min(max(fish_ticks // number, 1), ticks - done)
+        block = _empty_block(length, number)
+        for row in range(length):
+            check()
+            if done + row:
+                step(world, NEUTRAL)
+            _note(world, block, row)
+        done += length
+        fields: dict[str, Any] = {name: (block | constants)[path] for name, path in READ.items()}
+        fields |= {name: words for name, words in names.items() if name in Record._fields}
+        yield Record(
+            **fields,
+            tick_s=TICK_S,
+            seed=world.state.seed,
+            radius_cm=world.scenario.bounds.radius_cm,
+            half_width_cm=float(world.state.sea.half_width),
+            alarmed=world.nature.alarmed,
+        )
 
 
 def _extent(ticks: int, fishes: int) -> str:

@@ -5,12 +5,12 @@ import re
 from subsea.core.errors import UserError
 
 MAX_RUNS = 100_000
-_SEEDS = re.compile(r"(\d+)(?::(\d+))?")
+_SEEDS = re.compile(r"(\d+)(?:[:-](\d+))?")
 _CLOSING = {"[": "]", "{": "}"}
 
 
 def read_seeds(text: str) -> tuple[int, ...]:
-    """Seeds such as ``1:64`` (1 to 64) or ``1,5,9``; a UserError for anything else."""
+    """Seeds such as ``1:64`` or ``1-64`` (1 to 64) or ``1,5,9``; a UserError for anything else."""
     seeds: list[int] = []
     for part in text.split(","):
         found = _SEEDS.fullmatch(part.strip())

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.repertoire import SEGMENTS
 from subsea.state import KINDS, WANDER
 from subsea.study.record import STATIONS, Record
 from subsea.study.series import headings
@@ -30,6 +31,7 @@ def a_record(position, orientation=EAST, **changed):
         "snout": np.float32(position + 0.4 * LENGTH * ahead),
         "tail": np.float32(position - 0.6 * LENGTH * ahead),
         "intention": zeros + WANDER,
+        "segment": zeros,
         "mental_state": mental,
         "alive": np.ones((ticks, n), bool),
         "leader": zeros - 1,
@@ -55,6 +57,7 @@ def a_record(position, orientation=EAST, **changed):
         "alarmed": 0.5,
         "species_names": ["Fish"],
         "intention_names": INTENTIONS,
+        "segment_names": list(SEGMENTS),
         "mental_state_names": ["hunger", "libido", "fear"],
         "courtship_names": COURTSHIP,
         "kind_names": list(KINDS),

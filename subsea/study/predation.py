@@ -1,0 +1,68 @@
+"""Attacks of predators on prey, and how often they succeed."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.state import EAT, PREDATOR, PREY
+from subsea.study.record import Record
+from subsea.study.series import runs
+
+REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
+APART_S = 2.0  # two approaches within this time are one attack
+AFTER_S = 1.0  # prey that dies until then was caught by the attack
+PERIOD_S = 180.0  # for which catches are counted
+
+
+class Predation(NamedTuple):
+    """Attacks in a record."""
+
+    attacks: int
+    captures: int  # attacks that caught prey
+    catches: list[float]  # of each predator in PERIOD_S, scaled from a shorter record
+
+
+def predation(record: Record) -> Predation:
+    """Count the attacks and captures of all predators.
+
+    An attack is a period in which the predator hunts and its snout is within its own length of the
+    prey that it targets. The predator nearest to prey that dies has caught it.
+    """
+    seconds = float(record.time[-1] - record.time[0] + record.tick_s)
+    hunters = np.flatnonzero(record.kind == PREDATOR)
+    caught: dict[int, list[int]] = {int(i): [] for i in hunters}  # ticks
+    for t, i in zip(*np.nonzero(record.alive[:-1] & ~record.alive[1:]), strict=True):
+        if record.kind[i] == PREY and len(hunters):
+            gap = np.linalg.norm(record.snout[t, hunters] - record.position[t, i], axis=1)
+            caught[int(hunters[gap.argmin()])].append(int(t))
+    attacks = captures = 0
+    for i in hunters:
+        found = _attacks(record, int(i))
+        after = AFTER_S / record.tick_s
+        attacks += len(found)
+        captures += sum(
+            any(start <= t <= end + after for t in caught[int(i)]) for start, end in found
+        )
+    last = int(PERIOD_S / record.tick_s)
+    scale = max(PERIOD_S / seconds, 1.0)
+    catches = [scale * sum(t < last for t in ticks) for ticks in caught.values()]
+    return Predation(attacks, captures, catches)
+
+
+def _attacks(record: Record, i: int) -> list[tuple[int, int]]:
+    """First and last ticks of the attacks of fish i."""
+    target = record.target[:, i]
+    n = record.position.shape[1]
+    aims = (record.intention[:, i] == EAT) & record.alive[:, i] & (target >= 0) & (target < n)
+    ticks = np.flatnonzero(aims)
+    prey = target[ticks]
+    near = np.linalg.norm(record.snout[ticks, i] - record.position[ticks, prey], axis=1)
+    close = np.zeros(len(target), np.bool_)
+    close[ticks] = (near <= REACH * record.length[i]) & (record.kind[prey] == PREY)
+    found: list[tuple[int, int]] = []
+    for start, end in runs(close):
+        if found and (start - found[-1][1]) * record.tick_s < APART_S:
+            found[-1] = found[-1][0], end
+        else:
+            found.append((start, end))
+    return found

@@ -1,0 +1,204 @@
+"""Swimming as realised in a sea: Strouhal number, speeds, pitch and turns of each species.
+
+The path of the tail stands for the beat, the origin of the body for the path of the fish. Samples
+are stretches of a few seconds, one after another.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.state import EAT, ESCAPE, PREDATOR
+from subsea.study.record import Record
+from subsea.study.series import headings, runs
+
+BEATS_S = 2.0  # stretch in which a beat is measured, of fishes up to LARGE_CM
+LARGE_CM, LARGE_S = 60.0, 5.0  # larger ones beat more slowly
+SHORT_S = 0.5  # stretch in which a speed is measured
+TURN_S = 1.0  # stretch in which a turn is measured
+LEAST_AMPLITUDE = 0.03  # body lengths, peak to peak: below, the tail does not beat
+LEAST_SPEED = 0.1  # body lengths a second, for a stride
+STRAIGHT_DEG = 45.0  # greatest change of heading while a beat is measured
+PITCHED_DEG = 25.0
+TURNING_DEG_S = 5.0  # slower changes of heading are recoil
+TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
+LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
+HOVER_SPEED = 0.2  # body lengths a second
+PADDED = 8  # times as many points of a spectrum
+
+Counts = tuple[float, float]  # of something, out of all
+
+
+class Swimming(NamedTuple):
+    """Samples of one species (k,); lengths in body lengths, speeds in lengths a second."""
+
+    strouhal: Array
+    frequency: Array  # Hz
+    amplitude: Array  # peak to peak
+    stride: Array
+    speed: Array  # over SHORT_S
+    hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
+    radius: Array  # of turns at low speed
+    pitched: Counts  # ticks steeper than PITCHED_DEG
+    straight: Counts  # change of heading in straight segments, rad
+    idle: Counts  # stretches below the slowest stroke, without those that row
+    hovering: Counts  # stretches slower than HOVER_SPEED
+    longest_hover_s: float
+
+
+def swimming(record: Record, slowest: Array) -> dict[str, Swimming]:
+    """Measure each species of a record; `slowest` (n,) is the speed of each one's slowest stroke.
+
+    Keys are common names.
+    """
+    found = {}
+    for k, name in enumerate(record.species_names):
+        those = np.flatnonzero(record.species == k)
+        if len(those):
+            found[name] = _species(record, those, slowest[those])
+    return found
+
+
+def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
+    length = record.length[those].astype(np.float64)
+    alive = record.alive[:, those]
+    place = record.position[:, those].astype(np.float64) / length[:, None]
+    forward = headings(record.orientation[:, those])
+    course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
+    tail = record.tail[:, those].astype(np.float64) / length[:, None]
+    long = LARGE_S if np.median(length) > LARGE_CM else BEATS_S
+    beat = _beats(tail, course, place, alive, record.tick_s, long)
+    speed, short = _speeds(place, alive, record.tick_s)
+    every = _ticks(SHORT_S, record.tick_s)
+    segment, doing = (
+        values[every // 2 :: every, those][: len(short)]
+        for values in (record.segment, record.intention)
+    )
+    strokes = short & (segment != _code(record, "row_forward"))
+    predator = record.kind[those] == PREDATOR
+    hasty = short & ((doing == ESCAPE) | ((doing == EAT) & predator))
+    hover = short & (speed < HOVER_SPEED)
+    steep = np.abs(np.degrees(np.arcsin(np.clip(forward[..., 2], -1.0, 1.0)))) > PITCHED_DEG
+    return Swimming(
+        *beat,
+        speed=speed[short],
+        hasty=speed[hasty],
+        radius=_radii(place, course, alive, record.tick_s),
+        pitched=(float((steep & alive).sum()), float(alive.sum())),
+        straight=_straight(record, course, alive, those),
+        idle=(float((strokes & (speed < slowest)).sum()), float(strokes.sum())),
+        hovering=(float(hover.sum()), float(short.sum())),
+        longest_hover_s=SHORT_S * max(
+            (end - start for i in range(len(those)) for start, end in runs(hover[:, i])), default=0
+        ),
+    )  # fmt: skip
+
+
+def _ticks(seconds: float, tick_s: float) -> int:
+    return max(round(seconds / tick_s), 2)
+
+
+def _code(record: Record, name: str) -> int:
+    return record.segment_names.index(name) if name in record.segment_names else -1
+
+
+def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
+    """Values (T, …) as stretches (k, ticks, …) one after another."""
+    k = len(values) // ticks
+    return values[: k * ticks].reshape(k, ticks, *values.shape[1:])
+
+
+def _beats(
+    tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, seconds: float
+) -> tuple[Array, Array, Array, Array]:
+    """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight."""
+    ticks = _ticks(seconds, tick_s)
+    if len(tail) < ticks:
+        return (np.zeros(0),) * 4
+    there = _stretches(alive, ticks).all(axis=1)
+    turned = np.abs(np.diff(_stretches(course, ticks)[:, [0, -1]], axis=1))[:, 0]
+    steady = there & (turned < np.radians(STRAIGHT_DEG))
+    path, ahead = _stretches(tail, ticks), _stretches(course, ticks)
+    middle = ahead.mean(axis=1, keepdims=True)
+    # Across the mean course: recoil must not count as a beat of its own.
+    aside = (path[..., 1] * np.cos(middle) - path[..., 0] * np.sin(middle)).swapaxes(1, 2)
+    aside = aside[steady]  # (m, ticks)
+    frequency, amplitude = beat_of(aside, tick_s)
+    speed = np.linalg.norm(np.diff(_stretches(place, ticks)[:, [0, -1]], axis=1), axis=-1)[:, 0]
+    speed = speed[steady] / ((ticks - 1) * tick_s)
+    beats = (amplitude >= LEAST_AMPLITUDE) & (speed > LEAST_SPEED)
+    f, a, u = frequency[beats], amplitude[beats], speed[beats]
+    return f * a / u, f, a, u / f
+
+
+def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
+    """Frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t).
+
+    A parabola, the curved path of a turn, is taken off. The frequency is that of the highest peak
+    of the spectrum, interpolated; the amplitude that of a sine of equal variance.
+    """
+    ticks = aside.shape[-1]
+    basis = np.vander(np.linspace(-1.0, 1.0, ticks), 3)
+    rest = aside - (aside @ np.linalg.pinv(basis).T) @ basis.T
+    size = PADDED * ticks
+    power = np.abs(np.fft.rfft(rest * np.hanning(ticks), size, axis=-1)) ** 2
+    peak = np.clip(power[:, 1:-1].argmax(axis=-1) + 1, 1, power.shape[-1] - 2)
+    row = np.arange(len(power))
+    before, at, after = (np.log(power[row, peak + k] + 1e-30) for k in (-1, 0, 1))
+    curve = np.minimum(before - 2 * at + after, -1e-12)
+    shift = np.clip(0.5 * (before - after) / curve, -0.5, 0.5)
+    return (peak + shift) / (size * tick_s), 2 * np.sqrt(2.0) * rest.std(axis=-1)
+
+
+def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
+    """Speeds (k, n) over stretches of SHORT_S, and if the fish was alive."""
+    ticks = _ticks(SHORT_S, tick_s)
+    ends = place[::ticks]
+    speed = np.linalg.norm(np.diff(ends, axis=0), axis=-1) / (ticks * tick_s)
+    return speed, alive[::ticks][1:]
+
+
+def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
+    """Radius of the path of each turn at low speed."""
+    ticks = _ticks(TURN_S, tick_s)
+    way = np.linalg.norm(np.diff(place[:: ticks // 2], axis=0), axis=-1)
+    k = len(way) // 2
+    way = way[: 2 * k].reshape(k, 2, -1).sum(axis=1)
+    turned = np.abs(np.diff(course[:: 2 * (ticks // 2)], axis=0))[:k]
+    there = alive[:: 2 * (ticks // 2)][1 : k + 1]
+    slow = way < LOW_SPEED * 2 * (ticks // 2) * tick_s
+    turns = there & slow & (turned > np.radians(TIGHT_DEG)) & (way > 0.0)
+    return way[turns] / turned[turns]
+
+
+def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:
+    """Change of heading in straight segments and in all, rad, without the sway of the beat."""
+    ticks = _ticks(TURN_S, record.tick_s)
+    if len(course) <= ticks:
+        return 0.0, 0.0
+    total = np.concatenate([np.zeros_like(course[:1]), np.cumsum(course, axis=0)])
+    smooth = (total[ticks:] - total[:-ticks]) / ticks
+    rate = np.abs(np.diff(smooth, axis=0))
+    rate[rate < np.radians(TURNING_DEG_S) * record.tick_s] = 0.0
+    first = ticks // 2
+    segment = record.segment[first : first + len(rate), those]
+    rate *= alive[first : first + len(rate)]
+    words = record.segment_names
+    turn = np.array([name.startswith(("turn", "cstart")) for name in words])
+    return float(rate[~turn[segment]].sum()), float(rate.sum())
+
+
+def joined(parts: list[Swimming]) -> Swimming:
+    """The samples of several records of one species."""
+    fields = {}
+    for name, field in Swimming.__annotations__.items():
+        values = [getattr(part, name) for part in parts]
+        if field is float:
+            fields[name] = max(values)
+        elif field is Counts:
+            fields[name] = tuple(np.sum(values, axis=0).tolist())
+        else:
+            fields[name] = np.concatenate(values)
+    return Swimming(**fields)

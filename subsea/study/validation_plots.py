@@ -1,0 +1,111 @@
+"""Plots of `subsea study --validate`: swimming, schools and predation beside measured ranges."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from subsea.core.atomic_io import replacing
+from subsea.core.extras import require
+from subsea.fish.measured import MeasuredSwimming
+from subsea.study.plots import DPI, STYLE
+from subsea.study.schooling import BEARINGS
+from subsea.study.validation_report import Summary
+
+RANGE, OURS = "#E69F00", "#0072B2"
+SPREAD = (10, 50, 90)  # percentiles
+
+
+def validation_plots_in(folder: Path) -> list[Path]:
+    """The files that `plot_validation` writes."""
+    return [folder / f"validation-{name}.png" for name in _PAGES]
+
+
+def plot_validation(
+    found: Summary,
+    table: MeasuredSwimming,
+    folder: Path,
+    check: Callable[[], object] = lambda: None,
+) -> list[Path]:
+    """Write the plots, all or none, and return the files; UserError without matplotlib.
+
+    `check`, which may raise, is called between two of them.
+    """
+    require("plot", "plots")
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    paths = validation_plots_in(folder)
+    with rc_context(STYLE), ExitStack() as whole:
+        for path, draw in zip(paths, _PAGES.values(), strict=True):
+            check()
+            page = Figure(dpi=DPI, layout="constrained")
+            draw(page, found, table)
+            temporary = whole.enter_context(replacing(path))
+            page.savefig(temporary, format="png", metadata={"Software": None})
+    return paths
+
+
+def _swimming(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+    """Percentiles of quantities by species over their ranges."""
+    names = [name for name in found.swims if name in table.species]
+    page.set_size_inches(12, 1.2 + 0.4 * max(len(names), 4))
+    quantities = {
+        "strouhal": "Strouhal number",
+        "stride": "stride, L",
+        "speed": "speed, L/s (range: cruise)",
+        "radius": "radius of turns at low speed, L",
+    }
+    axes = page.subplots(1, len(quantities), sharey=True)
+    for axis, (key, title) in zip(axes, quantities.items(), strict=True):
+        for k, name in enumerate(names):
+            fact = getattr(table.species[name], "cruise" if key == "speed" else key)
+            axis.plot(fact.range, [k, k], color=RANGE, linewidth=6, alpha=0.6)
+            values = getattr(found.swims[name], key)
+            if len(values):
+                low, middle, high = np.percentile(values, SPREAD)
+                axis.plot([low, high], [k, k], color=OURS)
+                axis.plot(middle, k, "o", color=OURS, ms=4)
+        axis.set(xlabel=title, xlim=(0, None))
+    axes[0].set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    page.suptitle("Ours: median, 10% and 90% (blue); measured range (orange)")
+
+
+def _schools(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+    """Order, spacing and splits over the size of the school, and bearings of the nearest."""
+    page.set_size_inches(12, 3.4)
+    order, near, parts, sides = page.subplots(1, 4)
+    schools = [one for those in found.schools.values() for one in those]
+    size = [one.fishes for one in schools]
+    for axis, values, fact, title in (
+        (order, [one.polarisation for one in schools], table.schools.polarisation, "polarisation"),
+        (near, [one.nearest_bl for one in schools], table.schools.nearest, "nearest neighbour, L"),
+        (parts, [max(one.split_s, default=0.0) for one in schools], table.schools.split,
+         "longest split, s"),
+    ):  # fmt: skip
+        axis.axhspan(*fact.range, color=RANGE, alpha=0.3)
+        axis.plot(size, values, "o", color=OURS, ms=3)
+        axis.set(xlabel="fishes of the school", ylabel=title, xscale="log", ylim=(0, None))
+    if schools:
+        share = np.mean([one.bearing for one in schools], axis=0)
+        edges = np.degrees(np.arccos(np.linspace(1.0, -1.0, BEARINGS + 1)))
+        sides.stairs(share, edges, color=OURS, fill=True)
+    sides.axhline(1 / BEARINGS, color="0.5", linestyle="--")
+    sides.set(xlabel="bearing of the nearest, ° (dashed: at random)", ylabel="share")
+
+
+def _predation(page: Any, found: Summary, unused: MeasuredSwimming) -> None:
+    """Captures per attack over the size of the group."""
+    page.set_size_inches(5, 3.4)
+    axis = page.subplots()
+    sizes = [size for size, (attacks, _) in sorted(found.hunts.items()) if attacks]
+    rates = [found.hunts[size][1] / found.hunts[size][0] for size in sizes]
+    axis.plot(sizes, rates, "o-", color=OURS)
+    for size, rate in zip(sizes, rates, strict=True):
+        axis.annotate(f" of {found.hunts[size][0]} attacks", (size, rate))
+    axis.set(xlabel="prey in the group", ylabel="captures per attack", ylim=(0, 1.05))
+
+
+_PAGES = {"swimming": _swimming, "schools": _schools, "predation": _predation}
