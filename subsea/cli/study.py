@@ -53,7 +53,7 @@ def add(commands: Any) -> None:
         "--seeds", type=_seeds, metavar="LIST", help=f"such as 1-20 or 1,5,9 (default {SEEDS})"
     )
     validate.add_argument(
-        "--seconds", type=number_reader(float, 1, MAX_SECONDS), metavar="S",
+        "--seconds", type=number_reader(float, 0.1, MAX_SECONDS), metavar="S",
         help=f"length of each run (default {SECONDS:g})",
     )  # fmt: skip
     validate.add_argument(

@@ -106,8 +106,8 @@ def _code(record: Record, name: str) -> int:
 
 def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
     """Values (T, …) as stretches (k, ticks, …) one after another."""
-    k = len(values) // ticks
-    return values[: k * ticks].reshape(k, ticks, *values.shape[1:])
+    number = len(values) // ticks
+    return values[: number * ticks].reshape(number, ticks, *values.shape[1:])
 
 
 def _beats(
@@ -162,13 +162,12 @@ def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
 
 def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
     """Radius of the path of each turn at low speed."""
-    ticks = _ticks(TURN_S, tick_s)
-    way = np.linalg.norm(np.diff(place[:: ticks // 2], axis=0), axis=-1)
-    k = len(way) // 2
-    way = way[: 2 * k].reshape(k, 2, -1).sum(axis=1)
-    turned = np.abs(np.diff(course[:: 2 * (ticks // 2)], axis=0))[:k]
-    there = alive[:: 2 * (ticks // 2)][1 : k + 1]
-    slow = way < LOW_SPEED * 2 * (ticks // 2) * tick_s
+    half = _ticks(TURN_S, tick_s) // 2
+    way = np.linalg.norm(np.diff(place[::half], axis=0), axis=-1)
+    way = _stretches(way, 2).sum(axis=1)
+    turned = np.abs(np.diff(course[:: 2 * half], axis=0))[: len(way)]
+    there = alive[:: 2 * half][1 : len(way) + 1]
+    slow = way < LOW_SPEED * 2 * half * tick_s
     turns = there & slow & (turned > np.radians(TIGHT_DEG)) & (way > 0.0)
     return way[turns] / turned[turns]
 

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.progress import progress
+from subsea.core.resources import is_path
 from subsea.core.workers import Check, Pool
 from subsea.dive.start import start_world
 from subsea.fish.species import load_species, shipped_species
@@ -75,7 +77,8 @@ def trials(options: Validation) -> Iterator[SeaTrial]:
         number = sum(shoal.number for shoal in chosen.fish)
         most = CROWD.get(name, number)
         fish = most if most < number else None
-        label = f"{name} of {fish} fishes" if fish else name
+        label = Path(name).stem if is_path(name, ".toml") else name
+        label = f"{label} of {fish} fishes" if fish else label
         for seed in options.seeds:
             yield SeaTrial(label, name, seed, options.ticks, fish)
     for seed in options.seeds:

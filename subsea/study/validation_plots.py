@@ -93,7 +93,7 @@ def _schools(page: Any, found: Summary, table: MeasuredSwimming) -> None:
         edges = np.degrees(np.arccos(np.linspace(1.0, -1.0, BEARINGS + 1)))
         sides.stairs(share, edges, color=OURS, fill=True)
     sides.axhline(1 / BEARINGS, color="0.5", linestyle="--")
-    sides.set(xlabel="bearing of the nearest, ° (dashed: at random)", ylabel="share")
+    sides.set(xlabel="bearing of the nearest, °", ylabel="share")
 
 
 def _predation(page: Any, found: Summary, unused: MeasuredSwimming) -> None:

@@ -331,6 +331,9 @@ def shortened(words):
     short = shlex.split(SHORT.get(f"{program} {name}", ""))
     if name in ("simulate", "sweep") and "--seconds" in words:  # in place of --ticks
         short = ["--seconds", "0.2"]
+    if "--validate" in words:
+        words = [word for word in words if word not in resource_names("assets/scenarios", ".toml")]
+        short = ["sea.toml", "--seeds", "1", "--seconds", "0.2", "--jobs", "1"]
     if program == "subsea" and name in SEAS and "--paper" not in words:
         chosen = words[words.index("--scenario") + 1] if "--scenario" in words else "peaceful"
         if not chosen.endswith(".toml"):

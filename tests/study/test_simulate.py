@@ -12,9 +12,11 @@ import pytest
 from subsea.cli.main import main
 from subsea.core import hdf5
 from subsea.core.console import count_noun
+from subsea.dive.start import start_world
 from subsea.fish.species import load_species
 from subsea.scenario.load import load_scenario
-from subsea.study.record import COORDINATES, DIMENSIONS, FIELDS
+from subsea.study.record import COORDINATES, DIMENSIONS, FIELDS, read_record
+from subsea.study.simulate import live_records
 from tests.support.scenes import scene
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
@@ -65,6 +67,18 @@ def test_a_record_matches_its_format(record):
         assert file.attrs["format"] == b"subsea-record"
         assert "[bounds]" in file.attrs["scenario"]
         assert np.hypot(*file["fish/position"][-1, :, :2].T).max() < file.attrs["radius_cm"]
+
+
+def test_live_records_are_the_blocks_of_a_file(record):
+    whole = read_record(record)
+    world = start_world("peaceful", fish=12, tell=lambda message: None)
+    parts = [*live_records(world, 20, 12 * 8)]
+    assert [len(part.time) for part in parts] == [8, 8, 4]
+    for name, values in whole._asdict().items():
+        if isinstance(values, np.ndarray) and values.shape[:1] == (20,):
+            assert (np.concatenate([getattr(part, name) for part in parts]) == values).all(), name
+        else:
+            assert np.array_equal(getattr(parts[0], name), values), name
 
 
 def test_snout_and_tail_are_a_body_apart_and_the_middle_between_them(record):
