@@ -15,6 +15,7 @@ from subsea.core.input_files import read_text
 REPORT = json_file("a validation report", "findings")
 PASS, FAIL, MISSING, NO_RANGE = "pass", "fails", "not recorded", "–"
 HEADINGS = ("of", "quantity", "ours", "published", "source", "verdict")
+_MADE = re.compile(r"<!-- made by subsea[ \w-]* -->.*<!-- end of subsea[ \w-]* -->", re.DOTALL)
 RED = '<span style="color:red">**fails**</span>'
 
 
@@ -92,13 +93,12 @@ def to_json(findings: Iterable[RangeCheck], **more: Any) -> str:
 
 
 def check_page(path: Path, name: str, force: bool = False) -> None:
-    """Raise a UserError unless `path` can be written and has the marks of `name`, or is new."""
+    """Raise a UserError unless `path` can be written and is new or a page of reports."""
     check_file(path)
     if force or not path.is_file() or path.stat().st_size == 0:
         return
-    begin, end = _marks(name)
-    _, found, rest = read_text(path).partition(begin)
-    if not found or end not in rest:
+    if not _MADE.search(read_text(path)):
+        begin, end = _marks(name)
         raise UserError(
             f"exists without the lines `{begin}` and `{end}`; choose another name or give --force",
             file=path,
@@ -106,15 +106,20 @@ def check_page(path: Path, name: str, force: bool = False) -> None:
 
 
 def write_page(path: Path, name: str, lines: Sequence[str]) -> None:
-    """Write lines between the marks of `name` in a page, which is otherwise kept; or a new page."""
+    """Write lines between the marks of `name` in a page, or at its end with new marks.
+
+    The rest of a page of reports is kept; any other file is replaced.
+    """
     begin, end = _marks(name)
     part = "\n".join([begin, "", *lines, "", end])
     text = read_text(path) if path.is_file() else ""
-    pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
-    if pattern.search(text):
-        whole = pattern.sub(lambda _: part, text, count=1)
+    own = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
+    if own.search(text):
+        whole = own.sub(lambda _: part, text, count=1)
+    elif _MADE.search(text):
+        whole = f"{text.rstrip()}\n\n{part}\n"
     else:
-        whole = f"# {name}\n\n{part}\n"
+        whole = f"# Validation\n\n{part}\n"
     with replacing(path) as temporary:
         temporary.write_text(whole, encoding="utf-8")
 

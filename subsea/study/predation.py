@@ -45,7 +45,7 @@ def predation(record: Record) -> Predation:
         )
     last = int(PERIOD_S / record.tick_s)
     scale = max(PERIOD_S / seconds, 1.0)
-    catches = [scale * sum(t < last for t in ticks) for ticks in caught.values()]
+    catches = [round(scale * sum(t < last for t in ticks), 1) for ticks in caught.values()]
     return Predation(attacks, captures, catches)
 
 

@@ -53,22 +53,27 @@ def test_json_has_null_for_what_is_no_number():
     assert rows["findings"][3]["low"] is None
 
 
+ONE, TWO = "subsea one", "subsea-two --validate"
+
+
 def test_a_page_keeps_what_is_outside_its_marks(tmp_path):
     page = tmp_path / "page.md"
-    write_page(page, "one", ["first"])
-    text = page.read_text() + "\n<!-- made by two -->\n<!-- end of two -->\nEnd.\n"
-    page.write_text(text)
-    write_page(page, "two", ["second \\1"])
-    write_page(page, "one", ["again"])
+    write_page(page, ONE, ["first"])
+    write_page(page, TWO, ["second \\1"])
+    page.write_text(page.read_text() + "\nEnd.\n")
+    write_page(page, ONE, ["again"])
     lines = [line for line in page.read_text().splitlines() if line and line[0] != "<"]
-    assert lines == ["# one", "again", "second \\1", "End."]
-    check_page(page, "two")
+    assert lines == ["# Validation", "again", "second \\1", "End."]
+    check_page(page, TWO)
+    check_page(page, "subsea three")  # adds its part
 
 
 def test_a_page_without_marks_is_not_replaced(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("# Mine\n")
     with pytest.raises(UserError, match="exists without the lines"):
-        check_page(page, "one")
-    check_page(page, "one", force=True)
-    check_page(tmp_path / "new.md", "one")
+        check_page(page, ONE)
+    check_page(page, ONE, force=True)
+    write_page(page, ONE, ["first"])
+    assert "Mine" not in page.read_text()
+    check_page(tmp_path / "new.md", ONE)
