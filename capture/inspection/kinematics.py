@@ -12,6 +12,7 @@ from capture.inspection.top_view import above, lateral_offset, midline
 from subsea.biomechanics.body import Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.core.arrays import Array
+from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
 
 FINER = 16  # times as many samples, by a Fourier series, for exact extremes
@@ -55,8 +56,17 @@ def envelope_deviation(wave: str, found: BodyWave) -> tuple[float, float]:
 
 
 def body_wave(segment: Segment, repertoire: Repertoire) -> BodyWave:
-    """The wave of a cyclic segment."""
+    """The wave of a cyclic segment: of its midline, or of the back of a spine-driven fish.
+
+    Few nodes of a spine-driven fish follow its wave.
+    """
     length = repertoire.body_length_cm
+    if repertoire.source == "spine" and segment.control_points is not None:
+        back = segment.control_points[:, :V] / length
+        steps = np.linalg.norm(np.diff(back, axis=1), axis=2).mean(axis=0)
+        way = np.concatenate([[0.0], np.cumsum(steps)])
+        aside = np.asarray(back[..., 2], np.float64)
+        return travelling_wave(aside, way / way[-1], repertoire.tick_s)
     rest = midline(repertoire.rest_nodes)[:, 0]
     stations = (rest[0] - rest) / length
     return travelling_wave(lateral_offset(segment) / length, stations, repertoire.tick_s)

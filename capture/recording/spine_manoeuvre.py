@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from capture.recording.spine_motion import SpineMotion, Stroke, in_world, pose_surface
+from capture.recording.spine_motion import SpineMotion, Stroke, in_world, pose_surface, shake
 from capture.recording.spine_water import recoil_of, spine_strip, stride_of, unit_mass
 from subsea.biomechanics.elongated_body import follow, start_momentum, swim
 from subsea.biomechanics.solver import TICK_S
@@ -18,10 +18,10 @@ from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, pose_spine
 from subsea.fish.surface import SurfacePlan
 
 STEPS = 4  # of the water, in a tick; even
-STAGE_S = 0.0025  # s per cm of length, of either stage of a C-start (about)
+STAGE_S = 0.003  # s per cm of length, of either stage of a C-start (about)
 LATE = 0.6  # share of the bend's time by which the tail follows the head
 CLOSE = np.radians(0.01)
-MOST_BEND = np.radians(250.0)  # of the path; stiff parts of the body follow it less
+MOST_BEND = np.radians(320.0)  # of the path; stiff parts of the body follow it less
 
 
 class Manoeuvre(NamedTuple):
@@ -48,9 +48,14 @@ def spine_manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMo
     """Compute all frames of a free manoeuvre, such as ``cstart_left_wide``."""
     what = manoeuvre(plan, surface, name)
     bend = find_bend(plan, surface, what._replace(turn=abs(what.turn)))
-    course = move(plan, surface, what, -bend if what.turn < 0.0 else bend)
-    moved = pose_surface(plan, surface, course.stroke, course.around)
-    return in_world(plan, surface, moved, course.frame)
+    passage = move(plan, surface, what, -bend if what.turn < 0.0 else bend)
+    moved = pose_surface(plan, surface, passage.stroke, passage.around)
+    # The direction of the centre changes abruptly as the bend passes; the body frame turns evenly.
+    frame = passage.frame.copy()
+    frame[:, 2] = what.turn * ease(np.arange(len(frame)) / what.bend)
+    lead = np.zeros_like(frame)
+    lead[:, 2] = passage.frame[:, 2] - frame[:, 2]
+    return in_world(plan, surface, shake(moved, lead, up=False), frame)
 
 
 def manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> Manoeuvre:
@@ -64,7 +69,7 @@ def manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> Manoeuvre:
 
     slow, medium, fast = plan.slow, plan.medium, plan.fast
     if kind.startswith("cstart"):
-        turn, time = {"moderate": (70.0, stages), "wide": (135.0, round(1.2 * stages))}[grade]
+        turn, time = {"moderate": (70.0, stages), "wide": (135.0, round(1.3 * stages))}[grade]
         ticks = time + fast.ticks_per_beat // 2
         return Manoeuvre(ticks, fast, 0.4, 0.5, pace(slow), side * np.radians(turn), time)
     if grade == "rest":
