@@ -64,7 +64,9 @@ def measure_simulated(motion: Motion, repertoire: Repertoire) -> Iterator[Measur
     """All measures of a repertoire, each as soon as it is taken."""
     body = build_body(motion.body)
     length = motion.body.length
-    trials = {name: run_trial(motion, name) for name in repertoire.segments}
+    trials = {
+        name: run_trial(motion, name) for name in repertoire.segments if name != "row_forward"
+    }
     yield from _swimming(motion, body, trials)
     yield from _straightness(motion, body, trials["swim_fast"].state)
     yield from _attitude(motion, body, trials["swim_medium"].state)
@@ -75,6 +77,7 @@ def measure_simulated(motion: Motion, repertoire: Repertoire) -> Iterator[Measur
     error = max(
         _replay_error(motion, body, trials[name], repertoire.segments[name], name)
         for name in cyclic
+        if name in trials
     )
     name = f"{REPLAYED_CYCLES} cycles replayed against simulation"
     yield compare(name, error / length, ".1e", " L", at_most(0.01), at_most(1e-4))

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import msgspec
+import numpy as np
 
 from capture.recording.fingerprint import fingerprint, library_versions
 from capture.recording.manoeuvres import manoeuvre
@@ -13,6 +14,8 @@ from capture.recording.trial import STRAIGHT, Trial, grade_contraction, steady_b
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import LEFT, RIGHT
+from subsea.biomechanics.rowing import row_ticks
+from subsea.biomechanics.simulation import at_rest
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species
@@ -45,6 +48,18 @@ def run_trial(motion: Motion, name: str) -> Trial:
     return steady_beat(build_body(motion.body), steady_contraction(motion, name))
 
 
+def row_trial(species: Species) -> Trial:
+    """One steady stroke of the pectoral fins; ValueError for a species that does not row."""
+    motion, fin = motion_of(species), species.surface.pectoral
+    if not (species.row and fin):
+        raise ValueError(f"{species.name} does not row")
+    body, length = build_body(motion.body), motion.body.length
+    steps = row_ticks(body, species.row, (fin.length * length, fin.width * length))
+    frames = np.repeat(body.rest[None], len(steps) + 1, axis=0)
+    frames[1:, :, 0] += np.cumsum(steps)[:, None]
+    return Trial(frames, at_rest(body))
+
+
 class Recorded(NamedTuple):
     """A segment, the number of its warm-up beats, and the couple of fins that the hull lacks."""
 
@@ -61,7 +76,7 @@ def record_segment(species: Species, name: str) -> Recorded:
     if species.spine:
         return Recorded(record_spine_segment(species.spine, species.surface, name))
     motion = motion_of(species)
-    trial = run_trial(motion, name)
+    trial = row_trial(species) if name == "row_forward" else run_trial(motion, name)
     grade = name.rpartition("_")[2]
     segment = make_segment(
         trial.frames,
@@ -106,7 +121,7 @@ def segments_of(species: Species) -> tuple[str, ...]:
     """The segments that are recorded of a species, in the order of SEGMENTS."""
     if species.spine:
         return spine_segments(species.spine)
-    missing = {"row_forward"}
+    missing = set() if species.row else {"row_forward"}
     if "burst" not in motion_of(species).swim.grades:
         missing.add("swim_burst")
     return tuple(name for name in SEGMENTS if name not in missing)
@@ -126,6 +141,8 @@ def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repe
     else:
         motion = motion_of(species)
         source, rest, plans = "biomechanics", build_body(motion.body).rest, motion._asdict()
+        if species.row:
+            plans["row"] = species.row
     return Repertoire(
         species=name,
         tick_s=TICK_S,

@@ -8,6 +8,7 @@ import msgspec
 from msgspec import structs
 
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
+from subsea.biomechanics.rowing import RowPlan
 from subsea.biomechanics.stability import check_step
 from subsea.core.errors import UserError, unknown
 from subsea.core.resources import is_path, own_path, resource_names, resource_path, stems
@@ -154,6 +155,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None
+    row: RowPlan | None = None  # of a species that rows with its pectoral fins
     spine: SpinePlan | None = None
     surface: SurfacePlan
     skin: SkinPlan
@@ -165,6 +167,8 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         given = sum(table is not None for table in (self.body, self.swim, self.turn))
         if given != (3 if self.spine is None else 0):
             raise ValueError("expected the tables [body], [swim] and [turn], or [spine] alone")
+        if self.row and not (self.muscles and self.surface.pectoral):
+            raise ValueError("[row] needs muscles and [surface] pectoral")
         if self.spine and self.spine.wings and not self.surface.wing:
             raise ValueError("[spine.wings] needs the outline [surface.wing]")
         if self.skin.spots and not self.surface.wing:
