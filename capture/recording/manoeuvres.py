@@ -52,6 +52,7 @@ COAST_TICKS = 12  # of a glide before a turn
 MOST_QUICK_BEATS = 4  # of a start
 STARTED = 0.9  # share of the speed of medium at which a start ends
 STOP_TICKS = 45
+BACKING = 0.8  # speed at which the fins sweep forwards to stop, over that of medium
 STOPPED = 0.1  # share of the speed of medium at which a fish counts as stopped
 
 
@@ -263,18 +264,18 @@ def _start(body: Body, swim: SwimPlan) -> Trial:
 
 
 def _stop(body: Body, swim: SwimPlan) -> Trial:
-    """Stop beating at phase 0 of medium, glide, and brake with both pectoral fins."""
+    """Stop beating at phase 0 of medium, glide, and row backwards with both pectoral fins."""
     trial = steady_beat(body, grade_contraction(swim, "medium"))
     state = trial.state
-    slow = STOPPED * float(np.linalg.norm(body.mass @ state.v))
+    speed = float(np.linalg.norm(body.mass @ state.v) / body.mass.sum())
     frames = [state.x.copy()]
     frames.extend(simulate(body, state, _fading(grade_contraction(swim, "medium"), COAST_TICKS)))
     area = FIN_AREA * float(np.ptp(body.rest[:, 0])) ** 2
     relaxed = np.zeros((STEPS_PER_TICK, MUSCLES))
     for _ in range(STOP_TICKS):
-        force = pectoral_force(state, area, *brake(), STILL)
+        force = pectoral_force(state, area, *brake(), STILL, BACKING * speed)
         frames.extend(simulate(body, state, relaxed, force=force))
-        if np.linalg.norm(body.mass @ state.v) < slow:
+        if np.linalg.norm(body.mass @ state.v) < STOPPED * speed * body.mass.sum():
             break
     if not is_sound(state):
         raise UserError("the body lost its shape in a stop")
