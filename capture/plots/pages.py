@@ -81,8 +81,8 @@ def _motion(repertoire: Repertoire) -> Motion | None:
 def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Floats | None:
     """The first deformation (23, 3) of a segment, which its file does not hold."""
     if name == "row_forward":
-        frames = repertoire.rest_nodes[None]
-    elif motion:
+        return np.asarray(repertoire.rest_nodes, np.float64)
+    if motion:
         frames = run_trial(motion, name).frames
     else:
         try:
