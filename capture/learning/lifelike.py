@@ -52,7 +52,7 @@ LIMITS = {
     "tail": Range(0.18, 0.22),  # Bainbridge 1958
     "envelope": at_most(0.02),
     "growth": at_least(1.1),
-    "bend": at_most(20.0),
+    "bend": at_most(25.0),  # that of ENVELOPE at a wavelength of 0.95 L and joints 0.15 L apart
     "wavelength": Range(0.9, 1.1),
     "snout": at_most(5.0),
     "contraction_step": at_most(S_MAX),

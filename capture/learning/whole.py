@@ -34,7 +34,7 @@ from subsea.core.errors import UserError
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
-TURN_SHARE = 0.08  # evaluations of the search for turns over those of the search for gaits
+TURN_SHARE = 0.04  # evaluations of the search for turns over those of the search for gaits
 LEAST_TURNS = 4
 
 
