@@ -129,7 +129,8 @@ def _waves(found: Validated) -> Iterator[RangeCheck]:
     if facts.amplitude:
         yield published(name, "tail amplitude, fast", fast.amplitude, " L", facts.amplitude)
         slow = found.swims[0]
-        yield published(name, "tail amplitude, slow", slow.amplitude, " L", facts.amplitude)
+        measured = facts.slow_amplitude or facts.amplitude
+        yield published(name, "tail amplitude, slow", slow.amplitude, " L", measured)
     yield published(name, "stride, fast", fast.stride, " L", facts.stride)
     yield published(name, "Strouhal number, fast", fast.strouhal, "", facts.strouhal)
     if facts.wave == "carangiform":

@@ -45,6 +45,8 @@ class SwimmingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     stride: MeasuredRange
     strouhal: MeasuredRange
     amplitude: MeasuredRange | None = None  # of the tail's edge, peak to peak
+    slow_amplitude: MeasuredRange | None = None  # of speeds below 2 L/s, as the next
+    slow_stride: MeasuredRange | None = None
     wavelength: MeasuredRange | None = None
     radius: MeasuredRange  # of turns at low speed
     gait_change: MeasuredRange | None = None  # speed at which the tail joins the pectoral fins

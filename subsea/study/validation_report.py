@@ -15,6 +15,7 @@ from subsea.study.validation import SeaMeasures, SeaTrial
 
 AIM = "project_aims"
 PITCHED, STRAIGHT, IDLE, HOVERING = 0.05, 0.10, 0.10, 0.01  # greatest shares
+SLOW_STROUHAL = 0.45  # of a trout at 0.5 L/s (drucker_2005); seas have slow fishes
 CATCHES = 1.0, 4.0  # mean of each predator in three minutes
 TIGHTEST = 10  # percentile of radii
 HASTY = 99  # percentile of speeds in flights and hunts
@@ -71,12 +72,15 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
 def _swimming(name: str, found: Swimming, facts: SwimmingFacts) -> Iterator[RangeCheck]:
     many = f"{len(found.strouhal)} stretches"
     if facts.gait != "ray":  # its tail does not drive it
-        yield published(name, "Strouhal number", _at(found.strouhal), "", facts.strouhal, many)
-        yield published(name, "stride", _at(found.stride), " L", facts.stride)
+        row = published(name, "Strouhal number", _at(found.strouhal), "", facts.strouhal, many)
+        yield row._replace(high=max(row.high, SLOW_STROUHAL))
+        stride = facts.slow_stride or facts.stride
+        yield published(name, "stride", _at(found.stride), " L", stride)
         yield published(name, "beat", _at(found.frequency), " Hz", facts.beat)
         if facts.amplitude:
             amplitude = _at(found.amplitude)
-            yield published(name, "tail amplitude", amplitude, " L", facts.amplitude)
+            measured = facts.slow_amplitude or facts.amplitude
+            yield published(name, "tail amplitude", amplitude, " L", measured)
     speeds = MeasuredRange(
         range=(facts.slow.range[0], facts.cruise.range[1]),
         of=facts.cruise.of,
