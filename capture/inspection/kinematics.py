@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from capture.inspection.simulated import replay
-from capture.inspection.top_view import above, lateral_offset, midline
+from capture.inspection.top_view import above, lateral_offset, midline, path_direction
 from subsea.biomechanics.body import Floats
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.core.arrays import Array
 from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
@@ -65,7 +65,9 @@ def body_wave(segment: Segment, repertoire: Repertoire) -> BodyWave:
         back = segment.control_points[:, :V] / length
         steps = np.linalg.norm(np.diff(back, axis=1), axis=2).mean(axis=0)
         way = np.concatenate([[0.0], np.cumsum(steps)])
-        aside = np.asarray(back[..., 2], np.float64)
+        origin, rotation = body_frame(replay(segment, np.zeros(3), np.eye(3), 1))
+        played = above(to_world(back, origin / length, rotation)) / path_direction(segment)
+        aside = np.asarray(-played.imag)
         return travelling_wave(aside, way / way[-1], repertoire.tick_s)
     rest = midline(repertoire.rest_nodes)[:, 0]
     stations = (rest[0] - rest) / length

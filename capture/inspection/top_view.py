@@ -35,7 +35,7 @@ def top_view(segment: Segment, cycles: int) -> TopView:
     """Replay ``cycles`` cycles of a segment (1 if it is not cyclic)."""
     frames = replay(segment, np.zeros(3), np.eye(3), cycles if segment.cyclic else 1)
     origin, rotation = body_frame(frames)
-    start = np.conj(_direction(segment))
+    start = np.conj(path_direction(segment))
     return TopView(
         *(
             start * above(points)
@@ -68,7 +68,7 @@ def lateral_offset(segment: Segment, cycles: int = 1) -> Floats:
     if abs(turn) < STRAIGHT:
         aside = -np.imag(played.midline)
     else:
-        centre = shift / (1 - np.exp(1j * turn)) * np.conj(_direction(segment))
+        centre = shift / (1 - np.exp(1j * turn)) * np.conj(path_direction(segment))
         aside = np.sign(turn) * np.abs(played.midline - centre)
     return np.asarray(aside - aside[:, :1].mean())  # the nose sways about the path
 
@@ -97,7 +97,7 @@ def _cycle(segment: Segment) -> tuple[float, complex]:
     return phase(heading), shift
 
 
-def _direction(segment: Segment) -> complex:
+def path_direction(segment: Segment) -> complex:
     """Initial direction of the path of a cycle in the body frame, of length 1."""
     if not segment.cyclic:
         return 1 + 0j

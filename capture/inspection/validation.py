@@ -182,16 +182,20 @@ def _turns(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
 
 
 def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
-    """Angle and duration of C-starts."""
+    """Angle and duration of C-starts; without a range where none are published."""
     facts = found.facts
-    if facts.escape_angle is None or facts.escape_duration is None:
-        return
     for name in ESCAPES:
         angle, duration = NAN, NAN
         if segment := repertoire.segments.get(name):
             angle, duration = escape(segment, repertoire.tick_s / found.rate)
-        yield published(found.species, f"{name}: angle", angle, "°", facts.escape_angle)
-        yield published(found.species, f"{name}: duration", duration, " s", facts.escape_duration)
+        for quantity, value, unit, measured in (
+            (f"{name}: angle", angle, "°", facts.escape_angle),
+            (f"{name}: duration", duration, " s", facts.escape_duration),
+        ):
+            if measured:
+                yield published(found.species, quantity, value, unit, measured)
+            elif segment:
+                yield RangeCheck(found.species, quantity, value, unit)
 
 
 def _drag(
