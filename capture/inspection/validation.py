@@ -21,7 +21,8 @@ from subsea.fish.measured import MeasuredSwimming, SwimmingFacts, published
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
-FULL_TEMPO = 3.0  # fastest playback over recorded
+FULL_TEMPO = 3.0  # fastest playback over recorded, of swims and C-starts
+ROW_TEMPO = 1.5  # fastest beat of the pectoral fins over recorded
 ENVELOPE_L = 0.02  # greatest deviation from the published envelope
 BAINBRIDGE_HZ = 5.0  # his line holds above
 BAINBRIDGE_CM = 50.0  # his fishes were shorter
@@ -162,7 +163,7 @@ def _rowing(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
     if found.facts.gait_change:
         row, speed = repertoire.segments.get(ROW), NAN
         if row:
-            speed = FULL_TEMPO * found.rate * row.speed_cm_s / repertoire.body_length_cm
+            speed = ROW_TEMPO * found.rate * row.speed_cm_s / repertoire.body_length_cm
         yield published(found.species, "speed, pectoral fins alone", speed, " L/s",
                         found.facts.gait_change)  # fmt: skip
 
@@ -182,12 +183,12 @@ def _turns(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
 
 
 def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
-    """Angle and duration of C-starts; without a range where none are published."""
+    """Angle and duration of C-starts at full tempo; without a range where none are published."""
     facts = found.facts
     for name in ESCAPES:
         angle, duration = NAN, NAN
         if segment := repertoire.segments.get(name):
-            angle, duration = escape(segment, repertoire.tick_s / found.rate)
+            angle, duration = escape(segment, repertoire.tick_s / (FULL_TEMPO * found.rate))
         for quantity, value, unit, measured in (
             (f"{name}: angle", angle, "°", facts.escape_angle),
             (f"{name}: duration", duration, " s", facts.escape_duration),
