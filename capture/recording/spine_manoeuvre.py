@@ -20,8 +20,9 @@ from subsea.fish.surface import SurfacePlan
 STEPS = 4  # of the water, in a tick; even
 STAGE_S = 0.003  # s per cm of length, of either stage of a C-start (about)
 LATE = 0.6  # share of the bend's time by which the tail follows the head
+AT_ONCE = 0.25  # front part of the body that bends to a C at once
 CLOSE = np.radians(0.01)
-MOST_BEND = np.radians(320.0)  # of the path; stiff parts of the body follow it less
+MOST_BEND = np.radians(420.0)  # of the path; stiff parts of the body follow it less
 
 
 class Manoeuvre(NamedTuple):
@@ -120,7 +121,8 @@ def move(plan: SpinePlan, surface: SurfacePlan, what: Manoeuvre, bend: float) ->
     amplitude = what.gait.amplitude * (eased if what.easing > 0 else 1.0 - eased)
     # Where its turn is mirrored the beat is too.
     stroke = Stroke(what.gait, beat, amplitude, 0.5 if what.turn < 0 else 0.0)
-    late = (ticks[:, None] / what.bend - LATE * MIDDLES) / (1.0 - LATE)
+    after = LATE * np.maximum(MIDDLES - AT_ONCE, 0.0) / (1.0 - AT_ONCE)
+    late = (ticks[:, None] / what.bend - after) / (1.0 - LATE)
     curved = np.sin(np.pi * np.clip(late, 0.0, 1.0)) ** 2
     around = -bend * np.cumsum(curved, axis=1) / curved.sum(axis=1).max()
     around -= around[:, [int(plan.centre * len(MIDDLES))]]
