@@ -152,6 +152,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     kind: Literal["pacifist", "prey", "predator"]
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
+    least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

@@ -212,7 +212,7 @@ class DiagramBuilder:
         fishes, library = self.world.state.fishes, self.world.library
         nodes = np.zeros((len(who), *library.nodes.shape[1:]))
         for k, i in enumerate(who):
-            a, b, weight = pose_at(fishes, i, alpha)
+            a, b, weight = pose_at(fishes, library, i, alpha)
             nodes[k] = (1.0 - weight) * library.nodes[a] + weight * library.nodes[b]
         shorter = 1.0 - _lengths(nodes) / self._rest[fishes.species[who]]
         share = np.clip(shorter / CONTRACTED, 0.0, 1.0)[..., None]

@@ -15,6 +15,7 @@ from subsea.fish.species import Species
 from subsea.frame.lines import NO_LINES, Lines
 from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.motor.pose import pose_at
+from subsea.repertoire.library import Library
 from subsea.scenario.schema import Water
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty
 from subsea.view.camera import View
@@ -209,7 +210,7 @@ def pack(
     culled = time.perf_counter()
     leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, options)
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    _write_instances(fishes, centres, order, share, alpha, instances)
+    _write_instances(fishes, library, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
@@ -340,8 +341,9 @@ def _skin_live(world: World, order: Ints) -> Array:
 
 @kernel
 def _write_instances(
-    fishes: Fishes, centres: Array, order: Ints, share: Array, alpha: float, out: Array
-) -> None:
+    fishes: Fishes, library: Library, centres: Array, order: Ints, share: Array, alpha: float,
+    out: Array,
+) -> None:  # fmt: skip
     # Element by element: results of whole rows would be allocated, and take seconds to compile.
     for k in range(len(order)):
         i, row = order[k], out[k]
@@ -359,7 +361,7 @@ def _write_instances(
             size += turn[axis] ** 2
         for axis in range(4):
             turn[axis] /= np.sqrt(size)
-        a, b, weight = pose_at(fishes, i, alpha)
+        a, b, weight = pose_at(fishes, library, i, alpha)
         row[ROW_A], row[ROW_B], row[WEIGHT] = a, b, weight
         row[IDENTITY] = fishes.identity[i]
         before, after = fishes.previous_fins[i], fishes.fins[i]

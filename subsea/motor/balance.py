@@ -30,9 +30,9 @@ def roll_of(q: Quaternion) -> float:
 
 
 @kernel
-def balanced(fishes: Fishes, i: int, q: Quaternion, dt: float) -> Quaternion:
-    """Roll toward upright at a bounded rate, on the smoothed roll."""
-    roll = roll_of(q)
+def balanced(fishes: Fishes, i: int, q: Quaternion, bank: float, dt: float) -> Quaternion:
+    """Roll toward the `bank` of the recorded fish, rad, at a bounded rate, on the smoothed gap."""
+    roll = roll_of(q) - bank
     smooth = float(fishes.roll[i])
     if roll - smooth > np.pi:
         smooth += 2.0 * np.pi

@@ -1,88 +1,221 @@
 """The secondary controller: choose a segment for a goal direction and speed (SMC §6.1)."""
 
+import math
+
 import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.motor.playback import TEMPO
+from subsea.motor.playback import HURRIED, TEMPO
+from subsea.motor.segments import (
+    BURST,
+    FAST,
+    FIRST_CSTART,
+    LAST_CSTART,
+    LEFT_GLIDE,
+    LEFT_GRADUAL,
+    LEFT_REST,
+    LEFT_SHARP,
+    MEDIUM,
+    RIGHT_GRADUAL,
+    RIGHT_SHARP,
+    ROW,
+    SLOW,
+    START,
+    STOP,
+    blends,
+    is_cstart,
+)
+from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes
 
-# Codes of repertoire.schema.SEGMENTS, as plain numbers for the compiled kernel.
-SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
-
-SHARP_RAD = np.radians(70.0)  # beyond this angle a fish makes a sharp turn
-GRADUAL_RAD = np.radians(24.0)  # beyond this a gradual turn
-RELEASE_RAD = np.radians(9.0)  # a gradual turn ends here: hysteresis
-STEER_RAD = np.radians(45.0)  # careful alignment happens inside this angle (SMC §6.2)
-YAW_RATE = np.radians(24.0)  # rad/s: the most that careful alignment adds to a recorded fish
+SHARP_SHARE = 0.7  # of the angle of a sharp turn, beyond which a fish makes one ...
+SHARP_RAD = np.radians(30.0)  # ... unless the angle is less than this
+BEGIN_RAD = np.radians(10.0)  # a turn that cannot be blended begins beyond this angle
+RELEASE_RAD = np.radians(3.0)  # and ends here
+STRAIGHT_RAD = np.radians(15.0)  # a bursting fish does not turn within this angle
+LEAVE_RAD = np.radians(4.0)  # within it a slow or fast swim is not left for one that bends
+YAW_RATE = np.radians(30.0)  # rad/s: the fastest turn on the spot by pectoral fins
 PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
 STEER_EASE = np.radians(90.0)  # rad/s²: how fast the rate of alignment may change
-MAX_PITCH_RAD = np.radians(38.0)  # the steepest that fishes swim
-TEMPO_EASE = 0.8  # 1/s: how fast the rate may change
+MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim, unless in a burst ...
+BURST_PITCH_RAD = np.radians(38.0)  # ... or on the spot
+TEMPO_EASE = 1.2  # 1/s: how fast the rate may change
+BURST_EASE = 15.0  # 1/s: of a fish in a hurry, which bursts within 0.2 s
+SLOWING = 2.0  # 1/s: after a burst
 THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
 RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
+CSTART_TEMPO = 3.0  # the first stage takes less than 0.1 s
+TURN_TEMPO = (1.0, 2.0)  # of sharp turns
+ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it
+KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
+CYCLE_S = 1.6  # of burst and coast, at the recorded size
+COASTING = 0.45  # mean speed of a coasting fish over that of its bursts
+COAST_TIME_S = 1.0  # time constant of a coasting body, at the recorded size
+MOVING = 0.3  # share of the slow swim above which a fish need not start from rest
 MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
 MONOTONY_PURPOSE = np.int64(50)  # key of the random numbers
-GRADE_MARGIN = 1.12  # factor by which another grade must fit better
+GRADE_MARGIN = 1.2  # factor by which another grade must fit better
 
 
 @kernel
 def command(fishes: Fishes, library: Library, clock: Clock) -> None:
-    """Choose `wanted_segment`; ease `tempo`, `thrust` and `steering` toward the goal.
+    """Choose `wanted_segment`; ease `tempo`, `thrust`, `bend` and `steering` toward the goal.
 
     The horizontal angle to the goal selects a swim or a turn, its elevation the pitch, and the
-    goal's speed the grade. Playback changes over at the next row with a gentle glide.
+    goal's speed grade and tempo. Playback changes over at the next row with a gentle glide.
     """
     dt = clock.dt
     for i in range(len(fishes.species)):
         kind = fishes.species[i]
         x = x_axis(fishes.orientation[i])
         g = fishes.goal_direction[i]
-        azimuth = np.arctan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
-        climb = np.arctan2(np.float64(g[2]), np.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
-        climb = min(max(climb, -MAX_PITCH_RAD), MAX_PITCH_RAD)
-        pitch = np.arcsin(min(max(x[2], -1.0), 1.0))
-
-        now = fishes.segment[i]
-        angle = abs(azimuth)
-        turning = now in (LEFT_GRADUAL, RIGHT_GRADUAL)
-        same_side = (now == LEFT_GRADUAL) == (azimuth > 0.0)
-        if angle > SHARP_RAD:
-            wanted = LEFT_SHARP if azimuth > 0.0 else RIGHT_SHARP
-        elif angle > GRADUAL_RAD or (turning and same_side and angle > RELEASE_RAD):
-            wanted = LEFT_GRADUAL if azimuth > 0.0 else RIGHT_GRADUAL
-        else:
-            wanted = _grade(library.speed[kind], now, fishes.goal_speed[i])
-        fishes.wanted_segment[i] = wanted
-
-        # Below the slowest swim: the same strokes with less thrust, down to a retreat.
-        slowest = TEMPO[0] * library.speed[kind, SLOW] / library.speed[kind, FAST]
-        thrust = min(max(fishes.goal_speed[i] / slowest, RETREAT), 1.0)
-        ease = THRUST_EASE * dt
-        fishes.thrust[i] += np.float32(min(max(thrust - fishes.thrust[i], -ease), ease))
-
-        tempo = 1.0
-        if wanted <= FAST:
-            goal = fishes.goal_speed[i] * library.speed[kind, FAST]
-            tempo = min(max(goal / library.speed[kind, wanted], TEMPO[0]), TEMPO[1])
-        ease = TEMPO_EASE * dt
-        fishes.tempo[i] += np.float32(min(max(tempo - fishes.tempo[i], -ease), ease))
+        azimuth = math.atan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
+        azimuth += _sway(fishes, library, i)
+        share = min(np.float64(fishes.goal_speed[i]), np.float64(fishes.burst[i]))
+        if fishes.ram[i] > 0.0:
+            share = max(share, np.float64(fishes.ram[i]))
+        speed = share * library.speed[kind, FAST]
+        if fishes.startle[i] != 0.0:
+            _startle(fishes, library, i)
+        wanted = fishes.wanted_segment[i]
+        if not is_cstart(wanted) or fishes.segment[i] == wanted:
+            wanted = _swim(fishes, library, i, speed, clock)
+            wanted = _turn(fishes, library, i, azimuth, wanted, dt)
+            fishes.wanted_segment[i] = wanted
+        _ease_speed(fishes, library, i, speed, dt)
 
         # Large fishes beat more slowly and turn more slowly.
         rate = np.float64(fishes.rate[i])
-        yaw = 0.0
-        if angle < STEER_RAD:
-            yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate
-        lift = min(max(STEER_GAIN * (climb - pitch), -PITCH_RATE), PITCH_RATE) * rate
+        rows = fishes.segment[i] in (ROW, STOP)
+        yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate if rows else 0.0
+        steepest = BURST_PITCH_RAD if share > HURRIED or rows else MAX_PITCH_RAD
+        climb = math.atan2(np.float64(g[2]), math.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
+        climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
+        lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate
         ease = STEER_EASE * dt
         fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))
         fishes.steering[i, 1] += np.float32(min(max(lift - fishes.steering[i, 1], -ease), ease))
 
         _watch_monotony(fishes, i, clock)
+
+
+@kernel
+def _sway(fishes: Fishes, library: Library, i: int) -> float:
+    """Heading of fish i beyond its mean course, rad: the recorded beat of its head."""
+    a, b = fishes.row_a[i], fishes.row_b[i]
+    if max(a, b) >= len(library.sway):  # simulated
+        return 0.0
+    weight = float(fishes.weight[i])
+    return (1.0 - weight) * library.sway[a] + weight * library.sway[b]
+
+
+@kernel
+def _startle(fishes: Fishes, library: Library, i: int) -> None:
+    """Ask for the recorded escape nearest to the angle of the startle, unless one is under way."""
+    angle = float(fishes.startle[i])
+    fishes.startle[i] = 0.0
+    if is_cstart(fishes.segment[i]) or not fishes.alive[i]:
+        return
+    kind, least = fishes.species[i], np.inf
+    for code in range(FIRST_CSTART, LAST_CSTART + 1):
+        gap = abs(library.turn[kind, code] - angle)
+        if gap < least:
+            fishes.wanted_segment[i], least = code, gap
+    fishes.tempo[i] = fishes.glide_tempo[i] = CSTART_TEMPO
+
+
+@kernel
+def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) -> int:
+    """The swim for a speed, cm/s at the recorded size and pace."""
+    kind, now = fishes.species[i], fishes.segment[i]
+    own, has = library.speed[kind], library.has[kind]
+    if has[ROW]:
+        most = ROW_TEMPO * own[ROW] * (KEEP_ROWING if now == ROW else 1.0)
+        if speed < max(most, TEMPO[0] * own[SLOW]):
+            return ROW
+    elif has[STOP] and fishes.ram[i] == 0.0 and speed < own[SLOW]:
+        if speed < 0.1 * own[SLOW]:
+            return STOP
+        # The share of burst sets the speed; the slowest bursts are brief.
+        burst = min(max(speed / own[SLOW] / 0.7, TEMPO[0]), 1.0)
+        duty = (speed / own[SLOW] / burst - COASTING) / (1.0 - COASTING)
+        cycle = clock.tick * clock.dt * fishes.rate[i] / CYCLE_S + fishes.identity[i]
+        return SLOW if cycle % 1.0 < duty else STOP
+    if now == STOP and has[START] and fishes.thrust[i] < MOVING:
+        return START
+    return _grade(own, has[BURST], now, speed)
+
+
+@kernel
+def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, dt: float) -> int:
+    """The turn toward `azimuth`, rad, or the swim if it leads there; sets `bend`.
+
+    Bends of the gradual turn blend with the straight swim; a large angle takes a sharp turn, on
+    the spot one from rest, and in a glide one from a glide, where they were recorded.
+    """
+    kind, now = fishes.species[i], fishes.segment[i]
+    has, angle = library.has[kind], abs(azimuth)
+    side = 0 if azimuth > 0.0 else 1
+    fishes.bend[i] = 0.0
+    sharp = LEFT_SHARP if side == 0 else RIGHT_SHARP
+    if now in (ROW, STOP):
+        if has[LEFT_REST] and abs(fishes.thrust[i]) < MOVING:
+            sharp = LEFT_REST + side
+        elif has[LEFT_GLIDE]:
+            sharp = LEFT_GLIDE + side
+    if angle > max(SHARP_SHARE * abs(library.turn[kind, sharp]), SHARP_RAD):
+        return sharp
+    if swim in (ROW, STOP, START):
+        return swim
+    gradual = LEFT_GRADUAL if side == 0 else RIGHT_GRADUAL
+    if library.veer[kind, 0] < 0:
+        least = RELEASE_RAD if now == gradual else BEGIN_RAD
+        return gradual if angle > least else swim
+    if fishes.goal_speed[i] > HURRIED and angle < STRAIGHT_RAD:
+        return swim
+    full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * dt)
+    bend = STEER_GAIN * azimuth / (full * fishes.tempo[i])
+    bend = min(max(bend, -TIGHTEST / LEVELS), TIGHTEST / LEVELS)
+    if abs(bend) * LEVELS < 0.5 or (angle < LEAVE_RAD and not blends(now)):
+        return swim
+    fishes.bend[i] = bend
+    return gradual
+
+
+@kernel
+def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: float) -> None:
+    """Ease tempo and thrust toward a speed, cm/s at the recorded size and pace."""
+    kind, now, wanted = fishes.species[i], fishes.segment[i], fishes.wanted_segment[i]
+    own = library.speed[kind, wanted]
+    hurried = fishes.goal_speed[i] > HURRIED
+    tempo, thrust = 1.0, 1.0
+    if is_cstart(now) or is_cstart(wanted):
+        tempo = CSTART_TEMPO
+    elif wanted == ROW:
+        tempo = min(max(abs(speed) / own, TEMPO[0]), KEEP_ROWING * ROW_TEMPO)
+        thrust = min(max(speed / (tempo * own), RETREAT), 1.0)
+    elif wanted == STOP:
+        tempo = float(fishes.tempo[i])
+        thrust = min(speed / library.speed[kind, SLOW], 0.0)
+    elif wanted <= FAST or wanted == BURST or blends(wanted):
+        tempo = min(max(speed / own, TEMPO[0]), TEMPO[1])
+        thrust = min(max(speed / (tempo * own), RETREAT), 1.0)
+    elif wanted != START:
+        tempo = min(max(speed / own, TURN_TEMPO[0]), TEMPO[1] if hurried else TURN_TEMPO[1])
+    faster = (BURST_EASE if hurried else TEMPO_EASE) * dt
+    slower = (SLOWING if fishes.tempo[i] > 1.5 else TEMPO_EASE) * dt
+    fishes.tempo[i] += np.float32(min(max(tempo - fishes.tempo[i], -slower), faster))
+    if now == STOP and thrust >= 0.0:
+        if library.follow[fishes.row_b[i]] == fishes.row_b[i] and wanted == STOP:
+            fishes.thrust[i] -= np.float32(fishes.thrust[i] * fishes.rate[i] * dt / COAST_TIME_S)
+        return
+    ease = (BURST_EASE if hurried else THRUST_EASE) * dt
+    fishes.thrust[i] += np.float32(min(max(thrust - fishes.thrust[i], -ease), ease))
 
 
 @kernel
@@ -92,7 +225,8 @@ def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
     The intention generator may ignore it. The timer restarts in any case.
     """
     fishes.recommended[i] = -1
-    if fishes.segment[i] != fishes.wanted_segment[i]:
+    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
+    if now != wanted and not (blends(now) and blends(wanted)):
         fishes.monotony[i] = 0.0
         return
     fishes.monotony[i] += np.float32(clock.dt)
@@ -106,15 +240,17 @@ def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
 
 
 @kernel
-def _grade(speed: Array, now: int, share: float) -> int:
-    """The swim whose speed is nearest, by ratio, to the share of the fastest."""
-    goal = max(share, 0.01) * speed[FAST]
+def _grade(own: Array, bursts: bool, now: int, speed: float) -> int:
+    """The swim whose speed is nearest to `speed`, by ratio; `own` are the recorded speeds."""
+    goal = max(speed, 0.01 * own[FAST])
     best = SLOW
     least = np.inf
-    for grade in (SLOW, MEDIUM, FAST):
-        gap = abs(np.log(goal / speed[grade]))
-        if grade == now:
-            gap -= np.log(GRADE_MARGIN)
+    for grade in (SLOW, MEDIUM, FAST, BURST):
+        if grade == BURST and (goal <= HURRIED * own[FAST] or not bursts):
+            continue
+        gap = abs(math.log(goal / own[grade]))
+        if grade == now or (grade == MEDIUM and blends(now)):
+            gap -= math.log(GRADE_MARGIN)
         if gap < least:
             best, least = grade, gap
     return best

@@ -39,6 +39,7 @@ from subsea.geometry.rotation import (
 )
 from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
 from subsea.motor.controller import STEER_GAIN
+from subsea.motor.segments import LEFT_GRADUAL, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
@@ -217,6 +218,8 @@ def _ease_muscles(
     i = live.fish[slot]
     kind, wanted = fishes.species[i], fishes.wanted_segment[i]
     yaw = bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i]
+    if blends(wanted) and library.veer[kind, 0] >= 0:
+        yaw = bodies.turn_rate[kind, LEFT_GRADUAL] * fishes.bend[i] * fishes.tempo[i]
     share = min(max(yaw / bodies.bend_rate[kind], -1.0), 1.0)
     for k in range(2):
         ease = BEND_EASE * bodies.bend[kind, k]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.core.kernels import kernel
-from subsea.motor.controller import LEFT_GRADUAL, RIGHT_GRADUAL
+from subsea.motor.segments import LEFT_GRADUAL, RIGHT_GRADUAL
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
 REST_RAD = 0.55  # sweep of a relaxed fin away from the body

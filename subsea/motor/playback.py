@@ -13,10 +13,27 @@ from subsea.geometry.rotation import (
 )
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.motor.balance import balanced
+from subsea.motor.segments import (
+    FAST,
+    LEFT_GRADUAL,
+    LEFT_SHARP,
+    MEDIUM,
+    RIGHT_GRADUAL,
+    RIGHT_SHARP,
+    SLOW,
+    STOP,
+    blends,
+    is_cstart,
+)
+from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
-TEMPO = (0.75, 1.3)  # range of a segment's rate, to meet a speed
+TEMPO = (0.4, 3.0)  # range of a segment's rate, to meet a speed at the recorded stride
+HASTE = 1.3  # tempo at which a fish that was faster begins a segment
+HURRIED = 1.0  # goal speed above which a fish does not wait for a good row
+SUDDEN = 3.0  # frames of a glide to an escape from a row without a plan
+AT_REST = 0.3  # share of the slow swim's pace below which a segment begins at rest
 
 
 @kernel
@@ -38,7 +55,7 @@ def play(fishes: Fishes, library: Library, dt: float) -> None:
 
         o, q = advance(fishes, library, i)
         q = _steer(q, fishes.steering[i, 0] * dt, fishes.steering[i, 1] * dt)
-        q = normalised(balanced(fishes, i, q, dt))
+        q = normalised(balanced(fishes, i, q, library.bank[fishes.row_b[i]], dt))
         for axis in range(3):
             place = o[axis] + fishes.drift[i, axis] * dt
             fishes.velocity[i, axis] = (place - fishes.position[i, axis]) * per_second
@@ -51,7 +68,8 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
     """Play fish i for one tick: its new origin and orientation.
 
     R ← R·M, o ← o + R·αt (SMC eqs. 10, 11). A fraction f of a row moves by M^f and f t, so that
-    the fractions of a row add up to it. Advances row a, row b, weight, span and segment in place.
+    the fractions of a row add up to it. A held row lets the body drift ahead: thrust is its speed
+    over that of the slow swim. Advances row a, row b, weight, span and segment in place.
     """
     o = vector(fishes.position[i])
     q = quaternion(fishes.orientation[i])
@@ -76,6 +94,9 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             rotation = mixed(quaternion(library.rotation[a]), rotation, middle)
             before = vector(library.translation[a])
             shift = plus(times(1.0 - middle, before), times(middle, shift))
+        elif a == b:
+            rotation = (1.0, 0.0, 0.0, 0.0)
+            shift = (float(library.pace[fishes.species[i], SLOW, 0]), 0.0, 0.0)
         elif weight > 0.0:
             # Translations are recorded in the axes that the row began with.
             shift = rotate(fraction(rotation, -weight), shift)
@@ -93,36 +114,93 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
 
 @kernel
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
-    """Make row b row a, and choose the next row b."""
+    """Make row b row a, and choose the next row b.
+
+    Between the straight swim and its gradual turns a row changes the bend by at most a level.
+    """
     kind = fishes.species[i]
-    now = fishes.segment[i]
-    a = fishes.row_b[i]
-    first = library.first[kind, now]
-    at_end = a == first + library.length[kind, now] - 1
-    wanted = fishes.wanted_segment[i]
-    may_leave = library.leave[a, wanted] or (at_end and not library.cyclic[kind, now])
+    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
+    before, a = fishes.row_a[i], fishes.row_b[i]
     fishes.row_a[i] = a
-    if may_leave and (wanted != now or not library.cyclic[kind, now]):
-        fishes.row_b[i] = library.entry[a, wanted]
-        fishes.span[i] = library.glide[a, wanted]
-        fishes.segment[i] = wanted
-        _keep_speed(fishes, i, library.speed[kind, now] / library.speed[kind, wanted])
+    fishes.span[i] = 1.0
+    cyclic, at_end = library.cyclic[kind, now], library.follow[a] == a
+    blended = library.veer[kind, 0] >= 0
+    if blended and blends(now) and blends(wanted):
+        leaves = False
+    elif cyclic:
+        hurried = fishes.goal_speed[i] > HURRIED
+        leaves = wanted != now and (hurried or library.leave[a, wanted])
     else:
-        fishes.row_b[i] = first if at_end else a + 1
-        fishes.span[i] = 1.0
+        leaves = library.leave[a, wanted] or at_end
+        leaves &= wanted != now or (at_end and now != STOP)
+    sudden = is_cstart(wanted) and not is_cstart(now)
+    if leaves or sudden:
+        fishes.row_b[i] = library.entry[a, wanted]
+        planned = cyclic or at_end or library.has[kind, wanted]
+        fishes.span[i] = library.glide[a, wanted] if planned else SUDDEN
+        fishes.segment[i] = wanted
+        if blended and blends(wanted):
+            _bend(fishes, library, i, fishes.row_b[i], _asked(fishes, i, 0))
+        fishes.glide_tempo[i] = fishes.tempo[i]
+        fishes.glide_thrust[i] = fishes.thrust[i]
+        out = library.pace[kind, SLOW, 0] if before == a else library.pace[kind, now, 1]
+        quick = fishes.goal_speed[i] * library.speed[kind, FAST] / library.speed[kind, wanted]
+        into, slow = library.pace[kind, wanted, 0], library.pace[kind, SLOW, 0]
+        _keep_speed(fishes, i, out / max(into, AT_REST * slow), into >= AT_REST * slow, quick)
+    elif blended and blends(now):
+        level = library.level[a]
+        level += min(max(_asked(fishes, i, level) - level, -1), 1)
+        _bend(fishes, library, i, library.follow[library.straight[a]], level)
+    else:
+        fishes.row_b[i] = library.follow[a]
+        if at_end and before != a:
+            # A held row drifts at its thrust, over the slow swim.
+            fishes.thrust[i] *= (
+                fishes.tempo[i] * library.pace[kind, now, 1] / library.pace[kind, SLOW, 0]
+            )
+            fishes.tempo[i] = 1.0
 
 
 @kernel
-def _keep_speed(fishes: Fishes, i: int, ratio: float) -> None:
-    """Keep the speed in a new segment; `ratio` is the old recorded speed over the new one.
+def _asked(fishes: Fishes, i: int, level: int) -> int:
+    """The level of bend that the controller asks for; the recorded turn if it names no bend."""
+    wanted = fishes.wanted_segment[i]
+    if wanted not in (LEFT_GRADUAL, RIGHT_GRADUAL):
+        return level if wanted in (LEFT_SHARP, RIGHT_SHARP) else 0
+    asked = round(abs(float(fishes.bend[i])) * LEVELS)
+    asked = min(int(asked), TIGHTEST) if fishes.bend[i] != 0.0 else LEVELS
+    return asked if wanted == LEFT_GRADUAL else -asked
 
-    The tempo takes up what it can and the thrust the rest: a fish that slows down coasts. The
-    controller then eases both toward the goal.
+
+@kernel
+def _bend(fishes: Fishes, library: Library, i: int, row: int, level: int) -> None:
+    """Make row b the one at the phase of `row`, bent by `level`, and name its segment."""
+    kind = fishes.species[i]
+    straight = library.straight[row]
+    if level == 0:
+        fishes.row_b[i], fishes.segment[i] = straight, MEDIUM
+        return
+    side = 0 if level > 0 else 1
+    phase = straight - library.first[kind, MEDIUM]
+    behind = (abs(level) - 1) * library.length[kind, MEDIUM] + phase
+    fishes.row_b[i] = library.veer[kind, side] + behind
+    fishes.segment[i] = LEFT_GRADUAL if side == 0 else RIGHT_GRADUAL
+
+
+@kernel
+def _keep_speed(fishes: Fishes, i: int, ratio: float, moving: bool, quick: float) -> None:
+    """Keep the speed in a new segment; `ratio` is the old recorded pace over the new one.
+
+    The tempo takes up what it can, up to `quick` or a little haste, and the thrust the rest: a
+    fish that slows down coasts. The controller then eases both toward the goal. A segment that
+    does not begin `moving` has its own speed.
     """
-    fishes.glide_tempo[i] = fishes.tempo[i]
-    fishes.glide_thrust[i] = fishes.thrust[i]
+    if not moving or is_cstart(fishes.segment[i]):
+        fishes.thrust[i] = 1.0
+        return
     exact = fishes.tempo[i] * ratio
-    fishes.tempo[i] = min(max(exact, TEMPO[0]), TEMPO[1])
+    most = min(max(quick, HASTE), TEMPO[1])
+    fishes.tempo[i] = min(max(exact, TEMPO[0]), most)
     fishes.thrust[i] *= exact / fishes.tempo[i]
 
 

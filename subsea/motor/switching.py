@@ -16,9 +16,9 @@ from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
-from subsea.motor.controller import RIGHT_GRADUAL
 from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies, swim_live, under
-from subsea.motor.playback import TEMPO
+from subsea.motor.playback import HURRIED, TEMPO
+from subsea.motor.segments import FAST, RIGHT_GRADUAL, RIGHT_SHARP
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import Library
 from subsea.repertoire.schema import SUBSTITUTES
@@ -41,6 +41,7 @@ USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
 EXPERIMENT_LIMITS = (0.2, 3.0)  # strain limits under unusual physics
 HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
+FASTEST = 1.3  # tempo above which a fish is played back
 
 
 class Dynamics(NamedTuple):
@@ -89,9 +90,12 @@ def swim(
     if not len(live.fish) or not len(fishes.live):
         return NONE
     fishes.stay[:] += np.float32(clock.dt)
-    _free(fishes, live, len(dynamics.motion.nodes))
+    _free(fishes, live, len(library.entry))
     if clock.tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer, physics.fish)
+    for hasty in _unsteady(fishes, live):
+        way = way_back(fishes, library, dynamics, live, hasty)
+        to_playback(fishes, library, live, hasty, way)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
@@ -140,7 +144,7 @@ def _review(
     distance[fishes.live] /= KEEP
     if 0 <= first < len(distance):
         distance[first] = 0.0
-    distance[fishes.thrust < HOVERING] = np.inf
+    distance[[not _steady(fishes, i) for i in range(len(distance))]] = np.inf
     distance[~dynamics.muscular[fishes.species] | ~fishes.alive] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
     chosen = np.zeros(len(distance), np.bool_)
@@ -161,7 +165,20 @@ def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
     row = fishes.row_a[i] - library.first[fishes.species[i], fishes.segment[i]]
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
-    return bool(cyclic and inside and fishes.span[i] == 1.0)
+    return bool(cyclic and inside and fishes.span[i] == 1.0 and _steady(fishes, i))
+
+
+def _unsteady(fishes: Fishes, live: Live) -> list[int]:
+    """Slots of the simulated fishes that begin to burst, row, coast or escape."""
+    pairs = enumerate(live.fish)
+    return [slot for slot, i in pairs if i >= 0 and fishes.live[i] and not _steady(fishes, int(i))]
+
+
+def _steady(fishes: Fishes, i: int) -> bool:
+    """True if fish i swims or turns by its tail at a usual speed; only such are simulated."""
+    usual = max(fishes.segment[i], fishes.wanted_segment[i]) <= RIGHT_SHARP
+    hurried = fishes.goal_speed[i] > HURRIED or fishes.tempo[i] > FASTEST
+    return bool(usual and not hurried and fishes.thrust[i] >= HOVERING)
 
 
 def to_live(
@@ -189,7 +206,7 @@ def to_live(
     live.fish[slot], live.waiting[slot] = i, 0
     live.x[slot] = x
     live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
-    begin = math.pi if segment == RIGHT_GRADUAL else 0.0
+    begin = math.pi if segment == RIGHT_GRADUAL else 0.0  # a mirror image
     row = a - library.first[kind, segment] + 1
     speed, speeds = library.speed[kind, segment], bodies.speed[kind]
     pace = float(np.interp(speed, speeds, bodies.pace[kind]))
@@ -203,8 +220,8 @@ def to_live(
     own = 2 * slot
     live.nodes[own], live.nodes[own + 1] = nodes, nodes
     live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
-    fishes.row_a[i] = len(motion.nodes) + own
-    fishes.row_b[i] = len(motion.nodes) + own + 1
+    fishes.row_a[i] = len(library.entry) + own
+    fishes.row_b[i] = len(library.entry) + own + 1
     fishes.weight[i], fishes.span[i] = 0.0, 1.0
     fishes.live[i], fishes.stay[i] = True, 0.0
 
@@ -232,21 +249,20 @@ class WayBack(NamedTuple):
 def way_back(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
 ) -> WayBack:
-    """The gentlest glide from the pose of a slot to a row of a cyclic segment."""
+    """The gentlest glide from the pose of a slot to a row of a straight swim."""
     i = live.fish[slot]
-    kind, rows = fishes.species[i], len(dynamics.motion.nodes)
+    kind, rows = fishes.species[i], len(library.entry)
     here, before = fishes.row_a[i] - rows, fishes.row_b[i] - rows
     nodes = live.nodes[[here]].astype(np.float64)
     shift = live.translation[[here]].astype(np.float64)
     spin = rotation_vectors(live.rotation[[here]].astype(np.float64))
     own = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
     arriving = node_velocity(own, shift, spin, nodes)
-    segments = zip(library.first[kind], library.length[kind], library.cyclic[kind], strict=True)
-    goals = np.concatenate([first + np.arange(n) for first, n, cyclic in segments if cyclic])
+    segments = zip(library.first[kind, : FAST + 1], library.length[kind], strict=False)
+    goals = np.concatenate([first + np.arange(n) for first, n in segments])
     present = Kinematics(nodes, shift, spin, arriving, arriving)
     row, frames, change = gentlest(present, 0, dynamics.motion, goals)
-    first = library.first[kind]
-    segment = int(np.flatnonzero((first <= row) & (row < first + library.length[kind]))[0])
+    segment = int(np.flatnonzero(library.first[kind, : FAST + 1] <= row).max())
     return WayBack(segment, int(row), int(frames), float(change))
 
 

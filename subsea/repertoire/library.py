@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.fish.coupling import Coupling, place
+from subsea.repertoire.blending import LEVELS, TIGHTEST, Blend, Course, blend_turns, course_of
 from subsea.repertoire.schema import (
     BASIC_SEGMENTS,
     SEGMENTS,
     SUBSTITUTES,
     Repertoire,
+    Segment,
     Transitions,
 )
 from subsea.repertoire.transitions import plan_transitions
@@ -23,7 +25,8 @@ class Library(NamedTuple):
     """Rows are frames of all segments of all species in sequence (R rows, S species).
 
     There are n segments, as in SEGMENTS. One that was not recorded has the rows of its substitute.
-    The first four tables end with 2 k rows for the poses of simulated fishes.
+    Behind the recorded rows lie those that blend gradual turns with the straight swim. The first
+    four tables end with 2 k rows for the poses of simulated fishes.
     """
 
     rotation: Array  # (R + 2 k, 4) float32, increments in body axes
@@ -38,9 +41,45 @@ class Library(NamedTuple):
     entry: Ints  # (R, n) int32, row at which a segment is entered from each row ...
     glide: Ints  # (R, n) int32, ... and the number of frames that takes
     leave: NDArray[np.bool_]  # (R, n), True if this row is good for leaving to a segment
+    pace: Array  # (S, n, 2) float32, cm per frame at the beginning and end of each segment
+    turn: Array  # (S, n) float32, rad, change of heading over each segment, left positive
+    follow: Ints  # (R,) int32, the next row; the last one of an acyclic segment is its own
+    straight: Ints  # (R,) int32, of a row of a gradual turn the swim's at equal phase, else itself
+    level: Ints  # (R,) int32, share of the gradual turn in LEVELS parts, left positive
+    veer: Ints  # (S, 2) int32, first blended row of the turns to left and right, -1 for none
+    sway: Array  # (R,) float32, rad, heading of B beyond the mean course: the beat of the head
+    bank: Array  # (R,) float32, rad, roll of the recorded fish
     coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
+
+
+class _Species(NamedTuple):
+    """The segments of one species, and the rows of the library where they lie."""
+
+    segments: list[Segment]
+    played: list[int]  # place of each of SEGMENTS, or of its substitute, among `segments`
+    starts: Ints  # first row of each segment, and the end of the last
+    plan: Transitions
+    blend: Blend | None
+    courses: list[Course]
+
+
+class _Rows(NamedTuple):
+    """The tables of the library that have a row for each frame."""
+
+    rotation: Array
+    translation: Array
+    nodes: Array
+    points: Array
+    entry: Ints
+    glide: Ints
+    leave: NDArray[np.bool_]
+    follow: Ints
+    straight: Ints
+    level: Ints
+    sway: Array
+    bank: Array
 
 
 def pack(
@@ -50,52 +89,41 @@ def pack(
 
     Missing control points are computed from the nodes; a missing basic segment is a UserError.
     """
-    rotation, translation, nodes, points = [], [], [], []
-    plans: list[Transitions] = []
-    first, length, cyclic, speed, has = [], [], [], [], []
-    row = 0
-    for repertoire, coupling in zip(repertoires, couplings, strict=True):
-        missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
-        if missing:
-            raise UserError(f"repertoire of {repertoire.species}: no segment {missing[0]!r}")
-        names = repertoire.recorded_names()
-        segments = [repertoire.segments[name] for name in names]
-        played = [names.index(n if n in names else SUBSTITUTES[n]) for n in SEGMENTS]
-        starts = row + np.cumsum([0] + [len(s.nodes) for s in segments])
-        row = int(starts[-1])
-        first.append(starts[played])
-        length.append(np.diff(starts)[played])
-        cyclic.append([segments[k].cyclic for k in played])
-        speed.append([segments[k].speed_cm_s for k in played])
-        has.append([name in names for name in SEGMENTS])
-        for segment in segments:
-            rotation.append(segment.increment_rotation)
-            translation.append(segment.increment_translation)
-            nodes.append(segment.nodes)
-            points.append(
-                place(coupling, segment.nodes)
-                if segment.control_points is None
-                else segment.control_points
-            )
-        plan = repertoire.transitions or plan_transitions(segments)
-        plans.append(
-            Transitions(
-                starts[0] + plan.entry[:, played], plan.frames[:, played], plan.leave[:, played]
-            )
-        )
+    species: list[_Species] = []
+    for repertoire in repertoires:
+        species.append(_species(repertoire, int(species[-1].starts[-1]) if species else 0))
+    parts = [_recorded(one, skin) for one, skin in zip(species, couplings, strict=True)]
+    row, veer = sum(len(part.entry) for part in parts), []
+    for k, one in enumerate(species):
+        veer.append((-1, -1))
+        if one.blend:
+            veer[-1] = row, row + len(one.blend.nodes) // 2
+            row += len(one.blend.nodes)
+            parts.append(_blended(one, parts[k], veer[-1]))
+    rows = _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     return Library(
-        rotation=_table(rotation, live),
-        translation=_table(translation, live),
-        nodes=_table(nodes, live),
-        control_points=_table(points, live),
-        has=np.array(has, np.bool_),
-        first=np.array(first, np.int32),
-        length=np.array(length, np.int32),
-        cyclic=np.array(cyclic, np.bool_),
-        speed=np.array(speed, np.float32),
-        entry=np.concatenate([p.entry for p in plans]).astype(np.int32),
-        glide=np.concatenate([p.frames for p in plans]).astype(np.int32),
-        leave=np.concatenate([p.leave for p in plans]),
+        rotation=_table(rows.rotation, live),
+        translation=_table(rows.translation, live),
+        nodes=_table(rows.nodes, live),
+        control_points=_table(rows.points, live),
+        has=np.array([[n in r.segments for n in SEGMENTS] for r in repertoires], np.bool_),
+        first=np.array([one.starts[one.played] for one in species], np.int32),
+        length=np.array([np.diff(one.starts)[one.played] for one in species], np.int32),
+        cyclic=np.array([[one.segments[k].cyclic for k in one.played] for one in species]),
+        speed=np.array(
+            [[one.segments[k].speed_cm_s for k in one.played] for one in species], np.float32
+        ),
+        entry=rows.entry.astype(np.int32),
+        glide=rows.glide.astype(np.int32),
+        leave=rows.leave,
+        pace=np.array([[one.courses[k].pace for k in one.played] for one in species], np.float32),
+        turn=np.array([[one.courses[k].turn for k in one.played] for one in species], np.float32),
+        follow=rows.follow.astype(np.int32),
+        straight=rows.straight.astype(np.int32),
+        level=rows.level.astype(np.int32),
+        veer=np.array(veer, np.int32),
+        sway=rows.sway.astype(np.float32),
+        bank=rows.bank.astype(np.float32),
         coupling=Coupling(*(np.stack(part) for part in zip(*couplings, strict=True))),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
@@ -105,7 +133,92 @@ def pack(
     )
 
 
-def _table(parts: list[Array], live: int) -> Array:
-    """Recorded rows in sequence, and two empty rows for each live fish."""
-    empty = np.zeros((2 * live, *parts[0].shape[1:]))
-    return np.concatenate([*parts, empty]).astype(np.float32)
+def _species(repertoire: Repertoire, row: int) -> _Species:
+    """Lay out a species from `row` on; a missing basic segment is a UserError."""
+    missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
+    if missing:
+        raise UserError(f"repertoire of {repertoire.species}: no segment {missing[0]!r}")
+    names = repertoire.recorded_names()
+    segments = [repertoire.segments[name] for name in names]
+    return _Species(
+        segments,
+        [names.index(n if n in names else SUBSTITUTES[n]) for n in SEGMENTS],
+        row + np.cumsum([0] + [len(s.nodes) for s in segments]),
+        repertoire.transitions or plan_transitions(segments),
+        blend_turns(repertoire.segments),
+        [course_of(segment) for segment in segments],
+    )
+
+
+def _recorded(one: _Species, coupling: Coupling) -> _Rows:
+    """The recorded rows of a species."""
+    segments, first, end = one.segments, int(one.starts[0]), int(one.starts[-1])
+    follow, straight, level = (
+        np.arange(first, end) + 1,
+        np.arange(first, end),
+        np.zeros(end - first, np.int32),
+    )
+    for segment, begin, after in zip(segments, one.starts, one.starts[1:], strict=False):
+        follow[after - 1 - first] = begin if segment.cyclic else after - 1
+    medium = SEGMENTS.index("swim_medium")
+    for side, code in enumerate(SEGMENTS.index(f"turn_{s}_gradual") for s in ("left", "right")):
+        if one.blend:
+            begin = one.starts[one.played[code]] - first
+            rows = slice(begin, begin + len(one.blend.phase[side]))
+            straight[rows] = one.starts[one.played[medium]] + one.blend.phase[side]
+            level[rows] = (LEVELS, -LEVELS)[side]
+    return _Rows(
+        np.concatenate([s.increment_rotation for s in segments]),
+        np.concatenate([s.increment_translation for s in segments]),
+        np.concatenate([s.nodes for s in segments]),
+        np.concatenate(
+            [
+                place(coupling, s.nodes) if s.control_points is None else s.control_points
+                for s in segments
+            ]
+        ),
+        first + one.plan.entry[:, one.played],
+        one.plan.frames[:, one.played],
+        one.plan.leave[:, one.played],
+        follow, straight, level,
+        np.concatenate([course.sway for course in one.courses]),
+        np.concatenate([course.bank for course in one.courses]),
+    )  # fmt: skip
+
+
+def _blended(one: _Species, recorded: _Rows, veer: tuple[int, int]) -> _Rows:
+    """The rows between the straight swim of a species and its gradual turns, from `veer` on.
+
+    They are left as the nearer of both.
+    """
+    assert one.blend
+    first, medium = int(one.starts[0]), SEGMENTS.index("swim_medium")
+    beat = len(one.blend.phase[0])
+    swim = one.starts[one.played[medium]] + np.arange(beat)
+    near, level, share = [], [], []
+    for side, name in enumerate(("turn_left_gradual", "turn_right_gradual")):
+        turn = np.empty(beat, np.int64)
+        begin = one.starts[one.played[SEGMENTS.index(name)]]
+        turn[one.blend.phase[side]] = begin + np.arange(beat)
+        for k in range(1, TIGHTEST + 1):
+            near.append((swim if 2 * k < LEVELS else turn) - first)
+            level.append(np.full(beat, k if side == 0 else -k))
+            share.append(
+                [(1.0 - k / LEVELS) * table[swim - first] + k / LEVELS * table[turn - first]
+                 for table in (recorded.points, recorded.sway, recorded.bank)]
+            )  # fmt: skip
+    rows, phase = np.concatenate(near), np.tile(np.arange(beat), 2 * TIGHTEST)
+    here = veer[0] + np.arange(len(rows))
+    points, sway, bank = (np.concatenate(parts) for parts in zip(*share, strict=True))
+    return _Rows(
+        one.blend.rotation, one.blend.translation, one.blend.nodes, points,
+        recorded.entry[rows], recorded.glide[rows], recorded.leave[rows],
+        here - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.concatenate(level),
+        sway, bank,
+    )  # fmt: skip
+
+
+def _table(rows: Array, live: int) -> Array:
+    """Rows in sequence, and two empty ones for each live fish."""
+    empty = np.zeros((2 * live, *rows.shape[1:]))
+    return np.concatenate([rows, empty]).astype(np.float32)

@@ -118,8 +118,8 @@ def retinal_views(world: World, by: FishEyes, rig: CameraRig, alpha: float) -> t
 
 def control_points_at(world: World, fish: int, alpha: float) -> Array:
     """Control points (426, 3) of a fish's pose, in body axes at the recorded size."""
-    a, b, weight = pose_at(world.state.fishes, fish, alpha)
     library = world.library
+    a, b, weight = pose_at(world.state.fishes, library, fish, alpha)
     # Simulated fishes are skinned only when in sight; this one may be out of sight.
     if max(a, b) >= len(library.entry):
         kind = world.state.fishes.species[fish]

@@ -9,6 +9,7 @@ from subsea.core.arrays import Array
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import out_of_solids
+from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
@@ -59,6 +60,8 @@ def populate(
         fishes.identity[these] = rng.uniform(0, 1, number)
         schooling = species[shoal.species].schooling if shoal.schooling is None else shoal.schooling
         minds.schools[these], minds.led[these] = schooling, shoal.is_led
+        fishes.burst[these] = burst_speed(library, kind)
+        fishes.ram[these] = species[shoal.species].least_speed
         places = _places(shoal, number, scenario, rng)
         if shoal.leader_cm and shoal.position_cm:
             places[:1] = shoal.position_cm
@@ -112,6 +115,12 @@ def fastest_cm_s(fishes: Fishes, library: Library) -> Array:
     """Speed of each fish (n,) at its fastest, cm/s."""
     recorded = library.speed[fishes.species, SEGMENTS.index("swim_fast")]
     return np.asarray(recorded * fishes.scale * fishes.rate)
+
+
+def burst_speed(library: Library, kind: int) -> float:
+    """The speed of a burst at full tempo over that of the fast swim, at least 1."""
+    fast, burst = (library.speed[kind, SEGMENTS.index(f"swim_{s}")] for s in ("fast", "burst"))
+    return max(float(TEMPO[1] * burst / fast), 1.0)
 
 
 def _girths(species: list[Species], library: Library) -> Array:

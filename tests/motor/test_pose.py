@@ -21,17 +21,18 @@ def _fish(before, after):
 CASES = [
     ((3, 4, 0.2, 1), (3, 4, 0.9, 1)),  # inside a row
     ((3, 4, 0.2, 1), (4, 5, 0.3, 1)),  # into the next
-    ((3, 4, 0.8, 1), (5, 6, 0.5, 1)),  # a quick fish skips one
-    ((3, 4, 0.5, 1), (4, 9, 0.1, 5)),  # a glide begins
-    ((4, 9, 0.9, 5), (9, 10, 0.5, 1)),  # and ends
+    ((3, 4, 0.8, 1), (5, 6, 0.5, 1)),  # a quick fish passes one ...
+    ((9, 10, 0.8, 1), (2, 3, 0.5, 1)),  # ... or four, over the end of a cycle
+    ((3, 4, 0.5, 1), (4, 21, 0.1, 5)),  # a glide begins
+    ((4, 21, 0.9, 5), (21, 22, 0.5, 1)),  # and ends
 ]
 
 
 @pytest.mark.parametrize(("before", "after"), CASES)
-def test_the_ends_are_the_ticks(before, after):
+def test_the_ends_are_the_ticks(library, before, after):
     fishes = _fish(before, after)
-    assert pose_at(fishes, 0, 0.0) == pytest.approx(before[:3], abs=1e-6)
-    a, b, w = pose_at(fishes, 0, 1.0)
+    assert pose_at(fishes, library, 0, 0.0) == pytest.approx(before[:3], abs=1e-6)
+    a, b, w = pose_at(fishes, library, 0, 1.0)
     end = {a: 1 - w, b: w}
     for row, weight in ((after[0], 1 - after[2]), (after[1], after[2])):
         assert end.get(row, 0.0) == pytest.approx(weight, abs=1e-6)
@@ -39,15 +40,27 @@ def test_the_ends_are_the_ticks(before, after):
 
 @pytest.mark.parametrize(("before", "after"), CASES)
 @given(alpha=st.floats(0, 0.999))
-def test_the_pose_flows_without_a_leap(before, after, alpha):
+def test_the_pose_flows_without_a_leap(library, before, after, alpha):
     """A thousandth of a tick later the mix of rows is nearly the same."""
     fishes = _fish(before, after)
 
     def mix(at):
-        a, b, w = pose_at(fishes, 0, at)
-        out = np.zeros(12)
+        a, b, w = pose_at(fishes, library, 0, at)
+        out = np.zeros(24)
         out[a] += 1 - w
         out[b] += w
         return out
 
-    assert np.abs(mix(alpha + 0.001) - mix(alpha)).max() < 0.004
+    assert np.abs(mix(alpha + 0.001) - mix(alpha)).max() < 0.006
+
+
+def test_between_ticks_a_quick_fish_passes_every_recorded_row(library):
+    """At five rows a tick a line from the first to the last would cut half of a beat."""
+    fishes = _fish((9, 10, 0.8, 1), (2, 3, 0.5, 1))
+    rows = []
+    for alpha in np.linspace(0, 1, 1001):
+        a, b, _ = pose_at(fishes, library, 0, alpha)
+        assert (b - a) % 12 == 1
+        if not rows or rows[-1] != a:
+            rows.append(a)
+    assert rows == [9, 10, 11, 0, 1, 2]

@@ -27,7 +27,7 @@ def test_at_random_commands_no_point_of_the_surface_is_jerked(name):
     fishes.row_b[:] = 1
     fishes.orientation[:] = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0
     rng = np.random.default_rng(1)
-    path, segments = [], set()
+    path, tempo, segments = [], [], set()
     for tick in range(2400):
         if tick % 120 == 0:
             azimuth = rng.uniform(-np.pi, np.pi)
@@ -36,7 +36,10 @@ def test_at_random_commands_no_point_of_the_surface_is_jerked(name):
         command(fishes, library, Clock(1, tick, TICK))
         play(fishes, library, TICK)
         path.append(control_points_world(fishes, library, 0)[::5])
+        tempo.append(max(fishes.tempo[0], 1.0))
         segments.add(int(fishes.segment[0]))
-    change = np.linalg.norm(np.diff(path, 2, axis=0), axis=2).max()
+    # Accelerations grow as the square of the tempo.
+    change = np.linalg.norm(np.diff(path, 2, axis=0), axis=2).max(axis=1)
+    change = (change / np.square(tempo[2:])).max()
     assert 0.001 < change / repertoire.body_length_cm < SMALL_BL
     assert len(segments) >= 5

@@ -8,6 +8,7 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.fish.coupling import couple, place
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS
+from subsea.repertoire.blending import TIGHTEST
 from subsea.repertoire.library import pack
 
 POINTS = np.random.default_rng(0).uniform([-15, -3, -1], [5, 3, 1], (426, 3))
@@ -31,13 +32,13 @@ def test_every_frame_of_every_species_has_its_row(library, known_repertoire):
             np.testing.assert_allclose(
                 library.rotation[rows], segment.increment_rotation, atol=1e-6
             )
-    assert len(library.nodes) == 2 * 7 * 12
+    assert len(library.nodes) == 2 * (7 + 2 * TIGHTEST) * 12
 
 
 def test_control_points_are_made_when_the_file_has_none(library, known_repertoire):
     """The first row of the slow swim is nearly straight, so its skin is nearly at rest."""
     np.testing.assert_allclose(library.control_points[0], POINTS, atol=0.8)
-    assert library.control_points.shape == (168, 426, 3)
+    assert library.control_points.shape == (2 * (7 + 2 * TIGHTEST) * 12, 426, 3)
 
 
 @pytest.mark.parametrize("way", ["patches", "tetrahedra"])
