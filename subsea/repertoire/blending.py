@@ -8,8 +8,8 @@ from subsea.core.arrays import Array, Ints
 from subsea.geometry.rotation import about, mixed, multiply, rotate
 from subsea.repertoire.schema import Segment
 
-LEVELS = 10  # parts from the straight swim (0) to the recorded gradual turn
-TIGHTEST = 12  # level of the tightest turn: bends are small enough to extrapolate a little
+LEVELS = 12  # parts from the straight swim (0) to the recorded gradual turn
+TIGHTEST = 14  # level of the tightest turn: bends are small enough to extrapolate a little
 STRAIGHT = 1e-3  # rad per frame below which a swim does not turn
 EDGE_ROWS = 5  # at the ends of an acyclic segment, over which its speed there is measured
 

@@ -97,7 +97,7 @@ def test_braking_stops_and_a_negative_speed_backs_off(fish, library):
 def test_a_swim_turns_by_bending_and_adds_no_yaw(fish, library):
     """The rate of turn lies between straight swim and gradual turn, in steps of a level."""
     recorded = library.turn[0, SEGMENTS.index("turn_left_gradual")]
-    for bend, level in ((0.1, 1), (0.5, 5), (1.0, 10), (1.4, 12), (-0.7, -7)):
+    for bend, level in ((0.1, 1), (0.5, 6), (1.0, 12), (1.4, 14), (-0.7, -8)):
         turning = "turn_left_gradual" if level > 0 else "turn_right_gradual"
         fish.wanted_segment[:], fish.bend[:] = SEGMENTS.index(turning), bend
         for _ in range(24):
