@@ -220,21 +220,30 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if not (GRADE_RATIO if name != "burst" else BURST_RATIO).holds(speed / below):
             faults.append(f"{name} is only {speed / below:.2f} times as fast as the grade below")
-    rng = np.random.default_rng([seed, HORIZON])
-    others = rng.uniform(AMPLITUDES[-1] / 2, 1.0, STARTS).tolist()
+    others = np.random.default_rng([seed, HORIZON]).uniform(AMPLITUDES[-1] / 2, 1.0, STARTS)
     graded = [(swim.at(grade), swim.amplitude(grade)) for grade in reversed(swim.grades)]
-    for gear, amplitude in (*STARTS * graded, *((swim, other) for other in others)):
+    trials = [*STARTS * graded, *((swim, float(other)) for other in others)]
+    return faults + disturbed_faults(body, trials, seed)
+
+
+def disturbed_faults(body: Body, trials: list[tuple[SwimPlan, float]], seed: int) -> list[str]:
+    """The fault of the first of ``trials``, plans with amplitudes, that a disturbance throws off.
+
+    A fish must keep its shape, and then swim straight and steadily.
+    """
+    rng = np.random.default_rng([seed, HORIZON, 1])
+    for gear, amplitude in trials:
         beat = beat_contraction(gear, amplitude)
         state = start_swimming(body, beat, STRONG_DISTURBANCE, rng)
         beats = round(VERIFY_FACTOR * HORIZON) - 1 - MEASURED_BEATS
         survived = beats_survived(body, state, beat, beats)
         if survived < beats:
-            return [*faults, f"disturbed, it lost its shape within {survived + 5} beats"]
+            return [f"disturbed, it lost its shape within {survived + 5} beats"]
         gait = measure_gait(body, gear, amplitude, state)
         steady = {name: GAIT_LIMITS[name] for name in ("drift", "aside", "closure")}
         if not is_sound(state) or missed(gait, steady):
-            return [*faults, f"disturbed, it does not swim straight at amplitude {amplitude:.2g}"]
-    return faults
+            return [f"disturbed, it does not swim straight at amplitude {amplitude:.2g}"]
+    return []
 
 
 def measure_turning(

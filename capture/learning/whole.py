@@ -20,15 +20,16 @@ from capture.learning.body_space import (
     outline_volume,
     species_point,
 )
-from capture.learning.fitness import swim_faults
+from capture.learning.fitness import disturbed_faults
 from capture.learning.grades import with_amplitudes
 from capture.learning.journal import Journal
-from capture.learning.lifelike import wave_loss
+from capture.learning.lifelike import HALF, wave_loss
 from capture.learning.search import Evaluation, distinct, search
 from capture.learning.swim import MAX_VERIFIED
 from capture.learning.turn import refit_holds, verified_turn
 from capture.recording.fingerprint import fingerprint
-from subsea.biomechanics.body import Floats, build_body
+from capture.recording.trial import displacement, grade_contraction, steady_beat
+from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.core.errors import UserError
 from subsea.fish.species import Species
@@ -36,6 +37,7 @@ from subsea.fish.species import Species
 ROOT = "capture.learning.whole"
 TURN_SHARE = 0.04  # evaluations of the search for turns over those of the search for gaits
 LEAST_TURNS = 4
+LEAST_RATIO = 1.05  # of the speeds of neighbouring grades
 
 
 class Task(NamedTuple):
@@ -109,8 +111,8 @@ def _verified(
     body = build_body(plan)
     try:
         swim = with_amplitudes(body, swim)
-        faults = swim_faults(body, swim, task.seed)
-    except (UserError, msgspec.ValidationError, ValueError) as fault:
+        faults = whole_faults(body, swim, task.seed)
+    except (UserError, ValueError) as fault:
         faults = [str(fault)]
     if faults:
         notes.append(f"gait: rejected: {faults[0]}")
@@ -118,6 +120,20 @@ def _verified(
     assert task.species.turn
     turn = _learn_turn(task, plan, swim, journal, notes)
     return None if turn is None else Muscles(plan, swim, turn)
+
+
+def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
+    """Verify that a gait can be recorded and withstands disturbances; UserError for a lost shape.
+
+    The aims of its fast grade are not checked: the best that was found is what a body can do.
+    """
+    beats = [steady_beat(body, grade_contraction(swim, grade)).frames for grade in swim.grades]
+    speeds = [float(np.linalg.norm(displacement(one))) / (len(one) - 1) for one in beats]
+    for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
+        if speed < LEAST_RATIO * below:
+            return [f"{name} is only {speed / below:.2f} times as fast as the grade below"]
+    graded = [(swim.at(grade), swim.amplitude(grade)) for grade in swim.grades]
+    return disturbed_faults(body, [*graded, (swim, HALF)], seed)
 
 
 def _learn_turn(
