@@ -51,8 +51,8 @@ def _wave(body: Body, swim: SwimPlan, grade: str) -> Wave:
 
 
 def _greatest(body: Body, swim: SwimPlan, grade: str) -> float:
-    """The greatest amplitude of a grade: by speed and share of contraction, and by the schema."""
+    """The greatest amplitude of a grade: by speed and share of contraction, and that of fast."""
     step = contraction_step(body, beat_contraction(swim.at(grade), 1.0))
     share = MAX_CONTRACTION / max(*swim.contraction, 1e-3)
-    most = min(S_MAX / max(step, 1e-6), share, 1.5 if grade == "burst" else 1.0)
+    most = min(S_MAX / max(step, 1e-6), share, 1.0)
     return float(np.floor(1000 * most) / 1000)

@@ -47,10 +47,12 @@ def verified_turn(
     seed: int,
     optimize: Optimizer[TurnPlan],
     notes: list[str],
+    any_phase: bool = True,
 ) -> TurnPlan | None:
     """A verified turn controller better than the old one, or None; ``notes`` collects faults.
 
-    With a new gait any controller is better: the old hold times do not fit.
+    With a new gait any controller is better: the old hold times do not fit. ``any_phase`` as in
+    :func:`turn_faults`.
     """
     steady = steady_beat(body, grade_contraction(swim, "medium")).state
     # Two rows suffice for the search: the angles between them follow.
@@ -77,30 +79,41 @@ def verified_turn(
             bound = turn_loss(measure_turning(body, swim, outline, steady, angles), angles)
     better = (one for one in distinct(tried) if one.loss < bound - MIN_GAIN)
     for one in islice(better, MAX_VERIFIED):
-        found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes)
+        found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes, any_phase)
         if found is not None:
             return found
     return None
 
 
 def refit_holds(
-    body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, notes: list[str]
+    body: Body,
+    swim: SwimPlan,
+    turn: TurnPlan,
+    seed: int,
+    notes: list[str],
+    any_phase: bool = True,
 ) -> TurnPlan | None:
     """The old bends with hold times for a new gait, and a smaller beat where it is too fast."""
     angles = [row.angle for row in turn.steering]
     while turn_contraction_step(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
     steady = steady_beat(body, grade_contraction(swim, "medium")).state
-    return _verified(body, swim, turn, steady, seed, notes)
+    return _verified(body, swim, turn, steady, seed, notes, any_phase)
 
 
 def _verified(
-    body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState, seed: int, notes: list[str]
+    body: Body,
+    swim: SwimPlan,
+    turn: TurnPlan,
+    steady: BodyState,
+    seed: int,
+    notes: list[str],
+    any_phase: bool = True,
 ) -> TurnPlan | None:
     """The controller with hold times and gradual turn, if it passes verification."""
     try:
         whole = with_gradual(body, swim, with_holds(body, swim, turn, steady))
-        faults = turn_faults(body, swim, whole, seed)
+        faults = turn_faults(body, swim, whole, seed, any_phase)
     except (UserError, Unreachable) as fault:
         faults = [str(fault)]
     if faults:

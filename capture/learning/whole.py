@@ -151,5 +151,6 @@ def _learn_turn(
         remembered = journal.remembered(lambda point: loss(at(point)))
         return search(remembered, start, "cma", turn_budget(task.budget), task.seed)
 
-    found = verified_turn(body, swim, old, True, task.seed, optimize, notes)
-    return found or refit_holds(body, swim, old, task.seed, notes)
+    # Recorded turns begin at phase 0.
+    found = verified_turn(body, swim, old, True, task.seed, optimize, notes, any_phase=False)
+    return found or refit_holds(body, swim, old, task.seed, notes, any_phase=False)
