@@ -206,6 +206,15 @@ def _inertia(plan: BodyPlan, body: Body) -> Floats:
     return np.asarray(body.mass + water)
 
 
+def couple_force(x: Floats, inertia: Floats, couple: float) -> Floats:
+    """Forces (23, 3) on nodes x (23, 3) that turn them together to the left at ``couple`` rad/tu².
+
+    ``inertia`` (23,) are their masses with the water that moves with them. The forces add up to 0.
+    """
+    arm = x - inertia @ x / inertia.sum()
+    return np.asarray(couple * inertia[:, None] * np.cross((0.0, 1.0, 0.0), arm))
+
+
 def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Floats) -> Trial:
     """Simulate with a couple (T,), rad/tu², about the vertical through the centre of mass."""
     state, inertia = copy_state(start), fish.inertia
@@ -213,8 +222,7 @@ def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Fl
     for tick, turning in zip(_ticks(contraction), couple, strict=True):
         force = NO_FORCE
         if turning:
-            arm = state.x - inertia @ state.x / inertia.sum()
-            force = turning * inertia[:, None] * np.cross((0.0, 1.0, 0.0), arm)
+            force = couple_force(state.x, inertia, turning)
         frames.extend(simulate(fish.body, state, tick, force=force))
         if not np.isfinite(state.x).all():
             frames += [state.x.copy()] * (len(couple) + 1 - len(frames))

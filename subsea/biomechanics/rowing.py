@@ -20,6 +20,7 @@ STRIPS = 8  # of a fin along its length
 SUBSTEPS = 4  # of a step of the simulation
 PERIODIC = 1e-12  # change of speed from stroke to stroke, relative, at which it is steady
 MAX_STROKES = 4000
+COAST_TICKS = 20  # in which the drag of the hull is measured
 
 
 class RowPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -111,14 +112,16 @@ def balanced_speed(oars: Oars) -> float:
 def hull_drag(body: Body) -> float:
     """Drag of a straight body that coasts, over its speed squared, g/cm, in the water it is in.
 
-    From the speed lost in a tick: 1/U grows by drag / mass in a unit of time.
+    From the speed lost in some ticks from 1 L/s: 1/U grows by drag / mass in a unit of time.
     """
     state = at_rest(body)
-    speed = float(np.ptp(body.rest[:, 0]))
+    speed = 0.1 * float(np.ptp(body.rest[:, 0]))
     state.v[:, 0] = speed
-    simulate(body, state, np.zeros((STEPS_PER_TICK, MUSCLES)))
+    simulate(body, state, np.zeros((COAST_TICKS * STEPS_PER_TICK, MUSCLES)))
     after = float(body.mass @ state.v[:, 0] / body.mass.sum())
-    return float(body.mass.sum() * (1.0 / after - 1.0 / speed) / (STEP * STEPS_PER_TICK))
+    return float(
+        body.mass.sum() * (1.0 / after - 1.0 / speed) / (COAST_TICKS * STEP * STEPS_PER_TICK)
+    )
 
 
 def row_ticks(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Floats:

@@ -1,0 +1,100 @@
+"""Escapes, tight turns, starts and stops: angles, durations, symmetry and where they end."""
+
+import numpy as np
+import pytest
+
+from capture.inspection.simulated import replay
+from capture.recording.manoeuvres import COUPLES, couple_force, mirrored
+from capture.recording.record import run_trial
+from capture.recording.trial import Trial
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.gait import headings
+from subsea.biomechanics.simulation import at_rest, copy_state, simulate
+from subsea.fish.species import Species
+from subsea.repertoire import Repertoire
+
+LATENCY_TICKS = 2  # in which the head has begun to turn
+BENT_TICKS = 18  # in which it has turned most: 0.2 s at three times the recorded tempo
+
+
+def played(repertoire: Repertoire, name: str):
+    """World nodes (t, 23, 3) of a segment."""
+    return replay(repertoire.segments[name], np.zeros(3), np.eye(3), 1)
+
+
+@pytest.mark.parametrize(
+    ("segment", "least", "most"),
+    [
+        ("cstart_left_moderate", 55, 85),
+        ("cstart_left_wide", 115, 155),
+        ("turn_left_rest", 80, 120),
+        ("turn_left_glide", 75, 110),
+    ],
+)
+def test_turns_have_their_angle(repertoire: Repertoire, segment, least, most) -> None:
+    """Domenici and Blake 1997 for escapes; the last frame sways about the course."""
+    assert least < repertoire.segments[segment].turn_deg < most
+    assert 0.0 < repertoire.provenance["couples"][segment] < COUPLES[-1]
+
+
+def test_an_escape_turns_at_once_and_ends_fast(repertoire: Repertoire) -> None:
+    for grade in ("moderate", "wide"):
+        path = played(repertoire, f"cstart_left_{grade}")
+        heading = headings(path)
+        assert heading[2 * LATENCY_TICKS] > 10
+        late = heading[BENT_TICKS:].mean()
+        assert heading[:BENT_TICKS].max() > 0.7 * late
+        end = np.linalg.norm(path[-1].mean(axis=0) - path[-8].mean(axis=0)) / 7
+        begin = np.linalg.norm(path[3].mean(axis=0) - path[0].mean(axis=0)) / 3
+        assert end > 2 * begin
+
+
+def test_a_turn_from_rest_is_tight(repertoire: Repertoire) -> None:
+    """The path of the centre over the angle: at most 0.4 body lengths per radian."""
+    centre = played(repertoire, "turn_left_rest").mean(axis=1)
+    way = np.linalg.norm(np.diff(centre, axis=0), axis=1).sum() / repertoire.body_length_cm
+    assert way / np.radians(repertoire.segments["turn_left_rest"].turn_deg) < 0.4
+
+
+def test_a_couple_turns_without_pushing() -> None:
+    rng = np.random.default_rng(0)
+    x, inertia = rng.normal(size=(23, 3)), rng.uniform(1, 5, 23)
+    force = couple_force(x, inertia, 0.3)
+    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
+    arm = x - inertia @ x / inertia.sum()
+    moment = (inertia * (arm[:, 0] ** 2 + arm[:, 2] ** 2)).sum()
+    assert np.cross(arm, force).sum(axis=0)[1] == pytest.approx(0.3 * moment)
+
+
+def test_the_mirror_image_of_a_motion_is_a_motion(species: Species) -> None:
+    """The muscles of the other side make it, to rounding."""
+    body = build_body(species.body)
+    rng = np.random.default_rng(1)
+    steps = np.clip(0.02 * rng.normal(size=(36, 12)).cumsum(axis=0), 0.0, 0.2)
+    state, other = at_rest(body), at_rest(body)
+    trial = Trial(simulate(body, state, steps), state)
+    swapped = steps.reshape(36, 3, 4)[:, :, [1, 0, 3, 2]].reshape(36, 12)
+    frames = simulate(body, other, swapped)
+    np.testing.assert_allclose(mirrored(trial).frames, frames, atol=1e-9)
+    np.testing.assert_allclose(mirrored(trial).state.v, other.v, atol=1e-9)
+
+
+def test_a_start_ends_at_medium_and_a_stop_at_rest(
+    species: Species, repertoire: Repertoire
+) -> None:
+    medium = repertoire.segments["swim_medium"].speed_cm_s * repertoire.tick_s
+    beat = species.swim.at("medium").ticks_per_beat
+    begun = played(repertoire, "swim_start").mean(axis=1)
+    speed = np.linalg.norm(begun[-1] - begun[-1 - beat]) / beat
+    assert 0.8 * medium < speed < 1.3 * medium
+    ended = played(repertoire, "swim_stop").mean(axis=1)
+    assert np.linalg.norm(ended[-1] - ended[-2]) < 0.2 * medium
+    bent = np.abs(repertoire.segments["swim_stop"].nodes[-1] - repertoire.rest_nodes).max()
+    assert bent < 0.02 * repertoire.body_length_cm
+
+
+def test_a_stop_coasts_on_where_the_swim_ended(species: Species) -> None:
+    """Its first frame is steady swimming, so nothing jumps on entering."""
+    trial = run_trial(species.muscles, "swim_stop")
+    steady = run_trial(species.muscles, "swim_medium")
+    np.testing.assert_array_equal(trial.frames[0], copy_state(steady.state).x)
