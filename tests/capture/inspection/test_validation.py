@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from capture.inspection.validation import FULL_TEMPO, bainbridge, validate
+from capture.inspection.validation import FULL_TEMPO, ROW_TEMPO, bainbridge, validate
 from subsea.core.findings import MISSING, RangeCheck
 from subsea.fish.measured import load_measured
 from subsea.fish.species import load_species, repertoire_file
+from subsea.motor import controller, playback
 from subsea.repertoire import Repertoire, read_repertoire
 
 
@@ -59,3 +60,8 @@ def test_eels_and_rays_have_measures_of_their_own() -> None:
 
 def test_bainbridges_line() -> None:
     assert [bainbridge(f) for f in (5.0, 10.0, 20.0)] == [2.75, 6.5, 14.0]
+
+
+def test_tempos_are_those_of_playback() -> None:
+    assert playback.TEMPO[1] == controller.CSTART_TEMPO == FULL_TEMPO
+    assert controller.ROW_TEMPO == ROW_TEMPO
