@@ -39,7 +39,7 @@ def main() -> None:
         "copy the arrays that playback touches": copying,
         "playback of root motion": fastest(lambda: play(fishes, library, TICK_S)),
         "secondary controller": fastest(lambda: command(fishes, library, Clock(1, 0, TICK_S))),
-        "fins and breath": fastest(lambda: flap(fishes, TICK_S)),
+        "fins and breath": fastest(lambda: flap(fishes, library, TICK_S)),
     }
     print(f"{number} fishes, a tick")
     for name, duration in rows.items():

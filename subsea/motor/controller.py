@@ -53,8 +53,7 @@ CSTART_TEMPO = 3.0  # the first stage takes less than 0.1 s
 TURN_TEMPO = (1.0, 2.0)  # of sharp turns
 ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it
 KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
-CYCLE_S = 1.6  # of burst and coast, at the recorded size
-COASTING = 0.45  # mean speed of a coasting fish over that of its bursts
+CYCLE_S = 6.0  # of burst and coast below the slowest beat, at the recorded size
 COAST_TIME_S = 1.0  # time constant of a coasting body, at the recorded size
 MOVING = 0.3  # share of the slow swim above which a fish need not start from rest
 MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
@@ -138,14 +137,10 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
         most = ROW_TEMPO * own[ROW] * (KEEP_ROWING if now == ROW else 1.0)
         if speed < max(most, TEMPO[0] * own[SLOW]):
             return ROW
-    elif has[STOP] and fishes.ram[i] == 0.0 and speed < own[SLOW]:
-        if speed < 0.1 * own[SLOW]:
-            return STOP
-        # The share of burst sets the speed; the slowest bursts are brief.
-        burst = min(max(speed / own[SLOW] / 0.7, TEMPO[0]), 1.0)
-        duty = (speed / own[SLOW] / burst - COASTING) / (1.0 - COASTING)
+    elif has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:
+        # Burst and coast: the share of burst sets the speed.
         cycle = clock.tick * clock.dt * fishes.rate[i] / CYCLE_S + fishes.identity[i]
-        return SLOW if cycle % 1.0 < duty else STOP
+        return SLOW if cycle % 1.0 < speed / (TEMPO[0] * own[SLOW]) else STOP
     if now == STOP and has[START] and fishes.thrust[i] < MOVING:
         return START
     return _grade(own, has[BURST], now, speed)
@@ -201,7 +196,9 @@ def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: floa
         thrust = min(max(speed / (tempo * own), RETREAT), 1.0)
     elif wanted == STOP:
         tempo = float(fishes.tempo[i])
-        thrust = min(speed / library.speed[kind, SLOW], 0.0)
+        thrust = max(speed / library.speed[kind, SLOW], RETREAT) if speed < 0.0 else 0.0
+        if now != STOP:  # it beats until a good row
+            thrust = float(fishes.thrust[i])
     elif wanted <= FAST or wanted == BURST or blends(wanted):
         tempo = min(max(speed / own, TEMPO[0]), TEMPO[1])
         thrust = min(max(speed / (tempo * own), RETREAT), 1.0)

@@ -1,9 +1,10 @@
-"""Kinematic fins and mouth: flapping, oaring, breathing (Tu §5.5, appendix B)."""
+"""Kinematic fins and mouth: flapping, oaring, rowing, breathing (Tu §5.5, appendix B)."""
 
 import numpy as np
 
 from subsea.core.kernels import kernel
-from subsea.motor.segments import LEFT_GRADUAL, RIGHT_GRADUAL
+from subsea.motor.segments import LEFT_GRADUAL, RIGHT_GRADUAL, ROW
+from subsea.repertoire.library import Library
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
 REST_RAD = 0.55  # sweep of a relaxed fin away from the body
@@ -11,7 +12,11 @@ FLAP_RAD = 0.22  # amplitude of idle flapping
 EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
 OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
-FOLD_RAD = 0.35  # a fast fish folds its fins to the body
+FOLD_RAD = 0.35  # a fast fish folds its fins to the body ...
+BURST_RAD = 0.15  # ... and one that bursts does so entirely, and holds them still
+BURST_TEMPO = (1.3, 2.0)  # from the first on it folds them, at the second it has
+ROW_RAD = (np.radians(60.0), np.radians(45.0))  # middle and half sweep of a rowing fin
+ROW_LIFT_RAD = 0.36  # it goes back below and forwards above
 FULL_STEERING = 0.6  # rad/s: the hardest steering
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
@@ -21,12 +26,13 @@ EASE_HZ = 3.0  # how fast dorsal fin and tail follow
 
 
 @kernel
-def flap(fishes: Fishes, dt: float) -> None:
+def flap(fishes: Fishes, library: Library, dt: float) -> None:
     """Advance fins and breath by one tick.
 
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
     each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
-    brake or retreat (Tu B.2).
+    brake or retreat (Tu B.2). While a row of the pectoral gait is played, its phase is that of the
+    fins: foremost at the beginning of the stroke.
     """
     for i in range(len(fishes.species)):
         fins = fishes.fins[i]
@@ -39,7 +45,10 @@ def flap(fishes: Fishes, dt: float) -> None:
         braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
         beat = 2.0 * np.pi * BEAT_HZ * fishes.rate[i] * (1.0 + 2.0 * max(effort, 1.0 - speed)) * dt
-        held = REST_RAD - FOLD_RAD * speed
+        rows, stroke = _stroke(fishes, library, i)
+        low, high = BURST_TEMPO
+        burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
+        held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
         lean = 0.5 * steering
         for side in range(2):
             inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
@@ -50,8 +59,11 @@ def flap(fishes: Fishes, dt: float) -> None:
                 sweep, lift = OAR_RAD[0] * np.sin(phase), OAR_RAD[1] * np.cos(phase)
             else:
                 sweep, lift = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase), 0.0
-            fins[SWEEP_LEFT + side] = held + sweep + (lean if side == 0 else -lean)
-            fins[LIFT_LEFT + side] = lift
+            sweep = held + (1.0 - burst) * sweep + (lean if side == 0 else -lean)
+            middle, reach = ROW_RAD
+            rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
+            fins[SWEEP_LEFT + side] = sweep + rows * (rowing - sweep)
+            fins[LIFT_LEFT + side] = lift + rows * (raised - lift)
 
         panting = max(effort, speed)
         breath = fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.rate[i] * (1.0 + panting) * dt
@@ -60,6 +72,25 @@ def flap(fishes: Fishes, dt: float) -> None:
         ease = min(EASE_HZ * dt, 1.0)
         fins[DORSAL] += ease * (1.0 - FOLDED * speed * speed - fins[DORSAL])
         fins[TAIL] += ease * (SPREAD * max(abs(turning), braking) - fins[TAIL])
+
+
+@kernel
+def _stroke(fishes: Fishes, library: Library, i: int) -> tuple[float, float]:
+    """Share of the pectoral gait in the pose of fish i, and its phase, rad; back in a retreat."""
+    kind, a, b = fishes.species[i], fishes.row_a[i], fishes.row_b[i]
+    first, length = library.first[kind, ROW], library.length[kind, ROW]
+    from_row, to_row = first <= a < first + length, first <= b < first + length
+    if not (library.has[kind, ROW] and (from_row or to_row)):
+        return 0.0, 0.0
+    weight = float(fishes.weight[i])
+    if not to_row:
+        share, place = 1.0 - weight, float(a - first)
+    elif not from_row:
+        share, place = weight, float(b - first)
+    else:
+        share, place = 1.0, a - first + weight
+    phase = 2.0 * np.pi * (place + 1.0) / length  # a row is the pose at its end
+    return share, phase if fishes.thrust[i] >= 0.0 else -phase
 
 
 @kernel

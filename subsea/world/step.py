@@ -153,7 +153,7 @@ def move_fishes(world: World, clock: Clock) -> None:
     )  # fmt: skip
     world.report_bursts(burst)
     play(fishes, world.library, TICK_S)
-    flap(fishes, TICK_S)
+    flap(fishes, world.library, TICK_S)
 
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:
