@@ -1,6 +1,7 @@
 """Avoid collisions with other fishes and with obstacles (Tu §7.8.1)."""
 
 from subsea.behavior.chasing import set_urge
+from subsea.behavior.schooling import known_by
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
@@ -32,11 +33,18 @@ PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 def desire(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
 ) -> None:
-    """1 where perception found a danger of collision, else 0. Hunters do not yield to prey."""
+    """1 where perception found a danger of collision, else 0.
+
+    Hunters do not yield to prey, and prey in panic minds its predator alone: `keep_clear` leads
+    both past what they meet. Fishes of a school make room for each other by schooling.
+    """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
-        out[i] = 1.0 if yields or minds.barrier[i] != -1 else 0.0
+        if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
+            yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
+        panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
+        out[i] = 1.0 if (yields or minds.barrier[i] != -1) and not panics else 0.0
 
 
 @kernel
@@ -45,6 +53,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
     for i in who:
         ahead = x_axis(fishes.orientation[i])
         j = minds.threat[i]
+        if j == NOBODY and minds.barrier[i] == -1:
+            continue  # the danger has just passed: it keeps its course
         if j == NOBODY:
             # `steering.keep_clear` leads around obstacles; a slower fish turns more tightly.
             fishes.goal_speed[i] = min(max(fishes.goal_speed[i], SLOWED), CAREFUL)

@@ -1,16 +1,23 @@
-"""Escaping from a predator by eleven rules (Tu §7.9.2)."""
+"""Escaping from a predator by eleven rules (Tu §7.9.2), beginning with a C-start when attacked.
+
+A fish starts when the predator looms: when the angle that it subtends grows fast (Domenici and
+Blake, J. Exp. Biol. 200:1165, 1997). A predator that is near or fast is answered within a tick,
+one at the threshold after 0.1 s, and one behind the fish late.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from subsea.behavior.chasing import set_urge
+from subsea.behavior.bursting import burst
+from subsea.behavior.chasing import mouth_of, set_urge
 from subsea.behavior.schooling import has_school
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
-from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.state import FEAR, HULL_CM, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
 CLOSE = 0.6  # share of D0 within which a predator is close
 FRONT_RAD = np.radians(45.0)  # bearing below which it is in front ...
@@ -20,6 +27,14 @@ OPPOSITE_RAD = np.radians(135.0)  # ... and up to this perpendicular
 TURN_BACK_RAD = np.radians(175.0)  # a half turn, with a side to turn by
 DODGE_RAD = np.radians(30.0), np.radians(75.0)  # from a predator that is close, or touches
 STEEP = 0.5  # steepest escape up or down, as a share of the level way
+LOOMS_RAD_S = 0.7  # growth of the angle that a predator subtends at which a fish starts ...
+BEHIND = 1.0  # ... and by how much more, as a share, if it comes from straight behind
+LATENCY_S = 0.1  # of a start at the threshold; shorter for a greater stimulus
+LEAST_START, MOST_START = 0.6, 2.6  # rad, range of C-starts; straight ahead without one
+SPREAD_RAD = 0.7  # range of angles by which starts differ: the direction is not to be foreseen
+REFRACTORY_S = 1.5  # until the next start
+FLIGHT_S = 1.2  # length of the burst after a start
+START_PURPOSE = np.int64(81)  # key of the random numbers
 ADRIFT_CM_S = 5.0  # a slower submarine is taken to head for the fish
 
 
@@ -53,7 +68,10 @@ def desire(
 
 @kernel
 def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Turn as the rule says at full speed, and climb or dive away from the predator."""
+    """Turn as the rule says at full speed, and climb or dive away from the predator.
+
+    A fish with a home flees there.
+    """
     for i in who:
         if minds.predator[i] == NOBODY:
             continue
@@ -65,6 +83,43 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             minds, i, (np.cos(heading), np.sin(heading), -min(max(danger.above, -STEEP), STEEP))
         )
         fishes.goal_speed[i] = 1.0
+        if minds.home_range[i] < np.inf:
+            set_urge(minds, i, minus(vector(minds.home[i]), vector(fishes.position[i])))
+        if is_startled(fishes, minds, i, sea, danger):
+            noise = SPREAD_RAD * (uniform(clock.seed, i, clock.tick, START_PURPOSE) - 0.5)
+            bend = turn + noise if turn != 0.0 else 0.0
+            minds.startled[i] = minds.alert[i] = 0.0
+            if abs(bend) >= LEAST_START:
+                fishes.startle[i] = min(max(bend, -MOST_START), MOST_START)
+        if minds.startled[i] < FLIGHT_S:
+            burst(fishes, minds, i)
+
+
+@kernel
+def is_startled(fishes: Fishes, minds: Minds, i: int, sea: Sea, danger: Danger) -> bool:
+    """True if the attack is evident: evidence grows by the looming over its threshold."""
+    threshold = LOOMS_RAD_S * (1.0 + BEHIND * abs(danger.bearing) / np.pi)
+    stimulus = looming(fishes, minds, i, sea) / threshold
+    if stimulus < 1.0 or minds.startled[i] < REFRACTORY_S:
+        minds.alert[i] = 0.0
+        return False
+    minds.alert[i] += np.float32(stimulus * minds.pause[i])
+    return minds.alert[i] >= LATENCY_S
+
+
+@kernel
+def looming(fishes: Fishes, minds: Minds, i: int, sea: Sea) -> float:
+    """Growth, rad/s, of the angle 2 atan(s/2d) that the predator's body of width s subtends."""
+    j = minds.predator[i]
+    if j == SUBMARINE:
+        there, velocity, width = vector(sea.submarine[:3]), vector(sea.submarine[3:6]), 2 * HULL_CM
+    else:
+        there, velocity = mouth_of(fishes, j), vector(fishes.velocity[j])
+        width = 0.5 * float(fishes.girth[j, 0] + fishes.girth[j, 1])
+    toward = minus(there, vector(fishes.position[i]))
+    distance = max(norm(toward), 1e-3)
+    approach = -dot(toward, minus(velocity, vector(fishes.velocity[i]))) / distance
+    return approach * width / (distance * distance + 0.25 * width * width)
 
 
 @kernel

@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from subsea.behavior.bursting import burst
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
@@ -17,7 +19,10 @@ STALK = 0.7  # share of the fastest speed while it approaches
 BURST_BL = 2.5  # distance within which it bursts forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
-STRAIN = 2.0  # s of fatigue per second of a burst; approach and turns cost none
+STRAIN = 12.0  # s of fatigue per second of a burst; approach and turns cost none
+ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
+CROWD_BL = 3.0  # distance, in lengths of the prey, within which fishes confuse the hunter
+ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
 RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
@@ -55,21 +60,43 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
             since = clock.tick * clock.dt - minds.last_meal[i]
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
         return
+    length = fishes.length[i]
+    if norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) < BURST_BL * length:
+        j = attended(fishes, minds, i, j, clock)
     minds.target[i] = j
     distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
-    length = fishes.length[i]
     strain = 0.0
     if distance > BURST_BL * length:
         fishes.goal_speed[i] = STALK
     elif _aside(fishes, minds, i) > AIM_RAD:
         fishes.goal_speed[i] = BRAKED
     else:
-        fishes.goal_speed[i] = 1.0
+        burst(fishes, minds, i)
         strain = STRAIN
     # The intention generator has already added a second per second.
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)
     fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
+
+
+@kernel
+def attended(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> int:
+    """The fish that hunter i attends to: prey j, or one of its companions near by.
+
+    In a crowd attention wanders, and the hunter aims at none for long: confusion (Neill and
+    Cullen, J. Zool. 172:549, 1974).
+    """
+    here, count = vector(fishes.position[j]), 1
+    for k in minds.neighbour[j]:
+        if k < 0 or norm(minus(vector(fishes.position[k]), here)) > CROWD_BL * fishes.length[j]:
+            break
+        count += 1
+    spell = clock.tick // ATTENTION_TICKS
+    drawn = int(count * uniform(clock.seed, i, spell, ATTENTION_PURPOSE))
+    if clock.tick % ATTENTION_TICKS != 0 or drawn == 0:
+        return j
+    k = int(minds.neighbour[j, drawn - 1])
+    return k if fishes.alive[k] and minds.kind[k] == PREY else j
 
 
 @kernel

@@ -159,6 +159,8 @@ class Minds(NamedTuple):
     libido_rate: Annotated[F32, panels("n", unit="1/s"), "p1 (Tu §7.4)"]
     dread: Annotated[F32, panels("n", unit="cm"), "D0: distance of a predator at which fear is 1"]
 
+    home: Annotated[F32, creation("n", 3, unit="cm"), "place that it keeps to, as an anemone"]
+    home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
@@ -203,6 +205,10 @@ class Minds(NamedTuple):
     busy: Annotated[F32, behavior("n", unit="s"), "duration of this intention, or of a reaction"]
     fatigue: Annotated[F32, behavior("b", "n", unit="s"), "active less inactive time of a behavior"]
     pause: Annotated[F32, behavior("n", unit="s"), "time since the fish last had its turn"]
+    held: Annotated[F32, behavior("n", unit="s"), "time for which it has had this intention"]
+    spent: Annotated[F32, behavior("n", unit="s"), "time of full burst not yet recovered"]
+    startled: Annotated[F32, behavior("n", unit="s", start=NEVER), "time since its last C-start"]
+    alert: Annotated[F32, behavior("n", unit="s"), "evidence of an attack: time at the threshold"]
     memory: Annotated[I8, behavior("n", start=-1, within=(-1, "b")), "interrupted (Tu §7.7.1)"]
     memory_target: Annotated[
         I32,

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior.bursting import tire
 from subsea.behavior.colouring import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
@@ -137,6 +138,7 @@ def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
         living = order.taken(fishes.alive[order.fish])
         follow_commands(living, fishes, minds, sea, clock)
     steering.ease_goals(fishes, minds, clock)
+    tire(fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)

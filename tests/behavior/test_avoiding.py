@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.behavior import avoiding
-from subsea.state import LEFT, PACIFIST, PREDATOR, PREY, RIGHT
+from subsea.state import AVOID, LEFT, PACIFIST, PREDATOR, PREY, RIGHT, SCHOOL
 
 
 def test_danger_is_all_or_nothing(tank):
@@ -46,3 +46,27 @@ def test_a_hunter_yields_to_no_prey(tank):
     assert one.desire(avoiding.desire).tolist() == [0, 1]
     one.minds.kind[1] = PACIFIST
     assert one.desire(avoiding.desire).tolist() == [1, 1]
+
+
+def test_prey_in_panic_minds_its_predator_alone(tank):
+    t = tank(2)
+    t.minds.threat[0], t.minds.barrier[0], t.minds.kind[:] = 1, -2, (PREY, PREDATOR)
+    assert t.desire(avoiding.desire)[0] == 1
+    t.minds.menace[0] = t.nature.panicked
+    assert t.desire(avoiding.desire)[0] == 0
+
+
+def test_fishes_of_a_school_make_room_by_schooling(tank):
+    t = tank(3)
+    t.minds.leader[1], t.minds.threat[:], t.minds.intention[:] = 0, (1, 2, 1), SCHOOL
+    assert t.desire(avoiding.desire).tolist() == [0, 1, 1]
+    t.minds.intention[1] = AVOID
+    assert t.desire(avoiding.desire)[0] == 1
+
+
+def test_it_keeps_its_course_once_the_danger_has_passed(tank):
+    t = tank()
+    t.minds.urge[0], t.fishes.goal_speed[0] = (0.0, 1.0, 0.0), 0.9
+    t.run(avoiding.act)
+    assert t.minds.urge[0].tolist() == [0.0, 1.0, 0.0]
+    assert t.fishes.goal_speed[0] == np.float32(0.9)

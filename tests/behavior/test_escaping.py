@@ -8,12 +8,18 @@ from hypothesis import strategies as st
 from subsea.behavior.escaping import (
     CLOSE,
     DODGE_RAD,
+    FLIGHT_S,
+    LATENCY_S,
+    LOOMS_RAD_S,
+    MOST_START,
+    REFRACTORY_S,
     STEEP,
     TURN_BACK_RAD,
     Danger,
     act,
     danger_of,
     desire,
+    looming,
     rule_of,
     turn_of,
 )
@@ -35,6 +41,7 @@ from subsea.world.populate import heading_quaternion
 DREAD = 200.0
 FAR, NEAR = -0.5, 0.4
 CLOCK = Clock(1, 0, 0.033)
+ONE = np.zeros(1, np.int64)
 
 
 @pytest.fixture(scope="module")
@@ -194,3 +201,63 @@ def test_desire_to_escape(around):
     minds.mental[:, FEAR] = 1.0
     minds.kind[0] = PACIFIST
     assert wants() == 0
+
+
+def _attacked(distance, speed, heading=np.pi):
+    """A fish with a predator before it that rushes at it, 10 cm wide, `distance` cm away."""
+    fishes, minds = _pair((distance, 0.0, 0.0), heading, speed)
+    fishes.girth[1], fishes.velocity[0], fishes.burst[:] = 10.0, 0.0, 5.0
+    minds.pause[:], minds.startled[:] = CLOCK.dt, np.inf
+    return fishes, minds
+
+
+def test_looming_is_the_growth_of_the_angle_that_the_predator_subtends(around):
+    for distance in (15.0, 60.0, 200.0):
+        fishes, minds = _attacked(distance, 100.0)
+        step = 1e-3
+        now, later = (2 * np.arctan(5.0 / (d - 0.0)) for d in (distance, distance - 100.0 * step))
+        assert looming(fishes, minds, 0, around[0]) == pytest.approx((later - now) / step, rel=0.02)
+
+
+@pytest.mark.parametrize(("excess", "ticks"), [(0.9, None), (1.1, 3), (20.0, 1)])
+def test_the_latency_is_shorter_for_a_stronger_stimulus(around, excess, ticks):
+    """d² = v s / rate; a predator that comes at the threshold is answered after 0.1 s."""
+    distance = np.sqrt(100.0 * 10.0 / (excess * LOOMS_RAD_S) - 25.0)
+    fishes, minds = _attacked(distance, 100.0)
+    calm = []
+    for _ in range(9):
+        act(ONE, fishes, minds, *around, CLOCK)
+        calm.append(bool(minds.startled[0] > 0.0))
+    assert calm.index(False) + 1 == ticks if ticks else all(calm)
+    assert ticks is None or ticks * CLOCK.dt <= LATENCY_S + CLOCK.dt
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_escape_begins_with_one_c_start_away_from_the_attack(around, side):
+    fishes, minds = _attacked(12.0, 150.0)
+    fishes.position[1, 1] = 5.0 * side
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert 1.5 < -side * fishes.startle[0] <= MOST_START
+    assert fishes.goal_speed[0] == pytest.approx(5.0)
+    fishes.startle[0], minds.startled[0] = 0.0, 0.5 * FLIGHT_S
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert (fishes.startle[0], fishes.goal_speed[0]) == (0.0, 5.0)
+    minds.startled[0] = REFRACTORY_S + 0.1
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert fishes.startle[0] != 0.0
+
+
+def test_a_slow_or_leaving_predator_does_not_startle(around):
+    for speed, heading in ((5.0, np.pi), (150.0, 0.0)):
+        fishes, minds = _attacked(40.0, speed, heading)
+        for _ in range(20):
+            act(ONE, fishes, minds, *around, CLOCK)
+        assert fishes.startle[0] == 0.0
+        assert fishes.goal_speed[0] == 1.0
+
+
+def test_a_fish_with_a_home_flees_there(around):
+    fishes, minds = _attacked(100.0, 40.0)
+    minds.home[0], minds.home_range[0] = (0.0, 50.0, -300.0), 100.0
+    act(ONE, fishes, minds, *around, CLOCK)
+    assert minds.urge[0] == pytest.approx([0.0, 50.0, 0.0])

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from subsea.behavior import eating
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.hunting import (
+    ATTENTION_TICKS,
     BRAKED,
     BURST_BL,
     FITS,
@@ -19,6 +20,7 @@ from subsea.behavior.hunting import (
     STRAIN,
     SUCK_BL,
     SUCK_BL_S,
+    attended,
     inhale,
     suction,
 )
@@ -226,3 +228,17 @@ def test_a_shoal_may_be_of_another_kind_than_its_species():
     shoal = Shoal(species="moon_wrasse", number=2, kind="predator")
     world = create_world(msgspec.structs.replace(scenario, fish=[shoal]))
     assert (world.state.minds.kind == PREDATOR).all()
+
+
+def test_in_a_crowd_attention_is_divided_evenly(around):
+    """Among a prey and two near companions; the third is too far away, and a lone one keeps it."""
+    fishes, minds = _hunter((60, 0, 0), (60, 20, 0), (60, -30, 0), (60, 200, 0))
+    minds.neighbour[1, :3] = 2, 3, 4
+    ticks = ATTENTION_TICKS * np.arange(600)
+    seen = [attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(tick))) for tick in ticks]
+    assert np.bincount(seen, minlength=5) / 600 == pytest.approx(
+        [0, 1, 1, 1, 0] / np.float64(3), abs=0.08
+    )
+    assert attended(fishes, minds, 0, 1, CLOCK._replace(tick=ATTENTION_TICKS + 1)) == 1
+    minds.neighbour[1] = -1
+    assert {attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(k))) for k in ticks} == {1}
