@@ -12,6 +12,7 @@ INHIBITION, GRACE = 0.2, 0.05
 # Factor on a desire that still recovers, or it would be taken up again after a moment's rest.
 RESTS = 0.8
 MEMORY_S = 12.0  # after which an interrupted intention is forgotten
+DWELL_S = 0.4  # least duration of a reaction, unless a more urgent one interrupts it
 LASTING = 2  # first level whose intentions are remembered; earlier ones are reactions
 
 
@@ -52,6 +53,10 @@ def choose_intention(
                     strength[row] = 0.0
         held = minds.memory[i] >= 0
         row = _strongest(strength, level, behavior, now)
+        minds.held[i] += minds.pause[i]
+        if not lasting[now] and minds.held[i] < DWELL_S:
+            mine = _first(behavior, now)
+            row = mine if level[row] >= level[mine] else row
         wanted = behavior[row]
         if level[row] < LASTING:
             if wanted != now and lasting[now]:
@@ -72,6 +77,8 @@ def choose_intention(
         minds.busy[i] = minds.busy[i] + minds.pause[i] if goes_on else 0.0
         if wanted != now and not minds.resumed[i]:
             minds.target[i] = -1
+        if wanted != now:
+            minds.held[i] = 0.0
         minds.intention[i] = wanted
 
 
@@ -104,6 +111,15 @@ def _strongest(strength: Array, level: Ints, behavior: Ints, now: int) -> int:
         if much > most or (much == most > 0.0 and behavior[row] == now):
             best, most = row, much
     return best
+
+
+@kernel
+def _first(behavior: Ints, code: int) -> int:
+    """The first row of behavior `code`, which has one."""
+    row = 0
+    while behavior[row] != code:
+        row += 1
+    return row
 
 
 @kernel

@@ -9,13 +9,15 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
-from subsea.state import HULL_CM, LEFT, RIGHT, Clock, Fishes, Minds, Sea
+from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, MATE, RIGHT, Clock, Fishes, Minds, Sea
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
 ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time of a turn
 BODY_BL = 0.45  # farthest part of a body from its middle
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.1  # free water beyond snout and tail
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
+STEEPEST = np.sin(np.radians(20.0))  # steepest urge, but for these intentions
+STEEP = (ESCAPE, EAT, MATE)
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 
 
@@ -32,6 +34,9 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         urge = vector(minds.urge[i])
         size, length = norm(urge), float(fishes.length[i])
         urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
+        if minds.intention[i] not in STEEP:
+            urge = flattened(urge, STEEPEST)
+        fishes.goal_speed[i] = max(fishes.goal_speed[i], fishes.ram[i])
         snout = plus(here, times(float(fishes.snout[i]), ahead))
         tail = plus(snout, times(-length, ahead))
         reach = CLEARANCE_CM + CLEARANCE_BL * length
@@ -44,6 +49,19 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
                 urge = _around(part, reach, room, sea, urge)
             urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
         set_urge(minds, i, urge)
+
+
+@kernel
+def flattened(urge: Vector, steepest: float) -> Vector:
+    """A unit urge that climbs or dives by at most the sine `steepest`, on the same bearing.
+
+    A vertical urge has no bearing and stays.
+    """
+    level = np.sqrt(urge[0] * urge[0] + urge[1] * urge[1])
+    if abs(urge[2]) <= steepest or level < 1e-6:
+        return urge
+    share = np.sqrt(1.0 - steepest * steepest) / level
+    return share * urge[0], share * urge[1], steepest if urge[2] > 0.0 else -steepest
 
 
 @kernel

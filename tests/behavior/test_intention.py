@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.intention import MEMORY_S, choose_intention, tiredness
+from subsea.behavior.intention import DWELL_S, MEMORY_S, choose_intention, tiredness
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, DESIRES, LEVEL_OF_DESIRE, TIRES
 from subsea.state import AVOID, EAT, ESCAPE, LEAVE, MATE, SCHOOL, WANDER
 
@@ -73,7 +73,7 @@ def test_an_interrupted_intention_is_resumed_with_its_target(mind):
     minds.target[0] = 17
     assert decide({AVOID: 1.0, MATE: 0.5}) == AVOID
     minds.target[0] = 3
-    assert decide({MATE: 0.4, EAT: 0.45}) == MATE
+    assert decide({MATE: 0.4, EAT: 0.45}, DWELL_S) == MATE
     assert minds.target[0] == 17
     assert minds.resumed[0]
 
@@ -85,7 +85,7 @@ def test_a_resumed_intention_inhibits_its_rivals_by_a_fifth_of_itself(mind):
     assert decide({MATE: 0.5, EAT: 0.55}) == EAT
     decide({MATE: 0.5})
     decide({AVOID: 1.0, MATE: 0.5})
-    assert decide({MATE: 0.5}) == MATE
+    assert decide({MATE: 0.5}, DWELL_S) == MATE
     assert decide({MATE: 0.5, EAT: 0.59}) == MATE
     assert decide({MATE: 0.5, EAT: 0.62}) == EAT
 
@@ -94,7 +94,7 @@ def test_an_intention_without_desire_is_not_resumed(mind):
     decide, minds = mind
     decide({EAT: 0.5})
     decide({ESCAPE: 0.9})
-    assert decide({}) == WANDER
+    assert decide({}, DWELL_S) == WANDER
     assert minds.memory[0] == -1
     assert not minds.resumed[0]
 
@@ -128,3 +128,12 @@ def test_time_in_an_intention_is_counted(mind):
     assert minds.busy[0] == pytest.approx(2.5)
     decide({AVOID: 1.0})
     assert minds.busy[0] == 0.0
+
+
+def test_a_reaction_lasts_a_while_unless_a_more_urgent_one_interrupts(mind):
+    decide, _ = mind
+    assert decide({ESCAPE: 0.9}) == ESCAPE
+    assert decide({}) == ESCAPE
+    assert decide({AVOID: 1.0}) == AVOID
+    assert decide({ESCAPE: 0.9}, 0.5 * DWELL_S) == AVOID
+    assert decide({ESCAPE: 0.9}, 0.6 * DWELL_S) == ESCAPE

@@ -10,11 +10,12 @@ from subsea.behavior.steering import (
     CLEARANCE_CM,
     HULL_AHEAD_S,
     ROOM_BL,
+    STEEPEST,
     constrained,
     ease_goals,
     keep_clear,
 )
-from subsea.state import HULL_CM, LEFT
+from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, SCHOOL, WANDER
 
 ALL = np.arange(1)
 angle = st.floats(0, 2 * np.pi)
@@ -119,3 +120,20 @@ def test_the_submarine_is_given_way_aside(tank):
     one.sea.submarine[:6] = -150.0, -5.0, -300.0, 120.0, 0.0, 0.0
     keep_clear(ALL, one.fishes, one.minds, one.sea)
     assert one.minds.urge[0, 1] > 0.7
+
+
+def test_urges_are_flat_unless_the_fish_flees_or_feeds(tank):
+    for intention, steep in ((WANDER, False), (SCHOOL, False), (ESCAPE, True), (EAT, True)):
+        one = tank()
+        one.minds.intention[:], one.minds.urge[:] = intention, (3.0, 0.0, 4.0)
+        keep_clear(ALL, one.fishes, one.minds, one.sea)
+        climb = 0.8 if steep else STEEPEST
+        level = np.sqrt(1.0 - climb**2)
+        np.testing.assert_allclose(one.minds.urge[0], [level, 0.0, climb], rtol=1e-5)
+
+
+def test_ram_ventilators_are_never_asked_to_stop(tank):
+    one = tank()
+    one.fishes.ram[:], one.fishes.goal_speed[:] = 0.3, 0.0
+    keep_clear(ALL, one.fishes, one.minds, one.sea)
+    assert one.fishes.goal_speed[0] == np.float32(0.3)
