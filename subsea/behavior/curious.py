@@ -3,6 +3,7 @@
 import numpy as np
 
 from subsea.behavior.chasing import chase, set_urge
+from subsea.behavior.wandering import is_at_home
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
@@ -38,7 +39,7 @@ def desire(
             minds.fatigue[CURIOUS, i] += (1.0 - FORGETS) * minds.pause[i]
         toward = minus(hull, vector(fishes.position[i]))
         ahead = x_axis(fishes.orientation[i])
-        drawn = minds.kind[i] == PACIFIST and seen < enough
+        drawn = minds.kind[i] == PACIFIST and seen < enough and is_at_home(minds, i, hull)
         out[i] = INTEREST if drawn and _sees(toward, ahead, nature.curiosity_cm) else 0.0
 
 

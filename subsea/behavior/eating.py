@@ -8,7 +8,7 @@ from subsea.behavior.hunting import EAGER, hunt, is_chewing
 from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
-from subsea.behavior.wandering import wander
+from subsea.behavior.wandering import is_at_home, wander
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
@@ -40,10 +40,11 @@ def desire(
         hunger = minds.mental[i, HUNGER]
         eats = minds.intention[i] == EAT
         least = nature.keen * (STILL_KEEN if eats else 1.0)
-        near = minds.food[i] >= 0
+        near = minds.food[i] >= 0 and is_at_home(minds, i, vector(sea.plankton[minds.food[i]]))
         if near and minds.schools[i] and (minds.leader[i] >= 0 or minds.leads[i]):
             near = _on_the_way(fishes, minds, i, sea, eats, now)
-        food = near or (bait and in_reach(fishes, minds, i, sea, nature))
+        bites = bait and in_reach(fishes, minds, i, sea, nature)
+        food = near or (bites and is_at_home(minds, i, vector(sea.hook)))
         out[i] = max(hunger, EAGER * nature.keen) if hunger > least and food else 0.0
 
 
@@ -75,7 +76,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
             approach(fishes, minds, i, sea)
             continue
         k = minds.target[i]
-        if k < 0 or sea.absent[k] > 0.0:
+        if k < 0 or sea.absent[k] > 0.0 or not is_at_home(minds, i, vector(sea.plankton[k])):
             wander(fishes, minds, i, sea, clock)
             continue
         distance = chase(fishes, minds, i, vector(sea.plankton[k]), ZERO)

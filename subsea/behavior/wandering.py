@@ -25,6 +25,8 @@ ATTEMPTS = 6  # ... within this many attempts
 LEADERS_ATTEMPTS = 24  # of a school, whose way must also ...
 AHEAD_COS = -0.2  # ... not be behind it, and be ...
 BROAD_CM = 100.0  # ... this far from solids, which split a school
+HOME_SHARE = 0.7  # of its range within which a fish with a home wanders ...
+HOME_FLOOR_CM = 12.0  # ... at least this high
 CRUISE = (0.1, 0.62, 0.85)  # shares of the fastest speed: hovering, medium and brisk cruising
 LEADING = 0.45  # a leader keeps its school moving
 BOUND = 0.7  # desire of a fish on an errand: stronger than curiosity
@@ -87,6 +89,9 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
+        if minds.home_range[i] < np.inf:
+            store(minds.waypoint[i], _near_home(minds, i, sea, clock.seed, tick))
+            break
         angle = 2.0 * np.pi * uniform(clock.seed, i, tick, ANGLE_PURPOSE)
         reach = ROAM * sea.radius * np.sqrt(uniform(clock.seed, i, tick, RADIUS_PURPOSE))
         x, y = reach * np.cos(angle), reach * np.sin(angle)
@@ -105,6 +110,24 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)
     way_s = norm(minus(vector(minds.waypoint[i]), here)) / (SLOWEST * fishes.fast[i])
     minds.patience[i] = low + (high - low) * share + way_s
+
+
+@kernel
+def _near_home(minds: Minds, i: int, sea: Sea, seed: int, tick: int) -> Vector:
+    """A place within the range of fish i about its home, above the ground."""
+    angle = 2.0 * np.pi * uniform(seed, i, tick, ANGLE_PURPOSE)
+    reach = HOME_SHARE * minds.home_range[i] * np.sqrt(uniform(seed, i, tick, RADIUS_PURPOSE))
+    rise = 0.5 * reach * uniform(seed, i, tick, DEPTH_PURPOSE)
+    home = vector(minds.home[i])
+    x, y = home[0] + reach * np.cos(angle), home[1] + reach * np.sin(angle)
+    floor = height_at(sea.floor, sea.half_width, x, y) + HOME_FLOOR_CM
+    return x, y, max(home[2] + rise, floor)
+
+
+@kernel
+def is_at_home(minds: Minds, i: int, place: Vector) -> bool:
+    """True if a place lies within the range of fish i."""
+    return norm(minus(place, vector(minds.home[i]))) <= minds.home_range[i]
 
 
 @kernel

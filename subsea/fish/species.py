@@ -153,6 +153,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
     least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
+    home_cm: Annotated[float, msgspec.Meta(gt=0, le=1e4)] | None = None  # farthest from its home
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

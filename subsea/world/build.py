@@ -13,7 +13,7 @@ from subsea.repertoire.library import pack
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
 from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
 from subsea.world.checks import make_surroundings
-from subsea.world.populate import fastest_cm_s, populate, shoal_sizes
+from subsea.world.populate import fastest_cm_s, populate, settle, shoal_sizes
 from subsea.world.repertoires import coupling_of, repertoire_of, species_of
 from subsea.world.world import World
 
@@ -59,6 +59,7 @@ def create_world(
     submarine.lights[:] = scenario.submarine.lights
     submarine.previous_angles[:] = submarine.angles
     fishes, minds = populate(scenario, species, library, sea, rng, fish)
+    settle(species, fishes, minds, reef)
     tables = {name: getattr(library, name) for name in ("rotation", "translation", "nodes")}
     directed = bool(scenario.direction)
     state = State(

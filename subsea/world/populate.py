@@ -9,15 +9,18 @@ from subsea.core.arrays import Array
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import out_of_solids
+from subsea.habitat.reef import KINDS as KINDS_OF_GROWTH
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import KINDS, Fishes, Minds, Sea, empty
+from subsea.state import KINDS, Fishes, Minds, Reef, Sea, empty
 from subsea.world.inventory import share_out
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
 FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pectoral fins
+HOME_CM = 400.0  # distance within which a fish finds a home
+ABOVE_HOME_CM = 15.0  # height of the home over the growth
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
@@ -109,6 +112,24 @@ def populate(
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes, minds
+
+
+def settle(species: dict[str, Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:
+    """Give fishes of species that keep to a place the nearest anemone, else growth, as home.
+
+    Without one within reach of its starting place that place is the home.
+    """
+    ranges = np.array([one.home_cm or np.inf for one in species.values()])
+    minds.home[:], minds.home_range[:] = fishes.position, ranges[fishes.species]
+    tops = reef.place + reef.radius[:, None] * reef.axis
+    anemone = reef.kind == list(KINDS_OF_GROWTH).index("anemone")
+    for i in np.flatnonzero(np.isfinite(minds.home_range)):
+        far = np.linalg.norm(tops - fishes.position[i], axis=1)
+        for those in (anemone, np.ones_like(anemone)):
+            gaps = np.where(those, far, np.inf)
+            if gaps.min(initial=np.inf) < HOME_CM:
+                minds.home[i] = tops[gaps.argmin()] + (0.0, 0.0, ABOVE_HOME_CM)
+                break
 
 
 def fastest_cm_s(fishes: Fishes, library: Library) -> Array:

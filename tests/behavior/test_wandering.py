@@ -97,3 +97,15 @@ def test_a_near_solid_bars_only_a_way_that_leads_to_it(tank):
         assert wandering.is_broad(sea, here, (500.0, here[1], -200.0))
         assert not wandering.is_broad(sea, here, (-500.0, here[1], -200.0))
     assert not wandering.is_broad(sea, (-500.0, 130.0, -200.0), (500.0, 130.0, -200.0))
+
+
+def test_a_fish_with_a_home_wanders_near_it(tank):
+    t = tank(300)
+    t.minds.home[:], t.minds.home_range[:], t.minds.patience[:] = (200.0, 0.0, -560.0), 100.0, 0.0
+    t.run(wandering.act)
+    way = t.minds.waypoint - t.minds.home
+    far = np.linalg.norm(way, axis=1)
+    assert 50 < far.max() < 100
+    assert t.minds.waypoint[:, 2].min() >= -600 + wandering.HOME_FLOOR_CM
+    assert wandering.is_at_home(t.minds, 0, tuple(t.minds.waypoint[0].astype(float)))
+    assert not wandering.is_at_home(t.minds, 0, (0.0, 0.0, -560.0))

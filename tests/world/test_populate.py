@@ -1,5 +1,12 @@
+"""Places, numbers and homes of the fishes of a scenario."""
+
+import numpy as np
+
+from subsea.habitat.reef import KINDS as GROWTHS
 from subsea.scenario.load import load_scenario
-from subsea.world.populate import shoal_sizes, with_total
+from subsea.state import Fishes, Minds, Reef, empty
+from subsea.world.populate import ABOVE_HOME_CM, settle, shoal_sizes, with_total
+from subsea.world.repertoires import species_of
 
 
 def test_a_scenario_is_scaled_to_a_total_number():
@@ -8,3 +15,19 @@ def test_a_scenario_is_scaled_to_a_total_number():
     small = with_total(scenario, 9)
     assert [shoal.number for shoal in small.fish] == shoal_sizes(scenario, 9)
     assert sum(shoal.number for shoal in small.fish) == 9
+
+
+def test_clownfish_live_at_the_nearest_anemone():
+    """Those without one near live where they start; other species have no home."""
+    species = {name: species_of(name) for name in ("clownfish", "fusilier")}
+    fishes, minds = empty(Fishes, n=4), empty(Minds, n=4, b=1, d=1)
+    fishes.species[3] = 1
+    fishes.position[:, 0] = 0.0, 300.0, 2000.0, 0.0
+    reef = empty(Reef, k=3)
+    names = list(GROWTHS)
+    reef.kind[:] = names.index("brain"), names.index("anemone"), names.index("brain")
+    reef.place[:, 0], reef.axis[:, 2], reef.radius[:] = (0.0, 250.0, 900.0), 1.0, 5.0
+    settle(species, fishes, minds, reef)
+    up = 5.0 + ABOVE_HOME_CM
+    assert minds.home[:3].tolist() == [[250.0, 0, up], [250.0, 0, up], [2000.0, 0, 0]]
+    assert minds.home_range.tolist() == [100.0, 100.0, 100.0, np.inf]
