@@ -73,7 +73,7 @@ GAIT_LIMITS = {  # of a fast gait (docs/developers/biomechanics-figures.md)
 STRIDE = at_least(0.35)  # L/beat of a fast gait; a body that cannot reach it may still learn
 TURN_LIMITS = {"contraction_step": at_most(S_MAX), "snout": at_most(25.0), "kept": at_least(0.5)}
 GRADE_RATIO, BURST_RATIO = at_least(1.4), at_least(1.1)
-GRADUAL_DEG = Range(2.0, 18.0)
+GRADUAL_DEG = Range(2.0, 45.0)
 
 
 class GaitMeasures(NamedTuple):

@@ -28,7 +28,7 @@ BEND_TICKS = (4.0, 20.0)
 RESTORE_TICKS = (8.0, 40.0)
 AMPLITUDES = (0.0, 1.0)
 LONGEST_HOLD = 320.0  # ticks
-GRADUAL_DEG_PER_BEAT = 8.0  # angle of a gradual turn in one beat
+GRADUAL_DEG_PER_BEAT = 30.0  # angle of a gradual turn in one beat, if the body can bend so far
 
 
 class Unreachable(Exception):  # noqa: N818 - a finding, no error
