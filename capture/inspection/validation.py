@@ -84,7 +84,7 @@ def validate(repertoire: Repertoire, species: Species, table: MeasuredSwimming) 
     """Measure a repertoire, as an adult of its species swims it."""
     facts = table.species[repertoire.species]
     adult = 0.5 * sum(species.size_cm)
-    rate = adult_rate(adult, repertoire.body_length_cm)
+    rate = species.pace * adult_rate(adult, repertoire.body_length_cm)
     swims = [_swim(name, repertoire, rate, facts) for name in SWIMS if name in repertoire.segments]
     fast = next(swim for swim in swims if swim.name == "swim_fast")
     expected = NAN

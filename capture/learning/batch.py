@@ -17,7 +17,7 @@ from capture.learning.improve import writable_source
 from capture.learning.journal import evaluations, read_journal, write_journal
 from capture.learning.report import report
 from capture.learning.species_edit import write_plans
-from capture.learning.whole import ROOT, Learned, Task, learn_whole, turn_budget
+from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole, turn_budget
 from capture.recording.fingerprint import fingerprint
 from subsea.core.errors import UserError
 from subsea.core.extras import require
@@ -31,7 +31,7 @@ from subsea.fish.species import Species, shipped_species, species_file
 class Plan(NamedTuple):
     """A task with the species file that it reads and the one that it writes."""
 
-    task: Task
+    task: LearningTask
     source: Path
     target: Path | None  # None: write nothing
 
@@ -68,7 +68,7 @@ def learn_species(
                 raise UserError(f"two species files have the name {source.stem}", file=source)
             target = out / source.name if out else writable_source(source, dry_run)
             journal = journal_path(Path(scratch) / source.name if dry_run else target)
-            task = Task(source.stem, species, body, budget, seed, journal)
+            task = LearningTask(source.stem, species, body, budget, seed, journal)
             plans[source.stem] = Plan(task, source, None if dry_run else target)
         _prepare(plans, force)
         bars = {
@@ -175,6 +175,6 @@ def is_done(plan: Plan) -> bool:
         return False
 
 
-def _mark(task: Task, written: Species) -> str:
+def _mark(task: LearningTask, written: Species) -> str:
     """Identify a written result and the options of the command."""
     return f"{fingerprint(written, ROOT)} {task.body:d} {task.budget} {task.seed}"

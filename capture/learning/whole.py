@@ -40,7 +40,7 @@ LEAST_TURNS = 4
 LEAST_RATIO = 1.05  # of the speeds of neighbouring grades
 
 
-class Task(NamedTuple):
+class LearningTask(NamedTuple):
     """A species to learn, and the options of the search."""
 
     name: str
@@ -58,7 +58,7 @@ class Learned(NamedTuple):
     notes: list[str]
 
 
-def key_of(task: Task) -> str:
+def key_of(task: LearningTask) -> str:
     """Identify what the losses of a task depend on: the species, the program and the search."""
     return f"{fingerprint(task.species, ROOT)} body={task.body:d} seed={task.seed}"
 
@@ -68,7 +68,7 @@ def turn_budget(budget: int) -> int:
     return max(LEAST_TURNS, round(TURN_SHARE * budget))
 
 
-def learn_whole(task: Task) -> Learned:
+def learn_whole(task: LearningTask) -> Learned:
     """Search, verify and return the plans; an interrupted search continues from its journal."""
     journal, notes = Journal(task.journal, key_of(task)), list[str]()
     try:
@@ -77,7 +77,7 @@ def learn_whole(task: Task) -> Learned:
         journal.save()
 
 
-def _learn(task: Task, journal: Journal, notes: list[str]) -> Muscles | None:
+def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | None:
     muscles = task.species.muscles
     assert muscles
     volume = outline_volume(task.species.surface, muscles.body.length)
@@ -104,7 +104,7 @@ def _learn(task: Task, journal: Journal, notes: list[str]) -> Muscles | None:
 
 
 def _verified(
-    task: Task, found: tuple[BodyPlan, SwimPlan], journal: Journal, notes: list[str]
+    task: LearningTask, found: tuple[BodyPlan, SwimPlan], journal: Journal, notes: list[str]
 ) -> Muscles | None:
     """Body and gait with all grades and turns, if they pass the verification."""
     plan, swim = found
@@ -137,7 +137,7 @@ def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 
 
 def _learn_turn(
-    task: Task, plan: BodyPlan, swim: SwimPlan, journal: Journal, notes: list[str]
+    task: LearningTask, plan: BodyPlan, swim: SwimPlan, journal: Journal, notes: list[str]
 ) -> TurnPlan | None:
     old = task.species.turn
     assert old

@@ -23,12 +23,12 @@ IGNORED = (tokenize.COMMENT, tokenize.NL)
 
 
 def fingerprint(species: Species, root: str = ROOT) -> str:
-    """Hash the plans of a species (no names, sizes, homes or colours), the code and its libraries.
+    """Hash the plans of a species (what recording needs), its code and libraries.
 
     The code is that of the module ``root`` and of all that it imports.
     """
     plans = msgspec.to_builtins(species)
-    for key in ("name", "scientific_name", "kind", "size_cm", "home_cm", "skin"):
+    for key in ("name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "skin"):
         del plans[key]
     libraries = {"numpy": np.__version__, "numba": numba.__version__}
     known = {"plans": plans, "versions": libraries, "code": _code_hash(root)}

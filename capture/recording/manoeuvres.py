@@ -56,7 +56,7 @@ BACKING = 0.8  # speed at which the fins sweep forwards to stop, over that of me
 STOPPED = 0.1  # share of the speed of medium at which a fish counts as stopped
 
 
-class Turn(NamedTuple):
+class BendingTurn(NamedTuple):
     """A bend to the inner side with a couple, and the beats after it; times in ticks."""
 
     angle: float  # degrees, of the mean heading
@@ -71,11 +71,11 @@ class Turn(NamedTuple):
 
 
 TURNS = {
-    "cstart_left_moderate": Turn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst"),
-    "cstart_left_wide": Turn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst"),
-    "turn_left_rest": Turn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow"),
-    "turn_left_sharp": Turn(90.0, 0.18, 6.0, 6.0, 10.0, 0.0, 1, "medium", "swim"),
-    "turn_left_glide": Turn(90.0, 0.18, 8.0, 8.0, 12.0, 0.0, 1, "medium", "glide"),
+    "cstart_left_moderate": BendingTurn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst"),
+    "cstart_left_wide": BendingTurn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst"),
+    "turn_left_rest": BendingTurn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow"),
+    "turn_left_sharp": BendingTurn(90.0, 0.18, 6.0, 6.0, 10.0, 0.0, 1, "medium", "swim"),
+    "turn_left_glide": BendingTurn(90.0, 0.18, 8.0, 8.0, 12.0, 0.0, 1, "medium", "glide"),
 }
 
 
@@ -112,7 +112,7 @@ class Turner(NamedTuple):
     swim: SwimPlan
 
 
-def turn_from(fish: Turner, turn: Turn, start: BodyState) -> Trial:
+def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
     """Turn left by ``turn.angle``: a search for the couple, and then for its nearest value.
 
     Where the body would lose its shape it bends and beats less. Returns the sound turn that is
@@ -167,7 +167,9 @@ def mean_heading(frames: Floats, beat: int) -> float:
     return float(heading[-beat:].mean() - heading[0])
 
 
-def _turn_controls(body: Body, swim: SwimPlan, turn: Turn, share: float) -> tuple[Floats, Floats]:
+def _turn_controls(
+    body: Body, swim: SwimPlan, turn: BendingTurn, share: float
+) -> tuple[Floats, Floats]:
     """Contractions (6 T, 12) and the couple (T,) relative to its size."""
     swim = swim.at(turn.grade)
     amplitude = share * swim.amplitude(turn.grade)

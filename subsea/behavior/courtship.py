@@ -102,7 +102,7 @@ def loop(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> Non
         toward = minus(point, mouth_of(fishes, i))
         turn = steer(fishes, minds, i, toward)
         fishes.goal_speed[i] = VIGOUR * max(np.cos(turn), BENT)
-        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
+        minds.courtship_mark[i] -= minds.pause[i] * fishes.size_rate[i]
         reached = norm(toward) < REACH_BL * fishes.length[i]
         if reached and minds.courtship_mark[i] <= 0.0:
             # It counts again once the point is at its other end.
@@ -256,7 +256,7 @@ def stage(fishes: Fishes, i: int, j: int) -> Vector:
 @kernel
 def _beat(fishes: Fishes, i: int, hertz: float, clock: Clock) -> float:
     """Phase of an oscillation with this frequency at the recorded size."""
-    return 2.0 * np.pi * hertz * fishes.rate[i] * clock.tick * clock.dt
+    return 2.0 * np.pi * hertz * fishes.size_rate[i] * clock.tick * clock.dt
 
 
 @kernel

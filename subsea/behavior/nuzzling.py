@@ -31,7 +31,7 @@ def nuzzle(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> N
             continue
         toward = minus(abdomen_of(fishes, minds.partner[i]), mouth_of(fishes, i))
         distance = norm(toward)
-        minds.courtship_mark[i] -= minds.pause[i] * fishes.rate[i]
+        minds.courtship_mark[i] -= minds.pause[i] * fishes.size_rate[i]
         if minds.courtship_mark[i] > 0.0:
             _retreat(fishes, minds, i, toward)
         elif distance < TOUCH_BL * fishes.length[i]:

@@ -86,7 +86,7 @@ def _gather(front: Array, back: Array) -> Array:
 
 @kernel
 def sections_of(rows: Array) -> Sections:
-    """The coefficients of which the fields are ``rows`` (5, 6)."""
+    """Name the rows (5, 6) of a table of coefficients."""
     return Sections(rows[0], rows[1], rows[2], rows[3], rows[4])
 
 

@@ -152,6 +152,9 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     kind: Literal["pacifist", "prey", "predator"]
     schooling: bool
     size_cm: tuple[BodyLength, BodyLength]  # smallest and largest adults
+    pace: Annotated[float, msgspec.Meta(ge=0.25, le=4)] = (
+        1.0  # recorded frames a tick, at this size
+    )
     least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
     home_cm: Annotated[float, msgspec.Meta(gt=0, le=1e4)] | None = None  # farthest from its home
     body: BodyPlan | None = None

@@ -44,7 +44,14 @@ def flap(fishes: Fishes, library: Library, dt: float) -> None:
         turning = min(max(steering / FULL_STEERING + _side(fishes.segment[i]), -1.0), 1.0)
         braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
-        beat = 2.0 * np.pi * BEAT_HZ * fishes.rate[i] * (1.0 + 2.0 * max(effort, 1.0 - speed)) * dt
+        beat = (
+            2.0
+            * np.pi
+            * BEAT_HZ
+            * fishes.size_rate[i]
+            * (1.0 + 2.0 * max(effort, 1.0 - speed))
+            * dt
+        )
         rows, stroke = _stroke(fishes, library, i)
         low, high = BURST_TEMPO
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
@@ -66,7 +73,9 @@ def flap(fishes: Fishes, library: Library, dt: float) -> None:
             fins[LIFT_LEFT + side] = lift + rows * (raised - lift)
 
         panting = max(effort, speed)
-        breath = fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.rate[i] * (1.0 + panting) * dt
+        breath = (
+            fishes.breath[i] + 2.0 * np.pi * BREATH_HZ * fishes.size_rate[i] * (1.0 + panting) * dt
+        )
         fishes.breath[i] = breath % (2.0 * np.pi)
         fins[MOUTH] = max(GAPE * 0.5 * (1.0 - np.cos(breath)), np.float64(fishes.gape[i]))
         ease = min(EASE_HZ * dt, 1.0)

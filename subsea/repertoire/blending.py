@@ -57,7 +57,7 @@ def blend_turns(segments: dict[str, Segment]) -> Blend | None:
     )
 
 
-class Course(NamedTuple):
+class TurningWay(NamedTuple):
     """Measures of a segment of t rows, of a fish that begins it upright."""
 
     turn: float  # rad, change of heading over the segment, left positive
@@ -66,7 +66,7 @@ class Course(NamedTuple):
     pace: tuple[float, float]  # cm per frame at the beginning and at the end
 
 
-def course_of(segment: Segment) -> Course:
+def course_of(segment: Segment) -> TurningWay:
     """Integrate the increments of a segment."""
     rows = len(segment.nodes)
     spin = 2.0 * segment.increment_rotation[:, 1:] * np.sign(segment.increment_rotation[:, :1])
@@ -92,4 +92,4 @@ def course_of(segment: Segment) -> Course:
         sway = heading - course - (heading - course).mean()
     way = np.linalg.norm(segment.increment_translation, axis=1)
     edge = rows if segment.cyclic else min(EDGE_ROWS, rows)
-    return Course(turn, sway, roll, (float(way[:edge].mean()), float(way[-edge:].mean())))
+    return TurningWay(turn, sway, roll, (float(way[:edge].mean()), float(way[-edge:].mean())))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.fish.coupling import Coupling, place
-from subsea.repertoire.blending import LEVELS, TIGHTEST, Blend, Course, blend_turns, course_of
+from subsea.repertoire.blending import LEVELS, TIGHTEST, Blend, TurningWay, blend_turns, course_of
 from subsea.repertoire.schema import (
     BASIC_SEGMENTS,
     SEGMENTS,
@@ -62,7 +62,7 @@ class _Species(NamedTuple):
     starts: Ints  # first row of each segment, and the end of the last
     plan: Transitions
     blend: Blend | None
-    courses: list[Course]
+    courses: list[TurningWay]
 
 
 class _Rows(NamedTuple):

@@ -60,7 +60,10 @@ class Fishes(NamedTuple):
     species: Annotated[U8, creation("n"), "index into the scenario's species"]
     length: Annotated[F32, creation("n", unit="cm"), "body length"]
     scale: Annotated[F32, creation("n", start=1), "length over recorded length: α, SMC eq. 12"]
-    rate: Annotated[F32, creation("n", start=1), "recorded rows per tick: large fishes beat slowly"]
+    rate: Annotated[
+        F32, creation("n", start=1), "recorded rows per tick, by size and pace of the species"
+    ]
+    size_rate: Annotated[F32, creation("n", start=1), "large fishes breathe and court slowly"]
     identity: Annotated[F32, creation("n"), "individual variation in [0, 1)"]
     snout: Annotated[F32, creation("n", unit="cm"), "x of the tip of the snout in body axes"]
     girth: Annotated[F32, creation("n", 2, unit="cm"), "height and width of the body without fins"]

@@ -103,7 +103,8 @@ def populate(
     fishes.snout[:] = fishes.scale * library.nodes[library.first[fishes.species, slow], 0, 0]
     fishes.girth[:] = fishes.length[:, None] * _girths([*species.values()], library)[fishes.species]
     # Froude similarity: a fish α times as long beats 1/√α as often.
-    fishes.rate[:] = 1.0 / np.sqrt(fishes.scale)
+    fishes.size_rate[:] = 1.0 / np.sqrt(fishes.scale)
+    fishes.rate[:] = fishes.size_rate * np.array([s.pace for s in species.values()])[fishes.species]
     fishes.fast[:] = fastest_cm_s(fishes, library)
     fishes.breath[:] = 2 * np.pi * fishes.identity
     fishes.fin_phase[:] = fishes.breath[:, None]

@@ -71,7 +71,7 @@ def test_added_mass_is_that_of_the_cone_frustum(slender: BodyPlan) -> None:
 
 
 def test_body_and_water_keep_their_momentum_but_for_drag_and_wake(slender: BodyPlan) -> None:
-    """What body and water lose in a step leaves at the tail's edge, to rounding."""
+    """Momentum that body and water lose in a step leaves at the tail's edge, to rounding."""
     plan = msgspec.structs.replace(slender, skin_drag=0.0, cross_drag=0.0)
     body = build_body(plan)
     state = at_rest(body)
@@ -236,3 +236,21 @@ def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender: BodyPlan) -> 
     # The angles are printed in whole degrees: a half of one is a sixth of the smallest.
     np.testing.assert_allclose(thrust, DACE[:, 4], atol=0.04, rtol=0.1)
     assert np.mean(thrust) == pytest.approx(0.21, abs=0.02)
+
+
+def test_a_body_four_times_as_stiff_swims_the_same_path_in_half_the_time(
+    slender: BodyPlan,
+) -> None:
+    """The pace of a species: forces of water are quadratic in speed, those of muscles elastic."""
+    quick = msgspec.structs.replace(
+        slender, viscosity=2 * slender.viscosity,
+        **{f"{kind}_stiffness": 4 * getattr(slender, f"{kind}_stiffness")
+           for kind in ("muscle", "cross", "other")},
+    )  # fmt: skip
+    phase = 2 * np.pi * np.arange(6 * 40) / (6 * 20)
+    contraction = 0.1 * (1 + np.sin(phase)[:, None] * np.tile([1.0, -1.0, -1.0, 1.0], 3))
+    paths = []
+    for plan, step in ((slender, STEP), (quick, STEP / 2)):
+        body = build_body(plan)
+        paths.append(simulate(body, at_rest(body), contraction, step=step))
+    np.testing.assert_allclose(paths[0], paths[1], atol=1e-8)

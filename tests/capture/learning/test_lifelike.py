@@ -23,7 +23,7 @@ from capture.learning.body_space import (
 from capture.learning.grades import TAIL, grade_waves, with_amplitudes
 from capture.learning.journal import Journal, evaluations, read_journal
 from capture.learning.lifelike import STATIONS, lateral, rear_bend, wavelength
-from capture.learning.whole import Task, learn_whole
+from capture.learning.whole import LearningTask, learn_whole
 from capture.recording.trial import beat_contraction
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
@@ -92,8 +92,8 @@ def test_grades_differ_by_frequency() -> None:
 def test_an_interrupted_search_ends_as_an_uninterrupted_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def task(name: str) -> Task:
-        return Task("fusilier", load_species("fusilier"), True, 5, 2, tmp_path / name)
+    def task(name: str) -> LearningTask:
+        return LearningTask("fusilier", load_species("fusilier"), True, 5, 2, tmp_path / name)
 
     monkeypatch.setattr(whole, "MAX_VERIFIED", 0)
     learn_whole(task("whole"))
@@ -132,7 +132,7 @@ def test_the_command_writes_finished_species_once(
     )
     asked: list[str] = []
 
-    def learned(task: Task) -> whole.Learned:
+    def learned(task: LearningTask) -> whole.Learned:
         asked.append(task.name)
         Journal(task.journal, whole.key_of(task)).save()
         fails = task.name == "clownfish" and asked.count("clownfish") == 1
