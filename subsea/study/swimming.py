@@ -14,13 +14,13 @@ from subsea.state import EAT, ESCAPE, PREDATOR
 from subsea.study.record import Record
 from subsea.study.series import headings, runs
 
-BEATS_S = 2.0  # stretch in which a beat is measured, of fishes up to LARGE_CM
-LARGE_CM, LARGE_S = 60.0, 5.0  # larger ones beat more slowly
+BEATS_S = 1.0  # stretch in which a beat is measured, of fishes up to LARGE_CM
+LARGE_CM, LARGE_S = 60.0, 3.0  # larger ones beat more slowly
 SHORT_S = 0.5  # stretch in which a speed is measured
 TURN_S = 1.0  # stretch in which a turn is measured
 LEAST_AMPLITUDE = 0.03  # body lengths, peak to peak: below, the tail does not beat
 LEAST_SPEED = 0.1  # body lengths a second, for a stride
-STRAIGHT_DEG = 45.0  # greatest change of heading while a beat is measured
+STRAIGHT_DEG = 15.0  # greatest change of heading while a beat is measured
 PITCHED_DEG = 25.0
 TURNING_DEG_S = 5.0  # slower changes of heading are recoil
 TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
@@ -69,7 +69,8 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
     tail = record.tail[:, those].astype(np.float64) / length[:, None]
     long = LARGE_S if np.median(length) > LARGE_CM else BEATS_S
-    beat = _beats(tail, course, place, alive, record.tick_s, long)
+    swims = alive & _in_swims(record)[:, those]
+    beat = _beats(tail, course, place, swims, record.tick_s, long)
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
     segment, doing = (
@@ -96,6 +97,12 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     )  # fmt: skip
 
 
+def _in_swims(record: Record) -> Bools:
+    """True (T, n) where a fish swims straight with its tail."""
+    swims = np.array([name.startswith("swim") for name in record.segment_names])
+    return np.asarray(swims[record.segment])
+
+
 def _ticks(seconds: float, tick_s: float) -> int:
     return max(round(seconds / tick_s), 2)
 
@@ -113,14 +120,18 @@ def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
 def _beats(
     tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, seconds: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight."""
+    """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
+
+    `alive` (T, n) is true where a fish swims with its tail. The beat is that of the tail beside the
+    body, so that a bent course does not count as one.
+    """
     ticks = _ticks(seconds, tick_s)
     if len(tail) < ticks:
         return (np.zeros(0),) * 4
     there = _stretches(alive, ticks).all(axis=1)
     turned = np.abs(np.diff(_stretches(course, ticks)[:, [0, -1]], axis=1))[:, 0]
     steady = there & (turned < np.radians(STRAIGHT_DEG))
-    path, ahead = _stretches(tail, ticks), _stretches(course, ticks)
+    path, ahead = _stretches(tail - place, ticks), _stretches(course, ticks)
     middle = ahead.mean(axis=1, keepdims=True)
     # Across the mean course: recoil must not count as a beat of its own.
     aside = (path[..., 1] * np.cos(middle) - path[..., 0] * np.sin(middle)).swapaxes(1, 2)
@@ -173,7 +184,10 @@ def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
 
 
 def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:
-    """Change of heading in straight segments and in all, rad, without the sway of the beat."""
+    """Change of heading in straight swims and in all, rad, without the sway of the beat.
+
+    Fishes that row turn by their fins, with a straight body.
+    """
     ticks = _ticks(TURN_S, record.tick_s)
     if len(course) <= ticks:
         return 0.0, 0.0
@@ -185,8 +199,8 @@ def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Count
     segment = record.segment[first : first + len(rate), those]
     rate *= alive[first : first + len(rate)]
     words = record.segment_names
-    turn = np.array([name.startswith(("turn", "cstart")) for name in words])
-    return float(rate[~turn[segment]].sum()), float(rate.sum())
+    swim = np.array([name.startswith("swim") for name in words])
+    return float(rate[swim[segment]].sum()), float(rate.sum())
 
 
 def joined(parts: list[Swimming]) -> Swimming:
