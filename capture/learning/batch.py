@@ -17,7 +17,7 @@ from capture.learning.improve import writable_source
 from capture.learning.journal import evaluations, read_journal, write_journal
 from capture.learning.report import report
 from capture.learning.species_edit import write_plans
-from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole, turn_budget
+from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole
 from capture.recording.fingerprint import fingerprint
 from subsea.core.errors import UserError
 from subsea.core.extras import require
@@ -73,7 +73,7 @@ def learn_species(
         _prepare(plans, force)
         bars = {
             name: tqdm(
-                total=budget + turn_budget(budget),
+                total=budget,
                 desc=name,
                 position=place,
                 unit="try",

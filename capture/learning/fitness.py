@@ -277,13 +277,8 @@ def turn_loss(turning: TurnMeasures, angles: list[float]) -> float:
     return float(loss)
 
 
-def turn_faults(
-    body: Body, swim: SwimPlan, turn: TurnPlan, seed: int, any_phase: bool = True
-) -> list[str]:
-    """Verify a turn controller; return its faults.
-
-    Without ``any_phase`` only turns that begin at phase 0, as recorded ones do, must be exact.
-    """
+def turn_faults(body: Body, swim: SwimPlan, turn: TurnPlan, seed: int) -> list[str]:
+    """Verify a turn controller; return its faults."""
     faults = []
     angles = [row.angle for row in turn.steering]
     try:
@@ -296,7 +291,7 @@ def turn_faults(
             simulate(body, start, np.tile(beat, (MEASURED_BEATS, 1)))
             settle = round(VERIFY_FACTOR * HORIZON)
             error = turned(body, swim, turn, angle, start, settle=settle) - angle
-            if any_phase and not limit_at_any_phase(angle).holds(error):
+            if not limit_at_any_phase(angle).holds(error):
                 faults.append(f"disturbed, a turn by {angle:g}° misses it by {error:+.1f}°")
         for angle in (2 * WIDEST_TURN, -2 * WIDEST_TURN):
             state = copy_state(steady)
@@ -313,7 +308,7 @@ def turn_faults(
     for angle, error, worst in zip(angles, turning.errors, turning.worst, strict=True):
         if not limit_at_phase_0(angle).holds(error):
             faults.append(f"a turn by {angle:g}° misses it by {error:+.1f}°")
-        if any_phase and not limit_at_any_phase(angle).holds(worst):
+        if not limit_at_any_phase(angle).holds(worst):
             faults.append(f"a turn by {angle:g}° misses it by {worst:+.1f}° at the worst phase")
     return faults
 

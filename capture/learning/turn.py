@@ -29,6 +29,7 @@ RESTORE_TICKS = (8.0, 40.0)
 AMPLITUDES = (0.0, 1.0)
 LONGEST_HOLD = 320.0  # ticks
 GRADUAL_DEG_PER_BEAT = 30.0  # angle of a gradual turn in one beat, if the body can bend so far
+GRADUAL_BENDS = (0.3, 0.24, 0.18, 0.14, 0.1, 0.07, 0.05, 0.03)  # contractions that are tried
 
 
 class Unreachable(Exception):  # noqa: N818 - a finding, no error
@@ -47,12 +48,10 @@ def verified_turn(
     seed: int,
     optimize: Optimizer[TurnPlan],
     notes: list[str],
-    any_phase: bool = True,
 ) -> TurnPlan | None:
     """A verified turn controller better than the old one, or None; ``notes`` collects faults.
 
-    With a new gait any controller is better: the old hold times do not fit. ``any_phase`` as in
-    :func:`turn_faults`.
+    With a new gait any controller is better: the old hold times do not fit.
     """
     steady = steady_beat(body, grade_contraction(swim, "medium")).state
     # Two rows suffice for the search: the angles between them follow.
@@ -79,7 +78,7 @@ def verified_turn(
             bound = turn_loss(measure_turning(body, swim, outline, steady, angles), angles)
     better = (one for one in distinct(tried) if one.loss < bound - MIN_GAIN)
     for one in islice(better, MAX_VERIFIED):
-        found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes, any_phase)
+        found = _verified(body, swim, turn_at(old, one.point), steady, seed, notes)
         if found is not None:
             return found
     return None
@@ -91,14 +90,13 @@ def refit_holds(
     turn: TurnPlan,
     seed: int,
     notes: list[str],
-    any_phase: bool = True,
 ) -> TurnPlan | None:
     """The old bends with hold times for a new gait, and a smaller beat where it is too fast."""
     angles = [row.angle for row in turn.steering]
     while turn_contraction_step(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
     steady = steady_beat(body, grade_contraction(swim, "medium")).state
-    return _verified(body, swim, turn, steady, seed, notes, any_phase)
+    return _verified(body, swim, turn, steady, seed, notes)
 
 
 def _verified(
@@ -108,12 +106,11 @@ def _verified(
     steady: BodyState,
     seed: int,
     notes: list[str],
-    any_phase: bool = True,
 ) -> TurnPlan | None:
     """The controller with hold times and gradual turn, if it passes verification."""
     try:
         whole = with_gradual(body, swim, with_holds(body, swim, turn, steady))
-        faults = turn_faults(body, swim, whole, seed, any_phase)
+        faults = turn_faults(body, swim, whole, seed)
     except (UserError, Unreachable) as fault:
         faults = [str(fault)]
     if faults:
@@ -184,25 +181,26 @@ def with_holds(body: Body, swim: SwimPlan, turn: TurnPlan, steady: BodyState) ->
 
 
 def with_gradual(body: Body, swim: SwimPlan, turn: TurnPlan) -> TurnPlan:
-    """Set the gradual turn to GRADUAL_DEG_PER_BEAT by a fraction of the bend of the widest turn.
+    """Set the gradual turn to the equal bends that come nearest to GRADUAL_DEG_PER_BEAT.
 
-    UserError if that is too small.
+    UserError if no bend turns a body that keeps its shape by the least of GRADUAL_DEG.
     """
-    from scipy.optimize import brentq
+    found: dict[float, float] = {}
 
-    bend = np.array(turn.steering[-1].contraction)
+    def miss(bend: float) -> float:
+        """Distance of the turn by this bend from the goal, degrees; infinite without a turn."""
+        if bend not in found:
+            try:
+                found[bend] = gradual_turn(body, swim, (bend, bend))
+            except UserError:
+                found[bend] = np.nan
+        reached = GRADUAL_DEG.holds(found[bend])
+        return abs(found[bend] - GRADUAL_DEG_PER_BEAT) if reached else np.inf
 
-    def part(share: float) -> tuple[float, float]:
-        front, back = np.round(share * bend, 3).tolist()
-        return front, back
-
-    def error(share: float) -> float:
-        return gradual_turn(body, swim, part(share)) - GRADUAL_DEG_PER_BEAT
-
-    if error(1.0) > 0:
-        share = brentq(error, 0.0, 1.0, xtol=0.01)
-    elif error(1.0) + GRADUAL_DEG_PER_BEAT >= GRADUAL_DEG.low:
-        share = 1.0
-    else:
-        raise UserError("its bend is too small for a gradual turn")
-    return msgspec.structs.replace(turn, gradual=part(float(share)))
+    best = min(GRADUAL_BENDS, key=miss)
+    if np.isinf(miss(best)):
+        raise UserError("no bend gives a gradual turn")
+    if found[best] > GRADUAL_DEG_PER_BEAT:
+        finer = [round(float(bend), 3) for bend in np.linspace(0.4 * best, best, 7)]
+        best = min(finer, key=miss)
+    return msgspec.structs.replace(turn, gradual=(best, best))

@@ -2,13 +2,12 @@
 
 One search finds material, distribution of mass and the fast gait together (body_space.py,
 lifelike.py). Amplitudes of the other grades follow from measured tail amplitudes (grades.py), the
-turn controllers from a second search (turn.py). Candidates are verified, best first.
+gradual turn from measured headings (turn.py). Candidates are verified, best first.
 """
 
-from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -24,19 +23,17 @@ from capture.learning.fitness import disturbed_faults
 from capture.learning.grades import with_amplitudes
 from capture.learning.journal import Journal
 from capture.learning.lifelike import HALF, wave_loss
-from capture.learning.search import Evaluation, distinct, search
+from capture.learning.search import distinct, search
 from capture.learning.swim import MAX_VERIFIED
-from capture.learning.turn import refit_holds, verified_turn
+from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
 from capture.recording.trial import displacement, grade_contraction, steady_beat
 from subsea.biomechanics.body import Body, Floats, build_body
-from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
+from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
 from subsea.core.errors import UserError
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
-TURN_SHARE = 0.04  # evaluations of the search for turns over those of the search for gaits
-LEAST_TURNS = 4
 LEAST_RATIO = 1.05  # of the speeds of neighbouring grades
 
 
@@ -61,11 +58,6 @@ class Learned(NamedTuple):
 def key_of(task: LearningTask) -> str:
     """Identify what the losses of a task depend on: the species, the program and the search."""
     return f"{fingerprint(task.species, ROOT)} body={task.body:d} seed={task.seed}"
-
-
-def turn_budget(budget: int) -> int:
-    """Evaluations of the search for turns."""
-    return max(LEAST_TURNS, round(TURN_SHARE * budget))
 
 
 def learn_whole(task: LearningTask) -> Learned:
@@ -110,7 +102,7 @@ def _verified(
     plan, swim = found
     body = build_body(plan)
     try:
-        swim = with_amplitudes(body, swim)
+        swim = _with_fit_burst(body, with_amplitudes(body, swim))
         faults = whole_faults(body, swim, task.seed)
     except (UserError, ValueError) as fault:
         faults = [str(fault)]
@@ -118,8 +110,33 @@ def _verified(
         notes.append(f"gait: rejected: {faults[0]}")
         return None
     assert task.species.turn
-    turn = _learn_turn(task, plan, swim, journal, notes)
-    return None if turn is None else Muscles(plan, swim, turn)
+    # Sharp turns are the widest of the steering map: recording finds how to make them.
+    turn = msgspec.structs.replace(task.species.turn, sharp=task.species.turn.steering[-1].angle)
+    try:
+        return Muscles(plan, swim, with_gradual(body, swim, turn))
+    except UserError as fault:
+        notes.append(f"turn: rejected: {fault}")
+        return None
+
+
+def _with_fit_burst(body: Body, swim: SwimPlan) -> SwimPlan:
+    """The plan without its burst, if the body cannot close it or it is hardly faster than fast.
+
+    Playback then bursts with the fast swim at a higher tempo.
+    """
+    try:
+        fast, burst = (_speed(body, swim, grade) for grade in ("fast", "burst"))
+    except UserError:
+        burst = fast = 1.0
+    if burst >= LEAST_RATIO * fast:
+        return swim
+    return msgspec.structs.replace(swim, burst=None, burst_ticks=None)
+
+
+def _speed(body: Body, swim: SwimPlan, grade: str) -> float:
+    """Speed of a steady grade, cm a tick."""
+    frames = steady_beat(body, grade_contraction(swim, grade)).frames
+    return float(np.linalg.norm(displacement(frames))) / (len(frames) - 1)
 
 
 def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
@@ -127,30 +144,9 @@ def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 
     The aims of its fast grade are not checked: the best that was found is what a body can do.
     """
-    beats = [steady_beat(body, grade_contraction(swim, grade)).frames for grade in swim.grades]
-    speeds = [float(np.linalg.norm(displacement(one))) / (len(one) - 1) for one in beats]
+    speeds = [_speed(body, swim, grade) for grade in swim.grades]
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if speed < LEAST_RATIO * below:
             return [f"{name} is only {speed / below:.2f} times as fast as the grade below"]
     graded = [(swim.at(grade), swim.amplitude(grade)) for grade in swim.grades]
     return disturbed_faults(body, [*graded, (swim, HALF)], seed)
-
-
-def _learn_turn(
-    task: LearningTask, plan: BodyPlan, swim: SwimPlan, journal: Journal, notes: list[str]
-) -> TurnPlan | None:
-    old = task.species.turn
-    assert old
-    # Sharp turns are the widest of the steering map; the controller plays parts of them.
-    old = msgspec.structs.replace(old, sharp=old.steering[-1].angle)
-    body = build_body(plan)
-
-    def optimize(
-        loss: Callable[[Any], float], at: Callable[[Any], TurnPlan], start: Floats
-    ) -> list[Evaluation]:
-        remembered = journal.remembered(lambda point: loss(at(point)))
-        return search(remembered, start, "cma", turn_budget(task.budget), task.seed)
-
-    # Recorded turns begin at phase 0.
-    found = verified_turn(body, swim, old, True, task.seed, optimize, notes, any_phase=False)
-    return found or refit_holds(body, swim, old, task.seed, notes, any_phase=False)
