@@ -79,9 +79,9 @@ def test_every_point_of_the_box_is_a_body_that_the_step_bears() -> None:
 
 
 def test_grades_differ_by_frequency() -> None:
-    fish = load_species("hardyhead_silverside")
+    fish = load_species("fusilier")
     body = build_body(fish.body)
-    swim = msgspec.structs.replace(fish.swim, slow=0.8, medium=0.9, slow_ticks=21, medium_ticks=15)
+    swim = msgspec.structs.replace(fish.swim, slow=0.8, medium=0.7)
     waves = grade_waves(body, with_amplitudes(body, swim))
     for grade in ("slow", "medium"):
         assert waves[grade].tail == pytest.approx(TAIL[grade] * waves["fast"].tail, rel=0.04)
@@ -149,7 +149,7 @@ def test_the_command_writes_finished_species_once(
     assert "slow" in out and "fast misses: " in out
     written = (tmp_path / "fusilier.toml").read_text(encoding="utf-8")
     assert "slow_ticks = 30" in written and "muscle_stiffness = 29.0\n" in written
-    assert "# cm behind the nose tip" in written and "skin_drag" not in written
+    assert "# cm behind the nose tip" in written and "cross_drag" not in written
     # The same command learns only what was not found; then nothing of its state is left.
     assert main(command) == 0
     assert asked == ["fusilier", "clownfish", "clownfish"]
