@@ -36,7 +36,6 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         urge = times(1.0 / size, urge) if size >= 1e-9 else ahead
         if minds.intention[i] not in STEEP:
             urge = flattened(urge, STEEPEST)
-        fishes.goal_speed[i] = max(fishes.goal_speed[i], fishes.ram[i])
         snout = plus(here, times(float(fishes.snout[i]), ahead))
         tail = plus(snout, times(-length, ahead))
         reach = CLEARANCE_CM + CLEARANCE_BL * length

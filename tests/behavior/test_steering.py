@@ -130,10 +130,3 @@ def test_urges_are_flat_unless_the_fish_flees_or_feeds(tank):
         climb = 0.8 if steep else STEEPEST
         level = np.sqrt(1.0 - climb**2)
         np.testing.assert_allclose(one.minds.urge[0], [level, 0.0, climb], rtol=1e-5)
-
-
-def test_ram_ventilators_are_never_asked_to_stop(tank):
-    one = tank()
-    one.fishes.ram[:], one.fishes.goal_speed[:] = 0.3, 0.0
-    keep_clear(ALL, one.fishes, one.minds, one.sea)
-    assert one.fishes.goal_speed[0] == np.float32(0.3)
