@@ -108,6 +108,7 @@ COMMANDS = {
         "learn": ["clownfish", "--budget=1", "--dry-run"],
         "export": ["clownfish", "--to=gltf", "--out=export"],
         "mesh": ["clownfish", "mesh.obj", "--out=mesh"],
+        "validate": ["clownfish"],
     },
 }
 SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only

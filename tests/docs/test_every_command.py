@@ -105,6 +105,7 @@ MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be the
     "subsea doctor": (0, 1),
 }
 PROGRAMS_OF_OURS = {"subsea": main, "subsea-capture": capture_cli}
+NEED_MORE = ["subsea", "study"], ["subsea-capture", "learn"]  # records, or a species
 COMMANDS = "commands.md"  # its examples are made from the programs' own help
 WINDOWS = "subsea build", "subsea skin"  # which a hand would close
 SEAS = "dive", "film", "simulate", "benchmark", "soak"
@@ -259,8 +260,8 @@ class Workshop:
     def run(self, words, inline, only_read=False):
         """A command of one of the programs; `only_read` by its parser."""
         program = PROGRAMS_OF_OURS[words[0]]
-        if len(words) == 1 or (inline and words == ["subsea", "study"]):
-            return  # records or --validate must follow
+        if len(words) == 1 or (inline and words in NEED_MORE):
+            return
         if words[1:] == ["--version"]:
             with pytest.raises(SystemExit, match="0"):
                 program.main(words[1:])
