@@ -83,8 +83,8 @@ class Body(NamedTuple):
 
 
 def flat_body() -> Body:
-    """The fusilier's scaffold from above, with nodes above each other merged."""
-    muscles = load_species("fusilier").muscles
+    """The scaffold of a fusilier in Tu's water, from above, with nodes above each other merged."""
+    muscles = load_species(str(Path(__file__).with_name("tu_fusilier.toml"))).muscles
     assert muscles
     plan = muscles.body
     x, wide = -np.array(plan.stations), np.array(plan.half_widths)

@@ -1,6 +1,6 @@
 """Repeat the experiments of KS on learning to swim: `python docs/learn_like_ks.py [FOLDER]`.
 
-Each uses this project's fusilier and fixed seeds: (a) one frequency for all muscles against one
+Each uses a fusilier in Tu's water and fixed seeds: (a) one frequency for all muscles against one
 for each, (b) turns by sinusoids against the steering map, (c) folding bodies, (d) roll caused by a
 coarse triangulation. Prints the numbers of docs/developers/learning-figures.md and draws
 FOLDER/ks_*.png (default docs/pictures). `--quick` runs all parts briefly, for the tests.
@@ -24,7 +24,7 @@ from capture.recording.trial import beat_contraction, beat_phase, steady_beat
 from subsea.biomechanics import simulation, solver, water
 from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame
-from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
+from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
 from subsea.biomechanics.gait import headings
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
@@ -337,6 +337,13 @@ def roll_of(run: Callable[..., Floats], body: Body, swim: SwimPlan, tu: float) -
     return np.degrees(np.unwrap(np.array(found), axis=0))
 
 
+def muscles_of(name: str) -> Muscles:
+    """The body and the gait that a species had in Tu's water."""
+    muscles = load_species(str(Path(__file__).with_name(f"tu_{name}.toml"))).muscles
+    assert muscles
+    return muscles
+
+
 def rolling(effort: Effort, folder: Path) -> dict[str, Floats]:
     """Compare the attitude with one diagonal of each face and with both."""
     hulls = {"one diagonal": simulate_with(*one_diagonal()), "both diagonals": simulate}
@@ -345,8 +352,7 @@ def rolling(effort: Effort, folder: Path) -> dict[str, Floats]:
     axis = picture.subplots()
     print(f"(d) after {effort.roll_tu:g} tu of fast swimming     roll °   pitch °  heading °")
     for name in ("fusilier", "emperor_angelfish"):
-        muscles = load_species(name).muscles
-        assert muscles
+        muscles = muscles_of(name)
         body = build_body(muscles.body)
         for hull, run in hulls.items():
             angles = roll_of(run, body, muscles.swim, effort.roll_tu)
@@ -379,8 +385,7 @@ def main(arguments: list[str] | None = None) -> None:
     effort = QUICK if options.quick else Effort()
     given = {"seeds": options.seeds, "budget": options.tries}
     effort = effort._replace(**{key: number for key, number in given.items() if number})
-    muscles = load_species("fusilier").muscles
-    assert muscles
+    muscles = muscles_of("fusilier")
     plan, swim, turn = muscles
     body = build_body(plan)
     if "a" in options.only:

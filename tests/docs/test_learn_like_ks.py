@@ -11,7 +11,6 @@ import pytest
 
 from subsea.biomechanics.body import TRIANGLES, build_body
 from subsea.biomechanics.simulation import at_rest, simulate
-from subsea.fish.species import load_species
 
 SCRIPT = Path(__file__).parents[2] / "docs" / "learn_like_ks.py"
 
@@ -44,8 +43,7 @@ def test_all_four_experiments_run_and_repeat(
 def test_strong_sinusoids_fold_the_body_and_weak_ones_do_not(
     ks: ModuleType, tmp_path: Path
 ) -> None:
-    fish = load_species("fusilier")
-    shares = ks.folding(build_body(fish.body), ks.QUICK, tmp_path)
+    shares = ks.folding(build_body(ks.muscles_of("fusilier").body), ks.QUICK, tmp_path)
     assert shares[0.05] == shares[0.1] == 0
     assert shares[0.6] > 0.5
 
@@ -60,7 +58,7 @@ def test_one_diagonal_rolls_the_fish_and_both_do_not(ks: ModuleType, tmp_path: P
 def test_one_diagonal_covers_the_same_hull(ks: ModuleType) -> None:
     """Its normals still sum to nothing: the hull is closed, and each face is there once."""
     triangles, weights = ks.one_diagonal()
-    x = build_body(load_species("fusilier").body).rest
+    x = build_body(ks.muscles_of("fusilier").body).rest
     a, b, c = (x[triangles[:, corner]] for corner in range(3))
     normals = np.cross(b - a, c - a) * weights[:, None]
     np.testing.assert_allclose(normals.sum(axis=0), 0, atol=1e-12)
@@ -70,7 +68,7 @@ def test_one_diagonal_covers_the_same_hull(ks: ModuleType) -> None:
 def test_the_recompiled_kernel_agrees_for_the_same_hull(ks: ModuleType) -> None:
     from subsea.biomechanics.body import TRIANGLE_WEIGHTS
 
-    body = build_body(load_species("fusilier").body)
+    body = build_body(ks.muscles_of("fusilier").body)
     contraction = ks.contraction_of(ks.sinusoids(np.full(13, 0.3), True), 60)
     again = ks.simulate_with(TRIANGLES, TRIANGLE_WEIGHTS)(body, at_rest(body), contraction)
     np.testing.assert_array_equal(again, simulate(body, at_rest(body), contraction))

@@ -34,7 +34,7 @@ from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species
 
 # A fish in Tu's water, whose speed is set by the amplitude of its beat.
-SHIPPED = Path(__file__).parents[2] / "support" / "tu_fusilier.toml"
+SHIPPED = Path(__file__).parents[3] / "docs" / "tu_fusilier.toml"
 NUMBERS = re.compile(
     rb"^(ticks_per_beat|contraction|lag|slow|medium|gradual|amplitude|\w+_ticks) = "
 )
