@@ -44,6 +44,7 @@ STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
 STEER_EASE = np.radians(90.0)  # rad/s²: how fast the rate of alignment may change
 MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim, unless in a burst ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... or on the spot
+STEEP = np.cos(np.radians(60.0))  # level share of a goal's direction below which turns are smaller
 TEMPO_EASE = 1.2  # 1/s: how fast the rate may change
 BURST_EASE = 15.0  # 1/s: of a fish in a hurry, which bursts within 0.2 s
 SLOWING = 2.0  # 1/s: after a burst
@@ -74,6 +75,9 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
         x = x_axis(fishes.orientation[i])
         g = fishes.goal_direction[i]
         azimuth = math.atan2(x[0] * g[1] - x[1] * g[0], x[0] * g[0] + x[1] * g[1])
+        # Nearly above or below, a goal is at any azimuth: swim on, and climb or dive.
+        level = math.sqrt(np.float64(g[0] * g[0] + g[1] * g[1]))
+        azimuth *= min(level / STEEP, 1.0)
         azimuth += _sway(fishes, library, i)
         share = min(np.float64(fishes.goal_speed[i]), np.float64(fishes.burst[i]))
         if fishes.ram[i] > 0.0:
@@ -93,7 +97,7 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
         rows = fishes.segment[i] in (ROW, STOP)
         yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate if rows else 0.0
         steepest = BURST_PITCH_RAD if share > HURRIED or rows else MAX_PITCH_RAD
-        climb = math.atan2(np.float64(g[2]), math.sqrt(np.float64(g[0] * g[0] + g[1] * g[1])))
+        climb = math.atan2(np.float64(g[2]), level)
         climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
         lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate
         ease = STEER_EASE * dt
