@@ -128,7 +128,7 @@ def clips_of(
         clips.append(
             Clip(
                 name=segment,
-                fps=1.0 / (repertoire.tick_s * np.sqrt(scale)),
+                fps=species.pace / (repertoire.tick_s * np.sqrt(scale)),
                 cyclic=one.cyclic,
                 points=scale * points,
                 normals=normals,

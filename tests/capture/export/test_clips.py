@@ -41,7 +41,7 @@ def test_each_frame_is_a_row_of_the_playback_table(
         assert len(clip.points) == len(clip.position) == rows + clip.cyclic
         np.testing.assert_allclose(clip.points[:rows], scale * shown[0], atol=1e-4 * scale)
         np.testing.assert_allclose(clip.normals[:rows], shown[1], atol=0.02)
-        assert clip.fps == pytest.approx(1 / (repertoire.tick_s * np.sqrt(scale)))
+        assert clip.fps == pytest.approx(species.pace / (repertoire.tick_s * np.sqrt(scale)))
         if clip.cyclic:
             np.testing.assert_array_equal(clip.points[-1], clip.points[0])
     assert np.ptp(model.rest[:, 0]) == pytest.approx(np.mean(species.size_cm), rel=0.05)
