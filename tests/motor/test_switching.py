@@ -19,7 +19,7 @@ from subsea.world.step import step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes
-CYCLIC = [name for name in BASIC_SEGMENTS if "sharp" not in name]
+CYCLIC = [name for name in BASIC_SEGMENTS if "swim" in name]
 
 
 def _changes(path):
