@@ -1,8 +1,8 @@
 """The mesh of a species, and each recorded segment as a clip of that mesh.
 
 Points are as in `shaders/fishes.vert` with closed mouth, spread fins and relaxed paired fins, of a
-typical adult: α times as large as the recorded fish and slower by √α, at the pace of its species, as
-in playback.
+typical adult: α times as large as the recorded fish and slower by √α, at the pace of its species,
+as in playback.
 """
 
 from collections.abc import Mapping

@@ -8,7 +8,7 @@ from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.motor.playback import HURRIED, TEMPO
+from subsea.motor.playback import HURRIED, TEMPO, between
 from subsea.motor.segments import (
     BURST,
     FAST,
@@ -190,7 +190,7 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
 def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: float) -> None:
     """Ease tempo and thrust toward a speed, cm/s at the recorded size and pace."""
     kind, now, wanted = fishes.species[i], fishes.segment[i], fishes.wanted_segment[i]
-    own = library.speed[kind, wanted]
+    own = own_speed(fishes, library, i)
     hurried = fishes.goal_speed[i] > HURRIED
     tempo, thrust = 1.0, 1.0
     if is_cstart(now) or is_cstart(wanted):
@@ -217,6 +217,14 @@ def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: floa
         return
     ease = (BURST_EASE if hurried else THRUST_EASE) * dt
     fishes.thrust[i] += np.float32(min(max(thrust - fishes.thrust[i], -ease), ease))
+
+
+@kernel
+def own_speed(fishes: Fishes, library: Library, i: int) -> float:
+    """The recorded speed, cm/s, of the wanted segment of fish i, bent as much as it asks."""
+    kind = fishes.species[i]
+    bent = abs(float(fishes.bend[i])) if library.veer[kind, 0] >= 0 else 1.0
+    return between(library.speed[kind], fishes.wanted_segment[i], bent)
 
 
 @kernel

@@ -38,7 +38,7 @@ from subsea.geometry.rotation import (
     x_axis,
 )
 from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
-from subsea.motor.controller import STEER_GAIN
+from subsea.motor.controller import STEER_GAIN, own_speed
 from subsea.motor.segments import LEFT_GRADUAL, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -53,7 +53,7 @@ AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may chang
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # change of the tempo per tick toward the recorded one
-SPEED_GAIN = 1.0  # on the speed error, as fins and bends slow the fish
+SPEED_GAIN = 2.0  # on the speed error, as fins and bends slow the fish
 TOO_FAST = 0.03  # share of excess speed above which the fins brake
 HARDEST_BRAKE = 2.0  # times the pectoral area: a stopping fish spreads its other fins too
 BRAKE_GAIN = 5.0  # braking share of the fin area per share of excess speed
@@ -238,8 +238,8 @@ def _ease_muscles(
 @kernel
 def _wanted_speed(fishes: Fishes, library: Library, i: int) -> float:
     """The speed of playback, cm/s, at the recorded size and pace."""
-    recorded = library.speed[fishes.species[i], fishes.wanted_segment[i]]
-    return float(recorded * fishes.tempo[i] * max(fishes.thrust[i], 0.0))
+    own = own_speed(fishes, library, i)
+    return float(own * fishes.tempo[i] * max(fishes.thrust[i], 0.0))
 
 
 @kernel

@@ -1,5 +1,6 @@
 """Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick."""
 
+from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import (
     Quaternion,
@@ -143,9 +144,12 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
             _bend(fishes, library, i, fishes.row_b[i], _asked(fishes, i, 0))
         fishes.glide_tempo[i] = fishes.tempo[i]
         fishes.glide_thrust[i] = fishes.thrust[i]
-        out = library.pace[kind, SLOW, 0] if before == a else library.pace[kind, now, 1]
-        quick = fishes.goal_speed[i] * library.speed[kind, FAST] / library.speed[kind, wanted]
-        into, slow = library.pace[kind, wanted, 0], library.pace[kind, SLOW, 0]
+        share, bent = _bent(library, kind, a), _bent(library, kind, fishes.row_b[i])
+        slow = library.pace[kind, SLOW, 0]
+        out = slow if before == a else between(library.pace[kind, :, 1], now, share)
+        into = between(library.pace[kind, :, 0], wanted, bent)
+        own = between(library.speed[kind], wanted, bent)
+        quick = fishes.goal_speed[i] * library.speed[kind, FAST] / own
         _keep_speed(fishes, i, out / max(into, AT_REST * slow), into >= AT_REST * slow, quick)
     elif blended and blends(now):
         level = library.level[a]
@@ -159,6 +163,20 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
                 fishes.tempo[i] * library.pace[kind, now, 1] / library.pace[kind, SLOW, 0]
             )
             fishes.tempo[i] = 1.0
+
+
+@kernel
+def between(own: Array, segment: int, bent: float) -> float:
+    """A property of the segments `own` (n,), at a share of a gradual turn's bend."""
+    if not blends(segment):
+        return float(own[segment])
+    return float((1.0 - bent) * own[MEDIUM] + bent * own[segment])
+
+
+@kernel
+def _bent(library: Library, kind: int, row: int) -> float:
+    """The bend at a row of a species, as a share of the gradual turn's."""
+    return abs(library.level[row]) / LEVELS if library.veer[kind, 0] >= 0 else 1.0
 
 
 @kernel

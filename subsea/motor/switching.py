@@ -41,7 +41,7 @@ USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
 EXPERIMENT_LIMITS = (0.2, 3.0)  # strain limits under unusual physics
 HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
-FASTEST = 1.3  # tempo above which a fish is played back
+FASTEST = 2.0  # tempo above which a fish is played back
 
 
 class Dynamics(NamedTuple):

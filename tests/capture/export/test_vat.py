@@ -64,7 +64,7 @@ def _texcoord_1(file: Path) -> np.ndarray:
 def test_decoded_frames_equal_playback(
     known: str, exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
 ) -> None:
-    """Within half a step of 16 bits: 1e-5 body lengths, and 0.002 degrees."""
+    """Within half a step of 16 bits: 1.5e-5 body lengths, as escapes reach far, and 0.002 degrees."""
     model, clips = exported[known]
     for path in write_vat(tmp_path, model, clips, baked=False):
         assert path.is_file()
@@ -78,7 +78,7 @@ def test_decoded_frames_equal_playback(
         assert track["startFrame"] == frames + 1
         assert track["endFrame"] == frames + len(clip.points)
         assert track["looping"] == clip.cyclic
-        _compare(read, frames, model, clip.points, clip.normals, 1e-5)
+        _compare(read, frames, model, clip.points, clip.normals, 1.5e-5)
         frames += len(clip.points)
     assert frames == read.ranges["Frames"]
 
@@ -133,7 +133,7 @@ def test_the_root_motion_is_in_the_axes_of_the_texture(
         moved = z_up @ matrix(np.array(root["rotation"][frame])).T + root["position"][frame]
         expected = transform_points(clip.points, clip.position, clip.rotation)[frame]
         np.testing.assert_allclose(
-            _y_up(moved), to_metres(expected, Y_UP), atol=1e-5 * own["bodyLength"]
+            _y_up(moved), to_metres(expected, Y_UP), atol=1.5e-5 * own["bodyLength"]
         )
         first += len(clip.points)
 

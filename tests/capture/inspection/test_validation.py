@@ -20,8 +20,9 @@ def found_in(repertoire: Repertoire) -> dict[str, RangeCheck]:
 
 def test_an_adult_beats_by_froude_similarity(repertoire: Repertoire) -> None:
     found = found_in(repertoire)
-    adult = 0.5 * sum(load_species(repertoire.species).size_cm)
-    rate = (repertoire.body_length_cm / adult) ** 0.5
+    species = load_species(repertoire.species)
+    adult = 0.5 * sum(species.size_cm)
+    rate = species.pace * (repertoire.body_length_cm / adult) ** 0.5
     segment = repertoire.segments["swim_fast"]
     speed = rate * segment.speed_cm_s / repertoire.body_length_cm
     beat = rate / (len(segment.nodes) * repertoire.tick_s)

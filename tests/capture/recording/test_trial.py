@@ -48,7 +48,7 @@ def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species: Sp
     np.testing.assert_array_equal(swimming.x, before)
     np.testing.assert_array_equal(trial.frames[0], before)
     beats = turn_beats(species.swim, steering(species.turn, 45.0))
-    assert len(trial.frames) == beats * species.swim.ticks_per_beat + 1
+    assert len(trial.frames) == beats * species.swim.at("medium").ticks_per_beat + 1
 
 
 def test_swimming_speed_follows_the_desired_speed(species: Species) -> None:
