@@ -12,7 +12,7 @@ from capture.inspection import simulated
 from capture.recording import record
 from subsea.fish.species import load_species
 from subsea.repertoire import read_repertoire
-from subsea.repertoire.schema import VERSION
+from subsea.repertoire.schema import READABLE, VERSION
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
@@ -116,7 +116,7 @@ def test_damaged_and_newer_files_are_errors_of_one_line(
 
     with h5py.File(copy, "a") as file:
         file.attrs["version"] = 7
-    fails(f"version 7, this program reads version {VERSION}; update subsea")
+    fails(f"version 7, this program reads versions {READABLE[0]} to {VERSION}; update subsea")
     hdf5, truncated = b"\x89HDF\r\n\x1a\n" + bytes(64), copy.read_bytes()[:20_000]
     for contents in (b"", b"not HDF5 at all", hdf5, truncated):
         copy.write_bytes(contents)

@@ -64,7 +64,7 @@ def _texcoord_1(file: Path) -> np.ndarray:
 def test_decoded_frames_equal_playback(
     known: str, exported: dict[str, tuple[Model, list[Clip]]], tmp_path: Path
 ) -> None:
-    """Within half a step of 16 bits: 1.5e-5 body lengths, as escapes reach far, and 0.002 degrees."""
+    """Within half a step of 16 bits: 1.5e-5 body lengths of far escapes, and 0.002 degrees."""
     model, clips = exported[known]
     for path in write_vat(tmp_path, model, clips, baked=False):
         assert path.is_file()
