@@ -34,7 +34,7 @@ def _steps(path):
 
 @pytest.mark.parametrize("species", muscular_names())
 def test_going_live_jerks_no_node_at_any_phase(make_tank, species):
-    for name, row in product(CYCLIC, range(14)):
+    for name, row in product(CYCLIC, range(0, 14, 3)):
         tank = make_tank(species).put(name, row)
         before = tank.step(16, obey=False)
         tank.to_live()
