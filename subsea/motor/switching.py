@@ -18,8 +18,9 @@ from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import HURRIED, TEMPO
-from subsea.motor.segments import FAST, RIGHT_GRADUAL, RIGHT_SHARP
-from subsea.repertoire import SEGMENTS, Repertoire
+from subsea.motor.segments import FAST, MEDIUM, RIGHT_GRADUAL, RIGHT_SHARP
+from subsea.repertoire import SEGMENTS, Repertoire, Segment
+from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
 from subsea.repertoire.schema import SUBSTITUTES
 from subsea.repertoire.transitions import (
@@ -62,7 +63,7 @@ def make_dynamics(
     motions = [
         {name: kinematics_of(r.segments[name]) for name in r.recorded_names()} for r in repertoires
     ]
-    every = [motion for row in motions for motion in row.values()]
+    every = [motion for row in motions for motion in row.values()] + _bends(library)
     return Dynamics(
         make_bodies(species, library.speed),
         np.array([one.muscles is not None for one in species]),
@@ -70,6 +71,20 @@ def make_dynamics(
         np.array([[_usual(row, name) for name in SEGMENTS] for row in motions]),
         reach_cm,
     )
+
+
+def _bends(library: Library) -> list[Kinematics]:
+    """The kinematics of the rows that blend gradual turns with the straight swim."""
+    cycles = []
+    for kind, side in np.argwhere(library.veer >= 0):
+        beat = int(library.length[kind, MEDIUM])
+        for begin in library.veer[kind, side] + beat * np.arange(TIGHTEST):
+            tables = library.rotation, library.translation, library.nodes
+            rows = (table[begin : begin + beat].astype(np.float64) for table in tables)
+            cycles.append(
+                kinematics_of(Segment("turn", "gradual", True, *rows, None, 0.0, 0.0, 0.0, 0.0))
+            )
+    return cycles
 
 
 def _usual(motions: dict[str, Kinematics], name: str) -> float:
@@ -163,9 +178,17 @@ def _review(
 def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
     """True if fish i is inside a cyclic segment, with known beat and velocities."""
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
-    row = fishes.row_a[i] - library.first[fishes.species[i], fishes.segment[i]]
+    row = _row_of_beat(fishes, library, i)
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
     return bool(cyclic and inside and fishes.span[i] == 1.0 and _steady(fishes, i))
+
+
+def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
+    """The present row of fish i in its segment; in a bend the one of equal phase of the swim."""
+    kind, segment, row = int(fishes.species[i]), int(fishes.segment[i]), int(fishes.row_a[i])
+    if row < len(library.straight) and library.level[row]:
+        segment, row = MEDIUM, int(library.straight[row])
+    return row - int(library.first[kind, segment])
 
 
 def _unsteady(fishes: Fishes, live: Live) -> list[int]:
@@ -206,15 +229,17 @@ def to_live(
     live.fish[slot], live.waiting[slot] = i, 0
     live.x[slot] = x
     live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
-    begin = math.pi if segment == RIGHT_GRADUAL else 0.0  # a mirror image
-    row = a - library.first[kind, segment] + 1
+    level = int(library.level[a])
+    begin = math.pi if segment == RIGHT_GRADUAL and not level else 0.0  # a mirror image
+    row = _row_of_beat(fishes, library, i) + 1
     speed, speeds = library.speed[kind, segment], bodies.speed[kind]
     pace = float(np.interp(speed, speeds, bodies.pace[kind]))
     beats = (row + w) * pace / bodies.beat[kind]
     live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
     live.amplitude[slot] = np.interp(speed, speeds, bodies.amplitude[kind])
     live.tempo[slot] = tempo * pace
-    live.bend[slot] = bodies.bend[kind] * bodies.turn_rate[kind, segment] / bodies.bend_rate[kind]
+    turn_rate = bodies.turn_rate[kind, segment] * (abs(level) / LEVELS if level else 1.0)
+    live.bend[slot] = bodies.bend[kind] * turn_rate / bodies.bend_rate[kind]
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
     # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot

@@ -65,8 +65,12 @@ def test_batches_cover_the_instances_in_order(world):
     assert levels == sorted(set(levels), reverse=True)
     assert len(levels) > 1
     rows, kinds = packet.instances[:, [frame.ROW_A, frame.KIND]].astype(int).T
-    first = world.library.first[kinds, 0]
-    assert ((rows >= first) & (rows < first + world.library.length[kinds].sum(axis=1))).all()
+    # Bends have rows behind the recorded ones; their phase is a row of the straight swim.
+    library = world.library
+    rows = np.where(library.level[rows] != 0, library.straight[rows], rows)
+    first = library.first[kinds, 0]
+    ends = np.append(library.first[:, 0], library.veer[library.veer >= 0].min())
+    assert ((rows >= first) & (rows < ends[kinds + 1])).all()
 
 
 def test_without_lod_all_are_tessellated(world):
@@ -115,13 +119,13 @@ def test_the_ends_of_the_interval_are_the_ticks(world, alpha, prefix):
 
 @pytest.fixture(scope="module")
 def lively():
-    """A world in which every fish is simulated."""
+    """A world in which half the fishes or more are simulated; the others row, turn or burst."""
     world = create_world(load_scenario("peaceful")[0], live=60, live_reach_cm=np.inf)
     for _ in range(600):
         step(world, Helm(surge=0.5))
-        if world.state.fishes.live.all():
+        if world.state.fishes.live.sum() >= 30:
             break
-    assert world.state.fishes.live.all()
+    assert world.state.fishes.live.sum() >= 30
     return world
 
 
@@ -129,8 +133,10 @@ def test_simulated_fishes_bring_their_own_rows(lively):
     packet = _pack(lively, 1.0, culling=False)
     fishes, library, live = lively.state.fishes, lively.library, lively.state.live
     assert packet.live_row == len(library.entry)
-    assert packet.live_points.shape == (120, 426, 3)
-    for slot, i in enumerate(live.fish):
+    assert packet.live_points.shape[1:] == (426, 3)
+    assert len(packet.live_points) > 2 * np.flatnonzero(live.fish >= 0).max()
+    for slot in np.flatnonzero(live.fish >= 0):
+        i = live.fish[slot]
         for row in (2 * slot, 2 * slot + 1):
             expected = library.coupling.weights[fishes.species[i]] @ live.nodes[row]
             np.testing.assert_allclose(packet.live_points[row], expected, atol=1e-5)
@@ -138,11 +144,14 @@ def test_simulated_fishes_bring_their_own_rows(lively):
 
 def test_between_ticks_a_simulated_fish_mixes_its_last_two_poses(lively):
     packet = _pack(lively, 0.25, culling=False)
-    rows = packet.instances[:, [frame.ROW_A, frame.ROW_B]].astype(int) - packet.live_row
+    simulated = lively.state.fishes.live[packet.instances[:, frame.FISH].astype(int)]
+    records = packet.instances[simulated]
+    assert len(records) >= 30
+    rows = records[:, [frame.ROW_A, frame.ROW_B]].astype(int) - packet.live_row
     assert (rows >= 0).all()
     np.testing.assert_array_equal(rows[:, 0] // 2, rows[:, 1] // 2)
     np.testing.assert_array_equal(np.abs(rows[:, 0] - rows[:, 1]), 1)
-    np.testing.assert_allclose(packet.instances[:, frame.WEIGHT], 0.25, atol=1e-6)
+    np.testing.assert_allclose(records[:, frame.WEIGHT], 0.25, atol=1e-6)
 
 
 def test_without_simulated_fishes_the_packet_has_no_rows(world):

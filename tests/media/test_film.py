@@ -87,7 +87,7 @@ def test_a_fish_is_filmed_from_behind(tmp_path, capsys):
     height, width, _ = picture.shape
     middle = picture[height // 3 : 2 * height // 3, 2 * width // 5 : 3 * width // 5]
     orange = (middle[..., 0] > 150) & (middle[..., 0] > middle[..., 2] + 60)
-    assert orange.mean() > 0.02  # visible, in the middle
+    assert orange.mean() > 0.004  # visible, in the middle, from behind
     capsys.readouterr()
     assert main(["film", str(out), *options, "--follow", "clownfsh"]) == 2
     assert "clownfish" in capsys.readouterr().err

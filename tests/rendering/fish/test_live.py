@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.frame import packet as frame
+from subsea.geometry.rotation import x_axis
 from subsea.motor.pose import control_points_world
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
@@ -19,24 +20,29 @@ SIZE = (240, 160)
 
 @pytest.fixture(scope="module")
 def world():
-    """A handful of fishes, all of them simulated."""
+    """A handful of fishes, most of them simulated."""
     world = create_world(load_scenario("peaceful")[0], fish=6, live=6, live_reach_cm=np.inf)
     for _ in range(300):
         step(world, NEUTRAL)
-    assert world.state.fishes.live.all()
+        if world.state.fishes.live.sum() >= 3:
+            break
+    assert world.state.fishes.live.sum() >= 3
     return world
 
 
 def _packet(world, i, alpha):
-    """Fish i from a body length and a half away."""
+    """Fish i from its right, a body length and a half away."""
     fishes = world.state.fishes
-    eye = fishes.position[i] - np.array([0.0, 1.5 * fishes.length[i], 0.0])
-    return frame.pack(world, views_for("mono", SIZE, pose_from_angles(eye, np.pi / 2, 0.0)), alpha)
+    ahead = x_axis(fishes.orientation[i])
+    heading = np.arctan2(ahead[1], ahead[0]) + np.pi / 2
+    away = np.array([np.cos(heading), np.sin(heading), 0.0])
+    eye = fishes.position[i] - 1.5 * fishes.length[i] * away
+    return frame.pack(world, views_for("mono", SIZE, pose_from_angles(eye, heading, 0.0)), alpha)
 
 
 @pytest.mark.parametrize("alpha", [0.0, 0.4, 1.0])
 def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world, alpha):
-    packet = _packet(world, 0, alpha)
+    packet = _packet(world, np.flatnonzero(world.state.fishes.live)[0], alpha)
     scene = frame.make_scene(world)
     table = scene.control_points.copy()
     blank, full = table.copy(), table
@@ -51,10 +57,11 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world
 def test_the_silhouette_is_where_the_oracle_has_the_control_points(drawn, world):
     """At a tick, the box around the drawn fish equals that of its projected points."""
     fishes = world.state.fishes
-    packet = _packet(world, 0, 1.0)
+    one = int(np.flatnonzero(fishes.live)[0])
+    packet = _packet(world, one, 1.0)
     records = packet.instances.copy()
     records[:, frame.FINS] = 0.0  # paired fins are not control points: fold them to the body
-    mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[0]).max(1) < 1e-3)
+    mine = np.flatnonzero(np.abs(records[:, frame.POSITION] - fishes.position[one]).max(1) < 1e-3)
     assert len(mine) == 1
     away, scene = records.copy(), frame.make_scene(world)
     away[mine, frame.POSITION] += 1e5
@@ -63,7 +70,7 @@ def test_the_silhouette_is_where_the_oracle_has_the_control_points(drawn, world)
     )
     seen = np.argwhere(np.abs(shown - hidden).max(axis=2) > 3)
     view = packet.views[0]
-    points = control_points_world(fishes, world.library, 0)
+    points = control_points_world(fishes, world.library, one)
     clip = np.c_[points, np.ones(len(points))] @ (view.projection @ view.view).T
     across, up = (clip[:, :2] / clip[:, 3:]).T
     x, y = (across + 1) / 2 * SIZE[0], (1 - up) / 2 * SIZE[1]

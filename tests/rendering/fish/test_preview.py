@@ -71,7 +71,9 @@ def test_it_moves_with_its_control_points(preview, points):
 def test_another_shape_and_another_sheet(preview, points, clownfish):
     before = seen(preview, points)
     bare = structs.replace(
-        clownfish, surface=structs.replace(clownfish.surface, pectoral=None, pelvic=None)
+        clownfish,
+        row=None,  # it cannot row without
+        surface=structs.replace(clownfish.surface, pectoral=None, pelvic=None),
     )
     preview.update(bare)
     without = seen(preview, points)
