@@ -80,10 +80,11 @@ def _bends(library: Library) -> list[Kinematics]:
         beat = int(library.length[kind, MEDIUM])
         for begin in library.veer[kind, side] + beat * np.arange(TIGHTEST):
             tables = library.rotation, library.translation, library.nodes
-            rows = (table[begin : begin + beat].astype(np.float64) for table in tables)
-            cycles.append(
-                kinematics_of(Segment("turn", "gradual", True, *rows, None, 0.0, 0.0, 0.0, 0.0))
+            turns, shifts, nodes = (
+                table[begin : begin + beat].astype(np.float64) for table in tables
             )
+            bend = Segment("turn", "gradual", True, turns, shifts, nodes, None, 0.0, 0.0, 0.0, 0.0)
+            cycles.append(kinematics_of(bend))
     return cycles
 
 
