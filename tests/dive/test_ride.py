@@ -83,7 +83,9 @@ def test_the_view_of_a_ride_is_steadier_than_the_head(world):
     # Shaking of the view: second differences of its direction.
     shaken = [np.linalg.norm(np.diff(way, 2, axis=0), axis=2).mean() for way in (swung, followed)]
     assert shaken[1] < 0.3 * shaken[0]
-    assert np.sum(np.array(swung) * followed, axis=2).min() > 0.5  # but the view follows
+    alike = np.sum(np.array(swung) * followed, axis=2)
+    assert np.median(alike) > 0.95  # but the view follows ...
+    assert alike.min() > 0.2  # ... even a sharp turn
     assert np.mean(apart) < 3.0
 
 
