@@ -19,7 +19,7 @@ STALK = 0.7  # share of the fastest speed while it approaches
 BURST_BL = 2.5  # distance within which it bursts forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
-STRAIN = 12.0  # s of fatigue per second of a burst; approach and turns cost none
+STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
 CROWD_BL = 3.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
@@ -28,9 +28,9 @@ CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
 
 FITS = 0.45  # longest prey that it can swallow, over its own length
-OPEN_BL = 0.32  # distance of the prey at which the mouth is open
-SUCK_BL = 0.28  # reach of the suction ...
-SUCK_BL_S = 0.9  # ... and its speed at the mouth
+OPEN_BL = 0.5  # distance of the prey at which the mouth is open
+SUCK_BL = 0.4  # reach of the suction ...
+SUCK_BL_S = 2.0  # ... and its speed at the mouth
 # Prey is in the mouth when its middle is within these shares of the hunter's and its own length.
 MOUTH_BL, MIDDLE = 0.05, 0.2
 
@@ -96,7 +96,9 @@ def attended(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> int:
     if clock.tick % ATTENTION_TICKS != 0 or drawn == 0:
         return j
     k = int(minds.neighbour[j, drawn - 1])
-    return k if fishes.alive[k] and minds.kind[k] == PREY else j
+    first, end, kind = minds.quarry[i]
+    quarry = first <= k < end and (kind < 0 or fishes.species[k] == kind)
+    return k if quarry and fishes.alive[k] and minds.kind[k] == PREY else j
 
 
 @kernel

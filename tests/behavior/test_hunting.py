@@ -70,6 +70,7 @@ def _hunter(*prey, kind=PREY, length=20.0, gape=1.0):
     fishes.gape[0] = gape
     minds.kind[:] = kind
     minds.kind[0] = PREDATOR
+    minds.quarry[:] = 0, n, -1
     minds.mental[0, HUNGER] = 1.0
     minds.appetite[0] = 3.0
     minds.intention[0] = EAT
@@ -240,5 +241,8 @@ def test_in_a_crowd_attention_is_divided_evenly(around):
         [0, 1, 1, 1, 0] / np.float64(3), abs=0.08
     )
     assert attended(fishes, minds, 0, 1, CLOCK._replace(tick=ATTENTION_TICKS + 1)) == 1
+    minds.quarry[0] = 0, 3, -1  # directed
+    told = {attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(k))) for k in ticks}
+    assert told == {1, 2}
     minds.neighbour[1] = -1
     assert {attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(k))) for k in ticks} == {1}
