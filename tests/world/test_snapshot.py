@@ -6,6 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from subsea.core.errors import UserError
+from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.world import snapshot
@@ -101,7 +102,7 @@ def test_another_world_refuses_it(small):
     [
         ("fishes.row_a", 10**6),
         ("fishes.row_b", -1),
-        ("fishes.segment", 7),
+        ("fishes.segment", len(SEGMENTS)),
         ("minds.neighbour", 3),
         ("minds.target", 10**6),
         ("minds.food", -2),
