@@ -12,7 +12,8 @@ from capture.inspection import simulated
 from capture.recording import record
 from subsea.fish.species import load_species
 from subsea.repertoire import read_repertoire
-from subsea.repertoire.schema import READABLE, VERSION
+from subsea.repertoire.files import READABLE
+from subsea.repertoire.schema import VERSION
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
