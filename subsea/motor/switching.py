@@ -109,7 +109,7 @@ def swim(
     _free(fishes, live, len(library.entry))
     if clock.tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer, physics.fish)
-    for hasty in _unsteady(fishes, live):
+    for hasty in _unsteady(fishes, library, live):
         way = way_back(fishes, library, dynamics, live, hasty)
         to_playback(fishes, library, live, hasty, way)
     for slot in np.flatnonzero(live.waiting):
@@ -160,7 +160,7 @@ def _review(
     distance[fishes.live] /= KEEP
     if 0 <= first < len(distance):
         distance[first] = 0.0
-    distance[[not _steady(fishes, i) for i in range(len(distance))]] = np.inf
+    distance[[not _steady(fishes, library, i) for i in range(len(distance))]] = np.inf
     distance[~dynamics.muscular[fishes.species] | ~fishes.alive] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
     chosen = np.zeros(len(distance), np.bool_)
@@ -181,7 +181,7 @@ def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
     row = _row_of_beat(fishes, library, i)
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
-    return bool(cyclic and inside and fishes.span[i] == 1.0 and _steady(fishes, i))
+    return bool(cyclic and inside and fishes.span[i] == 1.0 and _steady(fishes, library, i))
 
 
 def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
@@ -192,16 +192,22 @@ def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
     return row - int(library.first[kind, segment])
 
 
-def _unsteady(fishes: Fishes, live: Live) -> list[int]:
+def _unsteady(fishes: Fishes, library: Library, live: Live) -> list[int]:
     """Slots of the simulated fishes that begin to burst, row, coast or escape."""
     pairs = enumerate(live.fish)
-    return [slot for slot, i in pairs if i >= 0 and fishes.live[i] and not _steady(fishes, int(i))]
+    return [
+        slot
+        for slot, i in pairs
+        if i >= 0 and fishes.live[i] and not _steady(fishes, library, int(i))
+    ]
 
 
-def _steady(fishes: Fishes, i: int) -> bool:
+def _steady(fishes: Fishes, library: Library, i: int) -> bool:
     """True if fish i swims or turns by its tail at a usual speed; only such are simulated."""
     usual = max(fishes.segment[i], fishes.wanted_segment[i]) <= RIGHT_SHARP
-    hurried = fishes.goal_speed[i] > HURRIED or fishes.tempo[i] > FASTEST
+    own, segment = library.speed[fishes.species[i]], fishes.segment[i]
+    fastest = FASTEST * max(1.0, own[FAST] / own[segment])
+    hurried = fishes.goal_speed[i] > HURRIED or fishes.tempo[i] > fastest
     return bool(usual and not hurried and fishes.thrust[i] >= HOVERING)
 
 
