@@ -8,7 +8,7 @@ import pytest
 from capture.cli.main import main
 from capture.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.biomechanics.body import TRIANGLES
-from subsea.repertoire import Repertoire
+from subsea.repertoire import Repertoire, read_repertoire
 
 HEAD = "# a fish\nmtllib fish.mtl\no fish\n"
 
@@ -66,7 +66,7 @@ def test_from_the_command_line(
     out = tmp_path / "out"
     arguments = ["mesh", str(recorded), str(mesh), "--fit", "--out", str(out)]
     assert main(arguments) == 0
-    frames = len(repertoire.segments["swim_fast"].nodes)
+    frames = len(read_repertoire(recorded).segments["swim_fast"].nodes)
     assert len(list(out.glob("big_swim_fast_*.obj"))) == frames
     assert f"big_swim_fast_0000.obj and {frames - 1} more" in capsys.readouterr().out
     assert main([*arguments, "--segment", "swim_fats"]) == 2

@@ -31,6 +31,9 @@ def test_an_adult_beats_by_froude_similarity(repertoire: Repertoire) -> None:
     assert found["stride, fast"].value == pytest.approx(speed / beat)
     strouhal = found["Strouhal number, fast"].value
     assert strouhal == pytest.approx(found["tail amplitude, fast"].value * beat / speed)
+    burst = repertoire.segments.get("swim_burst", segment)
+    speed = rate * burst.speed_cm_s / repertoire.body_length_cm
+    beat = rate / (len(burst.nodes) * repertoire.tick_s)
     assert found["burst over Bainbridge's speed at its beat"].value == pytest.approx(
         FULL_TEMPO * speed / bainbridge(FULL_TEMPO * beat)
     )
