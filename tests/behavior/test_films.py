@@ -3,41 +3,64 @@
 import numpy as np
 import pytest
 
+from subsea.behavior.chasing import mouth_of
+from subsea.geometry.rotation import rotate
 from subsea.scenario.load import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
 from subsea.submarine.helm import NEUTRAL
+from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
+
+STRAGGLER = 6
 
 
 @pytest.fixture(scope="module", params=[1, 2, 3])
 def hunt(request):
-    """Twelve seconds of `preying`: the world, and fear, intention and life of all at each tick."""
+    """Twelve seconds of `preying`: the world, targets of the hunter, and fear and intentions."""
     world = create_world(load_scenario("preying")[0], seed=request.param)
-    fear, intention, alive = [], [], []
+    target, fear, intention = [], [], []
     for _ in range(370):
         step(world, NEUTRAL)
+        target.append(int(world.state.minds.target[0]))
         fear.append(world.state.minds.mental[:, FEAR].copy())
         intention.append(world.state.minds.intention.copy())
-        alive.append(world.state.fishes.alive.copy())
-    return world, np.array(fear), np.array(intention), np.array(alive)
+    return world, np.array(target), np.array(fear), np.array(intention)
 
 
-def test_the_hunter_catches_a_straggler_first(hunt):
-    world, _, intention, alive = hunt
-    dead = ~alive[-1]
-    assert dead.any()
-    first = np.argmin(alive[:, dead], axis=0).argmin()
+def test_the_hunter_picks_stragglers(hunt):
+    world, target, _, intention = hunt
     minds = world.state.minds
-    assert not minds.schools[np.flatnonzero(dead)[first]]
-    assert (minds.kind[dead] == PREY).all()
+    picked = target[(intention[:, 0] == EAT) & (target != NOBODY)]
     assert intention[0, 0] == EAT
-    assert minds.eaten[0] >= dead.sum()
-    assert minds.target[0] not in np.flatnonzero(dead)
+    assert (minds.kind[picked] == PREY).all()
+    assert not minds.schools[picked[0]]
+    assert minds.schools[picked].mean() < 0.5  # as many fishes are in the school
+
+
+def test_some_prey_before_the_hunter_is_caught_and_some_escapes():
+    caught = []
+    for seed in range(1, 4):
+        world = create_world(load_scenario("preying")[0], seed=seed)
+        fishes, minds = world.state.fishes, world.state.minds
+        step(world, NEUTRAL)
+        start = snapshot.take(world)
+        for gap in (0.5, 1.0, 1.5):
+            snapshot.restore(world, start)
+            ahead = np.array(rotate(fishes.orientation[0], (gap * fishes.length[0], 0.0, 0.0)))
+            fishes.position[STRAGGLER] = mouth_of(fishes, 0) + ahead
+            for _ in range(60):
+                step(world, NEUTRAL)
+            caught += [not fishes.alive[STRAGGLER]]
+            dead = np.flatnonzero(~fishes.alive)
+            assert (minds.kind[dead] == PREY).all()
+            assert minds.eaten[0] == len(dead)
+            assert minds.target[0] not in dead
+    assert 2 <= sum(caught) <= 7
 
 
 def test_fear_precedes_each_escape(hunt):
-    world, fear, intention, _ = hunt
+    world, _, fear, intention = hunt
     flees = intention == ESCAPE
     begins = flees[1:] & ~flees[:-1]
     assert begins.any()
@@ -45,7 +68,7 @@ def test_fear_precedes_each_escape(hunt):
 
 
 def test_pacifists_feed_on_untroubled(hunt):
-    world, fear, intention, _ = hunt
+    world, _, fear, intention = hunt
     peaceful = world.state.minds.kind == PACIFIST
     assert (fear[:, peaceful] == 0).all()
     assert (intention[:, peaceful] == EAT).mean() > 0.3

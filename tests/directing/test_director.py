@@ -28,6 +28,7 @@ from subsea.state import (
     LIBIDO,
     LOOPING,
     NO_COURTSHIP,
+    NOBODY,
     NUZZLING,
     SCHOOL,
     SINKING,
@@ -198,7 +199,8 @@ def test_a_shark_hunts_only_its_quarry_and_then_rests(tmp_path):
         assert tick * TICK_S > 0.5 or minds.intention[SHARK] != EAT
         if minds.intention[SHARK] == EAT:
             targets.add(int(minds.target[SHARK]))
-    assert targets == {2}  # it was 900 cm away, out of reach of its senses
+    # It was 900 cm away, out of reach of its senses; once near, it may be lost for a moment.
+    assert targets - {NOBODY} == {2}
     assert np.linalg.norm(fishes.position[SHARK] - fishes.position[2]) < start - 300
     assert world.state.directions.cast[2].tolist() == [SHARK, 2]
     play(world, 3.0)

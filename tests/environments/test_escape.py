@@ -6,9 +6,12 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import subsea.environments  # noqa: F401 registers
+from subsea.behavior.chasing import mouth_of
 from subsea.core.errors import UserError
 from subsea.environments.escape import START_CM, EscapeEnv
 from subsea.environments.fish_senses import NAMES
+from subsea.geometry.rotation import x_axis
+from subsea.perception.vision import FIELD_COS
 from subsea.state import PREY
 from tests.support.scenes import BARE
 
@@ -26,37 +29,41 @@ def test_it_keeps_the_convention(env):
     check_env(made.unwrapped)
 
 
-def test_it_begins_near_the_predator_and_sees_it(env):
-    for seed in range(3):
+def test_it_begins_near_the_predator_and_sees_it_unless_it_is_behind(env):
+    found = []
+    for seed in range(6):
         seen, info = env.reset(seed=seed)
         fishes = env.sea.world.state.fishes
         assert env.sea.world.state.minds.kind[info["fish"]] == PREY
         shark = int(env._predators[0])
-        gap = np.linalg.norm(fishes.position[shark] - fishes.position[info["fish"]])
+        way = fishes.position[shark] - fishes.position[info["fish"]]
+        gap = np.linalg.norm(way)
         assert START_CM[0] - 60.0 < gap < START_CM[1] + 60.0
-        assert seen[NAMES.index("predator 0 nearness")] > 0.0
+        ahead = x_axis(fishes.orientation[info["fish"]])
+        found.append(seen[NAMES.index("predator 0 nearness")] > 0.0)
+        assert found[-1] == (way @ ahead > FIELD_COS * gap)
         again, same = env.reset(seed=seed)
         np.testing.assert_array_equal(seen, again)
         assert info == same
+    assert sum(found) > 3
 
 
-def test_a_fish_that_holds_still_is_caught_and_stays_dead(env):
-    ends = []
-    for seed in range(3):
-        env.reset(seed=seed)
-        rewards, dead, late = [], False, False
-        while not dead and not late:
-            seen, reward, dead, late, _ = env.step(STILL)
-            rewards.append(reward)
-        ends.append(dead)
-        assert rewards[0] == pytest.approx(0.1 * 3 * 0.033)
-        if dead:
-            assert rewards[-1] == -1.0
-            assert not late
-            assert not seen.any()
-            with pytest.raises(ValueError, match="dead"):
-                env.step(STILL)
-    assert any(ends)
+def test_a_fish_before_the_jaws_is_caught_and_stays_dead(env):
+    _, info = env.reset(seed=1)
+    fishes, shark = env.sea.world.state.fishes, int(env._predators[0])
+    ahead = np.array(x_axis(fishes.orientation[shark]))
+    fishes.position[info["fish"]] = mouth_of(fishes, shark) + 0.1 * fishes.length[shark] * ahead
+    rewards, dead, late = [], False, False
+    while not dead and not late:
+        seen, reward, dead, late, _ = env.step(STILL)
+        rewards.append(reward)
+    assert dead
+    assert not late
+    assert rewards[:-1] == pytest.approx([0.1 * 3 * 0.033] * (len(rewards) - 1))
+    assert rewards[-1] == -1.0
+    assert not seen.any()
+    with pytest.raises(ValueError, match="dead"):
+        env.step(STILL)
 
 
 def test_a_sea_without_prey_or_predators_is_refused():

@@ -43,8 +43,8 @@ def test_a_shark_catches_an_agent_which_does_not_return():
     assert rewards[prey] == -1.0
     assert total[shark] == 1.0
     assert infos[shark]["meals"] == 1.0
-    assert total["clownfish_0"] > 0.0
-    with pytest.raises(ValueError, match="agent clownfish_3 is not alive"):
+    assert total["fusilier_0"] > 0.0
+    with pytest.raises(ValueError, match="agent fusilier_3 is not alive"):
         env.step(still)
     while env.agents:
         env.step({agent: still[agent] for agent in env.agents})
