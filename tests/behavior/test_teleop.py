@@ -190,7 +190,7 @@ def test_a_dead_fish_is_not_steered_and_an_unknown_one_is_a_fault(world):
 
 
 def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator():
-    world = create_world(load_scenario("schooling")[0])
+    world = create_world(load_scenario("schooling", ['fish.0.school="leader"'])[0])
     fishes, minds = world.state.fishes, world.state.minds
     for _ in range(60):
         step(world, NEUTRAL)
@@ -217,7 +217,11 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     for _ in range(40):
         step(world, TeleopCommand(predator, speed=0.6))
         fleeing += minds.predator[prey] == predator and minds.intention[prey] == ESCAPE
-    assert fleeing > 20
+    gap = fishes.position[predator] - fishes.position[prey]
+    apart = np.linalg.norm(gap)
+    assert fleeing > 10  # until the predator is behind it, out of sight
+    assert gap @ ahead(fishes, prey) < -0.6 * apart
+    assert apart > 140.0  # from prey that stays the predator would come 120 cm away
 
 
 def commands(fish, turn=0.0, speed=0.0, feeds=False):
