@@ -70,7 +70,13 @@ def measure_simulated(motion: Motion, repertoire: Repertoire) -> Iterator[Measur
     yield from _swimming(motion, body, trials)
     yield from _straightness(motion, body, trials["swim_fast"].state)
     yield from _attitude(motion, body, trials["swim_medium"].state)
-    yield from _turning(motion, body, trials["swim_medium"].state)
+    if motion.body.water == "tu":
+        yield from _turning(motion, body, trials["swim_medium"].state)
+    sharp = repertoire.segments["turn_left_sharp"].turn_deg - motion.turn.sharp
+    name = f"recorded turn of {motion.turn.sharp:g}°"
+    yield compare(name, sharp, "+.2f", "°", within(15), within(5))
+    kept = speed_kept(body, trials["turn_left_sharp"].frames)
+    yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
     cyclic = [name for name, segment in repertoire.segments.items() if segment.cyclic]
     closure = max(repertoire.segments[name].loop_error_bl for name in cyclic)
     yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
@@ -138,12 +144,12 @@ def _attitude(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure
     yield compare("roll, pitch without fins", lean, ".4f", "°", at_most(0.1))
     tall = build_body(motion.body, back=1.1)
     lean = _balanced(motion, tall, at_rest(tall), 60)
-    yield compare("the same, back 10% taller, balanced", lean, ".3f", "°", at_most(1))
+    yield compare("the same, back 10% taller, balanced", lean, ".3f", "°", at_most(3), at_most(1))
     leaning = copy_state(steady)
     _lean(leaning, body.mass)
     lean = _balanced(motion, body, leaning, 40)
     yield compare(
-        "40 beats after a roll of 15°, balanced", lean, ".3f", "°", at_most(1), at_most(1)
+        "40 beats after a roll of 15°, balanced", lean, ".3f", "°", at_most(3), at_most(1)
     )
 
 
@@ -194,8 +200,6 @@ def _turning(motion: Motion, body: Body, steady: BodyState) -> Iterator[Measure]
         name = f"turn of {angle:g}°"
         yield compare(f"{name}, entered at phase 0", errors[0], "+.2f", "°", entered, aim)
         yield compare(f"{name}, at the worst phase", worst, "+.2f", "°", anywhere, within(3))
-    kept = speed_kept(body, run_trial(motion, "turn_left_sharp").frames)
-    yield Measure("speed kept in the sharp turn", f"{kept:.2f} ×")
 
 
 def _replay_error(motion: Motion, body: Body, trial: Trial, segment: Segment, name: str) -> float:

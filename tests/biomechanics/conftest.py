@@ -1,13 +1,19 @@
+from pathlib import Path
+
 import pytest
 
-from subsea.fish.species import Species, load_species, muscular_names
+from subsea.core.toml_files import load_toml
+from subsea.fish.species import Species
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.fixture(params=muscular_names())
+@pytest.fixture(params=("fusilier", "emperor_angelfish"))
 def species(request: pytest.FixtureRequest) -> Species:
-    return load_species(request.param)
+    """A fish in Tu's water, whose motor controllers these are."""
+    return load_toml(DOCS / f"tu_{request.param}.toml", Species)
 
 
 @pytest.fixture
 def fusilier() -> Species:
-    return load_species("fusilier")
+    return load_toml(DOCS / "tu_fusilier.toml", Species)

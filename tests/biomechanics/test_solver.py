@@ -8,8 +8,11 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh, solveh_banded
 
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Body, Floats, build_body
+from subsea.biomechanics.elongated import NO_SECTIONS
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species, load_species
 
 
@@ -91,7 +94,7 @@ def test_a_squeezed_body_keeps_its_matrix_definite(species: Species) -> None:
 
 
 def in_vacuum(species: Species) -> Body:
-    return build_body(species.body)._replace(drag=0.0)
+    return build_body(species.body)._replace(drag=0.0, sections=NO_SECTIONS)
 
 
 def test_momentum_is_kept_in_a_vacuum(species: Species) -> None:
@@ -129,7 +132,7 @@ def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier: Species) 
 
 def with_one_unit(unit: int, viscosity: float = 0.0) -> Body:
     """A body in a vacuum with only one viscoelastic unit left: two nodes on a spring."""
-    body = in_vacuum(load_species("fusilier"))
+    body = in_vacuum(load_toml(resource_path("docs/tu_fusilier.toml"), Species))
     only = np.arange(len(UNITS)) == unit
     return body._replace(stiffness=only * 30.0, viscosity=only * viscosity)
 

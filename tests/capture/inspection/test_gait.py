@@ -11,6 +11,8 @@ from subsea.biomechanics.gait import contraction_step, straightness, sweep
 from subsea.biomechanics.simulation import NO_FORCE, STILL, BodyState, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force
+from subsea.core.resources import resource_path
+from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species
 
 STEPS = 400
@@ -55,7 +57,8 @@ def lost(body: Body, state: BodyState, contraction: Floats) -> float:
     return total
 
 
-def test_water_and_viscosity_dissipate_the_work_of_muscles(species: Species) -> None:
+def test_water_and_viscosity_dissipate_the_work_of_muscles(name: str) -> None:
+    species = load_toml(resource_path(f"docs/tu_{name}.toml"), Species)
     body = build_body(species.body)
     beat = beat_contraction(species.swim, 1.0)
     steady = steady_beat(body, beat).state
