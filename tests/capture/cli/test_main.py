@@ -1,4 +1,3 @@
-import json
 import shutil
 from pathlib import Path
 
@@ -165,15 +164,12 @@ def test_inspect_shows_segments_and_measures(
 def test_a_fish_that_misses_a_target_is_code_1(
     copy: Path, quick: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The same file, but its fish holds a bend of 30° for as long as one of 60°."""
+    """The same file, but its sharp turn claims to be one of 20° more."""
     with h5py.File(copy, "a") as file:
-        provenance = json.loads(file.attrs["provenance"])
-        rows = provenance["turn"]["steering"]
-        rows[0]["hold_ticks"] = rows[2]["hold_ticks"]
-        file.attrs["provenance"] = np.bytes_(json.dumps(provenance).encode())
+        file["segments/turn_left_sharp"].attrs["turn_deg"] += 20.0
     assert main(["inspect", str(copy)]) == 1
     short = [line for line in capsys.readouterr().out.splitlines() if "FALLS SHORT" in line]
-    assert [line.split(",")[0] for line in short] == ["turn of 30°", "turn of 30°"]
+    assert [line.split("  ")[0] for line in short] == ["recorded turn of 90°"]
 
 
 def test_an_interrupted_recording_leaves_nothing(

@@ -11,7 +11,7 @@ def test_every_measure_keeps_its_limit(repertoire: Repertoire, species: Species)
     # The cost depends on what else this machine does; everything else must hold anywhere.
     short = [m for m in report if not m.passed and "µs" not in m.value]
     assert not short
-    assert len(report) > 25
+    assert len(report) > 20
 
 
 def test_a_cycle_can_be_replayed_without_end(repertoire: Repertoire) -> None:
