@@ -22,15 +22,16 @@ def turned(angle, pitch=0.0):
     return np.stack([w * a - z * b, x * a + y * b, y * a - x * b, z * a + w * b], axis=-1)
 
 
-def straight(seconds=60.0, speed=2.0, frequency=3.7, amplitude=0.18, **changed):
+def straight(seconds=60.0, speed=2.0, frequency=3.7, amplitude=0.18, length=LENGTH, **changed):
     """One fish that swims along x, lengths a second, with a beating tail."""
     time = TICK_S * np.arange(round(seconds / TICK_S))
     place = np.zeros((len(time), 1, 3))
-    place[:, 0, 0] = LENGTH * speed * time
+    place[:, 0, 0] = length * speed * time
     place[..., 2] = -200.0
-    tail = place - (0.6 * LENGTH, 0, 0)
-    tail[:, 0, 1] += 0.5 * amplitude * LENGTH * np.sin(2 * np.pi * frequency * time)
-    return a_record(place, tick_s=TICK_S, time=time, tail=tail, **changed)
+    tail = place - (0.6 * length, 0, 0)
+    tail[:, 0, 1] += 0.5 * amplitude * length * np.sin(2 * np.pi * frequency * time)
+    given = {"tail": tail, "length": np.full(1, length, np.float32)} | changed
+    return a_record(place, tick_s=TICK_S, time=time, **given)
 
 
 def only(record, slowest=0.1):
@@ -38,10 +39,14 @@ def only(record, slowest=0.1):
     return found
 
 
-@pytest.mark.parametrize("frequency", [1.3, 3.7, 9.1])
-def test_a_beating_tail_has_its_strouhal_number_and_stride(frequency):
-    found = only(straight(frequency=frequency))
-    assert len(found.strouhal) == 30
+@pytest.mark.parametrize(
+    ("frequency", "length", "stretches"),
+    [(3.7, LENGTH, 60), (9.1, LENGTH, 60), (1.3, 110.0, 20)],
+)
+def test_a_beating_tail_has_its_strouhal_number_and_stride(frequency, length, stretches):
+    """Stretches are of a second, and of three for large fishes, which beat slowly."""
+    found = only(straight(frequency=frequency, length=length))
+    assert len(found.strouhal) == stretches
     assert np.median(found.frequency) == pytest.approx(frequency, rel=0.02)
     assert np.median(found.amplitude) == pytest.approx(0.18, rel=0.08)
     assert np.median(found.strouhal) == pytest.approx(frequency * 0.18 / 2.0, rel=0.08)
@@ -60,6 +65,23 @@ def test_a_parabola_is_not_a_beat():
 
 def test_a_still_tail_has_no_beat():
     assert len(only(straight(amplitude=0.0)).strouhal) == 0
+
+
+def test_beats_are_those_of_swims():
+    """Fishes row and turn with other strokes."""
+    for name in ("row_forward", "turn_left_sharp"):
+        segment = np.full((1800, 1), SEGMENTS.index(name))
+        assert len(only(straight(segment=segment)).strouhal) == 0
+    half = np.where(np.arange(1800) < 900, FAST, LEFT)[:, None]
+    assert len(only(straight(segment=half)).strouhal) == 30
+
+
+def test_a_body_that_sways_with_a_straight_tail_does_not_beat():
+    record = straight(amplitude=0.0)
+    sway = 0.1 * LENGTH * np.sin(2 * np.pi * 3.7 * record.time)[:, None]
+    record.position[..., 1] += sway
+    record.tail[..., 1] += sway
+    assert len(only(record).strouhal) == 0
 
 
 def circle(radius=0.5, rate=0.9, seconds=30.0, segment=FAST):
