@@ -3,11 +3,14 @@
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from subsea.core.resources import resource_path
+from subsea.fish.species import load_species
 from subsea.geometry.height_field import height_at
 from subsea.motor.balance import roll_of
 from subsea.scenario.load import load_scenario
@@ -71,16 +74,22 @@ def test_fishes_stay_inside_the_sea(voyage):
 
 
 def test_speeds_are_those_of_fishes(voyage):
-    """No leaps, no standing still. Small fishes beat faster: they go farther for their length.
+    """No leaps, no standing still: speeds are in the measured ranges of each species.
 
     Fishes in the bow wave of the moving submarine are not counted.
     """
     world, path, hull = voyage
-    speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S
-    lengths = world.state.fishes.length
+    measured = tomllib.loads(resource_path("assets/swimming.toml").read_text())["species"]
+    keys = {load_species(key).name: key for key in measured}
+    fishes = world.state.fishes
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=2) / TICK_S / fishes.length
     free = np.linalg.norm(path - hull[:, None], axis=2)[1:] > 2 * HULL_CM
-    assert (speed / lengths * np.sqrt(lengths / 20.0))[free].max() < 2.5
-    assert (speed / lengths).mean(axis=0).min() > 0.15
+    for k in np.unique(fishes.species):
+        ranges, those = measured[keys[world.species[k].name]], fishes.species == k
+        assert speed[:, those][free[:, those]].max() < ranges["burst"]["range"][1]
+        mean = speed[:, those].mean(axis=0)
+        assert mean.min() > ranges["slow"]["range"][0]
+        assert mean.max() < ranges["cruise"]["range"][1]
 
 
 def test_schools_stay_together(voyage):
