@@ -37,7 +37,7 @@ class SwimmingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     """Swimming of one species; lengths in body lengths L, speeds in L/s, angles in degrees."""
 
     gait: Gait
-    wave: Wave  # whose envelope its body should have
+    wave: Wave  # kind of the published envelope
     slow: MeasuredRange
     cruise: MeasuredRange
     burst: MeasuredRange

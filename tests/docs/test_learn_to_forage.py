@@ -9,7 +9,7 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 LEARNED = np.array(
     [3.34, -1.49, 3.24, 1.82, 0.11, 2.4, 0.16, 0.55, 0.86, 0.47, -0.37, -0.75, 0.51]
-)  # what the script printed
+)  # output of docs/learn_to_forage.py
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Where segments may be left and entered."""
+"""Rows at which playback may leave and enter a segment."""
 
 import dataclasses
 

@@ -28,7 +28,7 @@ def played(repertoire: Repertoire, name: str):
         ("cstart_left_moderate", 55, 85),
         ("cstart_left_wide", 115, 155),
         ("turn_left_rest", 80, 120),
-        ("turn_left_glide", 75, 115),
+        ("turn_left_glide", 75, 110),
     ],
 )
 def test_turns_have_their_angle(repertoire: Repertoire, segment, least, most) -> None:
