@@ -10,12 +10,11 @@ simulated: those to the right are their mirror images.
 from itertools import product
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 
 from capture.recording.trial import Trial, displacement, grade_contraction, steady_beat
 from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, build_body
-from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.body_plan import Muscles, SwimPlan
 from subsea.biomechanics.controllers import (
     LEFT,
     S_MAX,
@@ -23,8 +22,8 @@ from subsea.biomechanics.controllers import (
     ease,
     swim_contraction,
 )
-from subsea.biomechanics.elongated import make_sections
-from subsea.biomechanics.fins import brake, pectoral_force
+from subsea.biomechanics.elongated import inertial_mass
+from subsea.biomechanics.fins import brake, couple_force, pectoral_force
 from subsea.biomechanics.gait import headings
 from subsea.biomechanics.simulation import (
     NO_FORCE,
@@ -40,6 +39,7 @@ from subsea.core.errors import UserError
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""
+UPWARDS = (0.0, 1.0, 0.0)
 TOLERANCE_DEG = 0.5
 MOST_JERK_BL = 0.1  # largest change of the velocity of a node, body lengths per tick²
 MOST_SPIN_DEG = 20.0  # of the head in a tick
@@ -92,7 +92,7 @@ def manoeuvre(motion: Muscles, name: str) -> Trial:
         turn = turn._replace(angle=motion.turn.sharp)
     if turn.entry != "rest":
         start = _swimming(body, swim, turn.entry)
-    trial = turn_from(Turner(body, _inertia(motion.body, body), swim), turn, start)
+    trial = turn_from(Turner(body, inertial_mass(motion.body, body.mass), swim), turn, start)
     return trial if name == left else mirrored(trial)
 
 
@@ -200,23 +200,6 @@ def _bend(size: float, side: float, share: Floats) -> Floats:
     return front
 
 
-def _inertia(plan: BodyPlan, body: Body) -> Floats:
-    """Mass (23,) of the nodes with the water that moves aside with them, g."""
-    added = make_sections(msgspec.structs.replace(plan, water="elongated")).added
-    share = np.append(added[:-1] / NODES_AT_STATION[1], added[-1] / NODES_AT_STATION[-1])
-    water = np.repeat([0.0, *share], NODES_AT_STATION)
-    return np.asarray(body.mass + water)
-
-
-def couple_force(x: Floats, inertia: Floats, couple: float) -> Floats:
-    """Forces (23, 3) on nodes x (23, 3) that turn them together to the left at ``couple`` rad/tu².
-
-    ``inertia`` (23,) are their masses with the water that moves with them. The forces add up to 0.
-    """
-    arm = x - inertia @ x / inertia.sum()
-    return np.asarray(couple * inertia[:, None] * np.cross((0.0, 1.0, 0.0), arm))
-
-
 def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Floats) -> Trial:
     """Simulate with a couple (T,), rad/tu², about the vertical through the centre of mass."""
     state, inertia = copy_state(start), fish.inertia
@@ -224,7 +207,7 @@ def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Fl
     for tick, turning in zip(_ticks(contraction), couple, strict=True):
         force = NO_FORCE
         if turning:
-            force = couple_force(state.x, inertia, turning)
+            force = couple_force(state.x, inertia, UPWARDS, float(turning))
         frames.extend(simulate(fish.body, state, tick, force=force))
         if not np.isfinite(state.x).all():
             frames += [state.x.copy()] * (len(couple) + 1 - len(frames))

@@ -15,9 +15,11 @@ dorsal axis y, skin friction along t.
 
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
-from subsea.biomechanics.body_plan import BodyPlan
+from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 
@@ -61,6 +63,14 @@ def make_sections(plan: BodyPlan) -> Sections:
         heave=half * plan.cross_drag * _spread(width, length),
         skin=half * plan.skin_drag * _spread(perimeter, length),
     )
+
+
+def inertial_mass(plan: BodyPlan, mass: Array) -> NDArray[np.float64]:
+    """Mass (23,) of the nodes with the water that moves aside with them, g; in Tu's water too."""
+    added = make_sections(msgspec.structs.replace(plan, water="elongated")).added
+    share = np.append(added[:-1] / NODES_AT_STATION[1], added[-1] / NODES_AT_STATION[-1])
+    water = np.repeat([0.0, *share], NODES_AT_STATION)
+    return np.asarray(mass + water, np.float64)
 
 
 def _spread(values: Array, length: Array) -> Array:

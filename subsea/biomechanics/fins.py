@@ -9,6 +9,9 @@ import numpy as np
 from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.simulation import BodyState
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
+from subsea.geometry.vector import ZERO, Vector, cross, minus, plus, store, times, vector
 
 EDGE_ON = np.pi / 2  # orientation at which a fin cuts the water without force
 BROADSIDE = np.pi  # orientation at which a fin meets the water with its whole area
@@ -39,6 +42,22 @@ def pectoral_force(
         normal = np.cos(angle) * rotation[:, 0] + np.sin(angle) * rotation[:, 1]
         push = -area * np.linalg.norm(velocity) * (normal @ velocity) * normal
         force[midsection][side == _SIDE] = push / 6.0
+    return force
+
+
+@kernel
+def couple_force(x: Array, inertia: Array, axis: Vector, couple: float) -> Array:
+    """Forces (23, 3) that turn nodes x (23, 3) together about ``axis`` at ``couple`` rad/tu².
+
+    ``inertia`` (23,) are their masses with the water that moves with them. The forces add up to 0.
+    """
+    middle, total, force = ZERO, 0.0, np.empty((NODES, 3))
+    for node in range(NODES):
+        middle = plus(middle, times(inertia[node], vector(x[node])))
+        total += inertia[node]
+    for node in range(NODES):
+        arm = minus(vector(x[node]), times(1.0 / total, middle))
+        store(force[node], times(couple * inertia[node], cross(axis, arm)))
     return force
 
 

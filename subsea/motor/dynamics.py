@@ -1,7 +1,8 @@
 """Simulated fishes: the muscle-driven body under command of the secondary controller.
 
 The body swims at the size and pace of the recorded fish, in the frame of the water. Muscles and
-pectoral fins follow the segment, tempo, thrust and steering that the controller asks of playback.
+fins follow the segment, tempo, thrust and steering that the controller asks of playback. As in
+recorded sharp turns, a couple about the vertical stands for the fins that hold the heading.
 """
 
 import math
@@ -20,8 +21,8 @@ from subsea.biomechanics.body import (
     build_body,
 )
 from subsea.biomechanics.body_plan import GRADES, Muscles
-from subsea.biomechanics.elongated import sections_of
-from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST
+from subsea.biomechanics.elongated import inertial_mass, sections_of
+from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST, couple_force
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools
 from subsea.core.kernels import kernel
@@ -46,9 +47,12 @@ from subsea.state import Fishes, Live, Physics
 
 TICK_TU = STEP * STEPS_PER_TICK
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
+UPWARDS = (0.0, 0.0, 1.0)
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
 BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
+YAW_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
+MOST_COUPLE = 0.25  # rad/tu²: ... and its limit
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
@@ -75,28 +79,27 @@ class BodyTables(NamedTuple):
     speed: Array  # (S, 4) cm/s: standing still and the three swims, at the recorded tempo ...
     amplitude: Array  # (S, 4) ... and the amplitudes of the beat that make them ...
     pace: Array  # (S, 4) ... and its frequencies, relative to fast
-    turning_amplitude: Array  # (S,) at the full bend
-    bend: Array  # (S, 2) contractions of the two turning segments in a sharp turn: the full bend
-    bend_rate: Array  # (S,) rad/s, how fast a fish that is fully bent turns
-    turn_rate: Array  # (S, n) rad/s that each segment turns by itself, left positive
+    bend: Array  # (S, 2) contractions of the two turning segments in a gradual turn: the full bend
+    turn_rate: Array  # (S, n) rad/s, mean turning rate of each segment, left positive
+    inertia: Array  # (S, 23) mass of the nodes with the water that moves aside with them
     fin_area: Array  # (S,) of each pectoral fin
     roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
 
 
-def make_bodies(species: Sequence[Species], speed: Array) -> BodyTables:
-    """The tables of these species, from the plans of their repertoires.
+def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
+    """The tables of these species, in the order of the packed library.
 
-    `speed` (S, n) in cm/s is that of the recorded segments. Spine-driven species have no body to
-    simulate and get rows of zeros, which nothing reads.
+    Spine-driven species have no body to simulate and get rows of zeros, which nothing reads.
     """
+    rates = library.turn / (library.length * TICK_S)
     rows = [
-        _body(one.muscles, swum) if one.muscles else NO_BODY
-        for one, swum in zip(species, speed, strict=True)
+        _body(one.muscles, speed, rate) if one.muscles else NO_BODY
+        for one, speed, rate in zip(species, library.speed, rates, strict=True)
     ]
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, (5, 6), 3, 3, 1, 4, 4, 4, 1, 2, 1, len(SEGMENTS), 1, 1)
+_ROW = (23, 91, 91, 91, 1, (5, 6), 3, 3, 1, 4, 4, 4, 2, len(SEGMENTS), 23, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -118,26 +121,15 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
     )
 
 
-def _body(muscles: Muscles, speed: Array) -> tuple[Any, ...]:
-    body, swim, turn = build_body(muscles.body), muscles.swim, muscles.turn
-    first, second = turn.steering[:2]
-    # Two rows of the steering map differ only in how long the bend is held.
-    held = (second.hold_ticks - first.hold_ticks) * TICK_S
-    bend_rate = math.radians(second.angle - first.angle) / held
-    bend = max((row.contraction for row in turn.steering), key=sum)
-    gradual = bend_rate * sum(turn.gradual) / sum(bend)
+def _body(muscles: Muscles, speed: Array, turn_rate: Array) -> tuple[Any, ...]:
+    body, swim = build_body(muscles.body), muscles.swim
     paces = [swim.ticks_per_beat / swim.at(grade).ticks_per_beat for grade in GRADES[:3]]
-    pace = (paces[0], *paces)
-    side = {"left": 1.0, "right": -1.0}
-    rate = {"gradual": gradual}
-    words = [name.split("_") for name in SEGMENTS]
     fin_area = FIN_AREA * muscles.body.length**2
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag, np.array(body.sections),
         (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
-        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), pace, turn.amplitude,
-        bend, bend_rate,
-        [side[w[1]] * rate.get(w[2], bend_rate) if w[0] == "turn" else 0.0 for w in words],
+        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), (paces[0], *paces),
+        muscles.turn.gradual, turn_rate, inertial_mass(muscles.body, body.mass),
         fin_area, _roll_lead(body, fin_area),
     )  # fmt: skip
 
@@ -191,7 +183,9 @@ def swim_live(
                      muscles[n])  # fmt: skip
             live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
+        yaw = turning_rate(fishes, library, bodies, i)
         force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
+        force += _yaw_force(bodies, kind, x, v, yaw * TICK_S / TICK_TU)
         watch = np.array([np.inf, 0.0, np.inf])
         material = Material(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
@@ -216,11 +210,9 @@ def _ease_muscles(
     The tempo is that of the beat relative to grade fast: those of the grades, and between them.
     """
     i = live.fish[slot]
-    kind, wanted = fishes.species[i], fishes.wanted_segment[i]
-    yaw = bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i]
-    if blends(wanted) and library.veer[kind, 0] >= 0:
-        yaw = bodies.turn_rate[kind, LEFT_GRADUAL] * fishes.bend[i] * fishes.tempo[i]
-    share = min(max(yaw / bodies.bend_rate[kind], -1.0), 1.0)
+    kind = fishes.species[i]
+    yaw = turning_rate(fishes, library, bodies, i)
+    share = min(max(yaw / bodies.turn_rate[kind, LEFT_GRADUAL], -1.0), 1.0)
     for k in range(2):
         ease = BEND_EASE * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
@@ -228,11 +220,33 @@ def _ease_muscles(
     speed = _wanted_speed(fishes, library, i)
     speed += SPEED_GAIN * (speed - live.speed[slot])
     amplitude = np.interp(speed, bodies.speed[kind], bodies.amplitude[kind])
-    amplitude += abs(share) * max(bodies.turning_amplitude[kind] - amplitude, 0.0)
     gap = amplitude - live.amplitude[slot]
     live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
     tempo = np.interp(speed, bodies.speed[kind], bodies.pace[kind])
     live.tempo[slot] += min(max(tempo - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
+
+
+@kernel
+def turning_rate(fishes: Fishes, library: Library, bodies: BodyTables, i: int) -> float:
+    """The turning rate, rad/s to the left at the recorded pace, that the controller asks of fish i.
+
+    That of the segment or of its bend, and of the steering.
+    """
+    kind, wanted = fishes.species[i], fishes.wanted_segment[i]
+    if blends(wanted) and library.veer[kind, 0] >= 0:
+        return float(bodies.turn_rate[kind, LEFT_GRADUAL] * fishes.bend[i] * fishes.tempo[i])
+    return float(bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i])
+
+
+@kernel
+def _yaw_force(bodies: BodyTables, kind: int, at: Array, v: Array, rate: float) -> Array:
+    """Force (23, 3) on the nodes that turns a body about the vertical at `rate`, rad/tu."""
+    inertia = bodies.inertia[kind]
+    if inertia[0] == 0.0:
+        return np.zeros((NODES, 3))
+    error = rate - roll_rate(at, v, inertia, UPWARDS)
+    couple = min(max(YAW_GAIN * error, -MOST_COUPLE), MOST_COUPLE)
+    return couple_force(at, inertia, UPWARDS, couple)
 
 
 @kernel

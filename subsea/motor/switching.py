@@ -18,7 +18,7 @@ from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import HURRIED, TEMPO
-from subsea.motor.segments import FAST, MEDIUM, RIGHT_GRADUAL, RIGHT_SHARP
+from subsea.motor.segments import FAST, LEFT_GRADUAL, MEDIUM, RIGHT_GRADUAL, RIGHT_SHARP
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
@@ -65,7 +65,7 @@ def make_dynamics(
     ]
     every = [motion for row in motions for motion in row.values()] + _bends(library)
     return Dynamics(
-        make_bodies(species, library.speed),
+        make_bodies(species, library),
         np.array([one.muscles is not None for one in species]),
         Kinematics(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
         np.array([[_usual(row, name) for name in SEGMENTS] for row in motions]),
@@ -245,8 +245,9 @@ def to_live(
     live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
     live.amplitude[slot] = np.interp(speed, speeds, bodies.amplitude[kind])
     live.tempo[slot] = tempo * pace
-    turn_rate = bodies.turn_rate[kind, segment] * (abs(level) / LEVELS if level else 1.0)
-    live.bend[slot] = bodies.bend[kind] * turn_rate / bodies.bend_rate[kind]
+    share = bodies.turn_rate[kind, segment] / bodies.turn_rate[kind, LEFT_GRADUAL]
+    share *= abs(level) / LEVELS if level else 1.0
+    live.bend[slot] = bodies.bend[kind] * min(max(share, -1.0), 1.0)
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
     # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot

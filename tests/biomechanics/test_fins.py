@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.body import build_body
-from subsea.biomechanics.fins import EDGE_ON, STEEPEST, balance, pectoral_force
+from subsea.biomechanics.fins import EDGE_ON, STEEPEST, balance, couple_force, pectoral_force
 from subsea.biomechanics.simulation import BodyState, at_rest
 from subsea.fish.species import Species
 from subsea.geometry.rotation import about, matrix
@@ -66,3 +66,13 @@ def test_fins_work_against_roll_and_pitch_and_never_beyond_their_reach(
         left, right = balance(under_way)
         assert left == pytest.approx(right)
         assert -STEEPEST <= left - EDGE_ON < 0
+
+
+def test_a_couple_turns_without_pushing() -> None:
+    rng = np.random.default_rng(0)
+    x, inertia = rng.normal(size=(23, 3)), rng.uniform(1, 5, 23)
+    force = couple_force(x, inertia, (0.0, 1.0, 0.0), 0.3)
+    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
+    arm = x - inertia @ x / inertia.sum()
+    moment = (inertia * (arm[:, 0] ** 2 + arm[:, 2] ** 2)).sum()
+    assert np.cross(arm, force).sum(axis=0)[1] == pytest.approx(0.3 * moment)

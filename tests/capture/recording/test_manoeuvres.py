@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from capture.inspection.simulated import replay
-from capture.recording.manoeuvres import COUPLES, couple_force, mirrored
+from capture.recording.manoeuvres import COUPLES, mirrored
 from capture.recording.record import run_trial
 from capture.recording.trial import Trial
 from subsea.biomechanics.body import build_body
@@ -57,16 +57,6 @@ def test_a_turn_from_rest_is_tight(repertoire: Repertoire) -> None:
     centre = path[: turned + 1].mean(axis=1)
     way = np.linalg.norm(np.diff(centre, axis=0), axis=1).sum() / repertoire.body_length_cm
     assert way / np.radians(heading[turned] - heading[0]) < 0.4
-
-
-def test_a_couple_turns_without_pushing() -> None:
-    rng = np.random.default_rng(0)
-    x, inertia = rng.normal(size=(23, 3)), rng.uniform(1, 5, 23)
-    force = couple_force(x, inertia, 0.3)
-    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
-    arm = x - inertia @ x / inertia.sum()
-    moment = (inertia * (arm[:, 0] ** 2 + arm[:, 2] ** 2)).sum()
-    assert np.cross(arm, force).sum(axis=0)[1] == pytest.approx(0.3 * moment)
 
 
 def test_the_mirror_image_of_a_motion_is_a_motion(species: Species) -> None:
