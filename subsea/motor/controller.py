@@ -41,7 +41,7 @@ LEAVE_RAD = np.radians(4.0)  # within it a slow or fast swim is not left for one
 YAW_RATE = np.radians(30.0)  # rad/s: the fastest turn on the spot by pectoral fins
 PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
-STEER_EASE = np.radians(90.0)  # rad/s²: how fast the rate of alignment may change
+STEER_EASE = np.radians(90.0)  # rad/s², at the recorded pace: how fast that rate may change
 MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim, unless in a burst ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... or on the spot
 STEEP = np.cos(np.radians(60.0))  # level share of a goal's direction below which turns are smaller
@@ -100,7 +100,7 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
         climb = math.atan2(np.float64(g[2]), level)
         climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
         lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate
-        ease = STEER_EASE * dt
+        ease = STEER_EASE * rate * rate * dt
         fishes.steering[i, 0] += np.float32(min(max(yaw - fishes.steering[i, 0], -ease), ease))
         fishes.steering[i, 1] += np.float32(min(max(lift - fishes.steering[i, 1], -ease), ease))
 
