@@ -61,7 +61,8 @@ def with_length(draft: SpeciesDraft, cm: float) -> SpeciesDraft:
     times = cm / body["stations"][-1]
     scaled: dict[KeyPath, Any] = {
         ("body", key): [round(times * x, CM_DIGITS) for x in body[key]]
-        for key in ("stations", "half_widths", "half_heights")
+        for key in ("stations", "half_widths", "half_heights", "spans")
+        if key in body
     }
     scaled["body", "tail_half_height"] = round(times * body["tail_half_height"], CM_DIGITS)
     scaled["body", "masses"] = [float(f"{times**3 * m:.3g}") for m in body["masses"]]
