@@ -150,19 +150,22 @@ def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
 
 
 def test_the_autopilot_approaches_the_largest_shoal():
-    world, tour = start_world("peaceful", seed=1), Tour()
-    largest = np.bincount(world.state.fishes.species).argmax()
+    """While no pair dances, which is more interesting."""
     seen = []
-    for tick in range(900):
-        step(world, tour.helm(world))
-        if tick > 300 and tour.subject.kind == SHOAL:
-            boat, fishes = world.state.submarine, world.state.fishes
-            middle = np.median(fishes.position[fishes.species == largest], axis=0)
-            offset = middle - boat.position
-            ahead = offset[:2] @ (math.cos(boat.angles[0]), math.sin(boat.angles[0]))
-            seen.append(ahead > 0.75 * np.hypot(*offset[:2]))
-            assert np.linalg.norm(offset) < 900.0
-    assert len(seen) > 300
+    for seed in (1, 2):
+        world, tour = start_world("peaceful", seed=seed), Tour()
+        largest = np.bincount(world.state.fishes.species).argmax()
+        before = len(seen)
+        for tick in range(900):
+            step(world, tour.helm(world))
+            if tick > 300 and tour.subject.kind == SHOAL:
+                boat, fishes = world.state.submarine, world.state.fishes
+                middle = np.median(fishes.position[fishes.species == largest], axis=0)
+                offset = middle - boat.position
+                ahead = offset[:2] @ (math.cos(boat.angles[0]), math.sin(boat.angles[0]))
+                seen.append(ahead > 0.75 * np.hypot(*offset[:2]))
+                assert np.linalg.norm(offset) < 900.0
+        assert len(seen) - before > 100
     assert np.mean(seen) > 0.8
 
 
