@@ -109,10 +109,8 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
 
 @kernel
 def _sway(fishes: Fishes, library: Library, i: int) -> float:
-    """Heading of fish i beyond its mean course, rad: the recorded beat of its head."""
+    """Heading of fish i beyond its mean course, rad: the beat of its head."""
     a, b = fishes.row_a[i], fishes.row_b[i]
-    if max(a, b) >= len(library.sway):  # simulated
-        return 0.0
     weight = float(fishes.weight[i])
     return (1.0 - weight) * library.sway[a] + weight * library.sway[b]
 

@@ -50,7 +50,8 @@ MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded le
 UPWARDS = (0.0, 0.0, 1.0)
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
-BEND_EASE = 1.0 / 8.0  # share of the full bend that may change in a tick, as in a sharp turn
+BEND_EASE = 1.0 / 16.0  # share of the full bend that may change in a tick
+MOST_BEND = 0.6  # share of the full bend: fins add the rest, as quick bends strain the body
 YAW_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
 MOST_COUPLE = 0.25  # rad/tu²: ... and its limit
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
@@ -62,6 +63,7 @@ TOO_FAST = 0.03  # share of excess speed above which the fins brake
 HARDEST_BRAKE = 2.0  # times the pectoral area: a stopping fish spreads its other fins too
 BRAKE_GAIN = 5.0  # braking share of the fin area per share of excess speed
 SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
+COURSE_TIME = 21.0  # likewise the heading, in recorded frames
 
 
 class BodyTables(NamedTuple):
@@ -174,6 +176,7 @@ def swim_live(
             continue
         kind = fishes.species[i]
         rate = float(fishes.rate[i])
+        _keep_speed(fishes, library, i)
         _ease_muscles(fishes, library, bodies, live, slot)
         steps = min(math.ceil(iterations * rate - 1e-6), len(muscles))
         step = time * rate / steps
@@ -198,7 +201,17 @@ def swim_live(
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
             _settle(fishes, live, slot, len(library.entry), dt, pace)
+            _follow_course(fishes, live, slot, len(library.entry), yaw * rate * dt)
     return sound
+
+
+@kernel
+def _keep_speed(fishes: Fishes, library: Library, i: int) -> None:
+    """Begin the wanted segment at the tempo that asks for the same speed."""
+    kind, now, wanted = fishes.species[i], fishes.segment[i], fishes.wanted_segment[i]
+    if now != wanted:
+        fishes.tempo[i] *= library.speed[kind, now] / library.speed[kind, wanted]
+        fishes.segment[i] = wanted
 
 
 @kernel
@@ -212,13 +225,17 @@ def _ease_muscles(
     i = live.fish[slot]
     kind = fishes.species[i]
     yaw = turning_rate(fishes, library, bodies, i)
-    share = min(max(yaw / bodies.turn_rate[kind, LEFT_GRADUAL], -1.0), 1.0)
+    share = yaw / bodies.turn_rate[kind, LEFT_GRADUAL]
+    share = min(max(share, -MOST_BEND), MOST_BEND)
     for k in range(2):
         ease = BEND_EASE * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
         live.bend[slot, k] += min(max(gap, -ease), ease)
     speed = _wanted_speed(fishes, library, i)
     speed += SPEED_GAIN * (speed - live.speed[slot])
+    # A bent body keeps its shape at the beat of a gradual turn, which is that of medium.
+    medium, fast = bodies.speed[kind, 2], bodies.speed[kind, 3]
+    speed = min(speed, fast + abs(share) * (medium - fast))
     amplitude = np.interp(speed, bodies.speed[kind], bodies.amplitude[kind])
     gap = amplitude - live.amplitude[slot]
     live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
@@ -367,7 +384,6 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
     fishes.previous_row_a[i], fishes.previous_row_b[i] = fishes.row_a[i], fishes.row_b[i]
     fishes.previous_weight[i], fishes.previous_span[i] = fishes.weight[i], fishes.span[i]
     fishes.row_a[i], fishes.row_b[i] = fishes.row_b[i], fishes.row_a[i]
-    fishes.segment[i] = fishes.wanted_segment[i]
     row = fishes.row_a[i] - rows
     store(fishes.previous_orientation[i], before)
     store(fishes.orientation[i], q)
@@ -379,6 +395,18 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
         store(live.nodes[row, node], rotate(inverse, vector(x[node])))
     ahead = shift[0] / (frames * TICK_S)
     live.speed[slot] += (ahead - live.speed[slot]) / SPEED_TIME
+
+
+@kernel
+def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float) -> None:
+    """Smooth the heading, which is to turn by `turn`, rad, in this tick: the head sways."""
+    i = live.fish[slot]
+    x = x_axis(fishes.orientation[i])
+    ahead = math.atan2(x[1], x[0]) - live.course[slot] - turn
+    ahead = math.atan2(math.sin(ahead), math.cos(ahead))
+    share = min(float(fishes.rate[i]) / COURSE_TIME, 1.0)
+    live.course[slot] += turn + share * ahead
+    live.sway[fishes.row_a[i] - rows] = (1.0 - share) * ahead
 
 
 @kernel

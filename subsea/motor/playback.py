@@ -17,10 +17,8 @@ from subsea.motor.balance import balanced
 from subsea.motor.segments import (
     FAST,
     LEFT_GRADUAL,
-    LEFT_SHARP,
     MEDIUM,
     RIGHT_GRADUAL,
-    RIGHT_SHARP,
     SLOW,
     STOP,
     blends,
@@ -34,6 +32,8 @@ TEMPO = (0.4, 3.0)  # range of a segment's rate, to meet a speed at the recorded
 HASTE = 1.3  # tempo at which a fish that was faster begins a segment
 HURRIED = 1.0  # goal speed above which a fish does not wait for a good row
 SUDDEN = 3.0  # frames of a glide to an escape from a row without a plan
+LEVEL_PHASE = 12  # part of a beat in which the bend changes by a level
+MOST_BEGUN = 2  # largest level of bend to which other segments glide
 AT_REST = 0.3  # share of the slow swim's pace below which a segment begins at rest
 
 
@@ -117,7 +117,8 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     """Make row b row a, and choose the next row b.
 
-    Between the straight swim and its gradual turns a row changes the bend by at most a level.
+    Between the straight swim and its gradual turns the bend changes level by level. Other segments
+    are entered and left with a body that is nearly straight, as in the swim.
     """
     kind = fishes.species[i]
     now, wanted = fishes.segment[i], fishes.wanted_segment[i]
@@ -126,22 +127,26 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     fishes.span[i] = 1.0
     cyclic, at_end = library.cyclic[kind, now], library.follow[a] == a
     blended = library.veer[kind, 0] >= 0
+    goal = MEDIUM if blended and blends(wanted) else wanted
     if blended and blends(now) and blends(wanted):
         leaves = False
     elif cyclic:
-        hurried = fishes.goal_speed[i] > HURRIED
-        leaves = wanted != now and (hurried or library.leave[a, wanted])
+        straight = abs(library.level[a]) <= MOST_BEGUN
+        leaves = wanted != now and straight and library.leave[a, goal]
+        leaves |= wanted != now and fishes.goal_speed[i] > HURRIED
     else:
-        leaves = library.leave[a, wanted] or at_end
+        leaves = library.leave[a, goal] or at_end
         leaves &= wanted != now or (at_end and now != STOP)
     sudden = is_cstart(wanted) and not is_cstart(now)
     if leaves or sudden:
-        fishes.row_b[i] = library.entry[a, wanted]
+        fishes.row_b[i] = library.entry[a, goal]
         planned = cyclic or at_end or library.has[kind, wanted]
-        fishes.span[i] = library.glide[a, wanted] if planned else SUDDEN
+        fishes.span[i] = library.glide[a, goal] if planned else SUDDEN
         fishes.segment[i] = wanted
         if blended and blends(wanted):
-            _bend(fishes, library, i, fishes.row_b[i], _asked(fishes, i, 0))
+            asked = _asked(fishes, i)
+            level = min(max(asked, -MOST_BEGUN), MOST_BEGUN)
+            _bend(fishes, library, i, fishes.row_b[i], level)
         fishes.glide_tempo[i] = fishes.tempo[i]
         fishes.glide_thrust[i] = fishes.thrust[i]
         share, bent = _bent(library, kind, a), _bent(library, kind, fishes.row_b[i])
@@ -152,9 +157,14 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
         quick = fishes.goal_speed[i] * library.speed[kind, FAST] / own
         _keep_speed(fishes, i, out / max(into, AT_REST * slow), into >= AT_REST * slow, quick)
     elif blended and blends(now):
-        level = library.level[a]
-        level += min(max(_asked(fishes, i, level) - level, -1), 1)
-        _bend(fishes, library, i, library.follow[library.straight[a]], level)
+        level, row = library.level[a], library.straight[a]
+        change = min(max(_asked(fishes, i) - level, -1), 1)
+        rows = max(library.length[kind, MEDIUM] // LEVEL_PHASE, 1) if change else 1
+        for _ in range(rows):
+            row = library.follow[row]
+        fishes.span[i] = rows
+        fishes.glide_tempo[i], fishes.glide_thrust[i] = fishes.tempo[i], fishes.thrust[i]
+        _bend(fishes, library, i, row, level + change)
     else:
         fishes.row_b[i] = library.follow[a]
         if at_end and before != a:
@@ -180,11 +190,11 @@ def _bent(library: Library, kind: int, row: int) -> float:
 
 
 @kernel
-def _asked(fishes: Fishes, i: int, level: int) -> int:
+def _asked(fishes: Fishes, i: int) -> int:
     """The level of bend that the controller asks for; the recorded turn if it names no bend."""
     wanted = fishes.wanted_segment[i]
     if wanted not in (LEFT_GRADUAL, RIGHT_GRADUAL):
-        return level if wanted in (LEFT_SHARP, RIGHT_SHARP) else 0
+        return 0
     asked = round(abs(float(fishes.bend[i])) * LEVELS)
     asked = min(int(asked), TIGHTEST) if fishes.bend[i] != 0.0 else LEVELS
     return asked if wanted == LEFT_GRADUAL else -asked

@@ -10,15 +10,30 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.biomechanics.solver import STRAIN_LIMITS, TIME_UNIT_S
+from subsea.biomechanics.solver import TIME_UNIT_S
 from subsea.core.arrays import Array, Ints
 from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
-from subsea.motor.dynamics import TICK_TU, BodyTables, Integration, make_bodies, swim_live, under
+from subsea.motor.dynamics import (
+    TICK_TU,
+    BodyTables,
+    Integration,
+    frame_of,
+    make_bodies,
+    swim_live,
+    under,
+)
 from subsea.motor.playback import HURRIED, TEMPO
-from subsea.motor.segments import FAST, LEFT_GRADUAL, MEDIUM, RIGHT_GRADUAL, RIGHT_SHARP
+from subsea.motor.segments import (
+    FAST,
+    LEFT_GRADUAL,
+    MEDIUM,
+    RIGHT_GRADUAL,
+    RIGHT_SHARP,
+    blends,
+)
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
@@ -40,7 +55,8 @@ GENTLE = 1.2  # largest change of a node's velocity over the usual one, to leave
 MAX_WAIT_TICKS = 45  # ... before about three beats have passed
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
-EXPERIMENT_LIMITS = (0.2, 3.0)  # strain limits under unusual physics
+LIVE_LIMITS = (0.5, 1.7)  # strain limits; recorded bodies keep to narrower ones
+EXPERIMENT_LIMITS = (0.2, 3.0)  # under unusual physics
 HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
 FASTEST = 2.0  # tempo above which a fish is played back
 
@@ -115,7 +131,7 @@ def swim(
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
-    limits = STRAIN_LIMITS if physics == USUAL else EXPERIMENT_LIMITS
+    limits = LIVE_LIMITS if physics == USUAL else EXPERIMENT_LIMITS
     integration = Integration(clock.dt, float(physics.time_step), int(physics.iterations), limits)
     sound = swim_live(fishes, library, bodies, live, integration)
     burst = live.fish[~sound].copy()
@@ -239,7 +255,9 @@ def to_live(
     level = int(library.level[a])
     begin = math.pi if segment == RIGHT_GRADUAL and not level else 0.0  # a mirror image
     row = _row_of_beat(fishes, library, i) + 1
-    speed, speeds = library.speed[kind, segment], bodies.speed[kind]
+    blended = library.veer[kind, 0] >= 0 and blends(segment)
+    speed = library.speed[kind, MEDIUM if blended else segment]
+    speeds = bodies.speed[kind]
     pace = float(np.interp(speed, speeds, bodies.pace[kind]))
     beats = (row + w) * pace / bodies.beat[kind]
     live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
@@ -249,10 +267,16 @@ def to_live(
     share *= abs(level) / LEVELS if level else 1.0
     live.bend[slot] = bodies.bend[kind] * min(max(share, -1.0), 1.0)
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
+    sway = (1.0 - w) * library.sway[a] + w * library.sway[b]
+    live.course[slot] = math.atan2(R[1, 0], R[0, 0]) - sway
     # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot
-    live.nodes[own], live.nodes[own + 1] = nodes, nodes
+    # Bent rows face along their way; simulated fishes have frame B.
+    orientation, _ = frame_of(x)
+    fishes.orientation[i] = orientation
+    live.nodes[own] = live.nodes[own + 1] = x @ matrix(np.array(orientation))
     live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
+    live.sway[own] = sway
     fishes.row_a[i] = len(library.entry) + own
     fishes.row_b[i] = len(library.entry) + own + 1
     fishes.weight[i], fishes.span[i] = 0.0, 1.0

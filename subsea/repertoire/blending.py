@@ -1,11 +1,15 @@
-"""Blend gradual turns with the straight swim, and measure what playback needs of each row."""
+"""Blend gradual turns with the straight swim, and measure what playback needs of each row.
+
+Frame B is fixed to the head, and the head of a bent body points inwards, by up to 50° from its
+way. So that a fish keeps its way as it bends, blended rows have a frame that faces along it.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
-from subsea.geometry.rotation import about, mixed, multiply, rotate
+from subsea.geometry.rotation import Quaternion, about, conjugate, matrix, mixed, multiply, rotate
 from subsea.repertoire.schema import Segment
 
 LEVELS = 12  # parts from the straight swim (0) to the recorded gradual turn
@@ -24,6 +28,7 @@ class Blend(NamedTuple):
     translation: Array  # (n, 3) cm
     nodes: Array  # (n, 23, 3) cm
     phase: tuple[Ints, Ints]  # (T,) the swim's row of equal phase, for each row of a turn
+    facing: tuple[Array, Array]  # (3, 3) rotations of the full turns to the frame of their way
 
 
 def blend_turns(segments: dict[str, Segment]) -> Blend | None:
@@ -33,19 +38,23 @@ def blend_turns(segments: dict[str, Segment]) -> Blend | None:
     rows = len(swim.nodes)
     if any(len(turn.nodes) != rows for turn in turns):
         return None
-    rotation, translation, nodes, phase = [], [], [], []
+    rotation, translation, nodes, phase, facing = [], [], [], [], []
     for turn in turns:
         # The turn to the right is a mirror image: half a beat apart.
         gaps = [np.square(np.roll(turn.nodes, k, axis=0) - swim.nodes).sum() for k in range(rows)]
         lag = int(np.argmin(gaps))
         phase.append((np.arange(rows) + lag) % rows)
+        q = _facing(turn)
+        R = matrix(np.array(q))
+        facing.append(R)
+        turns_on = [multiply(multiply(q, tuple(M)), conjugate(q)) for M in turn.increment_rotation]
         other = [
             np.roll(table, lag, axis=0)
-            for table in (turn.increment_rotation, turn.increment_translation, turn.nodes)
+            for table in (turns_on, turn.increment_translation @ R.T, turn.nodes @ R.T)
         ]
         for level in range(1, TIGHTEST + 1):
             share = level / LEVELS
-            pairs = zip(swim.increment_rotation, other[0], strict=True)
+            pairs = zip(swim.increment_rotation, map(tuple, other[0]), strict=True)
             rotation.append([mixed(a, b, share) for a, b in pairs])
             translation.append((1.0 - share) * swim.increment_translation + share * other[1])
             nodes.append((1.0 - share) * swim.nodes + share * other[2])
@@ -54,7 +63,14 @@ def blend_turns(segments: dict[str, Segment]) -> Blend | None:
         np.concatenate(translation),
         np.concatenate(nodes),
         (phase[0], phase[1]),
+        (facing[0], facing[1]),
     )
+
+
+def _facing(turn: Segment) -> Quaternion:
+    """The rotation about the dorsal axis that brings the mean way of a cycle to the x axis."""
+    ahead, _, across = turn.increment_translation.sum(axis=0)
+    return about(0.0, 1.0, 0.0, float(np.arctan2(across, ahead)))
 
 
 class TurningWay(NamedTuple):

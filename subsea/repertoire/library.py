@@ -54,6 +54,10 @@ class Library(NamedTuple):
     bounding_radius: Array  # (S,) float32, body lengths
 
 
+LIVE_TABLES = ("rotation", "translation", "nodes", "sway")
+"""Tables whose last rows are those of the simulated fishes."""
+
+
 class _Species(NamedTuple):
     """The segments of one species, and the rows of the library where they lie."""
 
@@ -122,7 +126,7 @@ def pack(
         straight=rows.straight.astype(np.int32),
         level=rows.level.astype(np.int32),
         veer=np.array(veer, np.int32),
-        sway=rows.sway.astype(np.float32),
+        sway=_table(rows.sway, live),
         bank=rows.bank.astype(np.float32),
         coupling=Coupling(*(np.stack(part) for part in zip(*couplings, strict=True))),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
@@ -189,25 +193,27 @@ def _recorded(one: _Species, coupling: Coupling) -> _Rows:
 def _blended(one: _Species, recorded: _Rows, veer: tuple[int, int]) -> _Rows:
     """The rows between the straight swim of a species and its gradual turns, from `veer` on.
 
-    They are left as the nearer of both.
+    They are left as the swim at equal phase.
     """
     assert one.blend
     first, medium = int(one.starts[0]), SEGMENTS.index("swim_medium")
     beat = len(one.blend.phase[0])
     swim = one.starts[one.played[medium]] + np.arange(beat)
-    near, level, share = [], [], []
+    level, share = [], []
     for side, name in enumerate(("turn_left_gradual", "turn_right_gradual")):
         turn = np.empty(beat, np.int64)
         begin = one.starts[one.played[SEGMENTS.index(name)]]
         turn[one.blend.phase[side]] = begin + np.arange(beat)
+        facing = recorded.points @ one.blend.facing[side].T
+        tables = [(recorded.points, facing)]
+        tables += [(table, table) for table in (recorded.sway, recorded.bank)]
         for k in range(1, TIGHTEST + 1):
-            near.append((swim if 2 * k < LEVELS else turn) - first)
             level.append(np.full(beat, k if side == 0 else -k))
             share.append(
-                [(1.0 - k / LEVELS) * table[swim - first] + k / LEVELS * table[turn - first]
-                 for table in (recorded.points, recorded.sway, recorded.bank)]
+                [(1.0 - k / LEVELS) * straight[swim - first] + k / LEVELS * bent[turn - first]
+                 for straight, bent in tables]
             )  # fmt: skip
-    rows, phase = np.concatenate(near), np.tile(np.arange(beat), 2 * TIGHTEST)
+    rows, phase = (np.tile(one, 2 * TIGHTEST) for one in (swim - first, np.arange(beat)))
     here = veer[0] + np.arange(len(rows))
     points, sway, bank = (np.concatenate(parts) for parts in zip(*share, strict=True))
     return _Rows(

@@ -136,9 +136,11 @@ class Live(NamedTuple):
     amplitude: Annotated[F64, motor("k"), "of the beat, 1 is grade fast"]
     bend: Annotated[F64, motor("k", 2), "contractions of the two turning segments, left positive"]
     speed: Annotated[F64, motor("k", unit="cm/s"), "smoothed, along x, of the recorded fish"]
+    course: Annotated[F64, motor("k", unit="rad"), "mean heading, without the beat of the head"]
     rotation: Annotated[F32, motor("2 k", 4), "rows of the library: rotation of B per frame"]
     translation: Annotated[F32, motor("2 k", 3, unit="cm"), "the same: way of B per frame"]
     nodes: Annotated[F32, motor("2 k", 23, 3, unit="cm"), "rows of the library: pose in body axes"]
+    sway: Annotated[F32, motor("2 k", unit="rad"), "rows of the library: heading of B beyond it"]
 
 
 class MindsKind(Kind):

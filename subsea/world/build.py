@@ -9,7 +9,7 @@ from subsea.core.errors import UserError
 from subsea.core.toml_files import locate_errors
 from subsea.directing.script import make_script
 from subsea.motor.switching import make_dynamics
-from subsea.repertoire.library import pack
+from subsea.repertoire.library import LIVE_TABLES, pack
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
 from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
 from subsea.world.checks import make_surroundings
@@ -60,7 +60,7 @@ def create_world(
     submarine.previous_angles[:] = submarine.angles
     fishes, minds = populate(scenario, species, library, sea, rng, fish)
     settle(species, fishes, minds, reef)
-    tables = {name: getattr(library, name) for name in ("rotation", "translation", "nodes")}
+    tables = {name: getattr(library, name) for name in LIVE_TABLES}
     directed = bool(scenario.direction)
     state = State(
         tick=0,

@@ -13,7 +13,7 @@ from subsea.motor.playback import play
 from subsea.motor.pose import nodes_world
 from subsea.motor.switching import make_dynamics, swim, to_live
 from subsea.repertoire import read_repertoire
-from subsea.repertoire.library import Library, pack
+from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.repertoire.schema import SEGMENTS
 from subsea.state import Clock, Fishes, Live, empty
 
@@ -75,8 +75,7 @@ class Tank:
         self.dynamics = dynamics_of(species)
         self.library = pack([repertoire], [coupling], live=1)
         rows = len(self.library.entry)
-        names = ("rotation", "translation", "nodes")
-        tables = {name: getattr(self.library, name)[rows:] for name in names}
+        tables = {name: getattr(self.library, name)[rows:] for name in LIVE_TABLES}
         self.live = empty(Live, k=len(tables["nodes"]) // 2, given=tables)
         self.fishes = empty(Fishes, n=1)
         self.fishes.scale[:] = scale

@@ -73,7 +73,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     tank = _live(make_tank, species)
     plan = load_species(species)
     live = tank.live
-    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1))
+    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1), inertia=np.zeros((1, 23)))
     state = BodyState(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     begin = live.phase[0]
     assert live.fish[0] == 0
