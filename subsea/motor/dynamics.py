@@ -2,7 +2,7 @@
 
 The body swims at the size and pace of the recorded fish, in the frame of the water. Muscles and
 fins follow the segment, tempo, thrust and steering that the controller asks of playback. As in
-recorded sharp turns, a couple about the vertical stands for the fins that hold the heading.
+recorded sharp turns, a couple stands for the fins that hold heading and pitch.
 """
 
 import math
@@ -22,7 +22,7 @@ from subsea.biomechanics.body import (
 )
 from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.elongated import inertial_mass, sections_of
-from subsea.biomechanics.fins import PITCH_GAIN, ROLL_GAIN, STEEPEST, couple_force
+from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools
 from subsea.core.kernels import kernel
@@ -39,7 +39,7 @@ from subsea.geometry.rotation import (
     x_axis,
 )
 from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
-from subsea.motor.controller import STEER_GAIN, own_speed
+from subsea.motor.controller import own_speed
 from subsea.motor.segments import LEFT_GRADUAL, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -52,7 +52,7 @@ LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means dive
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
 BEND_EASE = 1.0 / 16.0  # share of the full bend that may change in a tick
 MOST_BEND = 0.6  # share of the full bend: fins add the rest, as quick bends strain the body
-YAW_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
+TURN_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
 MOST_COUPLE = 0.25  # rad/tu²: ... and its limit
 AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
@@ -188,7 +188,10 @@ def swim_live(
         x, v = live.x[slot].copy(), live.v[slot].copy()
         yaw = turning_rate(fishes, library, bodies, i)
         force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
-        force += _yaw_force(bodies, kind, x, v, yaw * TICK_S / TICK_TU)
+        across = rotate(normalised(quaternion(fishes.orientation[i])), (0.0, 0.0, 1.0))
+        lift = float(fishes.steering[i, 1]) / rate
+        force += _turning_force(bodies, kind, x, v, UPWARDS, yaw * TICK_S / TICK_TU)
+        force += _turning_force(bodies, kind, x, v, across, lift * TICK_S / TICK_TU)
         watch = np.array([np.inf, 0.0, np.inf])
         material = Material(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
@@ -256,14 +259,15 @@ def turning_rate(fishes: Fishes, library: Library, bodies: BodyTables, i: int) -
 
 
 @kernel
-def _yaw_force(bodies: BodyTables, kind: int, at: Array, v: Array, rate: float) -> Array:
-    """Force (23, 3) on the nodes that turns a body about the vertical at `rate`, rad/tu."""
+def _turning_force(
+    bodies: BodyTables, kind: int, at: Array, v: Array, axis: Vector, rate: float
+) -> Array:
+    """Force (23, 3) on the nodes that turns a body about `axis` at `rate`, rad/tu."""
     inertia = bodies.inertia[kind]
     if inertia[0] == 0.0:
         return np.zeros((NODES, 3))
-    error = rate - roll_rate(at, v, inertia, UPWARDS)
-    couple = min(max(YAW_GAIN * error, -MOST_COUPLE), MOST_COUPLE)
-    return couple_force(at, inertia, UPWARDS, couple)
+    couple = TURN_GAIN * (rate - roll_rate(at, v, inertia, axis))
+    return couple_force(at, inertia, axis, min(max(couple, -MOST_COUPLE), MOST_COUPLE))
 
 
 @kernel
@@ -305,16 +309,14 @@ def fin_force(
 ) -> Array:
     """Force (23, 3) of the pectoral fins on nodes at `at` (cm) that move at v (cm/tu): Tu §4.6.2.
 
-    As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll, but pitch toward
-    the climb that is asked for; `brake` times their area also stands against the way. A slow fish
-    rows with them, so that water passes them all the same.
+    As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll; `brake` times their
+    area also stands against the way. A slow fish rows with them, so that water passes them all the
+    same.
     """
     kind = fishes.species[i]
     area = bodies.fin_area[kind]
     q = normalised(quaternion(fishes.orientation[i]))
     x, y = x_axis(q), rotate(q, (0.0, 1.0, 0.0))
-    # The controller's rate of pitch is in proportion to the angle between nose and goal.
-    lift = PITCH_GAIN / STEER_GAIN * fishes.steering[i, 1] / fishes.rate[i]
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
     ahead = dot(u, x)
     row = max(SCULL_SPEED - ahead, 0.0)
@@ -327,7 +329,7 @@ def fin_force(
     roll *= min((SCULL_SPEED / speed) ** 2, 1.0)
     force = np.zeros((NODES, 3))
     for node in range(1, 13):
-        tilt = lift + MUSCLE_LEFT[node - 1] * roll
+        tilt = MUSCLE_LEFT[node - 1] * roll
         tilt = min(max(tilt, -STEEPEST), STEEPEST)
         c, s = -math.sin(tilt), math.cos(tilt)  # of π/2, edge-on, and the tilt
         push = -area / 6.0 * speed * dot(w, plus(times(c, x), times(s, y)))
