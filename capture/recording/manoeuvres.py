@@ -3,8 +3,9 @@
 The muscles bend the body to the inner side and straighten it again. Bending and straightening
 alone are nearly reciprocal: both waters turn most of the heading back. A fish holds it with fins
 that the hull lacks, spread and swept by its own muscles. They are a couple about the vertical, and
-its size is found such that the fish turns by the angle that is wanted. Only turns to the left are
-simulated: those to the right are their mirror images.
+its size is found such that the fish turns by the angle that is wanted. As the body straightens,
+the couple also resists further turning. Only turns to the left are simulated: those to the right
+are their mirror images.
 """
 
 from itertools import product
@@ -12,8 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from capture.recording.trial import Trial, displacement, grade_contraction, steady_beat
+from capture.recording.trial import (
+    Trial,
+    displacement,
+    grade_contraction,
+    loop_error,
+    steady_beat,
+)
 from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, build_body
+from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan
 from subsea.biomechanics.controllers import (
     LEFT,
@@ -26,7 +34,6 @@ from subsea.biomechanics.elongated import inertial_mass
 from subsea.biomechanics.fins import brake, couple_force, pectoral_force
 from subsea.biomechanics.gait import headings
 from subsea.biomechanics.simulation import (
-    NO_FORCE,
     STILL,
     BodyState,
     at_rest,
@@ -34,24 +41,31 @@ from subsea.biomechanics.simulation import (
     is_sound,
     simulate,
 )
-from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.core.errors import UserError
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""
 UPWARDS = (0.0, 1.0, 0.0)
+TICK_TU = STEP * STEPS_PER_TICK
 TOLERANCE_DEG = 0.5
 MOST_JERK_BL = 0.1  # largest change of the velocity of a node, body lengths per tick²
+MOST_STEP_BL = 0.16  # largest displacement of a node in a tick, body lengths
 MOST_SPIN_DEG = 20.0  # of the head in a tick
 CLOSE_DEG = 5.0  # a turn that is nearer to its angle is not tried with less bend
+LOOP_DEG = 100.0  # error that counts as much as ending a body length off the swim it began in
 SLOWER = (1.0, 1.5)  # factors of the times of a turn, if it cannot be as fast
 SHARES = (1.0, 0.85, 0.7, 0.55, 0.4)  # of the bend and the beat
 COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a body without drag
+YAW_DAMPING = 0.2  # 1/tu: the couple that resists turning, over the turning rate
+SETTLE_TICKS = 20  # over which it ceases
 FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
 COAST_TICKS = 12  # of a glide before a turn
-MOST_QUICK_BEATS = 4  # of a start
+MOST_QUICK_BEATS = 8  # of a start
 STARTED = 0.9  # share of the speed of medium at which a start ends
-STOP_TICKS = 45
+STOP_TICKS = 60
+SWAY_DAMPING = 1.0  # 1/tu: how median fins, spread to stop, resist the sway of the body
+STRAIGHT_BL = 0.015  # a node nearer to its place at rest is in place, body lengths
 BACKING = 0.8  # speed at which the fins sweep forwards to stop, over that of medium
 STOPPED = 0.1  # share of the speed of medium at which a fish counts as stopped
 
@@ -119,35 +133,38 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
     nearest to the angle.
     """
     # From swimming, the first and the last frame are at the same phase of the beat.
-    beat = 1 if turn.entry == "swim" else fish.swim.at(turn.grade).ticks_per_beat
-    best, error = None, np.inf
+    swims = turn.entry == "swim"
+    beat = 1 if swims else fish.swim.at(turn.grade).ticks_per_beat
+    best, least = None, np.inf
     length = float(np.ptp(fish.body.rest[:, 0]))
 
     def attempt(couple: float) -> float:
         """The angle that is missing, degrees; NaN where the body loses its shape."""
-        nonlocal best, error
-        trial = _with_couple(fish, start, contraction, couple * push)
+        nonlocal best, least
+        trial = _with_couple(fish, start, controls._replace(couple=couple * controls.couple))
         if not (is_sound(trial.state) and _is_smooth(trial.frames, length)):
             return np.nan
         missing = turn.angle - mean_heading(trial.frames, beat)
-        if abs(missing) < error:
-            best, error = trial._replace(couple=couple), abs(missing)
+        error = abs(missing) + (LOOP_DEG * loop_error(trial.frames) / length if swims else 0.0)
+        if error < least:
+            best, least = trial._replace(couple=couple), error
         return missing
 
     for slow, counter, share in product(SLOWER, dict.fromkeys((turn.counter, 0.0)), SHARES):
         milder = turn._replace(hold=slow * turn.hold, release=slow * turn.release, counter=counter)
-        contraction, push = _turn_controls(fish.body, fish.swim, milder, share)
+        controls = _turn_controls(fish.body, fish.swim, milder, share)
         below = 0.0
         for couple in COUPLES:
             missing = attempt(couple)
             if missing < 0.0:
                 low, high = below, couple
-                while error > TOLERANCE_DEG and high - low > 1e-4:
+                while not abs(missing) <= TOLERANCE_DEG and high - low > 1e-4:
                     middle = 0.5 * (low + high)
-                    low, high = (middle, high) if attempt(middle) > 0.0 else (low, middle)
+                    missing = attempt(middle)
+                    low, high = (middle, high) if missing > 0.0 else (low, middle)
                 break
             below = couple
-        if error < CLOSE_DEG:
+        if least < CLOSE_DEG:
             break
     if best is None:
         raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
@@ -155,10 +172,11 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
 
 
 def _is_smooth(frames: Floats, length: float) -> bool:
-    """True if neither a node nor the snout is jerked."""
-    change = np.linalg.norm(np.diff(frames, 2, axis=0), axis=2).max()
+    """True if no node leaps, and neither a node nor the snout is jerked."""
+    way, change = (np.linalg.norm(np.diff(frames, n, axis=0), axis=2).max() for n in (1, 2))
     spin = np.abs(np.diff(headings(frames))).max()
-    return bool(change <= MOST_JERK_BL * length and spin <= MOST_SPIN_DEG)
+    smooth = way <= MOST_STEP_BL * length and change <= MOST_JERK_BL * length
+    return bool(smooth and spin <= MOST_SPIN_DEG)
 
 
 def mean_heading(frames: Floats, beat: int) -> float:
@@ -167,10 +185,16 @@ def mean_heading(frames: Floats, beat: int) -> float:
     return float(heading[-beat:].mean() - heading[0])
 
 
-def _turn_controls(
-    body: Body, swim: SwimPlan, turn: BendingTurn, share: float
-) -> tuple[Floats, Floats]:
-    """Contractions (6 T, 12) and the couple (T,) relative to its size."""
+class Controls(NamedTuple):
+    """Muscles and fins in a turn of T ticks."""
+
+    contraction: Floats  # (6 T, 12)
+    couple: Floats  # (T,) rad/tu², about the vertical through the centre of mass
+    damping: Floats  # (T,) 1/tu, of the couple that resists turning
+
+
+def _turn_controls(body: Body, swim: SwimPlan, turn: BendingTurn, share: float) -> Controls:
+    """Controls with a couple of at most 1."""
     swim = swim.at(turn.grade)
     amplitude = share * swim.amplitude(turn.grade)
     turning = turn.bend + turn.hold + turn.release
@@ -190,7 +214,10 @@ def _turn_controls(
     phase = 2.0 * np.pi * (at - ticks) / swim.ticks_per_beat  # ends at phase 0
     contraction += swim_contraction(swim, phase, fade)
     middle = (np.arange(ticks) + 0.5) / turning
-    return contraction, np.where(middle < 1.0, np.sin(np.pi * middle) ** 2, 0.0)
+    couple = np.where(middle < 1.0, np.sin(np.pi * middle) ** 2, 0.0)
+    begun, left = np.arange(ticks) - released, ticks - np.arange(ticks)
+    damping = YAW_DAMPING * ease(begun / turn.release) * ease(left / SETTLE_TICKS)
+    return Controls(contraction, couple, damping)
 
 
 def _bend(size: float, side: float, share: Floats) -> Floats:
@@ -200,18 +227,20 @@ def _bend(size: float, side: float, share: Floats) -> Floats:
     return front
 
 
-def _with_couple(fish: Turner, start: BodyState, contraction: Floats, couple: Floats) -> Trial:
-    """Simulate with a couple (T,), rad/tu², about the vertical through the centre of mass."""
+def _with_couple(fish: Turner, start: BodyState, controls: Controls) -> Trial:
+    """Simulate a turn; where the body loses its shape, the last frame is repeated."""
     state, inertia = copy_state(start), fish.inertia
     frames = [state.x.copy()]
-    for tick, turning in zip(_ticks(contraction), couple, strict=True):
-        force = NO_FORCE
-        if turning:
-            force = couple_force(state.x, inertia, UPWARDS, float(turning))
+    rate = 0.0  # rad/tu
+    for tick, push, damping in zip(
+        _ticks(controls.contraction), controls.couple, controls.damping, strict=True
+    ):
+        force = couple_force(state.x, inertia, UPWARDS, float(push - damping * rate))
         frames.extend(simulate(fish.body, state, tick, force=force))
-        if not np.isfinite(state.x).all():
-            frames += [state.x.copy()] * (len(couple) + 1 - len(frames))
+        if not is_sound(state):
+            frames += [state.x.copy()] * (len(controls.couple) + 1 - len(frames))
             break
+        rate = float(np.radians(np.diff(headings(np.array(frames[-2:])))[0])) / TICK_TU
     return Trial(np.array(frames), state)
 
 
@@ -263,13 +292,22 @@ def _stop(body: Body, swim: SwimPlan) -> Trial:
     speed = float(np.linalg.norm(body.mass @ state.v) / body.mass.sum())
     frames = [state.x.copy()]
     frames.extend(simulate(body, state, _fading(grade_contraction(swim, "medium"), COAST_TICKS)))
-    area = FIN_AREA * float(np.ptp(body.rest[:, 0])) ** 2
+    length, mass = float(np.ptp(body.rest[:, 0])), body.mass[:, None]
     relaxed = np.zeros((STEPS_PER_TICK, MUSCLES))
+    moving = True
     for _ in range(STOP_TICKS):
-        force = pectoral_force(state, area, *brake(), STILL, BACKING * speed)
+        force = SWAY_DAMPING * mass * (body.mass @ state.v / body.mass.sum() - state.v)
+        if moving:
+            force += pectoral_force(state, FIN_AREA * length**2, *brake(), STILL, BACKING * speed)
         frames.extend(simulate(body, state, relaxed, force=force))
-        if np.linalg.norm(body.mass @ state.v) < STOPPED * speed * body.mass.sum():
+        moving &= bool(np.linalg.norm(body.mass @ state.v) >= STOPPED * speed * body.mass.sum())
+        if not moving and _bent(body, frames[-1]) < STRAIGHT_BL * length:
             break
     if not is_sound(state):
         raise UserError("the body lost its shape in a stop")
     return Trial(np.array(frames), state, trial.warm_up_beats)
+
+
+def _bent(body: Body, x: Floats) -> float:
+    """The largest distance of a node of x (23, 3) from its place in the body at rest, cm."""
+    return float(np.linalg.norm(to_body(x, *body_frame(x)) - body.rest, axis=1).max())

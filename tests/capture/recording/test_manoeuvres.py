@@ -14,7 +14,7 @@ from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
 LATENCY_TICKS = 2  # in which the head has begun to turn
-BENT_TICKS = 18  # in which it has turned most: 0.2 s at three times the recorded tempo
+BENT_TICKS = 27  # in which it has turned most: 0.15 s at pace 2 and three times that tempo
 
 
 def played(repertoire: Repertoire, name: str):
