@@ -5,6 +5,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from capture.recording.manoeuvres import MOST_JERK_BL
 from subsea.fish.species import species_names
 from subsea.motor.playback import advance
 from subsea.motor.pose import nodes_world
@@ -12,21 +13,20 @@ from subsea.repertoire import SEGMENTS
 from subsea.state import Fishes, empty
 
 LIMIT = 2.0  # times the largest change of velocity inside the two segments, or ...
-# ... body lengths per tick², for the smooth beat of an eel; the limit of muscular fishes is larger.
-SMALL_BL = 0.025
+SMOOTH_BL = 0.05  # ... body lengths per tick² between swims and gradual turns, and ...
+# ... what the recorder allows inside a manoeuvre, from or to one.
 
 
 @pytest.fixture(scope="module", params=species_names())
 def shipped(request, shipped_library):
-    """The library of one species, and the largest change inside each segment."""
+    """The library of one species, the largest change inside each segment, and the length in cm."""
     repertoire, _, library = shipped_library(request.param)
     usual = []
     for code in range(len(SEGMENTS)):
         length = library.length[0, code]
         path, _ = _play(library, code, 1, 2 * length if library.cyclic[0, code] else length - 2)
         usual.append(_changes(path).max())
-    floor = SMALL_BL * repertoire.body_length_cm / LIMIT
-    return library, np.maximum(usual, floor)
+    return library, np.array(usual), repertoire.body_length_cm
 
 
 def _play(library, code, phase, ticks, wanted=None, after=np.inf):
@@ -58,7 +58,7 @@ def _changes(path):
 
 
 def test_no_node_is_jerked(shipped):
-    library, usual = shipped
+    library, usual, body_length = shipped
     for before, after in permutations(np.flatnonzero(library.has[0]), 2):
         length = library.length[0, before]
         phases = range(0, length, 2) if library.cyclic[0, before] else [length - 6]
@@ -66,15 +66,17 @@ def test_no_node_is_jerked(shipped):
             path, segments = _play(library, before, phase, max(45, length + 20), after, 16)
             switched = segments.index(after)
             window = slice(max(switched - 3, 0), switched + 14)
-            limit = LIMIT * max(usual[before], usual[after])
+            swims = library.cyclic[0, before] and library.cyclic[0, after]
+            least = (SMOOTH_BL if swims else MOST_JERK_BL) * body_length
+            limit = max(LIMIT * usual[before], LIMIT * usual[after], least)
             where = f"{SEGMENTS[before]} to {SEGMENTS[after]}, phase {phase}"
             assert _changes(path)[window].max() <= limit, where
 
 
 def test_a_turn_of_more_than_its_angle_is_two_turns(shipped):
     """A sharp turn that is still wanted at its end continues without a jerk."""
-    library, usual = shipped
+    library, usual, body_length = shipped
     code = SEGMENTS.index("turn_left_sharp")
     length = library.length[0, code]
     path, _ = _play(library, code, length - 6, 30, code)
-    assert _changes(path).max() <= LIMIT * usual[code]
+    assert _changes(path).max() <= max(LIMIT * usual[code], MOST_JERK_BL * body_length)
