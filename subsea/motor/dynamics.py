@@ -187,17 +187,21 @@ def swim_live(
             live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
         yaw = turning_rate(fishes, library, bodies, i)
-        force = fin_force(fishes, bodies, i, x, v, _brake(fishes, library, live, slot))
-        across = rotate(normalised(quaternion(fishes.orientation[i])), (0.0, 0.0, 1.0))
         lift = float(fishes.steering[i, 1]) / rate
-        force += _turning_force(bodies, kind, x, v, UPWARDS, yaw * TICK_S / TICK_TU)
-        force += _turning_force(bodies, kind, x, v, across, lift * TICK_S / TICK_TU)
+        brake = _brake(fishes, library, live, slot)
         watch = np.array([np.inf, 0.0, np.inf])
         material = Material(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
             bodies.viscosity[kind], bodies.drag[kind], sections_of(bodies.sections[kind]),
         )  # fmt: skip
-        advance(x, v, material, muscles[:steps], np.zeros(3), force, step, watch)
+        # The fins follow the body at every recorded frame: more rarely they would overshoot.
+        for begin in range(0, steps, iterations):
+            force = fin_force(bodies, kind, x, v, brake)
+            across = rotate(frame_of(x)[0], (0.0, 0.0, 1.0))
+            force += _turning_force(bodies, kind, x, v, UPWARDS, yaw * TICK_S / TICK_TU)
+            force += _turning_force(bodies, kind, x, v, across, lift * TICK_S / TICK_TU)
+            part = muscles[begin : min(begin + iterations, steps)]
+            advance(x, v, material, part, np.zeros(3), force, step, watch)
         sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
         leap = LEAP_BL * rate * library.recorded_length[kind]
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
@@ -304,18 +308,15 @@ def contract(
 
 
 @kernel
-def fin_force(
-    fishes: Fishes, bodies: BodyTables, i: int, at: Array, v: Array, brake: float
-) -> Array:
+def fin_force(bodies: BodyTables, kind: int, at: Array, v: Array, brake: float) -> Array:
     """Force (23, 3) of the pectoral fins on nodes at `at` (cm) that move at v (cm/tu): Tu §4.6.2.
 
     As `biomechanics.fins.balance` and `pectoral_force` do, they right a roll; `brake` times their
     area also stands against the way. A slow fish rows with them, so that water passes them all the
     same.
     """
-    kind = fishes.species[i]
     area = bodies.fin_area[kind]
-    q = normalised(quaternion(fishes.orientation[i]))
+    q, _ = frame_of(at)
     x, y = x_axis(q), rotate(q, (0.0, 1.0, 0.0))
     u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
     ahead = dot(u, x)

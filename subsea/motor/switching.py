@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.biomechanics.solver import TIME_UNIT_S
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
@@ -55,7 +55,7 @@ GENTLE = 1.2  # largest change of a node's velocity over the usual one, to leave
 MAX_WAIT_TICKS = 45  # ... before about three beats have passed
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
-LIVE_LIMITS = (0.5, 1.7)  # strain limits; recorded bodies keep to narrower ones
+LIVE_LIMITS = (0.4, 2.0)  # strain limits; recorded bodies keep to narrower ones
 EXPERIMENT_LIMITS = (0.2, 3.0)  # under unusual physics
 HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
 FASTEST = 2.0  # tempo above which a fish is played back
@@ -125,9 +125,10 @@ def swim(
     _free(fishes, live, len(library.entry))
     if clock.tick % REVIEW_TICKS == 0:
         _review(fishes, library, dynamics, live, viewer, physics.fish)
-    for hasty in _unsteady(fishes, library, live):
-        way = way_back(fishes, library, dynamics, live, hasty)
-        to_playback(fishes, library, live, hasty, way)
+    simulated = (live.fish >= 0) & fishes.live[live.fish]
+    for hasty in np.flatnonzero(simulated & ~steady(fishes, library)[live.fish]):
+        way = way_back(fishes, library, dynamics, live, int(hasty))
+        to_playback(fishes, library, live, int(hasty), way)
     for slot in np.flatnonzero(live.waiting):
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
@@ -176,7 +177,7 @@ def _review(
     distance[fishes.live] /= KEEP
     if 0 <= first < len(distance):
         distance[first] = 0.0
-    distance[[not _steady(fishes, library, i) for i in range(len(distance))]] = np.inf
+    distance[~steady(fishes, library)] = np.inf
     distance[~dynamics.muscular[fishes.species] | ~fishes.alive] = np.inf
     nearest = np.argsort(distance, kind="stable")[: len(live.fish)]
     chosen = np.zeros(len(distance), np.bool_)
@@ -197,7 +198,7 @@ def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
     row = _row_of_beat(fishes, library, i)
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
-    return bool(cyclic and inside and fishes.span[i] == 1.0 and _steady(fishes, library, i))
+    return bool(cyclic and inside and fishes.span[i] == 1.0 and steady(fishes, library)[i])
 
 
 def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
@@ -208,23 +209,17 @@ def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
     return row - int(library.first[kind, segment])
 
 
-def _unsteady(fishes: Fishes, library: Library, live: Live) -> list[int]:
-    """Slots of the simulated fishes that begin to burst, row, coast or escape."""
-    pairs = enumerate(live.fish)
-    return [
-        slot
-        for slot, i in pairs
-        if i >= 0 and fishes.live[i] and not _steady(fishes, library, int(i))
-    ]
+def steady(fishes: Fishes, library: Library) -> Bools:
+    """(n,) True for fishes that may be simulated: they swim or turn at a usual speed.
 
-
-def _steady(fishes: Fishes, library: Library, i: int) -> bool:
-    """True if fish i swims or turns by its tail at a usual speed; only such are simulated."""
-    usual = max(fishes.segment[i], fishes.wanted_segment[i]) <= RIGHT_SHARP
-    own, segment = library.speed[fishes.species[i]], fishes.segment[i]
-    fastest = FASTEST * max(1.0, own[FAST] / own[segment])
-    hurried = fishes.goal_speed[i] > HURRIED or fishes.tempo[i] > fastest
-    return bool(usual and not hurried and fishes.thrust[i] >= HOVERING)
+    Those that burst, row, coast or escape are played back.
+    """
+    usual = np.maximum(fishes.segment, fishes.wanted_segment) <= RIGHT_SHARP
+    own = library.speed[fishes.species]
+    now = np.take_along_axis(own, fishes.segment[:, None].astype(np.intp), axis=1)[:, 0]
+    hurried = fishes.tempo > FASTEST * np.maximum(1.0, own[:, FAST] / now)
+    hurried |= fishes.goal_speed > HURRIED
+    return np.asarray(usual & ~hurried & (fishes.thrust >= HOVERING))
 
 
 def to_live(

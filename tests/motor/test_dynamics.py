@@ -116,7 +116,7 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
     tilt = 0.5 * (left - right)
     fins = np.pi / 2 + tilt, np.pi / 2 - tilt
     expected = pectoral_force(state, bodies.fin_area[0], *fins, STILL)
-    force = fin_force(fishes, bodies, 0, rest @ R.T, v, 0.0) @ to_y.T
+    force = fin_force(bodies, 0, rest @ R.T, v, 0.0) @ to_y.T
     np.testing.assert_allclose(force, expected, atol=1e-3 * np.abs(expected).max())
 
 

@@ -63,7 +63,7 @@ def test_no_node_is_jerked(shipped):
         length = library.length[0, before]
         phases = range(0, length, 2) if library.cyclic[0, before] else [length - 6]
         for phase in phases:
-            path, segments = _play(library, before, phase, max(45, length + 20), after, 16)
+            path, segments = _play(library, before, phase, 2 * length + 45, after, 16)
             switched = segments.index(after)
             window = slice(max(switched - 3, 0), switched + 14)
             swims = library.cyclic[0, before] and library.cyclic[0, after]
