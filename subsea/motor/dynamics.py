@@ -40,6 +40,7 @@ from subsea.geometry.rotation import (
 )
 from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
 from subsea.motor.controller import own_speed
+from subsea.motor.playback import between
 from subsea.motor.segments import LEFT_GRADUAL, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -217,7 +218,9 @@ def _keep_speed(fishes: Fishes, library: Library, i: int) -> None:
     """Begin the wanted segment at the tempo that asks for the same speed."""
     kind, now, wanted = fishes.species[i], fishes.segment[i], fishes.wanted_segment[i]
     if now != wanted:
-        fishes.tempo[i] *= library.speed[kind, now] / library.speed[kind, wanted]
+        bent = abs(float(fishes.bend[i])) if library.veer[kind, 0] >= 0 else 1.0
+        speed = library.speed[kind]
+        fishes.tempo[i] *= between(speed, now, bent) / between(speed, wanted, bent)
         fishes.segment[i] = wanted
 
 
