@@ -205,7 +205,7 @@ def _blended(one: _Species, recorded: _Rows, veer: tuple[int, int]) -> _Rows:
         begin = one.starts[one.played[SEGMENTS.index(name)]]
         turn[one.blend.phase[side]] = begin + np.arange(beat)
         facing = recorded.points @ one.blend.facing[side].T
-        tables = [(recorded.points, facing)]
+        tables: list[tuple[Array, Array]] = [(recorded.points, facing)]
         tables += [(table, table) for table in (recorded.sway, recorded.bank)]
         for k in range(1, TIGHTEST + 1):
             level.append(np.full(beat, k if side == 0 else -k))

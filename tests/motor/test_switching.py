@@ -20,6 +20,7 @@ from subsea.world.step import step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes
+RANDOM_LIMIT = 2.5  # likewise, of the changes in a sample of turns
 CYCLIC = [name for name in BASIC_SEGMENTS if "swim" in name]
 
 
@@ -70,7 +71,7 @@ def test_at_random_goals_no_one_notices_either_change(make_tank, species):
             after = tank.step(MAX_WAIT_TICKS + 20)
             assert not tank.fishes.live[0]
             path = np.concatenate([before[-3:], live, after])
-            assert _changes(path).max() <= LIMIT * usual, scale
+            assert _changes(path).max() <= RANDOM_LIMIT * usual, scale
 
 
 def test_a_fish_that_leaves_keeps_its_speed(make_tank):
