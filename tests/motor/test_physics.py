@@ -148,7 +148,7 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
     # The usual physics restores normal motion.
     world.physics = Physics()
     simulated = 0
-    for _ in range(200):
+    for _ in range(600):
         went_on(world, 1, finite)
         simulated += world.state.fishes.live.sum()
     assert simulated > 0
