@@ -42,7 +42,7 @@ from subsea.geometry.rotation import (
 )
 from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
 from subsea.motor.controller import own_speed
-from subsea.motor.playback import between
+from subsea.motor.playback import TEMPO
 from subsea.motor.segments import LEFT_GRADUAL, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
@@ -179,7 +179,7 @@ def swim_live(
             continue
         kind = fishes.species[i]
         rate = float(fishes.rate[i])
-        _keep_speed(fishes, library, i)
+        _keep_speed(fishes, library, live, slot)
         _ease_muscles(fishes, library, bodies, live, slot)
         steps = min(math.ceil(iterations * rate - 1e-6), len(muscles))
         step = time * rate / steps
@@ -216,14 +216,15 @@ def swim_live(
 
 
 @kernel
-def _keep_speed(fishes: Fishes, library: Library, i: int) -> None:
-    """Begin the wanted segment at the tempo that asks for the same speed."""
-    kind, now, wanted = fishes.species[i], fishes.segment[i], fishes.wanted_segment[i]
-    if now != wanted:
-        bent = abs(float(fishes.bend[i])) if library.veer[kind, 0] >= 0 else 1.0
-        speed = library.speed[kind]
-        fishes.tempo[i] *= between(speed, now, bent) / between(speed, wanted, bent)
-        fishes.segment[i] = wanted
+def _keep_speed(fishes: Fishes, library: Library, live: Live, slot: int) -> None:
+    """Begin the wanted segment at the tempo of the present speed."""
+    i = live.fish[slot]
+    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
+    fishes.segment[i] = wanted
+    if now == wanted or (blends(now) and blends(wanted)):
+        return
+    tempo = live.speed[slot] / own_speed(fishes, library, i)
+    fishes.tempo[i] = min(max(tempo, TEMPO[0]), TEMPO[1])
 
 
 @kernel
@@ -238,7 +239,8 @@ def _ease_muscles(
     kind = fishes.species[i]
     yaw = turning_rate(fishes, library, bodies, i)
     share = yaw / bodies.turn_rate[kind, LEFT_GRADUAL]
-    share = min(max(share, -MOST_BEND), MOST_BEND)
+    # A fish that is to be played back straightens, as every segment is begun.
+    share = min(max(share, -MOST_BEND), MOST_BEND) if live.waiting[slot] == 0 else 0.0
     for k in range(2):
         ease = BEND_EASE * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]

@@ -33,7 +33,7 @@ HASTE = 1.3  # tempo at which a fish that was faster begins a segment
 HURRIED = 1.0  # goal speed above which a fish does not wait for a good row
 SUDDEN = 3.0  # frames of a glide to an escape from a row without a plan
 LEVEL_PHASE = 12  # part of a beat in which the bend changes by a level
-MOST_BEGUN = 2  # largest level of bend to which other segments glide
+MOST_BEGUN = 1  # largest level of bend to which other segments glide
 AT_REST = 0.3  # share of the slow swim's pace below which a segment begins at rest
 
 
@@ -104,6 +104,10 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
         step = rotate(q, shift)
         o = plus(o, times(frames * fishes.scale[i] * thrust, step))
         q = multiply(q, rotation if frames == 1.0 else fraction(rotation, frames))
+        if library.facing[a] != library.facing[b]:
+            # As the body bends its head turns inwards, and the fish keeps its way.
+            inwards = float(library.facing[b] - library.facing[a]) * frames / span
+            q = multiply(q, about(0.0, 1.0, 0.0, inwards))
         left -= frames / rate
         weight += frames / span
         if until_b <= frames:

@@ -20,12 +20,11 @@ from subsea.motor.dynamics import (
     TICK_TU,
     BodyTables,
     Integration,
-    frame_of,
     make_bodies,
     swim_live,
     under,
 )
-from subsea.motor.playback import HURRIED, TEMPO
+from subsea.motor.playback import HURRIED, MOST_BEGUN, TEMPO
 from subsea.motor.segments import (
     FAST,
     LEFT_GRADUAL,
@@ -194,8 +193,10 @@ def _review(
 
 
 def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
-    """True if fish i is inside a cyclic segment, with known beat and velocities."""
+    """True if fish i is inside a cyclic segment and nearly straight, with known velocities."""
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
+    if abs(library.level[fishes.row_a[i]]) > MOST_BEGUN:
+        return False
     row = _row_of_beat(fishes, library, i)
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
     return bool(cyclic and inside and fishes.span[i] == 1.0 and steady(fishes, library)[i])
@@ -262,14 +263,12 @@ def to_live(
     share *= abs(level) / LEVELS if level else 1.0
     live.bend[slot] = bodies.bend[kind] * min(max(share, -1.0), 1.0)
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
-    sway = (1.0 - w) * library.sway[a] + w * library.sway[b]
+    before, after = (library.sway[row] + library.facing[row] for row in (a, b))
+    sway = (1.0 - w) * before + w * after
     live.course[slot] = math.atan2(R[1, 0], R[0, 0]) - sway
     # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot
-    # Bent rows face along their way; simulated fishes have frame B.
-    orientation, _ = frame_of(x)
-    fishes.orientation[i] = orientation
-    live.nodes[own] = live.nodes[own + 1] = x @ matrix(np.array(orientation))
+    live.nodes[own], live.nodes[own + 1] = nodes, nodes
     live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
     live.sway[own] = sway
     fishes.row_a[i] = len(library.entry) + own

@@ -1,19 +1,21 @@
 """Blend gradual turns with the straight swim, and measure what playback needs of each row.
 
 Frame B is fixed to the head, and the head of a bent body points inwards, by up to 50° from its
-way. So that a fish keeps its way as it bends, blended rows have a frame that faces along it.
+way. So that a fish keeps its way as it bends, playback turns the head as the bend changes.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea.core.arrays import Array, Ints
-from subsea.geometry.rotation import Quaternion, about, conjugate, matrix, mixed, multiply, rotate
+from subsea.geometry.rotation import about, mixed, multiply, rotate
 from subsea.repertoire.schema import Segment
 
 LEVELS = 12  # parts from the straight swim (0) to the recorded gradual turn
 TIGHTEST = 14  # level of the tightest turn: bends are small enough to extrapolate a little
+JOINT = np.repeat(np.arange(5), (9, 4, 4, 4, 2))  # of each node: the stiff head, rings and tail
 STRAIGHT = 1e-3  # rad per frame below which a swim does not turn
 EDGE_ROWS = 5  # at the ends of an acyclic segment, over which its speed there is measured
 
@@ -28,7 +30,7 @@ class Blend(NamedTuple):
     translation: Array  # (n, 3) cm
     nodes: Array  # (n, 23, 3) cm
     phase: tuple[Ints, Ints]  # (T,) the swim's row of equal phase, for each row of a turn
-    facing: tuple[Array, Array]  # (3, 3) rotations of the full turns to the frame of their way
+    facing: tuple[float, float]  # rad, of the head from its way in the full turns, left positive
 
 
 def blend_turns(segments: dict[str, Segment]) -> Blend | None:
@@ -44,20 +46,18 @@ def blend_turns(segments: dict[str, Segment]) -> Blend | None:
         gaps = [np.square(np.roll(turn.nodes, k, axis=0) - swim.nodes).sum() for k in range(rows)]
         lag = int(np.argmin(gaps))
         phase.append((np.arange(rows) + lag) % rows)
-        q = _facing(turn)
-        R = matrix(np.array(q))
-        facing.append(R)
-        turns_on = [multiply(multiply(q, tuple(M)), conjugate(q)) for M in turn.increment_rotation]
+        ahead, _, across = turn.increment_translation.sum(axis=0)
+        facing.append(float(np.arctan2(across, ahead)))
         other = [
             np.roll(table, lag, axis=0)
-            for table in (turns_on, turn.increment_translation @ R.T, turn.nodes @ R.T)
+            for table in (turn.increment_rotation, turn.increment_translation, turn.nodes)
         ]
         for level in range(1, TIGHTEST + 1):
             share = level / LEVELS
-            pairs = zip(swim.increment_rotation, map(tuple, other[0]), strict=True)
+            pairs = zip(swim.increment_rotation, other[0], strict=True)
             rotation.append([mixed(a, b, share) for a, b in pairs])
             translation.append((1.0 - share) * swim.increment_translation + share * other[1])
-            nodes.append((1.0 - share) * swim.nodes + share * other[2])
+            nodes.append(_bent(swim.nodes, other[2], share))
     return Blend(
         np.concatenate(rotation),
         np.concatenate(translation),
@@ -67,10 +67,37 @@ def blend_turns(segments: dict[str, Segment]) -> Blend | None:
     )
 
 
-def _facing(turn: Segment) -> Quaternion:
-    """The rotation about the dorsal axis that brings the mean way of a cycle to the x axis."""
-    ahead, _, across = turn.increment_translation.sum(axis=0)
-    return about(0.0, 1.0, 0.0, float(np.arctan2(across, ahead)))
+def _bent(swim: Array, turn: Array, share: float) -> Array:
+    """Poses (T, 23, 3) that are bent by a share of the turn's bend.
+
+    The angles of the body's joints are mixed, seen from above, and with them its lengths and
+    heights: mixed coordinates would shorten a bent body.
+    """
+    (links, rings), (bent_links, bent_rings) = _jointed(swim), _jointed(turn)
+    joints = np.cumsum(_turned(links, bent_links, share), axis=1)[:, JOINT]
+    flat = joints + _turned(rings, bent_rings, share)
+    height = (1.0 - share) * swim[..., 1] + share * turn[..., 1]
+    return np.stack([flat.real, height, flat.imag], axis=-1)
+
+
+def _jointed(nodes: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Links (T, 5) between joints, the first zero, and nodes (T, 23) from their joint: x + iz.
+
+    The joints are the origin of B, the middles of the three rings behind it, and the tail's.
+    """
+    flat = nodes[..., 0] + 1j * nodes[..., 2]
+    joints = np.zeros((len(flat), JOINT[-1] + 1), np.complex128)
+    for joint in range(1, JOINT[-1] + 1):
+        joints[:, joint] = flat[:, joint == JOINT].mean(axis=1)
+    return np.diff(joints, axis=1, prepend=0.0), flat - joints[:, JOINT]
+
+
+def _turned(
+    a: NDArray[np.complex128], b: NDArray[np.complex128], share: float
+) -> NDArray[np.complex128]:
+    """Vectors between a and b: their lengths and angles are mixed."""
+    length = (1.0 - share) * np.abs(a) + share * np.abs(b)
+    return np.asarray(length * np.exp(1j * (np.angle(a) + share * np.angle(b * a.conj()))))
 
 
 class TurningWay(NamedTuple):

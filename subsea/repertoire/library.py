@@ -49,6 +49,7 @@ class Library(NamedTuple):
     veer: Ints  # (S, 2) int32, first blended row of the turns to left and right, -1 for none
     sway: Array  # (R,) float32, rad, heading of B beyond the mean course: the beat of the head
     bank: Array  # (R,) float32, rad, roll of the recorded fish
+    facing: Array  # (R,) float32, rad, of the head from its way in a bend, left positive
     coupling: Coupling  # arrays (S, 426, …): control points from nodes
     recorded_length: Array  # (S,) float32, cm
     bounding_radius: Array  # (S,) float32, body lengths
@@ -84,6 +85,7 @@ class _Rows(NamedTuple):
     level: Ints
     sway: Array
     bank: Array
+    facing: Array
 
 
 def pack(
@@ -103,7 +105,7 @@ def pack(
         if one.blend:
             veer[-1] = row, row + len(one.blend.nodes) // 2
             row += len(one.blend.nodes)
-            parts.append(_blended(one, parts[k], veer[-1]))
+            parts.append(_blended(one, parts[k], couplings[k], veer[-1]))
     rows = _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     return Library(
         rotation=_table(rows.rotation, live),
@@ -128,6 +130,7 @@ def pack(
         veer=np.array(veer, np.int32),
         sway=_table(rows.sway, live),
         bank=rows.bank.astype(np.float32),
+        facing=_table(rows.facing, live),
         coupling=Coupling(*(np.stack(part) for part in zip(*couplings, strict=True))),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
@@ -187,10 +190,13 @@ def _recorded(one: _Species, coupling: Coupling) -> _Rows:
         follow, straight, level,
         np.concatenate([course.sway for course in one.courses]),
         np.concatenate([course.bank for course in one.courses]),
+        np.zeros(len(follow)),
     )  # fmt: skip
 
 
-def _blended(one: _Species, recorded: _Rows, veer: tuple[int, int]) -> _Rows:
+def _blended(
+    one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int, int]
+) -> _Rows:
     """The rows between the straight swim of a species and its gradual turns, from `veer` on.
 
     They are left as the swim at equal phase.
@@ -204,23 +210,27 @@ def _blended(one: _Species, recorded: _Rows, veer: tuple[int, int]) -> _Rows:
         turn = np.empty(beat, np.int64)
         begin = one.starts[one.played[SEGMENTS.index(name)]]
         turn[one.blend.phase[side]] = begin + np.arange(beat)
-        facing = recorded.points @ one.blend.facing[side].T
-        tables: list[tuple[Array, Array]] = [(recorded.points, facing)]
-        tables += [(table, table) for table in (recorded.sway, recorded.bank)]
+        recorded.facing[turn - first] = one.blend.facing[side]
         for k in range(1, TIGHTEST + 1):
             level.append(np.full(beat, k if side == 0 else -k))
             share.append(
-                [(1.0 - k / LEVELS) * straight[swim - first] + k / LEVELS * bent[turn - first]
-                 for straight, bent in tables]
+                [(1.0 - k / LEVELS) * table[swim - first] + k / LEVELS * table[turn - first]
+                 for table in (
+                     recorded.nodes, recorded.points, recorded.sway, recorded.bank, recorded.facing
+                 )]
             )  # fmt: skip
     rows, phase = (np.tile(one, 2 * TIGHTEST) for one in (swim - first, np.arange(beat)))
     here = veer[0] + np.arange(len(rows))
-    points, sway, bank = (np.concatenate(parts) for parts in zip(*share, strict=True))
+    nodes, points, sway, bank, facing = (
+        np.concatenate(parts) for parts in zip(*share, strict=True)
+    )
+    # The skin follows the nodes, which are mixed by angles.
+    points += coupling.weights @ (one.blend.nodes - nodes)
     return _Rows(
         one.blend.rotation, one.blend.translation, one.blend.nodes, points,
         recorded.entry[rows], recorded.glide[rows], recorded.leave[rows],
         here - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.concatenate(level),
-        sway, bank,
+        sway, bank, facing,
     )  # fmt: skip
 
 

@@ -60,9 +60,7 @@ def test_recorded_control_points_are_taken_as_they_are(known_repertoire):
     library = pack(
         [dataclasses.replace(known_repertoire, segments=own)], [surface(known_repertoire)]
     )
-    recorded = library.control_points[: library.veer[0, 0]]
-    assert len(recorded) > 0
-    assert (recorded == 7.0).all()
+    assert (library.control_points == 7.0).all()
 
 
 def test_a_missing_segment_is_named(known_repertoire):

@@ -87,7 +87,7 @@ def test_snout_and_tail_are_a_body_apart_and_the_middle_between_them(record):
         body = np.linalg.norm(snout - tail, axis=2) / file["fish/length"][:]
         assert (body > 0.7).all() and (body < 1.01).all()
         reach = np.linalg.norm(snout - file["fish/position"][:], axis=2)
-        assert reach == pytest.approx(np.tile(file["fish/snout_reach"][:], (20, 1)), rel=0.16)
+        assert reach == pytest.approx(np.tile(file["fish/snout_reach"][:], (20, 1)), rel=0.1)
 
 
 def test_velocity_is_the_change_of_position(record):

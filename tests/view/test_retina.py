@@ -74,8 +74,8 @@ def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
     np.testing.assert_allclose(right.eye - left.eye, 2 * by.half_cm * axes[:, 2], atol=1e-5)
     points = control_points_world(world.state.fishes, world.library, 3)
     for view, part in ((left, LEFT), (right, RIGHT)):
-        # Where the skin bends with the beat or a turn, eyes are off it.
-        assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.8 * by.half_cm + 0.05
+        # Where the skin bends with the beat, eyes are slightly off it.
+        assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.25 * by.half_cm + 0.05
 
 
 def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
