@@ -20,7 +20,7 @@ from subsea.world.step import step
 
 TICK = 0.033
 LIMIT = 2.0  # times the largest change of velocity that playback itself makes
-RANDOM_LIMIT = 2.5  # likewise, of the changes in a sample of turns
+RANDOM_LIMIT = 1.5  # likewise, of the changes in a sample of turns
 CYCLIC = [name for name in BASIC_SEGMENTS if "swim" in name]
 
 
