@@ -109,11 +109,10 @@ def command(fishes: Fishes, library: Library, clock: Clock) -> None:
 
 @kernel
 def _sway(fishes: Fishes, library: Library, i: int) -> float:
-    """Heading of fish i beyond its mean course, rad: its head beats, and leads in a bend."""
+    """Heading of fish i beyond its mean course, rad: the beat of its head."""
     a, b = fishes.row_a[i], fishes.row_b[i]
     weight = float(fishes.weight[i])
-    sway = (1.0 - weight) * library.sway[a] + weight * library.sway[b]
-    return sway + (1.0 - weight) * library.facing[a] + weight * library.facing[b]
+    return (1.0 - weight) * library.sway[a] + weight * library.sway[b]
 
 
 @kernel

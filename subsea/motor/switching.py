@@ -263,8 +263,7 @@ def to_live(
     share *= abs(level) / LEVELS if level else 1.0
     live.bend[slot] = bodies.bend[kind] * min(max(share, -1.0), 1.0)
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
-    before, after = (library.sway[row] + library.facing[row] for row in (a, b))
-    sway = (1.0 - w) * before + w * after
+    sway = (1.0 - w) * library.sway[a] + w * library.sway[b]
     live.course[slot] = math.atan2(R[1, 0], R[0, 0]) - sway
     # The present pose is the first row of the slot; the next tick writes the other.
     own = 2 * slot

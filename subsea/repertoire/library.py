@@ -194,9 +194,7 @@ def _recorded(one: _Species, coupling: Coupling) -> _Rows:
     )  # fmt: skip
 
 
-def _blended(
-    one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int, int]
-) -> _Rows:
+def _blended(one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int, int]) -> _Rows:
     """The rows between the straight swim of a species and its gradual turns, from `veer` on.
 
     They are left as the swim at equal phase.
