@@ -24,7 +24,7 @@ from subsea.motor.dynamics import (
     swim_live,
     under,
 )
-from subsea.motor.playback import HURRIED, MOST_BEGUN, TEMPO
+from subsea.motor.playback import HURRIED, TEMPO
 from subsea.motor.segments import (
     FAST,
     LEFT_GRADUAL,
@@ -51,12 +51,13 @@ REVIEW_TICKS = 10  # interval between choices of fishes
 MIN_STAY_S = 4.0  # least time between two changes of a fish
 KEEP = 1.25  # factor by which a simulated fish counts as nearer: hysteresis
 GENTLE = 1.2  # largest change of a node's velocity over the usual one, to leave ...
-MAX_WAIT_TICKS = 45  # ... before about three beats have passed
+MAX_WAIT_TICKS = 75  # ... before about five beats have passed
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
 LIVE_LIMITS = (0.4, 2.0)  # strain limits; recorded bodies keep to narrower ones
 EXPERIMENT_LIMITS = (0.2, 3.0)  # under unusual physics
 HOVERING = 0.2  # thrust below which a fish is played back: muscles cannot retreat
+MOST_LIVE = 3  # largest level of bend with which a fish goes live
 FASTEST = 2.0  # tempo above which a fish is played back
 
 
@@ -195,7 +196,7 @@ def _review(
 def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
     """True if fish i is inside a cyclic segment and nearly straight, with known velocities."""
     cyclic = library.cyclic[fishes.species[i], fishes.segment[i]]
-    if abs(library.level[fishes.row_a[i]]) > MOST_BEGUN:
+    if abs(library.level[fishes.row_a[i]]) > MOST_LIVE:
         return False
     row = _row_of_beat(fishes, library, i)
     inside = 0 <= row < library.length[fishes.species[i], fishes.segment[i]]
