@@ -9,7 +9,7 @@ from subsea.state import EAT, HUNGER, Clock
 
 
 def test_hunger_above_the_threshold_and_something_to_eat(tank):
-    t = tank(4)
+    t = tank(4, specks=1)
     t.minds.mental[:, HUNGER] = 0.2, 0.3, 0.3, 0.2
     t.minds.food[:] = 0, 0, -1, 0
     t.minds.intention[3] = EAT  # goes on a little longer

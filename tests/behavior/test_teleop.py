@@ -26,12 +26,13 @@ def begun():
     world = create_world(load_scenario("peaceful")[0], fish=60)
     for _ in range(60):
         step(world, NEUTRAL)
-    return world, snapshot.take(world)
+    return world, snapshot.take(world), world.state.minds.kind.copy()
 
 
 @pytest.fixture
 def world(begun):
-    world, whole = begun
+    world, whole, kind = begun
+    world.state.minds.kind[:] = kind  # constant in a dive, so snapshots leave it out
     snapshot.restore(world, whole)
     return world
 
@@ -130,8 +131,9 @@ def test_its_intention_yields_and_comes_back(world):
     minds, fishes = world.state.minds, world.state.fishes
     minds.kind[FISH], minds.dread[FISH] = PREY, 400.0
     enemy = FISH + 1
-    minds.food[enemy] = minds.target[enemy] = NOBODY  # was plankton
-    minds.foods[enemy] = NOBODY
+    for name in ("target", "food", "foods", "memory", "memory_target"):
+        getattr(minds, name)[enemy] = NOBODY  # they were plankton
+    minds.food_distance[enemy] = np.inf
     minds.kind[enemy], minds.intention[FISH] = PREDATOR, MATE
     minds.partner[FISH] = FISH + 2
     for _ in range(40):
@@ -147,8 +149,6 @@ def test_its_intention_yields_and_comes_back(world):
         step(world, NEUTRAL)
     assert minds.intention[FISH] != WANDER
     assert minds.intention[FISH] != EAT
-    # Released at an undisturbed place, it calms down.
-    minds.kind[FISH] = minds.kind[enemy] = 0
 
 
 def test_others_do_not_notice_commands_and_the_submarine_keeps_station(world, begun):
