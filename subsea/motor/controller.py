@@ -41,6 +41,7 @@ LEAVE_RAD = np.radians(4.0)  # within it a slow or fast swim is not left for one
 YAW_RATE = np.radians(30.0)  # rad/s: the fastest turn on the spot by pectoral fins
 PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
+BEND_GAIN = 2.5  # 1/s: likewise by bends, of the angle from the head, which leads the way
 STEER_EASE = np.radians(90.0)  # rad/s², at the recorded pace: how fast that rate may change
 MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim, unless in a burst ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... or on the spot
@@ -176,7 +177,7 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
     if fishes.goal_speed[i] > HURRIED and angle < STRAIGHT_RAD:
         return swim
     full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * dt)
-    bend = STEER_GAIN * azimuth / (full * fishes.tempo[i])
+    bend = BEND_GAIN * azimuth / (full * fishes.tempo[i])
     bend = min(max(bend, -TIGHTEST / LEVELS), TIGHTEST / LEVELS)
     if abs(bend) * LEVELS < 0.5 or (angle < LEAVE_RAD and not blends(now)):
         return swim
