@@ -108,7 +108,7 @@ def test_the_ends_of_the_interval_are_the_ticks(world, alpha, prefix):
     fishes = world.state.fishes
     order = [int(np.flatnonzero(fishes.identity == v)[0]) for v in packet.instances[:, 11]]
     np.testing.assert_allclose(
-        packet.instances[:, frame.POSITION], getattr(fishes, prefix + "position")[order]
+        packet.instances[:, frame.POSITION], getattr(fishes, prefix + "position")[order], atol=1e-4
     )
     turn = (
         packet.instances[:, frame.ORIENTATION] * getattr(fishes, prefix + "orientation")[order]
