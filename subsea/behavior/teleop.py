@@ -18,9 +18,8 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, times, vector
 from subsea.state import WANDER, Clock, Fishes, Minds, Sea
 
-# Angle of a full turn. Here a fish bends its beat and aligns itself at once; beyond, it would make
-# a sharp turn, which begins later and is no faster in the end.
-ASIDE_RAD = np.radians(50.0)
+# Angle of a full turn: a fusilier turns by about 110° a second, which can still be steered.
+ASIDE_RAD = np.radians(40.0)
 STEEP_RAD = np.radians(38.0)  # the steepest that fishes swim
 
 
