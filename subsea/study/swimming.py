@@ -186,21 +186,19 @@ def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
 def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:
     """Change of heading in straight swims and in all, rad, without the sway of the beat.
 
+    Changes are taken over `TURN_S` and count as straight if no tick among them is of a turn.
     Fishes that row turn by their fins, with a straight body.
     """
     ticks = _ticks(TURN_S, record.tick_s)
     if len(course) <= ticks:
         return 0.0, 0.0
-    total = np.concatenate([np.zeros_like(course[:1]), np.cumsum(course, axis=0)])
-    smooth = (total[ticks:] - total[:-ticks]) / ticks
-    rate = np.abs(np.diff(smooth, axis=0))
+    turns = ~np.array([name.startswith("swim") for name in record.segment_names])
+    count = np.cumsum(turns[record.segment[:, those]], axis=0, dtype=np.int64)
+    rate = np.abs(course[ticks:] - course[:-ticks]) / ticks  # smoothed, each tick
     rate[rate < np.radians(TURNING_DEG_S) * record.tick_s] = 0.0
-    first = ticks // 2
-    segment = record.segment[first : first + len(rate), those]
-    rate *= alive[first : first + len(rate)]
-    words = record.segment_names
-    swim = np.array([name.startswith("swim") for name in words])
-    return float(rate[swim[segment]].sum()), float(rate.sum())
+    rate *= alive[ticks // 2 :][: len(rate)]
+    straight = (count[ticks:] == count[:-ticks]) & ~turns[record.segment[:-ticks, those]]
+    return float(rate[straight].sum()), float(rate.sum())
 
 
 def joined(parts: list[Swimming]) -> Swimming:
