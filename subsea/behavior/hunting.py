@@ -19,7 +19,7 @@ STALK = 0.7  # share of the fastest speed while it approaches
 BURST_BL = 2.5  # distance within which it bursts forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
-STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
+STRAIN = 4.5  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
 CROWD_BL = 3.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
@@ -29,6 +29,7 @@ CHEWS_PER_S = 2.5
 
 FITS = 0.45  # longest prey that it can swallow, over its own length
 OPEN_BL = 0.5  # distance of the prey at which the mouth is open
+OPEN = 0.5  # gape above which a mouth draws water in
 SUCK_BL = 0.4  # reach of the suction ...
 SUCK_BL_S = 2.0  # ... and its speed at the mouth
 # Prey is in the mouth when its middle is within these shares of the hunter's and its own length.
@@ -137,7 +138,7 @@ def inhale(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             i = mouths[k]
             if x[k] > there[0] + farthest or not fishes.alive[j]:
                 break
-            if i == j:
+            if i == j or fishes.gape[i] <= OPEN:  # shut on another since
                 continue
             toward = minus(mouth_of(fishes, i), there)
             flow = suction(toward, fishes.length[i], clock.dt)
@@ -167,7 +168,7 @@ def _open_mouths(fishes: Fishes, minds: Minds) -> tuple[Ints, Array]:
     count = 0
     for i in range(len(fishes.gape)):
         hunts = minds.kind[i] == PREDATOR and minds.intention[i] == EAT and fishes.alive[i]
-        if not hunts or fishes.gape[i] <= 0.5:
+        if not hunts or fishes.gape[i] <= OPEN:
             continue
         here, k = mouth_of(fishes, i)[0], count
         while k > 0 and x[k - 1] > here:
@@ -193,9 +194,10 @@ def suction(toward: Vector, length: float, dt: float) -> Vector:
 
 @kernel
 def _swallow(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> None:
-    """Hunter i eats prey j."""
+    """Hunter i eats prey j and shuts its mouth: a strike takes one."""
     remove(fishes, minds, j)
     minds.eaten[i] += 1.0
     minds.last_meal[i] = clock.tick * clock.dt
     minds.fatigue[EAT, i] = 0.0
     minds.target[i] = -1
+    fishes.gape[i] = 0.0

@@ -211,6 +211,16 @@ def test_a_prey_in_the_mouth_is_eaten(around):
     assert 0 < fishes.gape[0] < 0.5  # it chews
 
 
+def test_a_strike_takes_one_of_those_in_the_mouth(around):
+    """The mouth shuts on it, and stays shut while the hunter chews."""
+    within = MOUTH_BL * LENGTH
+    fishes, minds = _hunter((within, 0, 0), (0, within, 0), (0, 0, within))
+    for _ in range(3):
+        inhale(fishes, minds, around[0], CLOCK)
+        assert fishes.alive.sum() == 3
+        assert (minds.eaten[0], fishes.gape[0]) == (1.0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("length", "gape", "intention"),
     [(1.1 * FITS * LENGTH, 1, EAT), (20, 0.2, EAT), (20, 1, WANDER)],
