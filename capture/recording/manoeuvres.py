@@ -30,9 +30,9 @@ from subsea.biomechanics.controllers import (
     ease,
     swim_contraction,
 )
-from subsea.biomechanics.elongated import inertial_mass
 from subsea.biomechanics.fins import brake, couple_force, pectoral_force
 from subsea.biomechanics.gait import headings
+from subsea.biomechanics.reactive_water import inertial_mass
 from subsea.biomechanics.simulation import (
     STILL,
     BodyState,
@@ -41,13 +41,12 @@ from subsea.biomechanics.simulation import (
     is_sound,
     simulate,
 )
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_TU
 from subsea.core.errors import UserError
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""
 UPWARDS = (0.0, 1.0, 0.0)
-TICK_TU = STEP * STEPS_PER_TICK
 TOLERANCE_DEG = 0.5
 MOST_JERK_BL = 0.1  # largest change of the velocity of a node, body lengths per tick²
 MOST_STEP_BL = 0.16  # largest displacement of a node in a tick, body lengths

@@ -12,7 +12,7 @@ from functools import lru_cache
 import msgspec
 import numpy as np
 
-from subsea.biomechanics.elongated_body import DENSITY, Beat, Strips, steady_beat, trailing
+from subsea.biomechanics.prescribed_wave import DENSITY, Beat, Strips, steady_beat, trailing
 from subsea.biomechanics.solver import TICK_S
 from subsea.core.arrays import Array
 from subsea.fish.spine import MIDDLES, UNITS, SpineGait, SpinePlan, flap_wings, pose_spine

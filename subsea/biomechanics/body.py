@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
-from subsea.biomechanics.elongated import Sections, make_sections
+from subsea.biomechanics.reactive_water import Sections, make_sections
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

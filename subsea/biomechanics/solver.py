@@ -8,7 +8,7 @@ four times. Rows beyond the last node are padding, so that no loop has to test f
 import numpy as np
 
 from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Floats, Material
-from subsea.biomechanics.elongated import (
+from subsea.biomechanics.reactive_water import (
     SECTIONS,
     add_section_forces,
     section_frames,
@@ -18,9 +18,10 @@ from subsea.biomechanics.water import add_water_force
 from subsea.core.kernels import kernel
 
 STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
-STEPS_PER_TICK = 6  # steps between two recorded frames: one tick is 0.33 tu
+STEPS_PER_TICK = 6  # steps between two recorded frames
 TIME_UNIT_S = 0.1
-TICK_S = STEP * STEPS_PER_TICK * TIME_UNIT_S  # one tick, 0.033 s
+TICK_TU = STEP * STEPS_PER_TICK  # one recorded frame
+TICK_S = TICK_TU * TIME_UNIT_S  # one tick, 0.033 s
 STRAIN_LIMITS = (0.65, 1.4)
 """Limits of length over rest length; beyond, a ring may have turned inside out."""
 ROWS = NODES + HALF_BANDWIDTH  # rows of the padded band and of the load

@@ -16,8 +16,8 @@ from subsea.biomechanics.body import (
 )
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import S_MAX
-from subsea.biomechanics.elongated import sections_of
 from subsea.biomechanics.fins import EDGE_ON
+from subsea.biomechanics.reactive_water import sections_of
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel

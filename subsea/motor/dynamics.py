@@ -23,9 +23,9 @@ from subsea.biomechanics.body import (
     build_body,
 )
 from subsea.biomechanics.body_plan import GRADES, Muscles
-from subsea.biomechanics.elongated import inertial_mass, sections_of
 from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
+from subsea.biomechanics.reactive_water import inertial_mass, sections_of
+from subsea.biomechanics.solver import STEP, TICK_S, TICK_TU, advance
 from subsea.core.arrays import Array, Bools
 from subsea.core.kernels import kernel
 from subsea.fish.species import Species
@@ -48,7 +48,6 @@ from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
 
-TICK_TU = STEP * STEPS_PER_TICK
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
 UPWARDS = (0.0, 0.0, 1.0)
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence

@@ -10,14 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.biomechanics.solver import TIME_UNIT_S
+from subsea.biomechanics.solver import TICK_TU, TIME_UNIT_S
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
 from subsea.motor.dynamics import (
-    TICK_TU,
     BodyTables,
     Integration,
     make_bodies,

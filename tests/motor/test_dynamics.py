@@ -20,7 +20,7 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.fish.species import load_species, muscular_names
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.balance import roll_of
-from subsea.motor.controller import BURST_PITCH_RAD, MAX_PITCH_RAD
+from subsea.motor.controller import MAX_PITCH_RAD
 from subsea.motor.dynamics import (
     SCULL_SPEED,
     Integration,
@@ -30,7 +30,6 @@ from subsea.motor.dynamics import (
     roll_rate,
     swim_live,
 )
-from subsea.motor.segments import ROW, STOP
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -148,8 +147,7 @@ def test_fins_climb_and_dive(make_tank, species):
         tank.aim(0.0, speed, np.radians(climb))
         way = _travel(tank, 300, 56)
         angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
-        rows = tank.fishes.segment[0] in (ROW, STOP)
-        steepest = np.degrees(BURST_PITCH_RAD if rows else MAX_PITCH_RAD)
+        steepest = np.degrees(MAX_PITCH_RAD)
         # Slow water gives fins the less hold.
         near = 11 if speed < 0.5 else 7
         assert angle == pytest.approx(np.clip(climb, -steepest, steepest), abs=near), climb

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from subsea.biomechanics import elongated_body
-from subsea.biomechanics.elongated_body import (
+from subsea.biomechanics import prescribed_wave
+from subsea.biomechanics.prescribed_wave import (
     CROSS_DRAG,
     DENSITY,
     SKIN_DRAG,
@@ -90,8 +90,8 @@ def test_force_does_not_depend_on_the_axes():
 
 def test_body_water_and_wake_keep_their_momentum(monkeypatch):
     """Without drag: measured from the track in the world, with what was shed on the way."""
-    monkeypatch.setattr(elongated_body, "CROSS_DRAG", 0.0)
-    monkeypatch.setattr(elongated_body, "SKIN_DRAG", 0.0)
+    monkeypatch.setattr(prescribed_wave, "CROSS_DRAG", 0.0)
+    monkeypatch.setattr(prescribed_wave, "SKIN_DRAG", 0.0)
     parts = ribbon(0.08, times=800)
     step = PERIOD / 800
     track = swim(parts, step, start_momentum(parts, np.array([40.0, 3.0, 0.4])))

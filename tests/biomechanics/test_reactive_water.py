@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from subsea.biomechanics.body import NODES, Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan
-from subsea.biomechanics.elongated import (
+from subsea.biomechanics.reactive_water import (
     SECTIONS,
     Sections,
     add_section_forces,
