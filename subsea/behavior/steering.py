@@ -14,7 +14,7 @@ from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, MATE, RIGHT, Clock, Fishes,
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
 ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time of a turn
 BODY_BL = 0.45  # farthest part of a body from its middle
-CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.1  # free water beyond snout and tail
+CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, but for these intentions
 STEEP = (ESCAPE, EAT, MATE)
