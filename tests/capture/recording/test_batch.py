@@ -54,14 +54,23 @@ def changed(species: Species, table: str, **values: object) -> Species:
     return structs.replace(species, **{table: structs.replace(getattr(species, table), **values)})
 
 
+@pytest.fixture(scope="module")
+def known() -> dict[str, workers.Recorded]:
+    """Segments that tests of this module have swum."""
+    return {}
+
+
 @pytest.fixture
-def swum(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The segments that are swum, in their order."""
+def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, workers.Recorded]) -> list[str]:
+    """The segments that are swum, in their order; each is simulated once for all tests."""
     names: list[str] = []
 
     def swim(species: Species, segment: str) -> workers.Recorded:
         names.append(segment)
-        return record_segment(species, segment)
+        key = f"{segment} of {species}"
+        if key not in known:
+            known[key] = record_segment(species, segment)
+        return known[key]
 
     monkeypatch.setattr(workers, "record_segment", swim)
     return names
