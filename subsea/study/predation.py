@@ -1,5 +1,6 @@
 """Attacks of predators on prey, and how often they succeed."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,13 @@ class Predation(NamedTuple):
 
     attacks: int
     captures: int  # attacks that caught prey
-    catches: list[float]  # of each predator in PERIOD_S, scaled from a shorter record
+    catches: list[int]  # of each predator in the first PERIOD_S of the dive
+    seconds: float  # length of the record
+
+    def rates(self) -> list[float]:
+        """Catches of each predator in PERIOD_S, scaled from a shorter record."""
+        scale = max(PERIOD_S / self.seconds, 1.0)
+        return [round(scale * number, 1) for number in self.catches]
 
 
 def predation(record: Record) -> Predation:
@@ -43,10 +50,19 @@ def predation(record: Record) -> Predation:
         captures += sum(
             any(start <= t <= end + after for t in caught[int(i)]) for start, end in found
         )
-    last = int(PERIOD_S / record.tick_s)
-    scale = max(PERIOD_S / seconds, 1.0)
-    catches = [round(scale * sum(t < last for t in ticks), 1) for ticks in caught.values()]
-    return Predation(attacks, captures, catches)
+    last = np.searchsorted(record.time, PERIOD_S)
+    catches = [sum(bool(t < last) for t in ticks) for ticks in caught.values()]
+    return Predation(attacks, captures, catches, seconds)
+
+
+def joined(parts: Sequence[Predation]) -> Predation:
+    """The predation of a dive that was recorded in parts, one after another."""
+    return Predation(
+        sum(one.attacks for one in parts),
+        sum(one.captures for one in parts),
+        [sum(numbers) for numbers in zip(*(one.catches for one in parts), strict=True)],
+        sum(one.seconds for one in parts),
+    )
 
 
 def _attacks(record: Record, i: int) -> list[tuple[int, int]]:

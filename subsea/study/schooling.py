@@ -1,5 +1,6 @@
 """Schools as measured in nature: order, spacing, room, bearings and splits."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.state import AVOID, SCHOOL
 from subsea.study.record import Record
-from subsea.study.schools import School, schools, splits
+from subsea.study.schools import School, schools, split_periods
 from subsea.study.series import SAMPLE_S, headings
 
 BEARINGS = 8  # sectors of 45 degrees from straight ahead to straight behind, both sides alike
@@ -24,7 +25,14 @@ class Schooling(NamedTuple):
     room_bl3: float  # median volume per fish, body lengths cubed
     ahead_bl: float  # median distance by which the foremost fish leads the second
     bearing: Array  # (BEARINGS,) shares of nearest neighbours by bearing, of equal solid angles
-    split_s: Array  # durations of the periods in which it was in parts
+    time: Array  # (k,) s, of the samples of ...
+    together: Array  # (k,) ... the share in the largest connected part
+    end: float  # s
+
+    @property
+    def split_s(self) -> Array:
+        """Durations of the periods in which it was in parts."""
+        return np.array([one[2] for one in split_periods(self.time, self.together, self.end)])
 
 
 def schooling(record: Record) -> list[Schooling]:
@@ -49,7 +57,6 @@ def _measured(record: Record, school: School) -> Schooling:
             rows.append(_shape(record, t, members, bearing))
     height, room, ahead = np.median(rows, axis=0) if rows else [np.nan] * 3
     cruising = school.polarisation[school.cruises.astype(bool)]
-    parts = splits(school, float(record.time[-1]))
     return Schooling(
         school.leader,
         int(school.members.max()),
@@ -59,8 +66,40 @@ def _measured(record: Record, school: School) -> Schooling:
         float(room),
         float(ahead),
         bearing / max(bearing.sum(), 1.0),
-        np.array([part.duration for part in parts]),
+        school.time,
+        school.together,
+        float(record.time[-1]),
     )
+
+
+def joined(parts: Sequence[Schooling]) -> list[Schooling]:
+    """The schools of a dive that was recorded in parts: medians of medians, and all splits."""
+    schools: dict[int, list[Schooling]] = {}
+    for one in parts:
+        schools.setdefault(one.leader, []).append(one)
+    return [_joined(those) for those in schools.values()]
+
+
+def _joined(parts: Sequence[Schooling]) -> Schooling:
+    return Schooling(
+        parts[0].leader,
+        max(one.fishes for one in parts),
+        _median([one.polarisation for one in parts]),
+        _median([one.nearest_bl for one in parts]),
+        _median([one.height_bl for one in parts]),
+        _median([one.room_bl3 for one in parts]),
+        _median([one.ahead_bl for one in parts]),
+        np.mean([one.bearing for one in parts], axis=0),
+        np.concatenate([one.time for one in parts]),
+        np.concatenate([one.together for one in parts]),
+        parts[-1].end,
+    )
+
+
+def _median(values: Sequence[float]) -> float:
+    """The median of the values that are not NaN; NaN without any."""
+    there = [value for value in values if not np.isnan(value)]
+    return float(np.median(there)) if there else np.nan
 
 
 def _shape(record: Record, t: int, members: Ints, bearing: Array) -> tuple[float, float, float]:

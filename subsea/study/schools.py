@@ -136,11 +136,23 @@ def splits(school: School, end: float) -> list[Split]:
 
     Shorter ones than half a second do not count. `end` is the time of the last tick, s.
     """
+    return [
+        Split(
+            school.leader,
+            float(school.time[first]),
+            duration,
+            after < len(school.time),
+            float(1.0 - school.together[first:after].min()),
+        )
+        for first, after, duration in split_periods(school.time, school.together, end)
+    ]
+
+
+def split_periods(time: Array, together: Array, end: float) -> list[tuple[int, int, float]]:
+    """First sample, sample after the last, and duration, s, of each split; see `splits`."""
     found = []
-    for first, after in runs(school.together < WHOLE):
-        rejoined = after < len(school.time)
-        duration = float((school.time[after] if rejoined else end) - school.time[first])
+    for first, after in runs(together < WHOLE):
+        duration = float((time[after] if after < len(time) else end) - time[first])
         if duration >= SPLIT_S:
-            apart = float(1.0 - school.together[first:after].min())
-            found.append(Split(school.leader, float(school.time[first]), duration, rejoined, apart))
+            found.append((first, after, duration))
     return found

@@ -16,11 +16,12 @@ from subsea.fish.species import load_species, shipped_species
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario, scenario_names
+from subsea.study import predation, schooling, swimming
 from subsea.study.bounds import Outside, outside
-from subsea.study.predation import Predation, predation
-from subsea.study.schooling import Schooling, schooling
+from subsea.study.predation import Predation
+from subsea.study.schooling import Schooling
 from subsea.study.simulate import live_records
-from subsea.study.swimming import Swimming, joined, swimming
+from subsea.study.swimming import Swimming
 from subsea.world.world import World
 
 CROWD = {"open-ocean": 3000}  # fishes of a scenario that has more
@@ -115,16 +116,13 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
     beyond: list[Outside] = []
     hunts: list[Predation] = []
     for record in live_records(world, trial.ticks, BLOCK_FISH_TICKS):
-        for name, found in swimming(record, slowest).items():
+        for name, found in swimming.swimming(record, slowest).items():
             swims.setdefault(keys.get(name, name), []).append(found)
-        schools += schooling(record)
+        schools += schooling.schooling(record)
         beyond += outside(record)
-        hunts.append(predation(record))
-    hunt = Predation(
-        sum(one.attacks for one in hunts), sum(one.captures for one in hunts), hunts[0].catches
-    )
-    thinned = {name: _thinned(joined(parts)) for name, parts in swims.items()}
-    return SeaMeasures(thinned, schools, beyond, hunt)
+        hunts.append(predation.predation(record))
+    thinned = {name: _thinned(swimming.joined(parts)) for name, parts in swims.items()}
+    return SeaMeasures(thinned, schooling.joined(schools), beyond, predation.joined(hunts))
 
 
 def slowest_strokes(world: World) -> Array:

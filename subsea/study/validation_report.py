@@ -17,7 +17,7 @@ AIM = "project_aims"
 PITCHED, STRAIGHT, IDLE, HOVERING = 0.05, 0.10, 0.10, 0.01  # greatest shares
 SLOW_STROUHAL = 0.45  # of a trout at 0.5 L/s (drucker_2005); seas have slow fishes
 CATCHES = 1.0, 4.0  # mean of each predator in three minutes
-TIGHTEST = 10  # percentile of radii
+TIGHTEST = 1  # percentile of radii: measured are least radii, not those of every turn
 HASTY = 99  # percentile of speeds in flights and hunts
 NAN = math.nan
 
@@ -48,7 +48,7 @@ def summarise(done: Done) -> Summary:
         if measures.schools:
             found.schools.setdefault(trial.label, []).extend(measures.schools)
         if measures.predation.catches:
-            found.catches.setdefault(trial.label, []).extend(measures.predation.catches)
+            found.catches.setdefault(trial.label, []).extend(measures.predation.rates())
     found.swims.update({name: joined(swims[name]) for name in sorted(swims)})
     return found
 
@@ -91,9 +91,9 @@ def _swimming(name: str, found: Swimming, facts: SwimmingFacts) -> Iterator[Rang
     note = f"{len(found.hasty)} half seconds"
     yield published(name, "speed in flights and hunts, 99%", _at(found.hasty, HASTY), " L/s",
                     facts.burst, note)  # fmt: skip
-    tight = _at(found.radius, TIGHTEST)
-    yield published(name, "turning radius at low speed, tightest tenth", tight, " L", facts.radius,
-                    f"{len(found.radius)} turns")  # fmt: skip
+    quantity = "turning radius at low speed, tightest hundredth"
+    note = f"{len(found.radius)} turns"
+    yield published(name, quantity, _at(found.radius, TIGHTEST), " L", facts.radius, note)
     yield _share(name, "ticks pitched over 25°", found.pitched, PITCHED)
     yield _share(name, "change of heading in straight segments", found.straight, STRAIGHT)
     yield _share(name, "time below its slowest stroke", found.idle, IDLE)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.state import EAT, PREDATOR, PREY, WANDER
-from subsea.study.predation import PERIOD_S, predation
+from subsea.study.predation import PERIOD_S, joined, predation
 from tests.support.records import LENGTH, TICK_S, a_record, still
 
 
@@ -39,10 +39,24 @@ def test_attacks_close_together_are_one():
 def test_prey_that_dies_in_an_attack_was_caught():
     found = predation(a_hunt(approaches(2, 10), dies=108))
     assert (found.attacks, found.captures) == (2, 1)
-    assert found.catches == [pytest.approx(PERIOD_S / 20.0)]
+    seconds = 200 * TICK_S
+    assert (found.catches, found.seconds) == ([1], pytest.approx(seconds))
+    assert found.rates() == [pytest.approx(PERIOD_S / seconds, abs=0.05)]
     found = predation(a_hunt(approaches(2, 10), dies=70))  # 4 s after the attack
     assert (found.captures, len(found.catches)) == (0, 1)
 
 
 def test_a_sea_without_predators_has_no_attacks():
-    assert predation(a_record(still(20, [0, 0, -200.0]))) == (0, 0, [])
+    found = predation(a_record(still(20, [0, 0, -200.0])))
+    assert found == (0, 0, [], pytest.approx(20 * TICK_S))
+
+
+def test_parts_of_a_dive_count_as_one():
+    """Catches add up, and only those of the first three minutes count."""
+    part = predation(a_hunt(approaches(2, 10), dies=108))
+    record = a_hunt(approaches(2, 10), dies=108)
+    late = predation(record._replace(time=record.time + PERIOD_S))
+    assert (late.captures, late.catches) == (1, [0])
+    whole = joined([part, part, late])
+    assert (whole.attacks, whole.captures, whole.catches) == (6, 3, [2])
+    assert whole.seconds == pytest.approx(3 * part.seconds)

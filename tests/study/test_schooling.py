@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.state import SCHOOL
-from subsea.study.schooling import BEARINGS, schooling
+from subsea.study.schooling import BEARINGS, joined, schooling
 from tests.support.records import LENGTH, a_record
 
 
@@ -39,3 +39,19 @@ def test_files_have_their_neighbours_ahead_and_behind():
     assert found.ahead_bl == pytest.approx(2.0, rel=1e-4)
     assert found.bearing[0] + found.bearing[-1] == pytest.approx(1.0)
     assert found.split_s.shape == (0,)
+
+
+def test_a_split_may_last_from_one_part_of_a_record_to_the_next():
+    """Two recorded parts, with the school in halves from the end of one into the other."""
+    (whole,) = schooling(a_school(np.eye(4, 3)))
+    time = np.arange(0.0, 20.0, 0.5)
+    split = np.where((time >= 8.0) & (time < 13.0), 0.5, 1.0)
+    parts = [
+        whole._replace(time=time[part], together=split[part], end=float(time[part][-1]), fishes=n,
+                       polarisation=p)
+        for part, n, p in ((slice(0, 20), 4, 0.9), (slice(20, 40), 5, np.nan))
+    ]  # fmt: skip
+    (found,) = joined(parts)
+    assert found.split_s.tolist() == [5.0]
+    assert (found.fishes, found.polarisation) == (5, 0.9)
+    assert [one.leader for one in joined([*parts, whole._replace(leader=9)])] == [whole.leader, 9]

@@ -13,9 +13,10 @@ from subsea.study.schooling import BEARINGS, Schooling
 from subsea.study.validation import SeaMeasures, SeaTrial
 from subsea.study.validation_files import ValidationFiles, seed_words, validate
 
-SCHOOL = Schooling(0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, np.full(BEARINGS, 1 / BEARINGS), np.zeros(0))
+SHARES = np.full(BEARINGS, 1 / BEARINGS)
+SCHOOL = Schooling(0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, SHARES, np.zeros(0), np.zeros(0), 0.0)
 MEASURES = SeaMeasures(
-    {}, [SCHOOL], [Outside("Fish", 1000, 1, 4.0, "seabed", 1.0)], Predation(3, 2, [2.0])
+    {}, [SCHOOL], [Outside("Fish", 1000, 1, 4.0, "seabed", 1.0)], Predation(3, 2, [2], 180.0)
 )
 
 

@@ -6,7 +6,7 @@ import pytest
 from subsea.core.findings import MISSING, PASS
 from subsea.fish.measured import load_measured
 from subsea.study.bounds import Outside
-from subsea.study.predation import Predation
+from subsea.study.predation import PERIOD_S, Predation
 from subsea.study.schooling import BEARINGS, Schooling
 from subsea.study.swimming import Swimming
 from subsea.study.validation import SeaMeasures, SeaTrial
@@ -30,9 +30,18 @@ def a_school(**changed):
     values = {
         "leader": 0, "fishes": 10, "polarisation": 0.95, "nearest_bl": 0.8, "height_bl": 0.1,
         "room_bl3": 1.0, "ahead_bl": 0.3, "bearing": np.full(BEARINGS, 1 / BEARINGS),
-        "split_s": np.array([3.0]),
     }  # fmt: skip
-    return Schooling(**values | changed)
+    return Schooling(**values | in_parts(3.0) | changed)
+
+
+def in_parts(*seconds):
+    """Samples of a school that was split for the given times, with 10 s between them."""
+    time = np.arange(0.0, 100.0, 0.5)
+    together, start = np.ones(len(time)), 10.0
+    for duration in seconds:
+        together[(time >= start) & (time < start + duration)] = 0.5
+        start += duration + 10.0
+    return {"time": time, "together": together, "end": 100.0}
 
 
 def done(swims=None, school=None, beyond=0, catches=(2.0,)):
@@ -40,11 +49,11 @@ def done(swims=None, school=None, beyond=0, catches=(2.0,)):
     outside = [Outside("Fish", 1000, beyond, 4.0, "seabed", 1.0)]
     measures = SeaMeasures(
         {"fusilier": swims or some()}, [school or a_school()], outside,
-        Predation(3, 2, list(catches)),
+        Predation(3, 2, list(catches), PERIOD_S),
     )  # fmt: skip
     hunts = [
         (trial._replace(label=f"on {size}", hunt=True, size=size),
-         SeaMeasures({}, [], [], Predation(attacks, captures, [])))
+         SeaMeasures({}, [], [], Predation(attacks, captures, [], PERIOD_S)))
         for size, attacks, captures in ((1, 4, 4), (20, 10, 2))
     ]  # fmt: skip
     return [(trial, measures), *hunts]
@@ -64,9 +73,9 @@ def test_a_sea_like_nature_passes():
         ({"swims": some(strouhal=0.6)}, {"Strouhal number"}),
         ({"swims": some()._replace(straight=(5.0, 10.0))},
          {"change of heading in straight segments"}),
-        ({"swims": some(radius=1.5)}, {"turning radius at low speed, tightest tenth"}),
+        ({"swims": some(radius=1.5)}, {"turning radius at low speed, tightest hundredth"}),
         ({"school": a_school(polarisation=0.7)}, {"polarisation"}),
-        ({"school": a_school(split_s=np.array([3.0, 20.0]))}, {"longest split"}),
+        ({"school": a_school(**in_parts(3.0, 20.0))}, {"longest split"}),
         ({"school": a_school(height_bl=0.7)}, {"elevation of the nearest"}),
         ({"beyond": 3}, {"fish-ticks out of bounds or in solids"}),
         ({"catches": (0.0, 1.0)}, {"catches of a predator in 3 min, mean"}),
