@@ -5,7 +5,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix, rotate
-from subsea.geometry.vector import plus, store, times, vector
+from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 
@@ -70,14 +70,23 @@ def ends_world(fishes: Fishes, nodes: Array, snout: Array, tail: Array) -> None:
 
     `nodes` are the library's.
     """
-    upper, lower = TAIL_TIPS
     for i in range(len(fishes.species)):
-        w, a, b = fishes.weight[i], fishes.row_a[i], fishes.row_b[i]
-        body = fishes.scale[i] * ((1.0 - w) * nodes[a] + w * nodes[b])
-        nose = vector(body[0])
-        edge = times(0.5, plus(vector(body[upper]), vector(body[lower])))
-        for out, point in ((snout, nose), (tail, edge)):
-            store(out[i], plus(vector(fishes.position[i]), rotate(fishes.orientation[i], point)))
+        here, q = vector(fishes.position[i]), fishes.orientation[i]
+        nose, edge = ends(fishes, nodes, i)
+        store(snout[i], plus(here, rotate(q, nose)))
+        store(tail[i], plus(here, rotate(q, edge)))
+
+
+@kernel
+def ends(fishes: Fishes, nodes: Array, i: int) -> tuple[Vector, Vector]:
+    """The tip of the snout and the middle of the tail's edge of fish i, cm, body axes."""
+    upper, lower = TAIL_TIPS
+    w, a, b = fishes.weight[i], fishes.row_a[i], fishes.row_b[i]
+    before, after = fishes.scale[i] * (1.0 - w), fishes.scale[i] * w
+    nose = plus(times(before, vector(nodes[a, 0])), times(after, vector(nodes[b, 0])))
+    top = plus(times(before, vector(nodes[a, upper])), times(after, vector(nodes[b, upper])))
+    bottom = plus(times(before, vector(nodes[a, lower])), times(after, vector(nodes[b, lower])))
+    return nose, times(0.5, plus(top, bottom))
 
 
 def _points_world(fishes: Fishes, table: Array, i: int) -> Array:

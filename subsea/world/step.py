@@ -29,6 +29,7 @@ from subsea.habitat.contact import keep_in_free_water
 from subsea.habitat.current import flow_at, set_drift
 from subsea.habitat.seaweed import step_seaweed
 from subsea.habitat.separation import separate
+from subsea.motor.containment import contain
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
@@ -155,6 +156,7 @@ def move_fishes(world: World, clock: Clock) -> None:
     )  # fmt: skip
     world.report_bursts(burst)
     play(fishes, world.library, TICK_S)
+    contain(fishes, world.library.nodes, state.sea, TICK_S)
     flap(fishes, world.library, TICK_S)
 
 

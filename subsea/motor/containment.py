@@ -1,0 +1,106 @@
+"""Keep bodies in the sea and out of solids, whatever brought them there.
+
+Fishes steer clear (`behavior/steering.py`) and slide along what they touch (`habitat/contact.py`),
+but both foresee a straight way. A turn swings snout or tail aside, and a burst begins within a
+tick. What reaches beyond a barrier after the motion is moved back before anybody sees it.
+"""
+
+import math
+
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
+from subsea.geometry.height_field import height_at
+from subsea.geometry.rotation import quaternion, rotate
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.vector import Vector, minus, norm, plus, store, times, vector
+from subsea.motor.pose import ends
+from subsea.state import Fishes, Sea
+
+GAP_CM = 0.1  # that is left: above the rounding of positions
+PASSES = 12  # steps out of barriers that overlap
+SWING = 0.25  # of a body length: the farthest that a turn swings an end in a tick
+
+
+@kernel
+def contain(fishes: Fishes, nodes: Array, sea: Sea, dt: float) -> None:
+    """Move each fish back by as much as snout, middle or tail is beyond a barrier.
+
+    `nodes` are the library's. A body that fits nowhere near keeps the place and attitude of the
+    last tick. One that a panel put into a solid is let out at the speed of its own motion. A fish
+    on the hook may leave the water.
+    """
+    for i in range(len(fishes.species)):
+        if not fishes.alive[i] or i == sea.catch[1]:
+            continue
+        # In double precision, as all else that follows.
+        here, length = times(1.0, vector(fishes.position[i])), float(fishes.length[i])
+        if not _is_near(here, length, sea):
+            continue
+        q = quaternion(fishes.orientation[i])
+        nose, edge = ends(fishes, nodes, i)
+        nose, edge = rotate(q, nose), rotate(q, edge)
+        before = times(1.0, vector(fishes.previous_position[i]))
+        most = norm(minus(here, before)) + SWING * length
+        place, free = here, False
+        for _ in range(PASSES):
+            gap, way = deepest(place, nose, edge, sea)
+            free = gap >= 0.0
+            if free or norm(minus(place, here)) > most:
+                break
+            place = plus(place, times(GAP_CM - gap, way))
+        off = norm(minus(place, here))
+        if off == 0.0:
+            continue
+        if off > most:
+            place = plus(here, times(most / off, minus(place, here)))
+        elif not free:
+            place = before
+            if not fishes.live[i]:
+                store(fishes.orientation[i], quaternion(fishes.previous_orientation[i]))
+        store(fishes.position[i], place)
+        store(fishes.velocity[i], times(1.0 / dt, minus(place, before)))
+
+
+@kernel
+def _is_near(p: Vector, length: float, sea: Sea) -> bool:
+    """True if a body with its middle at p may reach a barrier."""
+    away = math.sqrt(p[0] * p[0] + p[1] * p[1])
+    if sea.radius - away < length or p[2] > -length or p[2] - length < sea.crest:
+        return True
+    near = False
+    for k in range(len(sea.pillars)):
+        near = near or from_pillar(sea.pillars[k], p)[1] < length
+    for k in range(len(sea.rocks)):
+        near = near or not far_from_rock(sea.rocks[k], p, length)
+    return near
+
+
+@kernel
+def deepest(here: Vector, nose: Vector, edge: Vector, sea: Sea) -> tuple[float, Vector]:
+    """The least gap, cm, of snout, middle and tail to any barrier, and the way out, a unit vector.
+
+    The gap is negative inside. `nose` and `edge` are the ends from the middle, in world axes. The
+    way out of the seabed is up.
+    """
+    least, out = math.inf, (0.0, 0.0, 1.0)
+    for part in (here, plus(here, nose), plus(here, edge)):
+        away = max(math.sqrt(part[0] * part[0] + part[1] * part[1]), 1e-6)
+        if sea.radius - away < least:
+            least, out = sea.radius - away, (-part[0] / away, -part[1] / away, 0.0)
+        if -part[2] < least:
+            least, out = -part[2], (0.0, 0.0, -1.0)
+        if part[2] - sea.crest < least:
+            above = part[2] - height_at(sea.heights, sea.half_width, part[0], part[1])
+            if above < least:
+                least, out = above, (0.0, 0.0, 1.0)
+        for k in range(len(sea.pillars)):
+            way, gap = from_pillar(sea.pillars[k], part)
+            if gap < least:
+                least, out = gap, way
+        for k in range(len(sea.rocks)):
+            if least >= 0.0 and far_from_rock(sea.rocks[k], part, 0.0):
+                continue
+            way, gap = from_rock(sea.rocks[k], part)
+            if gap < least:
+                least, out = gap, way
+    return least, out
