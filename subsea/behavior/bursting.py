@@ -5,14 +5,15 @@ import numpy as np
 from subsea.core.kernels import kernel
 from subsea.state import Clock, Fishes, Minds
 
-LASTING_S = 3.0  # of full burst, after which a fish is no faster than its sustained speed
+LASTING_S = 3.0  # of full burst, after which a fish is no faster than its sustained speed ...
+FRESH = 0.4  # ... and the share of that time for which it is at its fastest
 RECOVERS = 0.08  # s of burst recovered in a second without one
 
 
 @kernel
 def burst(fishes: Fishes, minds: Minds, i: int) -> None:
     """Let fish i swim as fast as it can: at its burst speed while fresh, less as it tires."""
-    fresh = max(1.0 - minds.spent[i] / LASTING_S, 0.0)
+    fresh = min(max(1.0 - minds.spent[i] / LASTING_S, 0.0) / (1.0 - FRESH), 1.0)
     fishes.goal_speed[i] = 1.0 + (max(fishes.burst[i], 1.0) - 1.0) * fresh
 
 

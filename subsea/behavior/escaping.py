@@ -27,13 +27,13 @@ OPPOSITE_RAD = np.radians(135.0)  # ... and up to this perpendicular
 TURN_BACK_RAD = np.radians(175.0)  # a half turn, with a side to turn by
 DODGE_RAD = np.radians(30.0), np.radians(75.0)  # from a predator that is close, or touches
 STEEP = 0.5  # steepest escape up or down, as a share of the level way
-LOOMS_RAD_S = 0.7  # growth of the angle that a predator subtends at which a fish starts ...
+LOOMS_RAD_S = 0.5  # growth of the angle that a predator subtends at which a fish starts ...
 BEHIND = 1.0  # ... and by how much more, as a share, if it comes from straight behind
 LATENCY_S = 0.1  # of a start at the threshold; shorter for a greater stimulus
 LEAST_START, MOST_START = 0.6, 2.6  # rad, range of C-starts; straight ahead without one
 SPREAD_RAD = 0.7  # range of angles by which starts differ: the direction is not to be foreseen
 REFRACTORY_S = 1.5  # until the next start
-FLIGHT_S = 1.2  # length of the burst after a start
+FLIGHT_S = 2.0  # length of the burst after a start
 START_PURPOSE = np.int64(81)  # key of the random numbers
 ADRIFT_CM_S = 5.0  # a slower submarine is taken to head for the fish
 
@@ -54,13 +54,16 @@ def desire(
 ) -> None:
     """Fear above f0, of prey without a school or that see a predator as fearful as f1 (Tu §7.5).
 
-    A fish that has no leader, such as the leader itself, is without a school.
+    A fish that has no leader, such as the leader itself, is without a school. An attack in the
+    open scatters the fishes that it is aimed at, however calm they were.
     """
     now = clock.tick * clock.dt
     for i in who:
         fear = minds.mental[i, FEAR]
         panics = minds.menace[i] >= nature.panicked or not has_school(minds, i, now)
         sees = minds.predator[i] != NOBODY
+        if sees and not panics and minds.kind[i] == PREY:
+            panics = minds.startled[i] < FLIGHT_S or looming(fishes, minds, i, sea) > LOOMS_RAD_S
         out[i] = (
             fear if minds.kind[i] == PREY and sees and fear > nature.alarmed and panics else 0.0
         )

@@ -10,7 +10,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
@@ -22,7 +22,9 @@ BRAKED = 0.12  # ... else it slows down to turn on the spot
 STRAIN = 3.5  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
 CROWD_BL = 3.0  # distance, in lengths of the prey, within which fishes confuse the hunter
-ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
+ASTRAY_BL = 1.6  # lengths of the prey by which it aims beside it, in a large crowd ...
+HALF_CROWD = 2.0  # ... and the number of companions that lead it half as far astray
+ATTENTION_PURPOSE, AIM_PURPOSE = np.int64(82), np.int64(83)  # keys of the random numbers
 RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
@@ -62,10 +64,14 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
         return
     length = fishes.length[i]
+    crowd, astray = 0, ZERO
     if norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) < BURST_BL * length:
-        j = attended(fishes, minds, i, j, clock)
+        crowd = companions(fishes, minds, j)
+        j = attended(fishes, minds, i, j, crowd, clock)
+        astray = aim_error(fishes.length[j], i, crowd, clock)
     minds.target[i] = j
-    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
+    aim = plus(vector(fishes.position[j]), astray)
+    distance = chase(fishes, minds, i, aim, vector(fishes.velocity[j]))
     strain = 0.0
     if distance > BURST_BL * length:
         fishes.goal_speed[i] = STALK
@@ -81,19 +87,37 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
 
 
 @kernel
-def attended(fishes: Fishes, minds: Minds, i: int, j: int, clock: Clock) -> int:
-    """The fish that hunter i attends to: prey j, or one of its companions near by.
-
-    In a crowd attention wanders, and the hunter aims at none for long: confusion (Neill and
-    Cullen, J. Zool. 172:549, 1974).
-    """
-    here, count = vector(fishes.position[j]), 1
+def companions(fishes: Fishes, minds: Minds, j: int) -> int:
+    """The number of neighbours of fish j that are near enough to confuse its hunter."""
+    here, count = vector(fishes.position[j]), 0
     for k in minds.neighbour[j]:
         if k < 0 or norm(minus(vector(fishes.position[k]), here)) > CROWD_BL * fishes.length[j]:
             break
         count += 1
+    return count
+
+
+@kernel
+def aim_error(length: float, i: int, crowd: int, clock: Clock) -> Vector:
+    """The way from prey of `length` cm to the point that hunter i aims at, cm.
+
+    The more companions the prey has, the farther beside it: confusion (Neill and Cullen, J. Zool.
+    172:549, 1974).
+    """
     spell = clock.tick // ATTENTION_TICKS
-    drawn = int(count * uniform(clock.seed, i, spell, ATTENTION_PURPOSE))
+    angle = 2.0 * np.pi * uniform(clock.seed, i, spell, AIM_PURPOSE)
+    error = ASTRAY_BL * length * crowd / (crowd + HALF_CROWD)
+    return error * np.cos(angle), error * np.sin(angle), 0.0
+
+
+@kernel
+def attended(fishes: Fishes, minds: Minds, i: int, j: int, crowd: int, clock: Clock) -> int:
+    """The fish that hunter i attends to: prey j, or one of its `crowd` companions.
+
+    In a crowd attention wanders, and the hunter aims at none for long.
+    """
+    spell = clock.tick // ATTENTION_TICKS
+    drawn = int((crowd + 1) * uniform(clock.seed, i, spell, ATTENTION_PURPOSE))
     if clock.tick % ATTENTION_TICKS != 0 or drawn == 0:
         return j
     k = int(minds.neighbour[j, drawn - 1])

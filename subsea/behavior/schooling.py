@@ -24,7 +24,7 @@ LAYER = 0.65  # factor on vertical distances: the nearest neighbour is at nearly
 ALIGN, SEPARATE, ATTRACT, GOAL, FLEE = 1.0, 1.3, 0.9, 0.5, 1.2  # weights
 INFORMED = 0.2  # share of fishes that know the destination
 NEAR_GOAL_BL = 6.0  # distance to the destination at which its weight fades
-CRUISING = 0.5  # share of the fastest speed that a school at ease tends to ...
+CRUISING = 0.62  # share of the fastest speed that a school at ease tends to ...
 TENDENCY = 0.15  # ... with this weight against the speed of the neighbours
 ALONG = 0.25  # change of speed by the attraction and separation along the heading
 ALARMED_SPEED = 0.9
@@ -32,7 +32,7 @@ OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all e
 LEAST_SPEED = 0.3
 # A school of n extends RADIUS_BL n^(1/3) from its middle; beyond this share of that a fish heads
 # for the middle, hurrying.
-RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.3
+RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.5
 # A straggler has fewer companions than this within this distance, cm and lengths.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
 INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
@@ -76,12 +76,15 @@ def known_by(minds: Minds, i: int) -> int:
 def has_school(minds: Minds, i: int, now: float) -> bool:
     """True if fish i likes schooling, belongs to a school, and knows where it or company is.
 
-    A leader follows nobody. Others may know where the fish is that their school is known by.
+    A leader follows nobody. The fishes of a school without a leader know where it is, as long as
+    there is another one.
     """
+    if not minds.schools[i]:
+        return False
     company = minds.neighbour[i, 0] >= 0
     if minds.leader[i] >= 0:
-        return minds.schools[i] and (company or now - minds.leader_seen[i] < LOST_S)
-    return minds.schools[i] and company and minds.leads[i] and not minds.led[i]
+        return company or now - minds.leader_seen[i] < LOST_S
+    return minds.leads[i] and not minds.led[i] and (company or minds.school_size[i] > 1.0)
 
 
 @kernel

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.bursting import LASTING_S, RECOVERS, burst, tire
+from subsea.behavior.bursting import FRESH, LASTING_S, RECOVERS, burst, tire
 
 
 def test_a_burst_fades_and_recovers_with_rest(tank):
@@ -14,9 +14,10 @@ def test_a_burst_fades_and_recovers_with_rest(tank):
         burst(t.fishes, t.minds, 0)
         speeds.append(float(t.fishes.goal_speed[0]))
         tire(t.fishes, t.minds, t.clock)
-    # The share of burst falls by itself: exp(-t / LASTING_S).
-    seconds = t.clock.dt * np.arange(200)
-    assert speeds == pytest.approx(1.0 + 3.0 * np.exp(-seconds / LASTING_S), abs=0.02)
+    # Full speed for a while; then the share of burst falls by itself, exponentially.
+    seconds = t.clock.dt * np.arange(200) - FRESH * LASTING_S
+    share = np.exp(-np.maximum(seconds, 0.0) / ((1.0 - FRESH) * LASTING_S))
+    assert speeds == pytest.approx(1.0 + 3.0 * share, abs=0.04)
     spent = float(t.minds.spent[0])
     t.fishes.goal_speed[:] = 0.5
     tire(t.fishes, t.minds, t.clock)

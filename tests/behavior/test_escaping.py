@@ -203,6 +203,21 @@ def test_desire_to_escape(around):
     assert wants() == 0
 
 
+def test_an_attack_in_the_open_scatters_a_school(around):
+    """A fish that closes ranks with its school at a distant hunter flees one that rushes at it."""
+    nature = around[1]
+    for speed, wanted in ((5.0, False), (150.0, True)):
+        fishes, minds = _attacked(40.0, speed)
+        minds.mental[:, FEAR], minds.schools[0] = nature.alarmed + 0.1, True
+        minds.leader[0], minds.leader_seen[0] = 1, 0.0
+        out = np.zeros(2, np.float32)
+        desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+        assert bool(out[0] > 0.0) == wanted
+    minds.predator[0] = NOBODY  # out of sight: it has nobody to flee from
+    desire(np.arange(2), fishes, minds, *around, CLOCK, out)
+    assert out[0] == 0.0
+
+
 def _attacked(distance, speed, heading=np.pi):
     """A fish with a predator before it that rushes at it, 10 cm wide, `distance` cm away."""
     fishes, minds = _pair((distance, 0.0, 0.0), heading, speed)

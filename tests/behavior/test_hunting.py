@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from subsea.behavior import eating
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.hunting import (
+    ASTRAY_BL,
     ATTENTION_TICKS,
     BRAKED,
     BURST_BL,
@@ -20,7 +21,9 @@ from subsea.behavior.hunting import (
     STRAIN,
     SUCK_BL,
     SUCK_BL_S,
+    aim_error,
     attended,
+    companions,
     inhale,
     suction,
 )
@@ -246,13 +249,30 @@ def test_in_a_crowd_attention_is_divided_evenly(around):
     fishes, minds = _hunter((60, 0, 0), (60, 20, 0), (60, -30, 0), (60, 200, 0))
     minds.neighbour[1, :3] = 2, 3, 4
     ticks = ATTENTION_TICKS * np.arange(600)
-    seen = [attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(tick))) for tick in ticks]
+
+    def chosen(tick):
+        crowd = companions(fishes, minds, 1)
+        return attended(fishes, minds, 0, 1, crowd, CLOCK._replace(tick=int(tick)))
+
+    seen = [chosen(tick) for tick in ticks]
     assert np.bincount(seen, minlength=5) / 600 == pytest.approx(
         [0, 1, 1, 1, 0] / np.float64(3), abs=0.08
     )
-    assert attended(fishes, minds, 0, 1, CLOCK._replace(tick=ATTENTION_TICKS + 1)) == 1
+    assert chosen(ATTENTION_TICKS + 1) == 1
     minds.quarry[0] = 0, 3, -1  # directed
-    told = {attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(k))) for k in ticks}
-    assert told == {1, 2}
+    assert {chosen(tick) for tick in ticks} == {1, 2}
     minds.neighbour[1] = -1
-    assert {attended(fishes, minds, 0, 1, CLOCK._replace(tick=int(k))) for k in ticks} == {1}
+    assert {chosen(tick) for tick in ticks} == {1}
+
+
+def test_a_crowd_leads_the_aim_astray():
+    """Straight at a lone prey; beside one in a crowd, on every side alike, for a third of a s."""
+    assert aim_error(20.0, 0, 0, CLOCK) == (0.0, 0.0, 0.0)
+    spells = [CLOCK._replace(tick=ATTENTION_TICKS * k) for k in range(400)]
+    errors = {n: np.array([aim_error(20.0, 0, n, one) for one in spells]) for n in (2, 6)}
+    for crowd, share in ((2, 0.5), (6, 0.75)):
+        far = np.linalg.norm(errors[crowd], axis=1)
+        np.testing.assert_allclose(far, share * ASTRAY_BL * 20.0, rtol=1e-6)
+        assert np.linalg.norm(errors[crowd].mean(axis=0)) < 0.1 * far[0]
+    later = spells[0]._replace(tick=spells[0].tick + ATTENTION_TICKS - 1)
+    assert aim_error(20.0, 0, 6, later) == tuple(errors[6][0])

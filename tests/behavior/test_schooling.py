@@ -73,6 +73,18 @@ def test_a_fish_outside_its_school_heads_for_the_middle(tank):
     assert _urge(t)[1] > 0.5
 
 
+@pytest.mark.parametrize("fish", [0, 1])
+def test_one_that_lost_its_school_returns_to_it(tank, fish):
+    """Also the fish by which the school is known; but the last of a school has none."""
+    t = _school(tank, n=3)
+    t.minds.leader_place[:] = HERE + (0.0, 300.0, 0.0)
+    t.minds.leader_seen[:] = t.clock.tick * t.clock.dt
+    assert t.desire(schooling.desire)[fish] > 0.0
+    assert _urge(t, fish)[1] > 0.5
+    t.minds.school_size[:] = 1.0
+    assert bool(t.desire(schooling.desire)[0] > 0.0) is False
+
+
 def test_a_school_draws_a_destination_once_an_informed_fish_is_there(tank):
     t = _school(tank, (1, 0, 0))
     t.minds.patience[:] = 100.0
