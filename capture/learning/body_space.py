@@ -15,7 +15,7 @@ from subsea.biomechanics.stability import longest_step
 from subsea.fish.surface import SurfacePlan, along
 
 TICKS, FIRST_TICKS = (12, 20), 17  # of a fast beat: range of the search, and its start
-BURST_TICKS, MEDIUM_TICKS, SLOW_TICKS = 0.8, 1.45, 2.1  # over those of fast
+BURST_TICKS, MEDIUM_TICKS, SLOW_TICKS = 0.8, 1.45, 2.25  # over those of fast
 STIFFNESS, VISCOSITY = (20.0, 800.0), (0.03, 3.0)
 MASS_FACTOR = 4.0  # of a station's share in the mass, up or down
 MASS = (0.8, 1.2)  # g for each cm³ of the drawn fish, times DENSITY
@@ -34,21 +34,24 @@ def outline_volume(surface: SurfacePlan, length: float) -> float:
     return float((area[1:] + area[:-1]).sum() / 2 * (at[1] - at[0]) * length**3)
 
 
-def species_point(plan: BodyPlan, swim: SwimPlan, volume: float) -> Floats:
-    """The point of a species in the unit box, clipped to it: where a search begins.
+def species_point(plan: BodyPlan, swim: SwimPlan, volume: float, firm: bool = False) -> Floats:
+    """The point of a species in the unit box, clipped to it: where a search may begin.
 
-    Soft bodies begin at a stiffness that carries the mass of the water, beats at FIRST_TICKS.
+    A ``firm`` one has at least a stiffness that carries the mass of the water, and beats at
+    FIRST_TICKS.
     """
     fewest, most = TICKS
     low, high = LAGS
+    ticks = FIRST_TICKS if firm else swim.ticks_per_beat
+    least = 0.5 if firm else 0.0
     contraction = np.array(swim.contraction) / max_contractions(
-        build_body(plan), _burst_ticks(FIRST_TICKS)
+        build_body(plan), _burst_ticks(ticks)
     )
     values = [
         *contraction,
         (swim.lag - low) / (high - low),
-        (FIRST_TICKS + 0.5 - fewest) / (most + 1 - fewest),
-        *(max(_share(k, STIFFNESS), 0.5) for k in _stiffness(plan)),
+        (ticks + 0.5 - fewest) / (most + 1 - fewest),
+        *(max(_share(k, STIFFNESS), least) for k in _stiffness(plan)),
         _share(plan.viscosity, VISCOSITY),
         (plan.mass / (DENSITY * volume) - MASS[0]) / (MASS[1] - MASS[0]),
         *np.full(len(plan.masses) - 1, 0.5),

@@ -51,10 +51,12 @@ def search(
     budget: int,
     seed: int,
     progress: Callable[[Evaluation], object] = lambda evaluation: None,
+    spread: float = SPREAD,
 ) -> list[Evaluation]:
     """Evaluate ``loss`` at ``budget`` points of the unit box [0, 1]ⁿ; return them, best first.
 
-    The search begins at ``start`` (n,) and is deterministic.
+    The search begins at ``start`` (n,) and is deterministic. CMA-ES begins with steps of
+    ``spread``.
     """
     tried: list[Evaluation] = []
 
@@ -67,7 +69,11 @@ def search(
         return tried[-1].loss
 
     with suppress(_BudgetSpent):
-        {"cma": _cma, "annealing": _annealing}[method](evaluate, np.clip(start, 0, 1), seed, budget)
+        begin = np.clip(start, 0.0, 1.0)
+        if method == "cma":
+            _cma(evaluate, begin, seed, spread)
+        else:
+            _annealing(evaluate, begin, seed, budget)
     return sorted(tried)
 
 
@@ -80,7 +86,7 @@ def distinct(tried: list[Evaluation]) -> Iterator[Evaluation]:
             yield one
 
 
-def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: int) -> None:
+def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, spread: float) -> None:
     """CMA-ES; after convergence restarted at random with twice the population."""
     import cma
 
@@ -97,11 +103,11 @@ def _cma(evaluate: Callable[[Floats], float], start: Floats, seed: int, budget: 
                 "seed": int(rng.integers(1, 2**31)),
                 "verbose": -10,
             }
-            strategy = cma.CMAEvolutionStrategy(start, SPREAD, options)
+            strategy = cma.CMAEvolutionStrategy(start, spread, options)
             while not strategy.stop():
                 points = strategy.ask()
                 strategy.tell(points, [evaluate(point) for point in points])
-            start = rng.random(len(start))
+            start, spread = rng.random(len(start)), SPREAD
             population *= 2
     finally:
         np.random.set_state(state)  # noqa: NPY002

@@ -2,7 +2,8 @@
 
 One search finds material, distribution of mass and the fast gait together (body_space.py,
 lifelike.py). Amplitudes of the other grades follow from measured tail amplitudes (grades.py), the
-gradual turn from measured headings (turn.py). Candidates are verified, best first.
+gradual turn from measured headings (turn.py). Candidates are verified, best first: the first that
+closes its beats at all grades, burst included, is taken, else the first without a burst.
 """
 
 from itertools import islice
@@ -13,6 +14,7 @@ import msgspec
 import numpy as np
 
 from capture.learning.body_space import (
+    BODY_SIZE,
     SWIM_SIZE,
     body_at,
     gait_at,
@@ -20,11 +22,10 @@ from capture.learning.body_space import (
     species_point,
 )
 from capture.learning.fitness import disturbed_faults
-from capture.learning.grades import with_amplitudes
+from capture.learning.grades import grade_waves, with_amplitudes
 from capture.learning.journal import Journal
-from capture.learning.lifelike import HALF, wave_loss
-from capture.learning.search import distinct, search
-from capture.learning.swim import MAX_VERIFIED
+from capture.learning.lifelike import HALF, POOR, wave_loss
+from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
 from capture.recording.trial import displacement, grade_contraction, steady_beat
@@ -35,6 +36,8 @@ from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
 LEAST_RATIO = 1.05  # of the speeds of neighbouring grades
+MAX_VERIFIED = 24  # most candidates that are verified: few of the best close their beat and burst
+NEARBY = 0.07  # first steps of a search that begins at a sound gait
 
 
 class LearningTask(NamedTuple):
@@ -73,7 +76,7 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
     muscles = task.species.muscles
     assert muscles
     volume = outline_volume(task.species.surface, muscles.body.length)
-    start = species_point(muscles.body, muscles.swim, volume)
+    size = SWIM_SIZE + BODY_SIZE if task.body else SWIM_SIZE
 
     def at(point: Floats | tuple[float, ...]) -> tuple[BodyPlan, SwimPlan]:
         place = np.asarray(point)
@@ -86,24 +89,40 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
         plan, swim = at(point)
         return wave_loss(build_body(plan), swim, task.seed)
 
-    size = len(start) if task.body else SWIM_SIZE
-    tried = search(journal.remembered(loss), start[:size], "cma", task.budget, task.seed)
+    own, firm = (
+        species_point(muscles.body, muscles.swim, volume, firm)[:size] for firm in (False, True)
+    )
+    remembered = journal.remembered(loss)
+    first = remembered(own)
+    known = first < POOR  # a species that was learned before
+    start, spread, budget = (own, NEARBY, task.budget) if known else (firm, SPREAD, task.budget - 1)
+
+    def again(point: Floats) -> float:
+        return first if known and np.array_equal(point, own) else remembered(point)
+
+    tried = search(again, start, "cma", budget, task.seed, spread=spread)
+    kept = None
     for one in islice(distinct(tried), MAX_VERIFIED):
-        found = _verified(task, at(one.point), journal, notes)
-        if found:
+        found = _verified(task, at(one.point), kept is not None, notes)
+        if found and found.swim.burst is not None:
             return found
-    return None
+        kept = kept or found
+    return kept
 
 
 def _verified(
-    task: LearningTask, found: tuple[BodyPlan, SwimPlan], journal: Journal, notes: list[str]
+    task: LearningTask, found: tuple[BodyPlan, SwimPlan], bursts: bool, notes: list[str]
 ) -> Muscles | None:
-    """Body and gait with all grades and turns, if they pass the verification."""
+    """Body and gait with all grades and turns, if they pass the verification.
+
+    With ``bursts`` a burst must be among them.
+    """
     plan, swim = found
     body = build_body(plan)
     try:
         swim = _with_fit_burst(body, with_amplitudes(body, swim))
-        faults = whole_faults(body, swim, task.seed)
+        faults = ["it has no burst"] if bursts and swim.burst is None else []
+        faults = faults or whole_faults(body, swim, task.seed)
     except (UserError, ValueError) as fault:
         faults = [str(fault)]
     if faults:
@@ -144,6 +163,9 @@ def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
 
     The aims of its fast grade are not checked: the best that was found is what a body can do.
     """
+    for grade, wave in grade_waves(body, swim).items():
+        if np.isinf(wave.wavelength):
+            return [f"no wave runs to its tail at grade {grade}"]
     speeds = [_speed(body, swim, grade) for grade in swim.grades]
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if speed < LEAST_RATIO * below:
