@@ -8,6 +8,7 @@ the couple also resists further turning. Only turns to the left are simulated: t
 are their mirror images.
 """
 
+from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
 
@@ -54,9 +55,12 @@ MOST_SPIN_DEG = 20.0  # of the head in a tick
 CLOSE_DEG = 5.0  # a turn that is nearer to its angle is not tried with less bend
 LOOP_DEG = 100.0  # error that counts as much as ending a body length off the swim it began in
 SLOWER = (1.0, 1.5)  # factors of the times of a turn, if it cannot be as fast
-SHARES = (1.0, 0.85, 0.7, 0.55, 0.4)  # of the bend and the beat
+SHARES = (1.0, 0.8, 0.6, 0.4)  # of the bend and the beat
 COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a body without drag
-YAW_DAMPING = 0.2  # 1/tu: the couple that resists turning, over the turning rate
+MOST_LOST = 3  # greater couples in a row that a body does not bear
+YAW_DAMPINGS = (0.6, 1.5, 0.3)  # 1/tu: couples that resist turning over its rate, as tried
+MOST_DONE = 0.9  # share of the greatest change of heading at which a turn counts as done
+LATE_DEG = 2.0  # error that counts as much as a tick after the time to be done
 SETTLE_TICKS = 20  # over which it ceases
 FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
 COAST_TICKS = 12  # of a glide before a turn
@@ -81,12 +85,13 @@ class BendingTurn(NamedTuple):
     beats: int  # swum on
     grade: str  # of these beats
     entry: str = "rest"  # or "glide", or "swim": at medium, with a beat that goes on
+    done: float = np.inf  # ticks in which most of it should be done
 
 
 TURNS = {
-    "cstart_left_moderate": BendingTurn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst"),
-    "cstart_left_wide": BendingTurn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst"),
-    "turn_left_rest": BendingTurn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow"),
+    "cstart_left_moderate": BendingTurn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst", done=29),
+    "cstart_left_wide": BendingTurn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst", done=32),
+    "turn_left_rest": BendingTurn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow", done=28),
     "turn_left_sharp": BendingTurn(90.0, 0.18, 6.0, 6.0, 10.0, 0.0, 1, "medium", "swim"),
     "turn_left_glide": BendingTurn(90.0, 0.18, 8.0, 8.0, 12.0, 0.0, 1, "medium", "glide"),
 }
@@ -100,13 +105,20 @@ def manoeuvre(motion: Muscles, name: str) -> Trial:
     if name == "swim_stop":
         return _stop(body, swim)
     left = name.replace("_right_", "_left_")
+    trial = _left_turn(motion, left)
+    return trial if name == left else mirrored(trial)
+
+
+@lru_cache(maxsize=8)
+def _left_turn(motion: Muscles, left: str) -> Trial:
+    """Search a turn to the left, once for both sides; nobody changes its state."""
+    body, swim = build_body(motion.body), motion.swim
     turn, start = TURNS[left], at_rest(body)
     if left == "turn_left_sharp":
         turn = turn._replace(angle=motion.turn.sharp)
     if turn.entry != "rest":
         start = _swimming(body, swim, turn.entry)
-    trial = turn_from(Turner(body, inertial_mass(motion.body, body.mass), swim), turn, start)
-    return trial if name == left else mirrored(trial)
+    return turn_from(Turner(body, inertial_mass(motion.body, body.mass), swim), turn, start)
 
 
 def mirrored(trial: Trial) -> Trial:
@@ -129,7 +141,7 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
     """Turn left by ``turn.angle``: a search for the couple, and then for its nearest value.
 
     Where the body would lose its shape it bends and beats less. Returns the sound turn that is
-    nearest to the angle.
+    nearest to the angle, and in time.
     """
     # From swimming, the first and the last frame are at the same phase of the beat.
     swims = turn.entry == "swim"
@@ -144,17 +156,22 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
         if not (is_sound(trial.state) and _is_smooth(trial.frames, length)):
             return np.nan
         missing = turn.angle - mean_heading(trial.frames, beat)
-        error = abs(missing) + (LOOP_DEG * loop_error(trial.frames) / length if swims else 0.0)
+        error = abs(missing) + LATE_DEG * max(0.0, ticks_to_turn(trial.frames) - turn.done)
+        error += (LOOP_DEG * loop_error(trial.frames) / length) if swims else 0.0
         if error < least:
             best, least = trial._replace(couple=couple), error
         return missing
 
-    for slow, counter, share in product(SLOWER, dict.fromkeys((turn.counter, 0.0)), SHARES):
+    counters = dict.fromkeys((turn.counter, 0.0))
+    for slow, counter, damping, share in product(SLOWER, counters, YAW_DAMPINGS, SHARES):
         milder = turn._replace(hold=slow * turn.hold, release=slow * turn.release, counter=counter)
-        controls = _turn_controls(fish.body, fish.swim, milder, share)
-        below = 0.0
+        controls = _turn_controls(fish.body, fish.swim, milder, share, damping)
+        below, lost = 0.0, 0
         for couple in COUPLES:
             missing = attempt(couple)
+            lost = lost + 1 if np.isnan(missing) else 0
+            if lost == MOST_LOST:
+                break
             if missing < 0.0:
                 low, high = below, couple
                 while not abs(missing) <= TOLERANCE_DEG and high - low > 1e-4:
@@ -184,6 +201,12 @@ def mean_heading(frames: Floats, beat: int) -> float:
     return float(heading[-beat:].mean() - heading[0])
 
 
+def ticks_to_turn(frames: Floats) -> int:
+    """Ticks until most of the greatest change of heading is done."""
+    change = np.maximum.accumulate(np.abs(headings(frames) - headings(frames[:1])))
+    return int(np.searchsorted(change, MOST_DONE * change[-1]))
+
+
 class Controls(NamedTuple):
     """Muscles and fins in a turn of T ticks."""
 
@@ -192,8 +215,10 @@ class Controls(NamedTuple):
     damping: Floats  # (T,) 1/tu, of the couple that resists turning
 
 
-def _turn_controls(body: Body, swim: SwimPlan, turn: BendingTurn, share: float) -> Controls:
-    """Controls with a couple of at most 1."""
+def _turn_controls(
+    body: Body, swim: SwimPlan, turn: BendingTurn, share: float, resistance: float
+) -> Controls:
+    """Controls with a couple of at most 1, and one that resists turning."""
     swim = swim.at(turn.grade)
     amplitude = share * swim.amplitude(turn.grade)
     turning = turn.bend + turn.hold + turn.release
@@ -215,7 +240,7 @@ def _turn_controls(body: Body, swim: SwimPlan, turn: BendingTurn, share: float) 
     middle = (np.arange(ticks) + 0.5) / turning
     couple = np.where(middle < 1.0, np.sin(np.pi * middle) ** 2, 0.0)
     begun, left = np.arange(ticks) - released, ticks - np.arange(ticks)
-    damping = YAW_DAMPING * ease(begun / turn.release) * ease(left / SETTLE_TICKS)
+    damping = resistance * ease(begun / turn.release) * ease(left / SETTLE_TICKS)
     return Controls(contraction, couple, damping)
 
 

@@ -1,7 +1,8 @@
 """Rowing with the pectoral fins: the body is rigid and each stroke of both fins pushes it.
 
 The fins sweep backwards with their whole area against the water and forwards edge-on, as drag-based
-rowers do (Walker and Westneat 2000). Each strip of a fin is a plate as in Tu eq. 4.16.
+rowers do, or flap up and down and push all the time (Walker and Westneat 2000, 2002). Each strip of
+a fin is a plate as in Tu eq. 4.16.
 """
 
 from typing import Annotated, NamedTuple
@@ -28,6 +29,7 @@ class RowPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     ticks_per_stroke: Ticks
     amplitude: Annotated[float, msgspec.Meta(gt=0, le=60)] = 45.0  # degrees, half of the sweep
+    flaps: bool = False  # up and down, not backwards and forwards
 
 
 class Oars(NamedTuple):
@@ -39,6 +41,7 @@ class Oars(NamedTuple):
     period: float  # tu
     mass: float  # of the fish
     drag: float  # g/cm: the force on the hull over its speed squared
+    flaps: bool = False
 
 
 @kernel
@@ -55,18 +58,26 @@ def broadside(phase: float) -> float:
 
 @kernel
 def thrust(oars: Oars, phase: float, speed: float) -> float:
-    """Forward force of both fins, g cm/tu², at a phase and at a forward speed of the hull."""
+    """Forward force of both fins, g cm/tu², at a phase and at a forward speed of the hull.
+
+    A strip that flaps is turned halfway into the flow that meets it at an angle φ: there
+    the thrust of a plate is greatest, area · speed² · sin²(φ/2).
+    """
     angle = sweep_angle(phase, oars.amplitude)
     rate = -oars.amplitude * np.sin(phase) * 2.0 * np.pi / oars.period
     total = 0.0
     for k in range(STRIPS):
         share = (k + 0.5) / STRIPS
         chord = oars.width * np.sqrt(1.0 - (2.0 * share - 1.0) ** 2)
+        area = chord * oars.length / STRIPS
+        if oars.flaps:
+            flow = np.sqrt((rate * share * oars.length) ** 2 + speed * speed)
+            total += area * flow * 0.5 * (flow - speed)
+            continue
         across = rate * share * oars.length + speed * np.sin(angle)
         along = speed * np.cos(angle)
-        area = chord * oars.length / STRIPS
         total -= area * np.sqrt(across * across + along * along) * across * np.sin(angle)
-    return float(2.0 * broadside(phase) * total)
+    return float(2.0 * total if oars.flaps else 2.0 * broadside(phase) * total)
 
 
 @kernel
@@ -100,11 +111,11 @@ def steady_stroke(oars: Oars, steps: int) -> Floats:
 
 def balanced_speed(oars: Oars) -> float:
     """The constant speed, cm/tu, at which the mean thrust of a stroke is the drag of the hull."""
-    phases = np.pi * (np.arange(200) + 0.5) / 200
+    phases = 2.0 * np.pi * (np.arange(400) + 0.5) / 400
     low, high = 0.0, oars.length * oars.amplitude * 2.0 * np.pi / oars.period
     while high - low > 1e-9 * high:
         speed = 0.5 * (low + high)
-        mean = 0.5 * np.mean([thrust(oars, float(phase), speed) for phase in phases])
+        mean = np.mean([thrust(oars, float(phase), speed) for phase in phases])
         low, high = (speed, high) if mean > oars.drag * speed**2 else (low, speed)
     return low
 
@@ -132,6 +143,7 @@ def row_ticks(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Floats:
         plan.ticks_per_stroke * STEPS_PER_TICK * STEP,
         float(body.mass.sum()),
         hull_drag(body),
+        plan.flaps,
     )
     per_tick = STEPS_PER_TICK * SUBSTEPS
     speeds = steady_stroke(oars, plan.ticks_per_stroke * per_tick)

@@ -30,9 +30,23 @@ def test_a_fin_that_is_held_is_a_plate_in_the_flow() -> None:
     assert thrust(OARS, 1.5 * np.pi, 5.0) == 0.0  # edge-on
 
 
-def test_speed_is_proportional_to_the_frequency_of_strokes() -> None:
+def test_a_fin_that_flaps_pushes_up_and_down_alike() -> None:
+    """A plate halfway into the flow: at rest half of area · (tip speed)² · mean of share²."""
+    flapping = OARS._replace(flaps=True)
+    assert thrust(flapping, 0.5 * np.pi, 2.0) == pytest.approx(thrust(flapping, 1.5 * np.pi, 2.0))
+    tip = OARS.amplitude * 2 * np.pi / OARS.period * OARS.length
+    # The mean of share² over an ellipse along its length is 5/16.
+    expected = np.pi / 4 * OARS.length * OARS.width * tip**2 * 5 / 16
+    assert thrust(flapping, 0.5 * np.pi, 0.0) == pytest.approx(expected, rel=0.03)
+    assert thrust(OARS._replace(amplitude=0.0, flaps=True), 1.0, 5.0) == 0.0
+
+
+@pytest.mark.parametrize("flaps", [False, True])
+def test_speed_is_proportional_to_the_frequency_of_strokes(flaps: bool) -> None:
     """All forces are quadratic: the stride is constant."""
-    slow, quick = (steady_stroke(OARS._replace(period=period), 240) for period in (4.0, 2.0))
+    slow, quick = (
+        steady_stroke(OARS._replace(period=period, flaps=flaps), 240) for period in (4.0, 2.0)
+    )
     np.testing.assert_allclose(quick, 2 * slow, rtol=1e-6)
 
 
