@@ -21,7 +21,7 @@ AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
 STRAIN = 3.5  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
-CROWD_BL = 3.0  # distance, in lengths of the prey, within which fishes confuse the hunter
+CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ASTRAY_BL = 1.6  # lengths of the prey by which it aims beside it, in a large crowd ...
 HALF_CROWD = 2.0  # ... and the number of companions that lead it half as far astray
 ATTENTION_PURPOSE, AIM_PURPOSE = np.int64(82), np.int64(83)  # keys of the random numbers
@@ -32,7 +32,7 @@ CHEWS_PER_S = 2.5
 FITS = 0.45  # longest prey that it can swallow, over its own length
 OPEN_BL = 0.5  # distance of the prey at which the mouth is open
 OPEN = 0.5  # gape above which a mouth draws water in
-SUCK_BL = 0.4  # reach of the suction ...
+SUCK_BL = 0.3  # reach of the suction ...
 SUCK_BL_S = 2.0  # ... and its speed at the mouth
 # Prey is in the mouth when its middle is within these shares of the hunter's and its own length.
 MOUTH_BL, MIDDLE = 0.05, 0.2

@@ -17,6 +17,8 @@ BURST_RAD = 0.15  # ... and one that bursts does so entirely, and holds them sti
 BURST_TEMPO = (1.3, 2.0)  # from the first on it folds them, at the second it has
 ROW_RAD = (np.radians(60.0), np.radians(45.0))  # middle and half sweep of a rowing fin
 ROW_LIFT_RAD = 0.36  # it goes back below and forwards above
+FLAP_SWEEP_RAD = np.radians(75.0)  # of a fin that rows by flapping ...
+FLAP_LIFT_RAD = np.radians(50.0)  # ... up and down, half of its way
 FULL_STEERING = 0.6  # rad/s: the hardest steering
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
@@ -32,7 +34,7 @@ def flap(fishes: Fishes, library: Library, dt: float) -> None:
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
     each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
     brake or retreat (Tu B.2). While a row of the pectoral gait is played, its phase is that of the
-    fins: foremost at the beginning of the stroke.
+    fins: foremost at the beginning of the stroke, or highest if they flap.
     """
     for i in range(len(fishes.species)):
         fins = fishes.fins[i]
@@ -69,6 +71,8 @@ def flap(fishes: Fishes, library: Library, dt: float) -> None:
             sweep = held + (1.0 - burst) * sweep + (lean if side == 0 else -lean)
             middle, reach = ROW_RAD
             rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
+            if fishes.flaps[i]:
+                rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
             fins[SWEEP_LEFT + side] = sweep + rows * (rowing - sweep)
             fins[LIFT_LEFT + side] = lift + rows * (raised - lift)
 

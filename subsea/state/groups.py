@@ -69,6 +69,7 @@ class Fishes(NamedTuple):
     girth: Annotated[F32, creation("n", 2, unit="cm"), "height and width of the body without fins"]
     fast: Annotated[F32, creation("n", start=30, unit="cm/s"), "speed of its fast swim"]
     oars: Annotated[BOOL, creation("n"), "whether it rows with its pectoral fins (Tu appendix B.2)"]
+    flaps: Annotated[BOOL, creation("n"), "whether it rows by flapping these fins up and down"]
     burst: Annotated[F32, creation("n", start=1), "greatest goal speed, in a burst"]
     ram: Annotated[F32, creation("n"), "least goal speed: a ram ventilator never stops"]
 

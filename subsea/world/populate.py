@@ -110,6 +110,8 @@ def populate(
     fishes.fin_phase[:] = fishes.breath[:, None]
     flat = np.array([one.surface.depth > FLAT_BL for one in species.values()])
     fishes.oars[:] = flat[fishes.species]
+    flaps = np.array([one.row is not None and one.row.flaps for one in species.values()])
+    fishes.flaps[:] = flaps[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     return fishes, minds

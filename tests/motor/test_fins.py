@@ -90,10 +90,11 @@ def test_speed_folds_the_dorsal_fin_and_braking_spreads_the_tail(make_fishes, li
     assert np.abs(np.diff(braking, axis=0)[:, [DORSAL, TAIL]]).max() < 0.11  # eased
 
 
-def test_a_rowing_fin_is_foremost_as_the_stroke_begins_and_goes_back_below(make_fishes, library):
-    """The phase of the fins is that of the recorded row, however fast it is played."""
+def _rowing(make_fishes, library, flaps):
+    """Sweep and lift of the left fin at every row of the pectoral gait, and the phase, rad."""
     rows = library._replace(has=np.ones_like(library.has))
     fishes = make_fishes(1, "row_forward")
+    fishes.flaps[:] = flaps
     first, length = library.first[0, ROW], library.length[0, ROW]
     sweeps, lifts = [], []
     for row in range(length):
@@ -101,9 +102,21 @@ def test_a_rowing_fin_is_foremost_as_the_stroke_begins_and_goes_back_below(make_
         flap(fishes, rows, TICK)
         sweeps.append(fishes.fins[0, SWEEP_LEFT])
         lifts.append(fishes.fins[0, LIFT_LEFT])
-    phase = 2 * np.pi * np.arange(length) / length
+    return np.array(sweeps), np.array(lifts), 2 * np.pi * np.arange(length) / length
+
+
+def test_a_rowing_fin_is_foremost_as_the_stroke_begins_and_goes_back_below(make_fishes, library):
+    """The phase of the fins is that of the recorded row, however fast it is played."""
+    sweeps, lifts, phase = _rowing(make_fishes, library, flaps=False)
     np.testing.assert_allclose(sweeps, np.pi / 3 + np.pi / 4 * np.cos(phase), atol=1e-6)
-    assert np.mean(np.array(lifts)[1 : length // 2]) < 0 < np.mean(lifts[length // 2 + 1 :])
+    down = (phase > 0.0) & (phase < np.pi)
+    assert np.mean(lifts[down]) < 0 < np.mean(lifts[phase > np.pi])
+
+
+def test_a_flapping_fin_beats_up_and_down_across_the_way(make_fishes, library):
+    sweeps, lifts, phase = _rowing(make_fishes, library, flaps=True)
+    assert np.ptp(sweeps) < 1e-6
+    np.testing.assert_allclose(lifts, np.radians(50.0) * np.cos(phase), atol=1e-6)
 
 
 def test_a_burst_folds_the_fins_and_holds_them_still(make_fishes, library):

@@ -1,0 +1,130 @@
+"""Make film strips of four manoeuvres: `python docs/make_manoeuvre_pictures.py [FOLDER]`.
+
+manoeuvres.jpg: a C-start from above, a strike from the side, a wrasse that rows, a ray that banks.
+The camera stands still in the C-start and keeps beside the fish in the others.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from picture_files import output_folder, save
+from PIL import Image, ImageDraw
+
+import subsea
+from subsea.geometry.rotation import matrix
+from subsea.motor.segments import CSTARTS, ROW
+from subsea.world.world import TICK_S
+
+Array = NDArray[np.floating[Any]]
+
+CELL = (200, 150)  # pixels of one picture
+FRAMES = 8
+LIMIT_S = 240.0
+CAPTION = 16  # pixels
+
+
+class Strip(NamedTuple):
+    """A manoeuvre and how to look at it."""
+
+    title: str
+    scenario: str
+    seed: int
+    begins: Callable[[subsea.World], int | None]  # the fish that does it now, if any
+    before: int  # ticks before that at which the strip begins
+    every: int  # ticks from picture to picture
+    place: tuple[float, float, float]  # of the camera: ahead, left and up of the fish, lengths
+    follows: bool
+
+
+def main() -> None:
+    """Write the plate."""
+    strips = [
+        Strip("C-start of a fusilier, from above", "rendezvous", 2, _starts, 1, 1,
+              (-0.1, 0.0, 2.4), False),
+        Strip("Strike of a blacktip reef shark", "visitors", 1, _strikes, 24, 4,
+              (0.4, 1.0, 0.25), True),
+        Strip("A moon wrasse rows with its pectoral fins", "peaceful", 1, _rows, 0, 1,
+              (0.5, 0.9, 0.4), True),
+        Strip("A spotted eagle ray banks into a turn", "visitors", 1, _banks, 40, 10,
+              (-0.9, 0.0, 0.3), True),
+    ]  # fmt: skip
+    wide, high = CELL
+    plate = Image.new("RGB", (wide * FRAMES, (high + CAPTION) * len(strips)), "white")
+    draw = ImageDraw.Draw(plate)
+    for k, strip in enumerate(strips):
+        top = k * (high + CAPTION)
+        rate = f"a picture every {1000 * strip.every * TICK_S:.0f} ms"
+        draw.text((4, top + 2), f"{strip.title}; {rate}", fill="black")
+        for n, picture in enumerate(pictures(strip)):
+            plate.paste(picture, (n * wide, top + CAPTION))
+    save(plate, output_folder() / "manoeuvres.jpg")
+
+
+def pictures(strip: Strip) -> list[Image.Image]:
+    """The pictures of a strip, from shortly before the manoeuvre begins."""
+    world = subsea.load(strip.scenario, seed=strip.seed)
+    past: deque[bytes] = deque(maxlen=strip.before + 1)
+    while world.time_s < LIMIT_S:
+        world.step()
+        past.append(world.snapshot())
+        fish = strip.begins(world)
+        if fish is not None and len(past) > strip.before:
+            break
+    else:
+        raise SystemExit(f"{strip.title}: not within {LIMIT_S:.0f} s, try another seed")
+    world.restore(past[0])
+    found: list[Image.Image] = []
+    camera = None
+    for _ in range(FRAMES):
+        if strip.follows or camera is None:
+            eye = _beside(world, fish, strip.place)
+            camera = subsea.camera(eye, world.fishes.position[fish])
+        found.append(Image.fromarray(subsea.render(world, camera, CELL, "high")))
+        world.step(strip.every)
+    return found
+
+
+def _beside(world: subsea.World, fish: int, place: tuple[float, float, float]) -> Array:
+    """The place of the camera, cm, given ahead, left and up of a fish in its lengths."""
+    ahead = matrix(world.fishes.orientation[fish].astype(np.float64))[:, 0] * [1.0, 1.0, 0.0]
+    ahead /= np.linalg.norm(ahead)
+    left = np.array([-ahead[1], ahead[0], 0.0])
+    offset = place[0] * ahead + place[1] * left + place[2] * np.array([0.0, 0.0, 1.0])
+    return world.fishes.position[fish] + float(world.fishes.length[fish]) * offset
+
+
+def _of(world: subsea.World, species: str) -> NDArray[np.bool_]:
+    return world.fishes.species == world.species.index(species)
+
+
+def _first(chosen: NDArray[np.bool_]) -> int | None:
+    return int(np.flatnonzero(chosen)[0]) if chosen.any() else None
+
+
+def _starts(world: subsea.World) -> int | None:
+    startled = np.isin(world.fishes.segment, list(CSTARTS))
+    return _first(startled & _of(world, "Yellowback fusilier"))
+
+
+def _strikes(world: subsea.World) -> int | None:
+    """A shark that has just swallowed prey."""
+    return _first(_of(world, "Blacktip reef shark") & (world.minds.last_meal > world.time_s - 0.05))
+
+
+def _rows(world: subsea.World) -> int | None:
+    rows = (world.fishes.segment == ROW) & (world.fishes.thrust > 0.7)
+    return _first(rows & _of(world, "Moon wrasse") & (world.tick > 90))
+
+
+def _banks(world: subsea.World) -> int | None:
+    """A ray that leans by more than 12 degrees."""
+    axes = matrix(world.fishes.orientation.astype(np.float64))
+    lean = np.degrees(np.arcsin(np.clip(np.abs(axes[:, 2, 2]), 0.0, 1.0)))
+    return _first(_of(world, "Spotted eagle ray") & (lean > 12.0))
+
+
+if __name__ == "__main__":
+    main()
