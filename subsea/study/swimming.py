@@ -1,7 +1,7 @@
 """Swimming as realised in a sea: Strouhal number, speeds, pitch and turns of each species.
 
 The path of the tail stands for the beat, the origin of the body for the path of the fish. Samples
-are stretches of a few seconds, one after another.
+are stretches one after another, long enough for the beats of a species.
 """
 
 from typing import Any, NamedTuple
@@ -14,8 +14,9 @@ from subsea.state import EAT, ESCAPE, PREDATOR
 from subsea.study.record import Record
 from subsea.study.series import headings, runs
 
-BEATS_S = 1.0  # stretch in which a beat is measured, of fishes up to LARGE_CM
-LARGE_CM, LARGE_S = 60.0, 3.0  # larger ones beat more slowly
+BEATS_S = 1.0, 2.0, 4.0, 8.0  # stretches in which a beat is measured: the first long enough
+BEATS = 3.0  # of the median stretch that is long enough
+LEAST_BEATS = 1.5  # of a stretch: a slower swing cannot be told from the curve of the path
 SHORT_S = 0.5  # stretch in which a speed is measured
 TURN_S = 1.0  # stretch in which a turn is measured
 LEAST_AMPLITUDE = 0.03  # body lengths, peak to peak: below, the tail does not beat
@@ -26,9 +27,11 @@ TURNING_DEG_S = 5.0  # slower changes of heading are recoil
 TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
 LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
 HOVER_SPEED = 0.2  # body lengths a second
-PADDED = 8  # times as many points of a spectrum
+STEPS = 8  # frequencies of a spectrum for each beat in a stretch
+TREND = 3  # coefficients of a curved path: a parabola
 
 Counts = tuple[float, float]  # of something, out of all
+Beats = tuple[Array, Array, Array, Array]  # Strouhal numbers, frequencies, amplitudes, strides (k,)
 
 
 class Swimming(NamedTuple):
@@ -68,9 +71,8 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     forward = headings(record.orientation[:, those])
     course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
     tail = record.tail[:, those].astype(np.float64) / length[:, None]
-    long = LARGE_S if np.median(length) > LARGE_CM else BEATS_S
     swims = alive & _in_swims(record)[:, those]
-    beat = _beats(tail, course, place, swims, record.tick_s, long)
+    beat = _beats(tail, course, place, swims, record.tick_s)
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
     segment, doing = (
@@ -117,15 +119,29 @@ def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
     return values[: number * ticks].reshape(number, ticks, *values.shape[1:])
 
 
-def _beats(
-    tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, seconds: float
-) -> tuple[Array, Array, Array, Array]:
+def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float) -> Beats:
+    """The beats of a species, in the shortest stretches that hold `BEATS` of them.
+
+    `alive` (T, n) is true where a fish swims with its tail.
+    """
+    found: Beats = (np.zeros(0),) * 4
+    for seconds in BEATS_S:
+        ticks = _ticks(seconds, tick_s)
+        longer = _beats_in(tail, course, place, alive, tick_s, ticks)
+        if len(longer[0]):
+            found = longer
+            if np.median(found[1]) * seconds >= BEATS:
+                break
+    return found
+
+
+def _beats_in(
+    tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, ticks: int
+) -> Beats:
     """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
 
-    `alive` (T, n) is true where a fish swims with its tail. The beat is that of the tail beside the
-    body, so that a bent course does not count as one.
+    The beat is that of the tail beside the body, so that a bent course does not count as one.
     """
-    ticks = _ticks(seconds, tick_s)
     if len(tail) < ticks:
         return (np.zeros(0),) * 4
     there = _stretches(alive, ticks).all(axis=1)
@@ -140,27 +156,36 @@ def _beats(
     speed = np.linalg.norm(np.diff(_stretches(place, ticks)[:, [0, -1]], axis=1), axis=-1)[:, 0]
     speed = speed[steady] / ((ticks - 1) * tick_s)
     beats = (amplitude >= LEAST_AMPLITUDE) & (speed > LEAST_SPEED)
+    beats &= frequency * ticks * tick_s >= LEAST_BEATS
     f, a, u = frequency[beats], amplitude[beats], speed[beats]
     return f * a / u, f, a, u / f
 
 
 def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
-    """Frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t).
+    """Frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t) of a beat or more.
 
-    A parabola, the curved path of a turn, is taken off. The frequency is that of the highest peak
-    of the spectrum, interpolated; the amplitude that of a sine of equal variance.
+    The frequency is that of the sine that fits best together with a parabola, the curved path of a
+    turn: a parabola that is taken off first also takes a part of a slow beat. The amplitude is that
+    of a sine that leaves equal variance beside the parabola.
     """
     ticks = aside.shape[-1]
-    basis = np.vander(np.linspace(-1.0, 1.0, ticks), 3)
-    rest = aside - (aside @ np.linalg.pinv(basis).T) @ basis.T
-    size = PADDED * ticks
-    power = np.abs(np.fft.rfft(rest * np.hanning(ticks), size, axis=-1)) ** 2
-    peak = np.clip(power[:, 1:-1].argmax(axis=-1) + 1, 1, power.shape[-1] - 2)
+    step = 1.0 / (STEPS * ticks * tick_s)
+    frequencies = np.arange(STEPS, STEPS * ticks // 2) * step  # from a beat to Nyquist's
+    trend = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, ticks), TREND))[0]
+    phase = 2 * np.pi * tick_s * np.arange(ticks) * frequencies[:, None]
+    waves = np.stack([np.cos(phase), np.sin(phase)], axis=-1)  # (f, t, 2)
+    waves = waves - trend @ (trend.T @ waves)
+    kept = (waves**2).sum(axis=(1, 2)) / ticks  # share of a sine's variance, mean of all phases
+    waves = np.linalg.qr(waves)[0]
+    rest = aside - (aside @ trend) @ trend.T
+    power = sum((rest @ waves[..., k].T) ** 2 for k in (0, 1))
+    peak = power[:, 1:-1].argmax(axis=-1) + 1
     row = np.arange(len(power))
-    before, at, after = (np.log(power[row, peak + k] + 1e-30) for k in (-1, 0, 1))
-    curve = np.minimum(before - 2 * at + after, -1e-12)
+    before, at, after = (power[row, peak + k] for k in (-1, 0, 1))
+    curve = np.minimum(before - 2 * at + after, -1e-30)
     shift = np.clip(0.5 * (before - after) / curve, -0.5, 0.5)
-    return (peak + shift) / (size * tick_s), 2 * np.sqrt(2.0) * rest.std(axis=-1)
+    amplitude = 2 * np.sqrt(2.0 / kept[peak]) * rest.std(axis=-1)
+    return frequencies[peak] + shift * step, amplitude
 
 
 def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
