@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.core.command_line import add_command, add_force
+from subsea.core.report_files import add_report_options
 
 NAME = "subsea-capture validate"
 
@@ -25,12 +26,8 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "species", metavar="SPECIES", nargs="*", help="shipped species (default: all of them)"
     )
-    parser.add_argument("--plots", metavar="DIR", type=Path, help="folder for plots (PNG)")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the findings")
-    parser.add_argument(
-        "--report", metavar="FILE.md", type=Path,
-        help="page for the table; text outside its marks is kept",
-    )  # fmt: skip
+    add_report_options(parser)
     add_force(parser)
     parser.set_defaults(run=run)
 
@@ -38,19 +35,8 @@ def add(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from capture.inspection.validation import validate
-    from capture.plots.validation import plot_validation, plots_in
-    from subsea.core.atomic_io import check_folder, replacing
-    from subsea.core.extras import require
-    from subsea.core.file_kinds import PICTURE, check_result, check_results
-    from subsea.core.findings import (
-        REPORT,
-        check_page,
-        report_lines,
-        summary,
-        text_table,
-        to_json,
-        write_page,
-    )
+    from capture.plots.validation import SWIMMING_PLOTS, swimming_plots
+    from subsea.core.report_files import Report, ReportFiles
     from subsea.fish.measured import load_measured, measured_species
     from subsea.fish.species import load_species, repertoire_file
     from subsea.repertoire import read_repertoire
@@ -59,25 +45,12 @@ def run(options: argparse.Namespace) -> int:
     names = list(dict.fromkeys(options.species)) or list(table.species)
     for name in names:
         measured_species(table, name)
-    if options.json:
-        check_result(options.json, REPORT, options.force)
-    if options.report:
-        check_page(options.report, NAME, options.force)
-    if options.plots:
-        require("plot", "plots")
-        check_folder(options.plots)
-        check_results(plots_in(options.plots), PICTURE, options.force)
+    files = ReportFiles(NAME, options.json, options.report, options.plots)
+    files.check(SWIMMING_PLOTS, options.force)
     found = [
         validate(read_repertoire(repertoire_file(name)), load_species(name), table)
         for name in names
     ]
     findings = [finding for one in found for finding in one.findings]
-    print("\n".join([*text_table(findings), "", summary(findings)]))
-    if options.json:
-        with replacing(options.json) as temporary:
-            temporary.write_text(to_json(findings), encoding="utf-8")
-    if options.report:
-        write_page(options.report, NAME, report_lines(findings, table.sources))
-    for path in plot_validation(found, options.plots) if options.plots else []:
-        print(path)
+    files.write(Report(findings, table.sources, plots=swimming_plots(found)))
     return 0

@@ -1,5 +1,6 @@
 """Plot a repertoire: a page for each segment and one for the whole."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +18,16 @@ from capture.recording.record import (
 from capture.recording.spine_segments import motion_of_segment
 from capture.recording.trial import deformation, speed_map
 from subsea.biomechanics.body import Floats, build_body
-from subsea.core.atomic_io import replacing
-from subsea.core.extras import require
+from subsea.core import plot_files
+from subsea.core.plot_files import Draw, write_plots
 from subsea.repertoire import Repertoire, Segment
 
-DPI = 100
 WIDTH = 12.0
 STYLE = {
+    **plot_files.STYLE,
     "font.size": 11,
     "axes.titlesize": 12,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
+    "axes.titlelocation": "center",
     "legend.fontsize": 10,
 }
 ANGLES = np.arange(15.0, 91.0, 15.0)
@@ -47,28 +46,15 @@ def plot_repertoire(repertoire: Repertoire, folder: Path) -> list[Path]:
     the provenance; they are left out where it holds no plans. UserError without matplotlib or
     where the folder cannot be written.
     """
-    require("plot", "plots")
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     motion = _motion(repertoire)
-    written = []
-    with rc_context(STYLE):
-        for name, segment in panels.in_order(repertoire):
-            first = _first_frame(repertoire, motion, name)
-            page = Figure(dpi=DPI, layout="constrained")
-            _segment_page(page, repertoire, name, segment, first)
-            written.append(_write(page, folder / f"{repertoire.species}_{name}.png"))
-        page = Figure(figsize=(WIDTH, 12 if motion else 8), dpi=DPI, layout="constrained")
-        _repertoire_page(page, repertoire, motion)
-        written.append(_write(page, folder / f"{repertoire.species}.png"))
-    return written
-
-
-def _write(page: Any, path: Path) -> Path:
-    with replacing(path) as temporary:
-        page.savefig(temporary, format="png", metadata={"Software": None})
-    return path
+    pages: dict[str, Draw] = {}
+    for name, segment in panels.in_order(repertoire):
+        about = repertoire, motion, name, segment
+        pages[f"{repertoire.species}_{name}.png"] = partial(_segment_page, about=about)
+    pages[f"{repertoire.species}.png"] = partial(
+        _repertoire_page, repertoire=repertoire, motion=motion
+    )
+    return write_plots(folder, pages, style=STYLE)
 
 
 def _motion(repertoire: Repertoire) -> Motion | None:
@@ -93,9 +79,9 @@ def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Fl
     return np.asarray(deformation(frames[:1])[0])
 
 
-def _segment_page(
-    page: Any, repertoire: Repertoire, name: str, segment: Segment, first: Floats | None
-) -> None:
+def _segment_page(page: Any, about: tuple[Repertoire, Motion | None, str, Segment]) -> None:
+    repertoire, motion, name, segment = about
+    first = _first_frame(repertoire, motion, name)
     tick = repertoire.tick_s
     kind = "one cycle" if segment.cyclic else "not cyclic"
     page.suptitle(
@@ -122,6 +108,7 @@ def _segment_page(
 
 
 def _repertoire_page(page: Any, repertoire: Repertoire, motion: Motion | None) -> None:
+    page.set_size_inches(WIDTH, 12 if motion else 8)
     page.suptitle(
         f"{repertoire.species} · {repertoire.body_length_cm:g} cm · from {repertoire.source}"
     )

@@ -1,8 +1,7 @@
 """Plot repertoires beside measured fishes: waves, speeds and Strouhal numbers."""
 
-from collections.abc import Sequence
-from contextlib import ExitStack
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,18 +9,8 @@ import numpy as np
 from capture.inspection.drag import SWIMMING_DRAG, TURBULENT, VISCOSITY_CM2_S, strouhal_of_drag
 from capture.inspection.kinematics import published_limits
 from capture.inspection.validation import BAINBRIDGE_HZ, FULL_TEMPO, Validated, bainbridge
-from subsea.core.atomic_io import replacing
-from subsea.core.extras import require
+from subsea.core.plot_files import Draw
 
-DPI = 100
-STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
 COLUMNS = 5
 LEAST_TEMPO = 0.4
 GENERIC = 0.4 / 0.2**2  # wetted area over squared tail span of a generic fish
@@ -31,25 +20,9 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7
            "#17324D", "#A5AA99")  # fmt: skip
 
 
-def plots_in(folder: Path) -> list[Path]:
-    """The files that `plot_validation` writes."""
-    return [folder / f"swimming-{name}.png" for name in _PAGES]
-
-
-def plot_validation(found: Sequence[Validated], folder: Path) -> list[Path]:
-    """Write the plots, all or none, and return the files; UserError without matplotlib."""
-    require("plot", "plots")
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    paths = plots_in(folder)
-    with rc_context(STYLE), ExitStack() as whole:
-        for path, draw in zip(paths, _PAGES.values(), strict=True):
-            page = Figure(dpi=DPI, layout="constrained")
-            draw(page, found)
-            temporary = whole.enter_context(replacing(path))
-            page.savefig(temporary, format="png", metadata={"Software": None})
-    return paths
+def swimming_plots(found: Sequence[Validated]) -> Mapping[str, Draw]:
+    """The plots by name of their file (`SWIMMING_PLOTS`)."""
+    return {name: partial(draw, found=found) for name, draw in SWIMMING_PLOTS.items()}
 
 
 def _waves(page: Any, found: Sequence[Validated]) -> None:
@@ -132,4 +105,8 @@ def _words(one: Validated) -> str:
     return one.species.replace("_", " ")
 
 
-_PAGES = {"waves": _waves, "speeds": _speeds, "strouhal": _strouhal}
+SWIMMING_PLOTS = {
+    "swimming-waves.png": _waves,
+    "swimming-speeds.png": _speeds,
+    "swimming-strouhal.png": _strouhal,
+}

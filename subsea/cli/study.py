@@ -6,6 +6,7 @@ from typing import Any
 
 from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError
+from subsea.core.report_files import add_report_options
 
 MAX_SECONDS = 3600
 MAX_JOBS = 256
@@ -60,11 +61,7 @@ def add(commands: Any) -> None:
         "--jobs", type=number_reader(int, 1, MAX_JOBS), metavar="N",
         help="parallel processes (default: one for each core)",
     )  # fmt: skip
-    validate.add_argument(
-        "--report", type=Path, metavar="FILE.md",
-        help="page for the table; text outside its marks is kept",
-    )  # fmt: skip
-    validate.add_argument("--plots", type=Path, metavar="DIR", help="folder for plots (PNG)")
+    add_report_options(validate)
     add_force(parser)
     parser.set_defaults(run=run)
 
@@ -92,10 +89,12 @@ def _validate(options: Namespace) -> int:
     from subsea.core.console import say
     from subsea.core.interrupts import deferred_interrupts
     from subsea.core.processors import cores
+    from subsea.core.report_files import ReportFiles
     from subsea.core.workers import process_pool
     from subsea.dive.warm_up import warm_up
     from subsea.study.validation import Validation, default_scenarios, trials
-    from subsea.study.validation_files import ValidationFiles, validate
+    from subsea.study.validation_files import validate
+    from subsea.study.validation_plots import VALIDATION_PLOTS
     from subsea.world.world import TICK_S
 
     if options.out is not None:
@@ -104,9 +103,9 @@ def _validate(options: Namespace) -> int:
     seconds = options.seconds or SECONDS
     chosen = Validation(names, options.seeds or _seeds(SEEDS), max(round(seconds / TICK_S), 1))
     jobs = list(trials(chosen))
-    files = ValidationFiles(options.json, options.report, options.plots)
-    files.check(NAME, options.force)
+    files = ReportFiles(NAME, options.json, options.report, options.plots)
+    files.check(VALIDATION_PLOTS, options.force)
     with deferred_interrupts() as check:
         warm_up(say, check)
-        validate(jobs, files, NAME, process_pool(options.jobs or cores()), check)
+        validate(jobs, files, process_pool(options.jobs or cores()), check)
     return 0

@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from subsea import __version__
 from subsea.core.errors import UserError
+from subsea.core.extras import require
 from subsea.core.file_kinds import PICTURE, check_result
 from subsea.dive import adaptive_quality
 from subsea.dive.directed_camera import check_tour, tour_steering
@@ -82,9 +83,7 @@ def benchmark(options: BenchmarkOptions) -> int:
     """
     _check_results(options)
     if options.plot is not None:
-        from subsea.study.plots import check_plots
-
-        check_plots()
+        require("plot", "plots")
     older = read_reports(options.compare) if options.compare else None
     rig, _ = chosen_rig(
         options.display, options.size, theatre=options.theatre, shrink=options.shrink

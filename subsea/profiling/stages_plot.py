@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from subsea.core.atomic_io import replacing
+from subsea.core.plot_files import DPI, STYLE
 from subsea.profiling.frame_statistics import STAGES, Frames
-from subsea.study.plots import DPI, STYLE
 
 COLOURS = (
     "#0072B2", "#009E73", "#56B4E9", "#C9A66B", "#CC79A7", "#F0E442", "#8C564B", "#E69F00",

@@ -4,19 +4,20 @@ import json
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import NamedTuple
 
 from subsea.core import interrupts
-from subsea.core.atomic_io import check_folder, replacing
+from subsea.core.atomic_io import replacing
 from subsea.core.console import count_noun
 from subsea.core.errors import UserError
-from subsea.core.file_kinds import PICTURE, check_result
+from subsea.core.file_kinds import check_result
+from subsea.core.plot_files import check_plots, write_plots
 from subsea.core.progress import progress
-from subsea.study.comparison_plot import PLOT, plot_comparison
+from subsea.study.comparison_plot import PLOT, comparison_page
 from subsea.study.flat_measures import Row, flat_measures
-from subsea.study.plots import check_plots
 from subsea.study.record import Origin, read_origin, read_record
 from subsea.study.report import MEASURES, measure, refuse_clashes
 
@@ -59,10 +60,8 @@ def compare(
         raise UserError("a record is given twice")
     if report:
         check_result(report, MEASURES, force)
-    if picture:
-        check_folder(picture.parent)
-        check_result(picture, PICTURE, force)
-        check_plots()
+    if out:
+        check_plots(out, [PLOT], force)
     with interrupts.deferred_interrupts() as check:
         origins = [read_origin(path) for path in records]
         rows: list[tuple[int, Row]] = []
@@ -77,9 +76,11 @@ def compare(
             if report:
                 temporary = whole.enter_context(replacing(report))
                 temporary.write_text(json.dumps(_report(groups), indent=1) + "\n", encoding="utf-8")
-            if picture:
-                plot_comparison([(group.label, group.rows) for group in groups],
-                                [group.estimates for group in groups], picture)  # fmt: skip
+            if out:
+                labelled = [(group.label, group.rows) for group in groups]
+                estimates = [group.estimates for group in groups]
+                page = partial(comparison_page, groups=labelled, estimates=estimates)
+                write_plots(out, {PLOT: page}, check)
     if picture:
         print(picture)
     return 0

@@ -1,31 +1,20 @@
 """Plots of a record: time budgets, schools, minds, paths and clearance."""
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
-from subsea.core.extras import require
+from subsea.core.plot_files import write_plots
 from subsea.study.clearance import BARRIERS, clearances
 from subsea.study.minds import meals, time_budget
 from subsea.study.record import Record
 from subsea.study.schools import LINK_BL, WHOLE, schools
 from subsea.study.series import SAMPLE_S
 
-DPI = 100
-STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
 # The palette of Okabe and Ito, safe for colour-blind readers; then others for new intentions.
 INTENTION_COLOURS = {
     "avoid": "#E69F00",
@@ -46,39 +35,18 @@ RECENT_S = 20.0  # the last part of a path is drawn in full
 SMOOTH_S = 2.0  # over which the lines of schools are smoothed
 
 
-def check_plots() -> None:
-    """Raise a UserError unless matplotlib is installed."""
-    require("plot", "plots")
-
-
-def plots_in(folder: Path) -> list[Path]:
-    """The files that `plot` may write into `folder`."""
-    return [folder / f"{name}.png" for name in _PAGES]
-
-
 def plot(record: Record, folder: Path, check: Callable[[], None] = lambda: None) -> list[Path]:
-    """Write the plots of a record into `folder` as PNG, all or none; returns the files.
+    """Write the plots of a record into `folder`, all or none; returns the files.
 
     A record without schools gets no plot of them. `check`, which may raise, is called between two
     plots.
     """
-    check_plots()
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    written = []
-    with rc_context(STYLE), ExitStack() as whole:
-        for path, draw in zip(plots_in(folder), _PAGES.values(), strict=True):
-            check()
-            if draw is _schools_page and not schools(record):
-                continue
-            page = Figure(dpi=DPI, layout="constrained")
-            draw(page, record)
-            temporary = whole.enter_context(replacing(path))
-            page.savefig(temporary, format="png", metadata={"Software": None})
-            written.append(path)
-        check()
-    return written
+    pages = {
+        name: partial(draw, record=record)
+        for name, draw in RECORD_PLOTS.items()
+        if draw is not _schools_page or schools(record)
+    }
+    return write_plots(folder, pages, check)
 
 
 def _colours(record: Record) -> list[str]:
@@ -303,10 +271,10 @@ def _clearance_page(page: Any, record: Record) -> None:
     axis.legend(title="nearest")
 
 
-_PAGES = {
-    "time_budget": _budget_page,
-    "minds": _minds_page,
-    "paths": _paths_page,
-    "clearance": _clearance_page,
-    "schools": _schools_page,
+RECORD_PLOTS = {
+    "time_budget.png": _budget_page,
+    "minds.png": _minds_page,
+    "paths.png": _paths_page,
+    "clearance.png": _clearance_page,
+    "schools.png": _schools_page,
 }

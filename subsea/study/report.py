@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core import interrupts
-from subsea.core.atomic_io import check_folder, replacing
+from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
-from subsea.core.file_kinds import PICTURE, check_result, check_results, json_file
+from subsea.core.file_kinds import check_result, json_file
+from subsea.core.plot_files import check_plots
 from subsea.study.captures import captures
 from subsea.study.clearance import BARRIERS, clearances
 from subsea.study.courtships import courtships
 from subsea.study.minds import changes_per_second, escapes, meals, saturated, time_budget
 from subsea.study.overlap import overlaps
-from subsea.study.plots import check_plots, plot, plots_in
+from subsea.study.plots import RECORD_PLOTS, plot
 from subsea.study.record import Record, read_record
 from subsea.study.schools import School, schools, splits
 from subsea.study.table import Measured, table
@@ -34,14 +35,12 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
     work if something cannot be read, written or plotted, or would replace the record or, without
     `force`, a file of another kind. Ctrl-C leaves no result.
     """
-    plots = plots_in(out) if out else []
+    plots = [out / name for name in RECORD_PLOTS] if out else []
     refuse_clashes([record], [*([report] if report else []), *plots])
     if report:
         check_result(report, MEASURES, force)
     if out:
-        check_folder(out)
-        check_results(plots, PICTURE, force)
-        check_plots()
+        check_plots(out, RECORD_PLOTS, force)
     # In compiled code Ctrl-C would surface as another error.
     with interrupts.deferred_interrupts() as check:
         read = read_record(record)

@@ -1,16 +1,13 @@
 """Plots of `subsea study --validate`: swimming, schools and predation beside measured ranges."""
 
-from collections.abc import Callable
-from contextlib import ExitStack
-from pathlib import Path
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from subsea.core.atomic_io import replacing
-from subsea.core.extras import require
+from subsea.core.plot_files import Draw
 from subsea.fish.measured import MeasuredSwimming
-from subsea.study.plots import DPI, STYLE
 from subsea.study.schooling import BEARINGS
 from subsea.study.validation_report import Summary
 
@@ -18,34 +15,11 @@ RANGE, OURS = "#E69F00", "#0072B2"
 SPREAD = (10, 50, 90)  # percentiles
 
 
-def validation_plots_in(folder: Path) -> list[Path]:
-    """The files that `plot_validation` writes."""
-    return [folder / f"validation-{name}.png" for name in _PAGES]
-
-
-def plot_validation(
-    found: Summary,
-    table: MeasuredSwimming,
-    folder: Path,
-    check: Callable[[], object] = lambda: None,
-) -> list[Path]:
-    """Write the plots, all or none, and return the files; UserError without matplotlib.
-
-    `check`, which may raise, is called between two of them.
-    """
-    require("plot", "plots")
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    paths = validation_plots_in(folder)
-    with rc_context(STYLE), ExitStack() as whole:
-        for path, draw in zip(paths, _PAGES.values(), strict=True):
-            check()
-            page = Figure(dpi=DPI, layout="constrained")
-            draw(page, found, table)
-            temporary = whole.enter_context(replacing(path))
-            page.savefig(temporary, format="png", metadata={"Software": None})
-    return paths
+def validation_plots(found: Summary, table: MeasuredSwimming) -> Mapping[str, Draw]:
+    """The plots by name of their file (`VALIDATION_PLOTS`)."""
+    return {
+        name: partial(draw, found=found, table=table) for name, draw in VALIDATION_PLOTS.items()
+    }
 
 
 def _swimming(page: Any, found: Summary, table: MeasuredSwimming) -> None:
@@ -96,7 +70,7 @@ def _schools(page: Any, found: Summary, table: MeasuredSwimming) -> None:
     sides.set(xlabel="bearing of the nearest, °", ylabel="share")
 
 
-def _predation(page: Any, found: Summary, unused: MeasuredSwimming) -> None:
+def _predation(page: Any, found: Summary, table: MeasuredSwimming) -> None:
     """Captures per attack over the size of the group."""
     page.set_size_inches(5, 3.4)
     axis = page.subplots()
@@ -108,4 +82,8 @@ def _predation(page: Any, found: Summary, unused: MeasuredSwimming) -> None:
     axis.set(xlabel="prey in the group", ylabel="captures per attack", ylim=(0, 1.05))
 
 
-_PAGES = {"swimming": _swimming, "schools": _schools, "predation": _predation}
+VALIDATION_PLOTS = {
+    "validation-swimming.png": _swimming,
+    "validation-schools.png": _schools,
+    "validation-predation.png": _predation,
+}

@@ -7,11 +7,13 @@ import pytest
 
 from subsea.core.errors import UserError
 from subsea.core.findings import FAIL
+from subsea.core.report_files import ReportFiles
 from subsea.study.bounds import Outside
 from subsea.study.predation import Predation
 from subsea.study.schooling import BEARINGS, Schooling
 from subsea.study.validation import SeaMeasures, SeaTrial
-from subsea.study.validation_files import ValidationFiles, seed_words, validate
+from subsea.study.validation_files import seed_words, validate
+from subsea.study.validation_plots import VALIDATION_PLOTS
 
 SHARES = np.full(BEARINGS, 1 / BEARINGS)
 SCHOOL = Schooling(0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, SHARES, np.zeros(0), np.zeros(0), 0.0)
@@ -26,15 +28,15 @@ def test_crashed_runs_are_an_error_after_the_files_are_written(tmp_path, capsys)
     def pool(work, given, check):
         yield from ((k, MEASURES if k else None) for k in given)
 
-    files = ValidationFiles(tmp_path / "a.json", tmp_path / "a.md", tmp_path / "plots")
-    files.check("subsea me", force=False)
+    files = ReportFiles("subsea me", tmp_path / "a.json", tmp_path / "a.md", tmp_path / "plots")
+    files.check(VALIDATION_PLOTS, force=False)
     with pytest.raises(UserError, match="without 1 run whose process crashed \\(sea, seed 1\\)"):
-        validate(jobs, files, "subsea me", pool, lambda: None)
+        validate(jobs, files, pool, lambda: None)
     report = json.loads(files.json.read_text())
     assert report["seeds"] == [2]
     assert sum(row["verdict"] == FAIL for row in report["findings"]) == 1
     assert "Seeds 2, 3 s each." in files.page.read_text()
-    assert len([*files.plots.iterdir()]) == 3
+    assert {path.name for path in files.plots.iterdir()} == set(VALIDATION_PLOTS)
     assert "FAILS" in capsys.readouterr().out
 
 
