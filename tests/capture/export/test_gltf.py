@@ -76,19 +76,19 @@ class Reader:
     def times(self, name: str) -> np.ndarray:
         return self.array(self.animations[name]["samplers"][0]["input"])
 
-    def points(self, name: str, time: float) -> np.ndarray:
-        """Vertices (n, 3) in the scene's axes at a time of an animation."""
+    def points(self, name: str, at: np.ndarray) -> np.ndarray:
+        """Vertices (T, n, 3) in the scene's axes at times (T,) of an animation."""
         nodes = [dict(node) for node in self.content["nodes"]]
         one = self.animations[name]
         for channel in one["channels"]:
             sampler = one["samplers"][channel["sampler"]]
             node, path = channel["target"]["node"], channel["target"]["path"]
-            nodes[node][path] = self._sampled(sampler, path, time)
+            nodes[node][path] = self._sampled(sampler, path, at)
         world = [np.eye(4)] * len(nodes)
         children = {child for node in nodes for child in node.get("children", [])}
 
         def descend(number: int, above: np.ndarray) -> None:
-            world[number] = above @ _matrix(nodes[number])
+            world[number] = above @ _matrix(nodes[number], len(at))
             for child in nodes[number].get("children", []):
                 descend(child, world[number])
 
@@ -97,51 +97,59 @@ class Reader:
         [number] = [k for k, node in enumerate(nodes) if "mesh" in node]
         mesh = self.content["meshes"][nodes[number]["mesh"]]
         primitive = mesh["primitives"][0]
+        targets = primitive.get("targets", [])
         attributes = {k: self.array(v) for k, v in primitive["attributes"].items()}
-        place = attributes["POSITION"].astype(float)
-        for share, target in zip(
-            nodes[number].get("weights", []), primitive.get("targets", []), strict=True
-        ):
-            if share:
-                place = place + share * self.array(target["POSITION"])  # 3.7.2.2
-        place = np.pad(place, ((0, 0), (0, 1)), constant_values=1.0)
+        place = np.repeat(attributes["POSITION"].astype(float)[None], len(at), axis=0)
+        shares = np.broadcast_to(nodes[number].get("weights", ()), (len(at), len(targets)))
+        for share, target in zip(shares.T, targets, strict=True):
+            there = share != 0.0
+            place[there] += share[there, None, None] * self.array(target["POSITION"])  # 3.7.2.2
+        place = np.pad(place, ((0, 0), (0, 0), (0, 1)), constant_values=1.0)
         if "skin" not in nodes[number]:
-            return (place @ world[number].T)[:, :3]
+            return (place @ world[number].swapaxes(-1, -2))[..., :3]
         skin = self.content["skins"][nodes[number]["skin"]]  # 3.7.3.3
         bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).swapaxes(1, 2)
-        joints = np.array([world[joint] for joint in skin["joints"]]) @ bind
-        moved = joints[attributes["JOINTS_0"]] * attributes["WEIGHTS_0"][:, :, None, None]
-        return np.einsum("nij,nj->ni", moved.sum(axis=1), place)[:, :3]
+        joints = np.stack([world[joint] for joint in skin["joints"]], axis=1) @ bind
+        out = np.zeros_like(place)
+        for joint, weight in zip(attributes["JOINTS_0"].T, attributes["WEIGHTS_0"].T, strict=True):
+            out += weight[:, None] * np.einsum("tnij,tnj->tni", joints[:, joint], place)
+        return out[..., :3]
 
-    def _sampled(self, sampler: dict[str, Any], path: str, time: float) -> np.ndarray:
+    def _sampled(self, sampler: dict[str, Any], path: str, at: np.ndarray) -> np.ndarray:
         """Linear or, for rotations, spherical: appendix C."""
         assert sampler.get("interpolation", "LINEAR") == "LINEAR"
         times, keys = self.array(sampler["input"]), self.array(sampler["output"])
-        keys = keys.reshape(len(times), -1)
-        after = int(np.clip(np.searchsorted(times, time), 1, len(times) - 1))
-        share = np.clip((time - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)
-        a, b = keys[after - 1 : after + 1].astype(float)
+        keys = keys.reshape(len(times), -1).astype(float)
+        after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
+        share = (at - times[after - 1]) / (times[after] - times[after - 1])
+        share = np.clip(share, 0.0, 1.0)[:, None]
+        a, b = keys[after - 1], keys[after]
+        mixed = (1.0 - share) * a + share * b
         if path != "rotation":
-            return (1.0 - share) * a + share * b
-        dot = a @ b
-        if abs(dot) > 0.9999:  # for small angles linear, as the specification advises
-            mixed = (1.0 - share) * a + np.sign(dot) * share * b
-            return mixed / np.linalg.norm(mixed)
-        angle = np.arccos(abs(dot))
-        turned = np.sin(angle * (1 - share)) * a + np.sign(dot) * np.sin(angle * share) * b
-        return turned / np.sin(angle)
+            return mixed
+        dot = (a * b).sum(axis=1, keepdims=True)
+        b, dot = np.where(dot < 0.0, -b, b), abs(dot)
+        mixed = (1.0 - share) * a + share * b
+        mixed /= np.linalg.norm(mixed, axis=1, keepdims=True)
+        angle = np.arccos(np.minimum(dot, 0.9999))
+        turned = np.sin(angle * (1 - share)) * a + np.sin(angle * share) * b
+        # For small angles linear, as the specification advises.
+        return np.where(dot > 0.9999, mixed, turned / np.sin(angle))
 
 
-def _matrix(node: dict[str, Any]) -> np.ndarray:
-    """3.5.2 and 3.5.3."""
-    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
-    out = np.eye(4)
-    out[:3, :3] = [
+def _matrix(node: dict[str, Any], number: int) -> np.ndarray:
+    """3.5.2 and 3.5.3, at each time."""
+    x, y, z, w = np.asarray(node.get("rotation", (0.0, 0.0, 0.0, 1.0))).T
+    rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
-    out[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
+    out = np.tile(np.eye(4), (number, 1, 1))
+    for i in range(3):
+        for j in range(3):
+            out[:, i, j] = rows[i][j]
+    out[:, :3, 3] = node.get("translation", (0.0, 0.0, 0.0))
     return out
 
 
@@ -153,11 +161,8 @@ def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> 
     times = reader.times(clip.name)
     assert len(times) == len(clip.points)
     assert times[-1] == pytest.approx((len(clip.points) - 1) / clip.fps)
-    found = [
-        reader.points(clip.name, times[k] + step * (times[-1] / (len(times) - 1)))
-        for k in range(len(points))
-    ]
-    far = np.linalg.norm(np.array(found) - to_metres(points, Y_UP), axis=2)
+    found = reader.points(clip.name, times[: len(points)] + step * (times[-1] / (len(times) - 1)))
+    far = np.linalg.norm(found - to_metres(points, Y_UP), axis=2)
     return 1e4 * far / model.length_cm
 
 
