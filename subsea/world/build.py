@@ -8,13 +8,12 @@ import numpy as np
 from subsea.core.errors import UserError
 from subsea.core.toml_files import locate_errors
 from subsea.directing.script import make_script
-from subsea.motor.switching import make_dynamics
-from subsea.repertoire.library import LIVE_TABLES, pack
+from subsea.repertoire.library import LIVE_TABLES
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
 from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
 from subsea.world.checks import make_surroundings
 from subsea.world.populate import fastest_cm_s, populate, settle, shoal_sizes
-from subsea.world.repertoires import coupling_of, repertoire_of, species_of
+from subsea.world.repertoires import motion_of, with_live
 from subsea.world.world import World
 
 LIVE_REACH_CM = 500.0  # greatest distance of a simulated fish from the submarine
@@ -42,12 +41,10 @@ def create_world(
         raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
     seed = scenario.seed if seed is None else seed
     progress("reading repertoires")
-    species = {name: species_of(name) for name in scenario.species}
-    repertoires = [repertoire_of(name) for name in species]
-    couplings = [coupling_of(species[r.species], r) for r in repertoires]
-    library = pack(repertoires, couplings, live)
-    dynamics = make_dynamics([*species.values()], repertoires, library, live_reach_cm)
-    recorded = len(library.entry)
+    recorded = motion_of(scenario.species)
+    species = dict(zip(scenario.species, recorded.species, strict=True))
+    library = with_live(recorded.library, live)
+    dynamics = recorded.dynamics._replace(reach_cm=live_reach_cm)
     progress("shaping the seabed and growing the reef")
     rng = np.random.default_rng([seed, 0x5EA])
     with locate_errors(scenario, source):
@@ -71,7 +68,11 @@ def create_world(
         seaweed=seaweed,
         reef=reef,
         submarine=submarine,
-        live=empty(Live, k=live, given={name: table[recorded:] for name, table in tables.items()}),
+        live=empty(
+            Live,
+            k=live,
+            given={name: table[len(library.entry) :] for name, table in tables.items()},
+        ),
         directions=empty(
             Directions,
             k=len(scenario.direction),

@@ -1,7 +1,11 @@
 """Read the species and repertoires of a scenario; cache each file until it changes."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from subsea.core.disk_cache import cached
 from subsea.core.errors import UserError
@@ -9,9 +13,12 @@ from subsea.core.input_files import file_hash
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
 from subsea.fish.surface import rest_control_points
+from subsea.motor.switching import Dynamics, make_dynamics
 from subsea.repertoire import Repertoire
+from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.world.world import TICK_S
 
+LIVE_ROWS = (*LIVE_TABLES, "control_points", "facing")  # tables with rows of simulated fishes
 MOST_BYTES = 64 << 20  # of a repertoire that is cached; those of the project have 2 at most
 
 
@@ -25,6 +32,29 @@ def repertoire_of(name: str) -> Repertoire:
     """The repertoire of a species, read again only if its file has changed."""
     path = repertoire_file(name)
     return _repertoire(path, name, _stamp(path))
+
+
+class RecordedMotion(NamedTuple):
+    """What worlds of the same species share. Nothing writes into it."""
+
+    species: tuple[Species, ...]
+    library: Library  # without rows of simulated fishes
+    dynamics: Dynamics  # with any reach
+
+
+def motion_of(names: Sequence[str]) -> RecordedMotion:
+    """The motion of these species, packed again only if one of their files has changed."""
+    files = [(name, species_file(name), repertoire_file(name)) for name in names]
+    return _motion(tuple((*one, _stamp(one[1]), _stamp(one[2])) for one in files))
+
+
+def with_live(library: Library, live: int) -> Library:
+    """A library with the same rows, and behind them those of `live` simulated fishes."""
+    ended: dict[str, Any] = {}
+    for name in LIVE_ROWS if live else ():
+        rows = getattr(library, name)
+        ended[name] = np.concatenate([rows, np.zeros((2 * live, *rows.shape[1:]), rows.dtype)])
+    return library._replace(**ended)
 
 
 def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
@@ -41,6 +71,17 @@ def _stamp(path: Path) -> tuple[int, int] | None:
     except OSError:
         return None
     return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=2)  # worlds with all species of the project take 50 MB
+def _motion(files: tuple[tuple[object, ...], ...]) -> RecordedMotion:
+    """Pack the motion of species by name."""
+    names = [str(name) for name, *_ in files]
+    species = {name: species_of(name) for name in names}
+    repertoires = [repertoire_of(name) for name in names]
+    library = pack(repertoires, [coupling_of(species[r.species], r) for r in repertoires])
+    every = tuple(species.values())
+    return RecordedMotion(every, library, make_dynamics(every, repertoires, library, 0.0))
 
 
 @lru_cache(maxsize=64)

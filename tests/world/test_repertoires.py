@@ -5,13 +5,18 @@ import shutil
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 from subsea.core import disk_cache
 from subsea.core.errors import UserError
 from subsea.fish.species import repertoire_file
 from subsea.repertoire import files
+from subsea.repertoire.library import pack
+from subsea.scenario.load import load_scenario
 from subsea.world import repertoires
+from subsea.world.build import create_world
+from tests.support.scenes import BARE
 
 
 @pytest.fixture
@@ -66,3 +71,32 @@ def test_huge_files_and_pipes_are_not_read_completely(path, tmp_path):
     with pytest.raises(UserError, match=str(path)):
         repertoires._repertoire(path, "clownfish", (2, 0))
     assert not (tmp_path / "kept").exists()
+
+
+def pack_of(scenario, live):
+    """The library of a scenario, packed for itself."""
+    known = [repertoires.repertoire_of(name) for name in scenario.species]
+    skins = [repertoires.coupling_of(repertoires.species_of(one.species), one) for one in known]
+    return pack(known, skins, live)
+
+
+def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
+    scenario, _ = load_scenario(str(BARE))
+    one, two, lively = (create_world(scenario, 3, live=live) for live in (0, 0, 2))
+    assert one.library.control_points is two.library.control_points
+    rows = len(one.library.entry)
+    packed = pack_of(scenario, live=2)
+    mine, theirs = ([*one[:-3], *one.coupling, *one[-2:]] for one in (lively.library, packed))
+    for own, other in zip(mine, theirs, strict=True):
+        np.testing.assert_array_equal(own, other)
+    for name in repertoires.LIVE_ROWS:
+        shared, own = getattr(one.library, name), getattr(lively.library, name)
+        assert len(own) == rows + 4 and not np.shares_memory(shared, own)
+        np.testing.assert_array_equal(own[:rows], shared)
+        assert not own[rows:].any()
+        if name in lively.state.live._fields:
+            assert np.shares_memory(getattr(lively.state.live, name), own)
+    monkeypatch.setattr(repertoires, "_stamp", lambda path: path.stat().st_mtime_ns + 1)
+    changed = create_world(scenario, 3).library
+    assert changed.control_points is not one.library.control_points
+    np.testing.assert_array_equal(changed.control_points, one.library.control_points)
