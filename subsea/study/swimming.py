@@ -16,7 +16,7 @@ from subsea.study.series import headings, runs
 
 BEATS_S = 1.0, 2.0, 4.0, 8.0  # stretches in which a beat is measured: the first long enough
 BEATS = 3.0  # of the median stretch that is long enough
-LEAST_BEATS = 1.5  # of a stretch: a slower swing cannot be told from the curve of the path
+LEAST_BEATS = 1.5  # of a stretch: a slower swing looks like the curve of the path
 SHORT_S = 0.5  # stretch in which a speed is measured
 TURN_S = 1.0  # stretch in which a turn is measured
 LEAST_AMPLITUDE = 0.03  # body lengths, peak to peak: below, the tail does not beat

@@ -35,7 +35,7 @@ def repertoire_of(name: str) -> Repertoire:
 
 
 class RecordedMotion(NamedTuple):
-    """What worlds of the same species share. Nothing writes into it."""
+    """Constants that worlds of the same species share. Nothing writes into them."""
 
     species: tuple[Species, ...]
     library: Library  # without rows of simulated fishes
