@@ -10,7 +10,7 @@ from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import KINDS, NO_COURTSHIP, NOBODY, PREDATOR, WANDER, Fishes, Minds
 
-PLANKTON_CM, PREY_CM = 8.0, 40.0  # body length per meal of its appetite
+PLANKTON_CM, PREY_CM = 8.0, 50.0  # body length per meal of its appetite
 DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
