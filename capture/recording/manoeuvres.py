@@ -60,6 +60,8 @@ COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a 
 MOST_LOST = 3  # greater couples in a row that a body does not bear
 YAW_DAMPINGS = (0.6, 1.5, 0.3)  # 1/tu: couples that resist turning over its rate, as tried
 MOST_DONE = 0.9  # share of the greatest change of heading at which a turn counts as done
+SPEED_DEG = 100.0  # error that counts as much as ending at twice the speed ...
+MOST_FASTER = 1.3  # ... beyond this ratio to the fastest tick of the swim it began in
 LATE_DEG = 2.0  # error that counts as much as a tick after the time to be done
 SETTLE_TICKS = 20  # over which it ceases
 FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
@@ -148,6 +150,7 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
     beat = 1 if swims else fish.swim.at(turn.grade).ticks_per_beat
     best, least = None, np.inf
     length = float(np.ptp(fish.body.rest[:, 0]))
+    usual = _fastest_tick(fish) if swims else 0.0
 
     def attempt(couple: float) -> float:
         """The angle that is missing, degrees; NaN where the body loses its shape."""
@@ -157,7 +160,9 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
             return np.nan
         missing = turn.angle - mean_heading(trial.frames, beat)
         error = abs(missing) + LATE_DEG * max(0.0, ticks_to_turn(trial.frames) - turn.done)
-        error += (LOOP_DEG * loop_error(trial.frames) / length) if swims else 0.0
+        if swims:
+            faster = np.linalg.norm(displacement(trial.frames[-2:])) / usual - MOST_FASTER
+            error += LOOP_DEG * loop_error(trial.frames) / length + SPEED_DEG * max(faster, 0.0)
         if error < least:
             best, least = trial._replace(couple=couple), error
         return missing
@@ -185,6 +190,13 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
     if best is None:
         raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
     return best
+
+
+def _fastest_tick(fish: Turner) -> float:
+    """The longest way in a tick of the medium swim, cm."""
+    frames = steady_beat(fish.body, grade_contraction(fish.swim, "medium")).frames
+    ways = [np.linalg.norm(displacement(frames[k : k + 2])) for k in range(len(frames) - 1)]
+    return float(max(ways))
 
 
 def _is_smooth(frames: Floats, length: float) -> bool:

@@ -23,7 +23,8 @@ STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ASTRAY_BL = 2.0  # lengths of the prey by which it aims beside it, in a large crowd ...
-HALF_CROWD = 2.0  # ... and the number of companions that lead it half as far astray
+HALF_CROWD = 2.0  # ... the number of companions that lead it half as far astray ...
+SURE_BL = 0.15  # ... and the distance, in its lengths, within which its aim gets better
 ATTENTION_PURPOSE, AIM_PURPOSE = np.int64(82), np.int64(83)  # keys of the random numbers
 RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
@@ -68,7 +69,8 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     if norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) < BURST_BL * length:
         crowd = companions(fishes, minds, j)
         j = attended(fishes, minds, i, j, crowd, clock)
-        astray = aim_error(fishes.length[j], i, crowd, clock)
+        near = norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) / (SURE_BL * length)
+        astray = times(min(near, 1.0), aim_error(fishes.length[j], i, crowd, clock))
     minds.target[i] = j
     aim = plus(vector(fishes.position[j]), astray)
     distance = chase(fishes, minds, i, aim, vector(fishes.velocity[j]))
@@ -99,7 +101,7 @@ def companions(fishes: Fishes, minds: Minds, j: int) -> int:
 
 @kernel
 def aim_error(length: float, i: int, crowd: int, clock: Clock) -> Vector:
-    """The way from prey of `length` cm to the point that hunter i aims at, cm.
+    """The way from prey of `length` cm to the point that hunter i aims at from afar, cm.
 
     The more companions the prey has, the farther beside it: confusion (Neill and Cullen, J. Zool.
     172:549, 1974).

@@ -2,7 +2,7 @@
 
 Fishes steer clear (`behavior/steering.py`) and slide along what they touch (`habitat/contact.py`),
 but both foresee a straight way. A turn swings snout or tail aside, and a burst begins within a
-tick. What reaches beyond a barrier after the motion is moved back before anybody sees it.
+tick. After the motion, this moves back each fish that reaches beyond a barrier.
 """
 
 import math

@@ -53,7 +53,8 @@ THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
 RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
 CSTART_TEMPO = 3.0  # the first stage takes less than 0.1 s
 TURN_TEMPO = (1.0, 2.0)  # of sharp turns
-ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it
+ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it ...
+TAIL_SHARE = 0.7  # ... or above this share of the fast swim
 KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
 CYCLE_S = 6.0  # of burst and coast below the slowest beat, at the recorded size
 COAST_TIME_S = 1.0  # time constant of a coasting body, at the recorded size
@@ -137,7 +138,8 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
     kind, now = fishes.species[i], fishes.segment[i]
     own, has = library.speed[kind], library.has[kind]
     if has[ROW]:
-        most = ROW_TEMPO * own[ROW] * (KEEP_ROWING if now == ROW else 1.0)
+        most = min(ROW_TEMPO * own[ROW], TAIL_SHARE * own[FAST])
+        most *= KEEP_ROWING if now == ROW else 1.0
         if speed < max(most, TEMPO[0] * own[SLOW]):
             return ROW
     elif has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:

@@ -124,7 +124,7 @@ def test_cycles_close_and_sharp_turns_begin_and_end_in_swimming(species):
             inside = np.linalg.norm(np.diff(nodes, n=2, axis=0), axis=2).max()
             across = np.concatenate([nodes[-2:], nodes[:2]])
             jump = np.linalg.norm(np.diff(across, n=2, axis=0), axis=2).max()
-            assert jump <= 1.5 * inside, name
+            assert jump <= 1.5 * inside + 1e-9, name  # a body that rows is rigid
         if segment.grade != "sharp":
             continue
         for row in (nodes[0], nodes[-1]):
