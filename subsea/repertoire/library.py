@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
+from subsea.core.kernels.struct_ref import Kind, by_pointer
 from subsea.fish.coupling import Coupling, place
 from subsea.repertoire.blending import LEVELS, TIGHTEST, Blend, TurningWay, blend_turns, course_of
 from subsea.repertoire.schema import (
@@ -21,6 +22,11 @@ from subsea.repertoire.schema import (
 from subsea.repertoire.transitions import plan_transitions
 
 
+class LibraryKind(Kind):
+    """The compiler's type of `Library`."""
+
+
+@by_pointer(LibraryKind)
 class Library(NamedTuple):
     """Rows are frames of all segments of all species in sequence (R rows, S species).
 
