@@ -30,7 +30,7 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import pose_at
 from subsea.perception.collision import ANTENNA_BL, ENLARGED, sensitivity
-from subsea.perception.vision import FIELD_COS, bodies_of
+from subsea.perception.vision import FIELD_COS
 from subsea.repertoire import SEGMENTS
 from subsea.state import NOBODY
 from subsea.view.camera import View
@@ -271,7 +271,7 @@ class DiagramBuilder:
     def _perception(self, who: Ints, alpha: float) -> Iterable[Lines]:
         """Range of vision for standard sizes (Tu §6.3), blind cone, and range of smell."""
         nature = self.world.nature
-        bodies = bodies_of(self.world.state.fishes)
+        bodies = self.world.state.fishes
         place, axes = self._frames(who, alpha)
         edge = np.arccos(FIELD_COS)
         for k, i in enumerate(who):

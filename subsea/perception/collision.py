@@ -18,7 +18,7 @@ from subsea.geometry.solids import (
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.perception.grid import Grid, near_slots
-from subsea.perception.vision import FIELD_COS, Bodies, Surroundings, ahead_of, along_body, eye_of
+from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -29,8 +29,10 @@ from subsea.state import (
     SEABED,
     SURFACE,
     WALL,
+    Fishes,
     Minds,
     Nature,
+    Sea,
 )
 
 ANTENNA_BL = 1.0  # length of the ray that detects obstacles (Tu §6.6.1) ...
@@ -51,7 +53,7 @@ FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the othe
 
 @kernel
 def find_threats(
-    who: Ints, bodies: Bodies, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
+    who: Ints, fishes: Fishes, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
 ) -> None:
     """Set `minds.threat` of the fishes `who`: the fish that is most likely to collide with it.
 
@@ -59,20 +61,20 @@ def find_threats(
     the largest share of its centre line in the sensitivity region; of equal ones the nearest.
     Hunted prey and the partner in courtship are not threats.
     """
-    small, large = _crowd(bodies, grids[0]), _crowd(bodies, grids[1])
+    small, large = _crowd(fishes, grids[0]), _crowd(fishes, grids[1])
     slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
     for i in who:
         region = sensitivity(minds, i, nature)
         worst = (np.int64(NOBODY), 0.0, np.inf)
         before = np.int64(minds.threat[i])
         avoids = minds.intention[i] == AVOID and before != NOBODY and before != region.welcome
-        if avoids and bodies.alive[before]:
-            share = share_inside(bodies, i, before, HELD * region.margin, HELD * region.foresight)
-            gap = minus(along_body(bodies, before, 0.5), along_body(bodies, i, 0.5))
+        if avoids and fishes.alive[before]:
+            share = share_inside(fishes, i, before, HELD * region.margin, HELD * region.foresight)
+            gap = minus(along_body(fishes, before, 0.5), along_body(fishes, i, 0.5))
             if share > 0.0:
                 worst = (before, share, dot(gap, gap))
-        worst = worst_threat(bodies, i, region, small, slots, worst)
-        worst = worst_threat(bodies, i, region, large, slots, worst)
+        worst = worst_threat(fishes, i, region, small, slots, worst)
+        worst = worst_threat(fishes, i, region, large, slots, worst)
         minds.threat[i] = worst[0]
 
 
@@ -111,20 +113,20 @@ class Crowd(NamedTuple):
 
 
 @kernel
-def _crowd(bodies: Bodies, grid: Grid) -> Crowd:
+def _crowd(fishes: Fishes, grid: Grid) -> Crowd:
     motion = np.empty((len(grid.member), 5))
     radius, speed = 0.0, 0.0
     for slot, j in enumerate(grid.member):
-        velocity = vector(bodies.velocity[j])
+        velocity = vector(fishes.velocity[j])
         store(motion[slot], velocity)
-        motion[slot, 3], motion[slot, 4] = _radius(bodies, j), norm(velocity)
+        motion[slot, 3], motion[slot, 4] = _radius(fishes, j), norm(velocity)
         radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
     return Crowd(grid, motion, radius, speed)
 
 
 @kernel
 def worst_threat(
-    bodies: Bodies, i: int, region: SensitivityRegion, crowd: Crowd, slots: Ints,
+    fishes: Fishes, i: int, region: SensitivityRegion, crowd: Crowd, slots: Ints,
     worst: tuple[int, float, float],
 ) -> tuple[int, float, float]:  # fmt: skip
     """The worst threat to fish i in a crowd, or `worst` where none is worse.
@@ -133,8 +135,8 @@ def worst_threat(
     """
     margin, foresight, welcome = region
     grid, motion = crowd.grid, crowd.motion
-    here, velocity = along_body(bodies, i, 0.5), vector(bodies.velocity[i])
-    around = _radius(bodies, i) + 3.0 * margin * float(bodies.length[i])
+    here, velocity = along_body(fishes, i, 0.5), vector(fishes.velocity[i])
+    around = _radius(fishes, i) + 3.0 * margin * float(fishes.length[i])
     speed = norm(velocity)
     reach = around + crowd.radius + foresight * (speed + crowd.speed)
     for k in range(near_slots(grid, here, reach, slots)):
@@ -154,7 +156,7 @@ def worst_threat(
         j = grid.member[slot]
         if dot(met, met) > near * near or j in (i, welcome):
             continue
-        share = share_inside(bodies, i, j, margin, foresight)
+        share = share_inside(fishes, i, j, margin, foresight)
         nearer = squared < worst[2] or (squared == worst[2] and j < worst[0])
         if share > worst[1] or (share == worst[1] > 0.0 and nearer):
             worst = (j, share, squared)
@@ -162,14 +164,14 @@ def worst_threat(
 
 
 @kernel
-def _radius(bodies: Bodies, i: int) -> float:
+def _radius(fishes: Fishes, i: int) -> float:
     """Farthest distance of any part of fish i from its middle, cm."""
-    girth = float(bodies.girth[i, 0]) + float(bodies.girth[i, 1])
-    return 0.5 * (float(bodies.length[i]) + girth)
+    girth = float(fishes.girth[i, 0]) + float(fishes.girth[i, 1])
+    return 0.5 * (float(fishes.length[i]) + girth)
 
 
 @kernel
-def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float) -> float:
+def share_inside(fishes: Fishes, i: int, j: int, margin: float, foresight: float) -> float:
     """The share of the centre line of fish j that lies in the sensitivity region of fish i.
 
     A point is inside if it would enter the box around i, enlarged by half the girths of j and by
@@ -177,26 +179,26 @@ def share_inside(bodies: Bodies, i: int, j: int, margin: float, foresight: float
     alongside is not a threat, however near, and one met head-on is one from afar. Points in the
     blind angle behind i do not count.
     """
-    back = conjugate(bodies.orientation[i])
-    length, other = float(bodies.length[i]), float(bodies.length[j])
+    back = conjugate(fishes.orientation[i])
+    length, other = float(fishes.length[i]), float(fishes.length[j])
     room = margin * length
-    tall = 0.5 * (float(bodies.girth[i, 0]) + float(bodies.girth[j, 0])) + room
-    wide = 0.5 * (float(bodies.girth[i, 1]) + float(bodies.girth[j, 1])) + room
-    front, tail = float(bodies.snout[i]) + room, float(bodies.snout[i]) - length - room
+    tall = 0.5 * (float(fishes.girth[i, 0]) + float(fishes.girth[j, 0])) + room
+    wide = 0.5 * (float(fishes.girth[i, 1]) + float(fishes.girth[j, 1])) + room
+    front, tail = float(fishes.snout[i]) + room, float(fishes.snout[i]) - length - room
     low, high = (tail, -tall, -wide), (front, tall, wide)
-    drift = minus(vector(bodies.velocity[j]), vector(bodies.velocity[i]))
+    drift = minus(vector(fishes.velocity[j]), vector(fishes.velocity[i]))
     way = times(foresight, rotate(back, drift))
-    here = vector(bodies.position[i])
-    middle = rotate(back, minus(along_body(bodies, j, 0.5), here))
+    here = vector(fishes.position[i])
+    middle = rotate(back, minus(along_body(fishes, j, 0.5), here))
     if not _sweeps(middle, way, low, high, 0.5 * other):
         return 0.0
-    first = rotate(back, minus(along_body(bodies, j, 0.0), here))
+    first = rotate(back, minus(along_body(fishes, j, 0.0), here))
     step = times(2.0, minus(middle, first))
     stations = int(min(max(math.ceil(other / (FINEST * length)), STATIONS), MOST_STATIONS))
     inside = 0
     for k in range(stations):
         p = plus(first, times(k / (stations - 1.0), step))
-        ray = (p[0] - float(bodies.snout[i]), p[1], p[2])
+        ray = (p[0] - float(fishes.snout[i]), p[1], p[2])
         if ray[0] > FIELD_COS * norm(ray) and _sweeps(p, way, low, high, 0.0):
             inside += 1
     return inside / stations
@@ -219,48 +221,46 @@ def _sweeps(p: Vector, way: Vector, low: Vector, high: Vector, more: float) -> b
 
 
 @kernel
-def find_barriers(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature
-) -> None:
+def find_barriers(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature) -> None:
     """Set `minds.barrier` of the fishes `who`: the first obstacle that a ray ahead meets.
 
     A pillar, a rock, seabed, surface or wall, each enlarged by 1.5 widths of the body.
     """
     for i in who:
-        antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
+        antenna = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
         held = HELD if minds.intention[i] == AVOID and minds.barrier[i] != -1 else 1.0
-        minds.barrier[i] = met_first(bodies, i, scene, held * antenna)
+        minds.barrier[i] = met_first(fishes, i, sea, held * antenna)
 
 
 @kernel
-def met_first(bodies: Bodies, i: int, scene: Surroundings, antenna: float) -> int:
+def met_first(fishes: Fishes, i: int, sea: Sea, antenna: float) -> int:
     """The first obstacle that a ray of `antenna` cm ahead of fish i meets, or -1.
 
     An obstacle within the berth of the fish counts only if the fish heads for it.
     """
-    berth = BERTH_WIDTHS * float(bodies.girth[i, 1])
-    eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+    berth = BERTH_WIDTHS * float(fishes.girth[i, 1])
+    eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
     tip = plus(eye, times(antenna, ahead))
     found, nearest = -1, NEVER
-    for k in range(len(scene.pillars)):
-        t = ray_meets_pillar(scene.pillars[k], berth, eye, tip)
-        if t < nearest and (t > 0.0 or dot(from_pillar(scene.pillars[k], eye)[0], ahead) < 0.0):
+    for k in range(len(sea.pillars)):
+        t = ray_meets_pillar(sea.pillars[k], berth, eye, tip)
+        if t < nearest and (t > 0.0 or dot(from_pillar(sea.pillars[k], eye)[0], ahead) < 0.0):
             found, nearest = k, t
-    for k in range(len(scene.rocks)):
-        t = ray_meets_rock(scene.rocks[k], berth, eye, tip)
-        if t < nearest and (t > 0.0 or dot(from_rock(scene.rocks[k], eye)[0], ahead) < 0.0):
-            found, nearest = len(scene.pillars) + k, t
+    for k in range(len(sea.rocks)):
+        t = ray_meets_rock(sea.rocks[k], berth, eye, tip)
+        if t < nearest and (t > 0.0 or dot(from_rock(sea.rocks[k], eye)[0], ahead) < 0.0):
+            found, nearest = len(sea.pillars) + k, t
     if tip[2] > -berth and ahead[2] > 0.0:
         t = max((-berth - eye[2]) / (tip[2] - eye[2]), 0.0)
         if t < nearest:
             found, nearest = SURFACE, t
-    edge = scene.radius - berth
+    edge = sea.radius - berth
     outward = tip[0] * ahead[0] + tip[1] * ahead[1]
     if tip[0] * tip[0] + tip[1] * tip[1] > edge * edge and outward > 0.0:
         t = _leaves_circle(eye, tip, edge)
         if t < nearest:
             found, nearest = WALL, t
-    t = ray_meets_seabed(scene.floor, scene.half_width, berth, eye, tip)
+    t = ray_meets_seabed(sea.floor, sea.half_width, berth, eye, tip)
     if t < nearest and (t > 0.0 or ahead[2] < 0.0):
         found = SEABED
     return found

@@ -11,14 +11,10 @@ from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, is_in_school, perceives
 from subsea.perception.vision import (
-    Bodies,
-    Surroundings,
     ahead_of,
     along_body,
-    bodies_of,
     eye_of,
     sees_fish,
-    surroundings_of,
 )
 from subsea.state import (
     ASCEND,
@@ -61,14 +57,13 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     or prey for eating, and a fish to court for mating, until the courtship goes on. Other
     intentions have no target. Objects that are gone or no longer perceived are dropped.
     """
-    bodies, scene = bodies_of(fishes), surroundings_of(sea)
-    set_preferences(who, bodies, minds, scene, nature)
-    set_targets(who, bodies, minds, scene, nature)
+    set_preferences(who, fishes, minds, sea, nature)
+    set_targets(who, fishes, minds, sea, nature)
 
 
 @kernel
 def set_targets(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature,
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the target of each of the fishes `who`.
 
@@ -80,54 +75,52 @@ def set_targets(
     desire, gaps = np.zeros(minds.foods.shape[1]), np.zeros(minds.foods.shape[1])
     for i in who:
         intention, now = minds.intention[i], np.int64(minds.target[i])
-        eye, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+        eye, ahead = eye_of(fishes, i), ahead_of(fishes, i)
         if intention == AVOID:
             minds.target[i] = minds.threat[i]
         elif intention == ESCAPE:
             minds.target[i] = minds.predator[i]
         elif intention == EAT and minds.kind[i] == PREDATOR:
             best = minds.foods[i, 0]
-            if now >= 0 and best >= 0 and bodies.alive[now]:
-                toward = minus(vector(bodies.position[now]), eye)
-                if perceives(bodies, i, now, scene, nature, norm(toward)):
-                    schools = is_in_school(bodies, minds, now)
+            if now >= 0 and best >= 0 and fishes.alive[now]:
+                toward = minus(vector(fishes.position[now]), eye)
+                if perceives(fishes, i, now, sea, nature, norm(toward)):
+                    schools = is_in_school(fishes, minds, now)
                     present = cost_of(toward, norm(toward), ahead, schools)
-                    toward = minus(vector(bodies.position[best]), eye)
-                    schools = is_in_school(bodies, minds, best)
+                    toward = minus(vector(fishes.position[best]), eye)
+                    schools = is_in_school(fishes, minds, best)
                     other = cost_of(toward, norm(toward), ahead, schools)
                     best = now if present - other <= nature.devotion_cm else best
             minds.target[i] = best
         elif intention == EAT:
             for k, speck in enumerate(minds.foods[i]):
                 if speck >= 0:
-                    gaps[k] = way_to(minus(vector(scene.plankton[speck]), eye), ahead)
+                    gaps[k] = way_to(minus(vector(sea.plankton[speck]), eye), ahead)
                     desire[k] = max(1.0 - gaps[k] / nature.smell_cm, 0.0)
-            k = most_desirable(
-                bodies, i, minds.foods[i], desire, scene.plankton, minds.preference[i]
-            )
+            k = most_desirable(fishes, i, minds.foods[i], desire, sea.plankton, minds.preference[i])
             best = minds.foods[i, k] if k >= 0 else -1
-            if now >= 0 and best >= 0 and scene.absent[now] <= 0.0:
-                gap = way_to(minus(vector(scene.plankton[now]), eye), ahead)
+            if now >= 0 and best >= 0 and sea.absent[now] <= 0.0:
+                gap = way_to(minus(vector(sea.plankton[now]), eye), ahead)
                 if gap <= nature.smell_cm and gap - gaps[k] <= nature.devotion_cm:
                     best = now
             minds.target[i] = best
         elif intention == MATE and minds.courtship[i] == NO_COURTSHIP:
             for k, j in enumerate(minds.mates[i]):
                 if j >= 0:
-                    length = float(bodies.length[j])
-                    gaps[k] = norm(minus(vector(bodies.position[j]), eye))
-                    desire[k] = length / (length + float(bodies.length[i]))
+                    length = float(fishes.length[j])
+                    gaps[k] = norm(minus(vector(fishes.position[j]), eye))
+                    desire[k] = length / (length + float(fishes.length[i]))
                     if minds.male[i]:
                         desire[k] = max(1.0 - gaps[k] / nature.vision_cm, 0.0)
-                    if bodies.species[i] != bodies.species[j]:
+                    if fishes.species[i] != fishes.species[j]:
                         desire[k] *= STRANGER
             k = most_desirable(
-                bodies, i, minds.mates[i], desire, bodies.position, minds.preference[i]
+                fishes, i, minds.mates[i], desire, fishes.position, minds.preference[i]
             )
             best = minds.mates[i, k] if k >= 0 else NOBODY
-            still = now >= 0 and best >= 0 and bodies.alive[now]
-            if still and sees_fish(bodies, i, now, scene, nature):
-                gap = norm(minus(vector(bodies.position[now]), eye))
+            still = now >= 0 and best >= 0 and fishes.alive[now]
+            if still and sees_fish(fishes, i, now, sea, nature):
+                gap = norm(minus(vector(fishes.position[now]), eye))
                 if gap - gaps[k] <= nature.devotion_cm:
                     best = now
             minds.target[i] = best
@@ -148,7 +141,7 @@ def way_to(toward: Vector, ahead: Vector) -> float:
 
 @kernel
 def most_desirable(
-    bodies: Bodies, i: int, targets: Ints, desire: Array, place: Array, preference: Array
+    fishes: Fishes, i: int, targets: Ints, desire: Array, place: Array, preference: Array
 ) -> int:
     """The target, of up to K, that fish i chooses, or -1 (Tu §6.5.3).
 
@@ -167,7 +160,7 @@ def most_desirable(
     if second < 0 or desire[first] - desire[second] > COMPROMISE:
         return first
     best, most = -1, -np.inf
-    eye, q = eye_of(bodies, i), bodies.orientation[i]
+    eye, q = eye_of(fishes, i), fishes.orientation[i]
     for k in range(len(targets)):
         if targets[k] >= 0:
             toward = to_body(q, minus(vector(place[targets[k]]), eye))
@@ -182,7 +175,7 @@ def most_desirable(
 
 @kernel
 def set_preferences(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature,
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature,
 ) -> None:  # fmt: skip
     """Set the motor preferences of each of the fishes `who` (Tu §6.5.2, §7.6).
 
@@ -194,7 +187,7 @@ def set_preferences(
     for i in who:
         sums[:] = 0.0
         counts[:] = 0.0
-        eye, q = eye_of(bodies, i), bodies.orientation[i]
+        eye, q = eye_of(fishes, i), fishes.orientation[i]
         strength = 1.0
         if minds.intention[i] == ESCAPE:
             strength = minds.mental[i, FEAR]
@@ -202,25 +195,25 @@ def set_preferences(
             strength = minds.mental[i, HUNGER]
         elif minds.intention[i] == MATE:
             strength = minds.mental[i, LIBIDO]
-        warn_of_fishes(bodies, i, np.int64(minds.threat[i]), minds.neighbour[i], sums, counts)
-        warn_of_solids(bodies, i, scene, nature, sums, counts)
+        warn_of_fishes(fishes, i, np.int64(minds.threat[i]), minds.neighbour[i], sums, counts)
+        warn_of_solids(fishes, i, sea, nature, sums, counts)
         fear = against(minds.mental[i, FEAR], strength)
         for j in minds.predators[i]:
             if j != NOBODY and fear > 0.0:
-                danger = vector(scene.submarine) if j == SUBMARINE else vector(bodies.position[j])
+                danger = vector(sea.submarine) if j == SUBMARINE else vector(fishes.position[j])
                 note(q, minus(danger, eye), -fear, sums, counts)
         hunger = against(minds.mental[i, HUNGER], strength)
         hunts = minds.kind[i] == PREDATOR
         for k in minds.foods[i]:
             if k >= 0 and hunger > 0.0:
-                food = vector(bodies.position[k]) if hunts else vector(scene.plankton[k])
+                food = vector(fishes.position[k]) if hunts else vector(sea.plankton[k])
                 toward = minus(food, eye)
-                if norm(toward) < APPETISING_BL * bodies.length[i]:
+                if norm(toward) < APPETISING_BL * fishes.length[i]:
                     note(q, toward, hunger, sums, counts)
         libido = against(minds.mental[i, LIBIDO], strength)
         for j in minds.mates[i]:
             if j >= 0 and libido > 0.0:
-                note(q, minus(vector(bodies.position[j]), eye), libido, sums, counts)
+                note(q, minus(vector(fishes.position[j]), eye), libido, sums, counts)
         for side in range(6):
             good = sums[0, side] / max(counts[0, side], 1.0)
             bad = sums[1, side] / max(counts[1, side], 1.0)
@@ -235,43 +228,43 @@ def against(desire: float, strength: float) -> float:
 
 @kernel
 def warn_of_fishes(
-    bodies: Bodies, i: int, threat: int, neighbour: Ints, sums: Array, counts: Array
+    fishes: Fishes, i: int, threat: int, neighbour: Ints, sums: Array, counts: Array
 ) -> None:
     """Warn of the fish in `threat` and of companions that are too near."""
-    here, q = vector(bodies.position[i]), bodies.orientation[i]
+    here, q = vector(fishes.position[i]), fishes.orientation[i]
     if threat != NOBODY:
-        note(q, minus(along_body(bodies, threat, 0.5), here), -1.0, sums, counts)
+        note(q, minus(along_body(fishes, threat, 0.5), here), -1.0, sums, counts)
     for j in neighbour:
         if j == NOBODY:
             break
-        gap = minus(vector(bodies.position[j]), here)
-        elbow = ELBOW_BL * 0.5 * (bodies.length[i] + bodies.length[j])
+        gap = minus(vector(fishes.position[j]), here)
+        elbow = ELBOW_BL * 0.5 * (fishes.length[i] + fishes.length[j])
         if j != threat and norm(gap) < elbow:
             note(q, gap, -1.0, sums, counts)
 
 
 @kernel
 def warn_of_solids(
-    bodies: Bodies, i: int, scene: Surroundings, nature: Nature, sums: Array, counts: Array
+    fishes: Fishes, i: int, sea: Sea, nature: Nature, sums: Array, counts: Array
 ) -> None:
     """Warn of obstacles within an antenna's length of the eye."""
-    eye, q = eye_of(bodies, i), bodies.orientation[i]
-    reach = ENLARGED * nature.timidity * ANTENNA_BL * float(bodies.length[i])
-    for k in range(len(scene.pillars)):
-        normal, distance = from_pillar(scene.pillars[k], eye)
+    eye, q = eye_of(fishes, i), fishes.orientation[i]
+    reach = ENLARGED * nature.timidity * ANTENNA_BL * float(fishes.length[i])
+    for k in range(len(sea.pillars)):
+        normal, distance = from_pillar(sea.pillars[k], eye)
         if distance < reach:
             note(q, times(-1.0, normal), -1.0, sums, counts)
-    for k in range(len(scene.rocks)):
-        if far_from_rock(scene.rocks[k], eye, reach):
+    for k in range(len(sea.rocks)):
+        if far_from_rock(sea.rocks[k], eye, reach):
             continue
-        normal, distance = from_rock(scene.rocks[k], eye)
+        normal, distance = from_rock(sea.rocks[k], eye)
         if distance < reach:
             note(q, times(-1.0, normal), -1.0, sums, counts)
     if -eye[2] < reach:
         note(q, (0.0, 0.0, 1.0), -1.0, sums, counts)
-    if eye[2] - height_at(scene.floor, scene.half_width, eye[0], eye[1]) < reach:
+    if eye[2] - height_at(sea.floor, sea.half_width, eye[0], eye[1]) < reach:
         note(q, (0.0, 0.0, -1.0), -1.0, sums, counts)
-    if scene.radius - norm((eye[0], eye[1], 0.0)) < reach:
+    if sea.radius - norm((eye[0], eye[1], 0.0)) < reach:
         note(q, (eye[0], eye[1], 0.0), -1.0, sums, counts)
 
 

@@ -8,8 +8,8 @@ from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots, nearest
-from subsea.perception.vision import Bodies, Surroundings, ahead_of, eye_of, sees_fish, sight
-from subsea.state import PREDATOR, Minds, Nature, Sea
+from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
+from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
 COMPANY_CM = 110.0  # distance of company that confuses a predator
@@ -23,7 +23,7 @@ def cell_cm(sea: Sea) -> float:
 
 
 @kernel
-def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, nature: Nature) -> None:
+def perceive_plankton(who: Ints, fishes: Fishes, minds: Minds, grid: Grid, nature: Nature) -> None:
     """Set the food of the plankton eaters among the fishes `who` from the specks of `grid`.
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
@@ -32,14 +32,14 @@ def perceive_plankton(who: Ints, bodies: Bodies, minds: Minds, grid: Grid, natur
     gaps, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
         if minds.kind[i] != PREDATOR:
-            nearest(grid, eye_of(bodies, i), nature.smell_cm, -1, minds.foods[i], gaps, slots)
+            nearest(grid, eye_of(fishes, i), nature.smell_cm, -1, minds.foods[i], gaps, slots)
             minds.food[i] = minds.foods[i, 0]
             minds.food_distance[i] = gaps[0]
 
 
 @kernel
 def perceive_prey(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, grid: Grid, nature: Nature
 ) -> None:
     """Set the food of the predators among the fishes `who` from the prey of `grid`.
 
@@ -47,7 +47,7 @@ def perceive_prey(
     """
     farthest = nature.smell_cm
     for j in grid.member:
-        farthest = max(farthest, sight(float(bodies.length[j]), nature))
+        farthest = max(farthest, sight(float(fishes.length[j]), nature))
     cost, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
         if minds.kind[i] != PREDATOR:
@@ -56,7 +56,7 @@ def perceive_prey(
         found[:] = -1
         cost[:] = np.inf
         minds.food[i] = -1
-        mouth, ahead = eye_of(bodies, i), ahead_of(bodies, i)
+        mouth, ahead = eye_of(fishes, i), ahead_of(fishes, i)
         inner, outer = -1.0, min(grid.cell, farthest)
         while True:
             for k in range(near_slots(grid, mouth, outer, slots)):
@@ -66,11 +66,11 @@ def perceive_prey(
                 distance = norm(toward)
                 if not inner < distance <= outer or distance > cost[-1]:
                     continue
-                if not is_quarry(minds, bodies.species, i, j):
+                if not is_quarry(minds, fishes.species, i, j):
                     continue
-                if not perceives(bodies, i, j, scene, nature, distance):
+                if not perceives(fishes, i, j, sea, nature, distance):
                     continue
-                schools = is_in_school(bodies, minds, j)
+                schools = is_in_school(fishes, minds, j)
                 insert(found, cost, j, cost_of(toward, distance, ahead, schools))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
@@ -88,7 +88,7 @@ def is_quarry(minds: Minds, species: Ints, i: int, j: int) -> bool:
 
 
 @kernel
-def is_in_school(bodies: Bodies, minds: Minds, j: int) -> bool:
+def is_in_school(fishes: Fishes, minds: Minds, j: int) -> bool:
     """True if fish j belongs to a school and has company of its species near."""
     belongs, k = (
         minds.leads[j] or (minds.schools[j] and minds.leader[j] >= 0),
@@ -96,15 +96,13 @@ def is_in_school(bodies: Bodies, minds: Minds, j: int) -> bool:
     )
     if not belongs or k < 0:
         return False
-    return norm(minus(vector(bodies.position[k]), vector(bodies.position[j]))) < COMPANY_CM
+    return norm(minus(vector(fishes.position[k]), vector(fishes.position[j]))) < COMPANY_CM
 
 
 @kernel
-def perceives(
-    bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature, distance: float
-) -> bool:
+def perceives(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature, distance: float) -> bool:
     """True if predator i smells or sees prey j, `distance` cm from its mouth."""
-    return distance <= nature.smell_cm or sees_fish(bodies, i, j, scene, nature)
+    return distance <= nature.smell_cm or sees_fish(fishes, i, j, sea, nature)
 
 
 @kernel

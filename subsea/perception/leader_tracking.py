@@ -5,13 +5,13 @@ import numpy as np
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import store, times, vector
-from subsea.perception.vision import Bodies, Surroundings, sees_fish
-from subsea.state import Clock, Minds, Nature
+from subsea.perception.vision import sees_fish
+from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 
 @kernel
 def watch_leader(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, nature: Nature, clock: Clock
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
     """Update `leader_place` and `leader_seen` of the fishes `who` that school.
 
@@ -21,11 +21,11 @@ def watch_leader(
     now = clock.tick * clock.dt
     for i in who:
         leader = np.int64(minds.leader[i])
-        if leader < 0 or not minds.led[i] or not minds.schools[i] or not bodies.alive[leader]:
+        if leader < 0 or not minds.led[i] or not minds.schools[i] or not fishes.alive[leader]:
             continue
-        if sees_fish(bodies, i, leader, scene, nature):
+        if sees_fish(fishes, i, leader, sea, nature):
             minds.leader_seen[i] = now
-            store(minds.leader_place[i], vector(bodies.position[leader]))
+            store(minds.leader_place[i], vector(fishes.position[leader]))
             continue
         for j in minds.neighbour[i]:
             if j < 0:
@@ -36,7 +36,7 @@ def watch_leader(
 
 
 @kernel
-def watch_schools(who: Ints, bodies: Bodies, minds: Minds, clock: Clock) -> None:
+def watch_schools(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
     """Update place and size of the schools without a leader, for the fishes `who` of them.
 
     The place is the middle of all fishes of the school: fishes pass on where it is, as they do
@@ -46,10 +46,10 @@ def watch_schools(who: Ints, bodies: Bodies, minds: Minds, clock: Clock) -> None
     middle, size = np.zeros((n, 3)), np.zeros(n)
     for i in range(n):
         school = minds.leader[i] if minds.leader[i] >= 0 else i
-        if bodies.alive[i] and minds.schools[i] and not minds.led[i]:
+        if fishes.alive[i] and minds.schools[i] and not minds.led[i]:
             size[school] += 1.0
             for axis in range(3):
-                middle[school, axis] += bodies.position[i, axis]
+                middle[school, axis] += fishes.position[i, axis]
     for i in who:
         if minds.schools[i] and not minds.led[i]:
             school = minds.leader[i] if minds.leader[i] >= 0 else i

@@ -6,8 +6,8 @@ from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
-from subsea.perception.vision import Bodies, Surroundings, eye_of, sees_fish, sight
-from subsea.state import LIBIDO, LOOPING, PACIFIST, Minds, Nature
+from subsea.perception.vision import eye_of, sees_fish, sight
+from subsea.state import LIBIDO, LOOPING, PACIFIST, Fishes, Minds, Nature, Sea
 
 CELL_CM = 100.0
 ODD = 2.0  # largest ratio of lengths between mates of different species
@@ -17,7 +17,7 @@ STRANGE_CM = 1e6  # added to the distance of another species
 
 @kernel
 def see_mates(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, grid: Grid, nature: Nature
 ) -> None:
     """Set the possible mates of the fishes `who`, from the pacifists in `grid`.
 
@@ -28,7 +28,7 @@ def see_mates(
     """
     longest = 0.0
     for j in grid.member:
-        longest = max(longest, float(bodies.length[j]))
+        longest = max(longest, float(fishes.length[j]))
     cost = np.empty(minds.mates.shape[1])
     slots = np.empty(len(grid.member), np.int64)
     for i in who:
@@ -38,10 +38,10 @@ def see_mates(
         if minds.betrothed[i] >= 0:
             j = minds.betrothed[i]
             if minds.shunned[i] != j:
-                there = vector(bodies.position[j])
-                insert(found, cost, j, norm(minus(there, eye_of(bodies, i))))
+                there = vector(fishes.position[j])
+                insert(found, cost, j, norm(minus(there, eye_of(fishes, i))))
         elif minds.kind[i] == PACIFIST:
-            eye = eye_of(bodies, i)
+            eye = eye_of(fishes, i)
             farthest = sight(longest, nature)
             if minds.mental[i, LIBIDO] <= nature.keen:
                 farthest = min(farthest, TEMPTING_CM)
@@ -53,14 +53,14 @@ def see_mates(
                     if not inner < price <= outer or minds.male[i] == minds.male[j]:
                         continue
                     taken = minds.courtship[j] > LOOPING and minds.partner[j] != i
-                    species = bodies.species
-                    odd = not 1.0 / ODD < bodies.length[i] / bodies.length[j] < ODD
+                    species = fishes.species
+                    odd = not 1.0 / ODD < fishes.length[i] / fishes.length[j] < ODD
                     taken |= minds.betrothed[j] >= 0
                     if minds.shunned[i] == j or taken or (odd and species[i] != species[j]):
                         continue
                     if species[i] != species[j]:
                         price += STRANGE_CM
-                    if price <= cost[-1] and sees_fish(bodies, i, j, scene, nature):
+                    if price <= cost[-1] and sees_fish(fishes, i, j, sea, nature):
                         insert(found, cost, j, price)
                 if cost[-1] <= outer or outer >= farthest:
                     break

@@ -8,21 +8,19 @@ from subsea.geometry.vector import minus, norm, vector
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import (
     SUBMARINE_CM,
-    Bodies,
-    Surroundings,
     eye_of,
     sees_fish,
     sees_point,
     sight,
 )
-from subsea.state import NOBODY, PREY, SUBMARINE, Minds, Nature
+from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar
 
 
 @kernel
 def see_predators(
-    who: Ints, bodies: Bodies, minds: Minds, scene: Surroundings, grid: Grid, nature: Nature
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, grid: Grid, nature: Nature
 ) -> None:
     """Set what the fishes `who` fear, from the predators in `grid`.
 
@@ -32,7 +30,7 @@ def see_predators(
     """
     longest = 0.0
     for j in grid.member:
-        longest = max(longest, float(bodies.length[j]))
+        longest = max(longest, float(fishes.length[j]))
     cost = np.empty(minds.predators.shape[1])
     slots = np.empty(len(grid.member), np.int64)
     for i in who:
@@ -41,9 +39,9 @@ def see_predators(
         cost[:] = np.inf
         total = 0.0
         if minds.kind[i] == PREY:
-            eye = eye_of(bodies, i)
-            there = vector(scene.submarine)
-            if sees_point(bodies, i, scene, there, sight(SUBMARINE_CM, nature)):
+            eye = eye_of(fishes, i)
+            there = vector(sea.submarine)
+            if sees_point(fishes, i, sea, there, sight(SUBMARINE_CM, nature)):
                 danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
@@ -53,7 +51,7 @@ def see_predators(
                 danger = fearfulness(float(minds.dread[i]), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
                     continue  # it adds nothing, and the test of sight is the most expensive
-                if sees_fish(bodies, i, j, scene, nature):
+                if sees_fish(fishes, i, j, sea, nature):
                     total += min(danger, 1.0)
                     insert(worst, cost, j, -danger)
         minds.predator[i] = worst[0]

@@ -7,7 +7,7 @@ from subsea.core.kernels import kernel
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.grid import make_grid
 from subsea.perception.neighbours import find_neighbours
-from subsea.perception.vision import bodies_of, middles_of, surroundings_of
+from subsea.perception.vision import middles_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 LARGE_CM = 45.0  # longer fishes are kept in a grid of their own ...
@@ -20,27 +20,26 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
         return
     feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
     find_neighbours(who, fishes, minds)
-    bodies, scene = bodies_of(fishes), surroundings_of(sea)
-    leader_tracking.watch_leader(who, bodies, minds, scene, nature, clock)
-    leader_tracking.watch_schools(who, bodies, minds, clock)
+    leader_tracking.watch_leader(who, fishes, minds, sea, nature, clock)
+    leader_tracking.watch_schools(who, fishes, minds, clock)
     alive, place, kinds = fishes.alive, fishes.position, minds.kind
-    large, middles = fishes.length > LARGE_CM, middles_of(bodies)
+    large, middles = fishes.length > LARGE_CM, middles_of(fishes)
     crowd = (
         make_grid(middles, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
         make_grid(middles, np.flatnonzero(alive & large), LARGE_CELL_CM),
     )
-    collision.find_threats(who, bodies, minds, crowd, nature)
-    collision.find_barriers(who, bodies, minds, scene, nature)
+    collision.find_threats(who, fishes, minds, crowd, nature)
+    collision.find_barriers(who, fishes, minds, sea, nature)
     hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), predators.CELL_CM)
-    predators.see_predators(who, bodies, minds, scene, hunters, nature)
+    predators.see_predators(who, fishes, minds, sea, hunters, nature)
     specks = make_grid(sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea))
-    foraging.perceive_plankton(who, bodies, minds, specks, nature)
+    foraging.perceive_plankton(who, fishes, minds, specks, nature)
     if (kinds[who] == PREDATOR).any():
         prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
-        foraging.perceive_prey(who, bodies, minds, scene, prey, nature)
+        foraging.perceive_prey(who, fishes, minds, sea, prey, nature)
     if (kinds[who] == PACIFIST).any():
         mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), mates.CELL_CM)
-        mates.see_mates(who, bodies, minds, scene, mild, nature)
+        mates.see_mates(who, fishes, minds, sea, mild, nature)
 
 
 @kernel

@@ -1,11 +1,10 @@
 """Vision of a fish: view volume and occlusion (Tu §6.3, §6.4)."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
@@ -21,72 +20,34 @@ FARTHEST = 3.0
 SUBMARINE_CM = 300.0  # length of the submarine as fishes see it
 
 
-class Bodies(NamedTuple):
-    """The arrays of `Fishes` that perception reads, with the same names, shapes and units."""
-
-    species: Ints
-    alive: Bools
-    position: Array
-    orientation: Array
-    velocity: Array
-    length: Array
-    snout: Array
-    girth: Array
-
-
-class Surroundings(NamedTuple):
-    """The fields of `Sea` that perception reads: what hides others, blocks the way or is food."""
-
-    pillars: Array
-    rocks: Array
-    heights: Array
-    floor: Array
-    half_width: float
-    radius: float
-    crest: float
-    plankton: Array
-    absent: Array
-    submarine: Array
-
-
-def bodies_of(fishes: Fishes) -> Bodies:
-    """Those arrays of the fishes, without a copy."""
-    return Bodies(*(getattr(fishes, name) for name in Bodies._fields))
-
-
-def surroundings_of(sea: Sea) -> Surroundings:
-    """Those arrays of the sea, without a copy."""
-    return Surroundings(*(getattr(sea, name) for name in Surroundings._fields))
-
-
 @kernel
-def ahead_of(bodies: Bodies, i: int) -> Vector:
+def ahead_of(fishes: Fishes, i: int) -> Vector:
     """Unit vector along the x axis of the body."""
-    return x_axis(bodies.orientation[i])
+    return x_axis(fishes.orientation[i])
 
 
 @kernel
-def eye_of(bodies: Bodies, i: int) -> Vector:
+def eye_of(fishes: Fishes, i: int) -> Vector:
     """The cyclopean origin: the tip of the snout, cm, world."""
-    return along_body(bodies, i, 0.0)
+    return along_body(fishes, i, 0.0)
 
 
 @kernel
-def along_body(bodies: Bodies, i: int, share: float) -> Vector:
+def along_body(fishes: Fishes, i: int, share: float) -> Vector:
     """A point on the centre line, `share` of the body length behind the snout, cm, world.
 
     The line is taken as straight: bends of a swimming body are less than a tenth of its length.
     """
-    along = float(bodies.snout[i]) - share * float(bodies.length[i])
-    return plus(vector(bodies.position[i]), times(along, ahead_of(bodies, i)))
+    along = float(fishes.snout[i]) - share * float(fishes.length[i])
+    return plus(vector(fishes.position[i]), times(along, ahead_of(fishes, i)))
 
 
 @kernel
-def middles_of(bodies: Bodies) -> Array:
+def middles_of(fishes: Fishes) -> Array:
     """The middle of the centre line of every fish (n, 3), cm, world."""
-    out = np.empty((len(bodies.length), 3))
+    out = np.empty((len(fishes.length), 3))
     for i in range(len(out)):
-        out[i, 0], out[i, 1], out[i, 2] = along_body(bodies, i, 0.5)
+        out[i, 0], out[i, 1], out[i, 2] = along_body(fishes, i, 0.5)
     return out
 
 
@@ -105,53 +66,53 @@ def in_view(eye: Vector, ahead: Vector, p: Vector, reach: float) -> bool:
 
 
 @kernel
-def hidden(scene: Surroundings, eye: Vector, p: Vector) -> bool:
+def hidden(sea: Sea, eye: Vector, p: Vector) -> bool:
     """True if a pillar, a rock or the seabed occludes p; other fishes do not."""
-    for k in range(len(scene.pillars)):
-        if ray_meets_pillar(scene.pillars[k], 0.0, eye, p) <= 1.0:
+    for k in range(len(sea.pillars)):
+        if ray_meets_pillar(sea.pillars[k], 0.0, eye, p) <= 1.0:
             return True
-    for k in range(len(scene.rocks)):
-        if ray_meets_rock(scene.rocks[k], 0.0, eye, p) <= 1.0:
+    for k in range(len(sea.rocks)):
+        if ray_meets_rock(sea.rocks[k], 0.0, eye, p) <= 1.0:
             return True
-    if min(eye[2], p[2]) > scene.crest:
+    if min(eye[2], p[2]) > sea.crest:
         return False
-    return ray_meets_seabed(scene.heights, scene.half_width, 0.0, eye, p) <= 1.0
+    return ray_meets_seabed(sea.heights, sea.half_width, 0.0, eye, p) <= 1.0
 
 
 @kernel
-def sees_point(bodies: Bodies, i: int, scene: Surroundings, p: Vector, reach: float) -> bool:
+def sees_point(fishes: Fishes, i: int, sea: Sea, p: Vector, reach: float) -> bool:
     """True if fish i sees the point p within `reach` cm (Tu §6.4.1)."""
-    eye = eye_of(bodies, i)
-    return in_view(eye, ahead_of(bodies, i), p, reach) and not hidden(scene, eye, p)
+    eye = eye_of(fishes, i)
+    return in_view(eye, ahead_of(fishes, i), p, reach) and not hidden(sea, eye, p)
 
 
 @kernel
-def sees_fish(bodies: Bodies, i: int, j: int, scene: Surroundings, nature: Nature) -> bool:
+def sees_fish(fishes: Fishes, i: int, j: int, sea: Sea, nature: Nature) -> bool:
     """True if fish i sees fish j: middle in view, any point not occluded (Tu §6.4.2)."""
-    eye = eye_of(bodies, i)
-    reach = sight(float(bodies.length[j]), nature)
-    if not in_view(eye, ahead_of(bodies, i), vector(bodies.position[j]), reach):
+    eye = eye_of(fishes, i)
+    reach = sight(float(fishes.length[j]), nature)
+    if not in_view(eye, ahead_of(fishes, i), vector(fishes.position[j]), reach):
         return False
     seen = False
     for share in BODY_SHARES:
-        seen = seen or not hidden(scene, eye, along_body(bodies, j, share))
+        seen = seen or not hidden(sea, eye, along_body(fishes, j, share))
     return seen
 
 
 @kernel
-def sees_pillar(bodies: Bodies, i: int, pillar: Array, nature: Nature) -> bool:
+def sees_pillar(fishes: Fishes, i: int, pillar: Array, nature: Nature) -> bool:
     """True if a pillar is near enough to be seen: |P - O| - r < V_r (Tu §6.4.3).
 
     P is the point of the axis closest in height to the eye. Occlusion and the blind angle are
     neglected.
     """
-    eye = eye_of(bodies, i)
+    eye = eye_of(fishes, i)
     x, y, radius, top = pillar
     return norm(minus((x, y, min(eye[2], top)), eye)) - radius < nature.vision_cm
 
 
 @kernel
-def sees_box(bodies: Bodies, i: int, scene: Surroundings, box: Array, reach: float) -> bool:
+def sees_box(fishes: Fishes, i: int, sea: Sea, box: Array, reach: float) -> bool:
     """True if any corner of a box, as of a cluster of seaweed, is seen (Tu §6.4.4)."""
     for corner in range(8):
         p = (
@@ -159,6 +120,6 @@ def sees_box(bodies: Bodies, i: int, scene: Surroundings, box: Array, reach: flo
             float(box[4 if corner & 2 else 1]),
             float(box[5 if corner & 4 else 2]),
         )
-        if sees_point(bodies, i, scene, p, reach):
+        if sees_point(fishes, i, sea, p, reach):
             return True
     return False

@@ -22,7 +22,7 @@ from subsea.frame.lines import frustum_edges
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
 from subsea.perception.collision import sensitivity, share_inside
-from subsea.perception.vision import FIELD_COS, ahead_of, bodies_of, eye_of, in_view
+from subsea.perception.vision import FIELD_COS, ahead_of, eye_of, in_view
 from subsea.state import NOBODY
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig, views_for
@@ -104,7 +104,7 @@ def test_the_control_mesh_joins_neighbours_of_the_skin(world, diagram, in_sight)
 
 
 def test_the_sensitivity_box_agrees_with_perception(world):
-    bodies = bodies_of(world.state.fishes)
+    bodies = world.state.fishes
     rng = np.random.default_rng(3)
     i, j = 7, 30
     low, high = sensitivity_box(world, i)
@@ -167,7 +167,7 @@ def test_bonds_of_a_school_go_to_leaders_and_companions(world, diagram):
 def test_the_view_volume_is_where_a_fish_sees(world, diagram, in_sight):
     i = in_sight[0]
     lines = diagram("perception", i).lines
-    bodies, nature = bodies_of(world.state.fishes), world.nature
+    bodies, nature = world.state.fishes, world.nature
     eye, ahead = np.array(eye_of(bodies, i)), ahead_of(bodies, i)
     points = lines.ends.reshape(-1, 3).astype(float)
     far = np.linalg.norm(points - eye, axis=1)

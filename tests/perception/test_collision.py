@@ -16,7 +16,7 @@ from subsea.perception.collision import (
 )
 from subsea.perception.grid import make_grid
 from subsea.perception.senses import LARGE_CELL_CM, LARGE_CM, SMALL_CELL_CM
-from subsea.perception.vision import bodies_of, middles_of, surroundings_of
+from subsea.perception.vision import middles_of
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -36,12 +36,12 @@ BACK = np.array([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])  # upright, heading agai
 def _threats(t):
     fishes = t.fishes
     large = fishes.length > LARGE_CM
-    middles = middles_of(bodies_of(fishes))
+    middles = middles_of(fishes)
     grids = (
         make_grid(middles, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
         make_grid(middles, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
     )
-    find_threats(np.arange(len(large)), bodies_of(fishes), t.minds, grids, t.nature)
+    find_threats(np.arange(len(large)), fishes, t.minds, grids, t.nature)
     return list(t.minds.threat)
 
 
@@ -143,7 +143,7 @@ def test_the_one_with_most_of_its_body_inside_is_worst(tank):
     # One lies across the way, the other approaches head-on with its whole body.
     t.fishes.orientation[1:] = (0.5, 0.5, 0.5, 0.5), BACK
     t.fishes.velocity[1:] = (0.0, 0.0, 0.0), (-15.0, -6.0, 0.0)
-    bodies = bodies_of(t.fishes)
+    bodies = t.fishes
     shares = [share_inside(bodies, 0, j, ENLARGED * 0.08, ENLARGED * 0.6) for j in (1, 2)]
     assert 0.0 < shares[0] < shares[1]
     assert _threats(t)[0] == 2
@@ -164,7 +164,7 @@ def test_the_grids_miss_nobody(tank, seed):
     turn = rng.normal(size=(n, 4))
     t.fishes.orientation[:] = turn / np.linalg.norm(turn, axis=1)[:, None]
     found = _threats(t)
-    bodies = bodies_of(t.fishes)
+    bodies = t.fishes
     p = middles_of(bodies)
     for i in range(n):
         shares = [
@@ -180,7 +180,7 @@ def test_the_grids_miss_nobody(tank, seed):
 
 
 def _barrier(t):
-    find_barriers(np.arange(1), bodies_of(t.fishes), t.minds, surroundings_of(t.sea), t.nature)
+    find_barriers(np.arange(1), t.fishes, t.minds, t.sea, t.nature)
     return t.minds.barrier[0]
 
 
@@ -233,7 +233,7 @@ def test_the_nearer_boundary_counts(tank):
 
 def test_an_antenna_is_as_long_as_asked(tank):
     t = tank(pillars=[(60, 0, 10, -100)])  # 40 cm before the eye, with the berth
-    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
+    bodies, scene = t.fishes, t.sea
     assert met_first(bodies, 0, scene, 39.9) == -1
     assert met_first(bodies, 0, scene, 40.1) == 0
     t.minds.barrier[0] = -1

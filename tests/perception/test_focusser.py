@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.perception.focusser import focus, most_desirable
-from subsea.perception.vision import bodies_of
 from subsea.state import (
     ASCEND,
     AVOID,
@@ -143,7 +142,7 @@ def test_preferences_stay_between_minus_one_and_one(tank, seed):
 def _chosen(t, desire, place, preference):
     targets = np.arange(len(place), dtype=np.int32)
     return most_desirable(
-        bodies_of(t.fishes), 0, targets, np.array(desire), (EYE + place).astype(np.float32),
+        t.fishes, 0, targets, np.array(desire), (EYE + place).astype(np.float32),
         np.array(preference, np.float32),
     )  # fmt: skip
 

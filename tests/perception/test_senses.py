@@ -9,12 +9,10 @@ from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
 from subsea.perception.senses import sense
 from subsea.perception.vision import (
     SUBMARINE_CM,
-    bodies_of,
     eye_of,
     sees_fish,
     sees_point,
     sight,
-    surroundings_of,
 )
 from subsea.state import (
     CIRCLING,
@@ -99,7 +97,7 @@ def _crowd(tank, seed, kinds):
 
 def _all(t, i, kind):
     """Living other fishes of a kind: vector from the eye of i, and True if i sees it."""
-    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
+    bodies, scene = t.fishes, t.sea
     eye = np.array(eye_of(bodies, i))
     for j in np.flatnonzero(t.fishes.alive & (t.minds.kind == kind)):
         if j != i:
@@ -164,7 +162,7 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
     gaps = np.linalg.norm(t.fishes.position[near] - t.fishes.position, axis=1)
     schools = t.minds.leads & (near >= 0) & (gaps < COMPANY_CM)
     for i in np.flatnonzero(t.fishes.alive & (t.minds.kind == PREDATOR)):
-        x = np.subtract(eye_of(bodies_of(t.fishes), i), t.fishes.position[i]) / t.fishes.snout[i]
+        x = np.subtract(eye_of(t.fishes, i), t.fishes.position[i]) / t.fishes.snout[i]
         able = []
         for j, gap, seen in _all(t, i, PREY):
             d = np.linalg.norm(gap)
@@ -187,7 +185,7 @@ def test_fear_is_of_visible_predators(tank, seed, company):
     if company:
         t.sea.submarine[:3] = 200.0, 300.0, -300.0
     t.run(sense)
-    bodies, scene = bodies_of(t.fishes), surroundings_of(t.sea)
+    bodies, scene = t.fishes, t.sea
     for i in np.flatnonzero(t.fishes.alive):
         if t.minds.kind[i] != PREY:
             assert t.minds.predator[i] == NOBODY

@@ -10,7 +10,6 @@ from subsea.geometry.rotation import matrix
 from subsea.perception.vision import (
     BODY_SHARES,
     along_body,
-    bodies_of,
     eye_of,
     hidden,
     in_view,
@@ -19,7 +18,6 @@ from subsea.perception.vision import (
     sees_pillar,
     sees_point,
     sight,
-    surroundings_of,
 )
 
 AHEAD = (1.0, 0.0, 0.0)
@@ -27,7 +25,7 @@ AHEAD = (1.0, 0.0, 0.0)
 
 def _view(t):
     """Bodies and surroundings of a tank, as vision reads them."""
-    return bodies_of(t.fishes), surroundings_of(t.sea)
+    return t.fishes, t.sea
 
 
 def _sees(t, i, j):
@@ -55,8 +53,8 @@ def test_the_field_of_view_is_300_degrees_around(angle, seen):
 def test_the_centre_line_goes_from_the_eye_to_the_tail(tank):
     t = tank()
     t.fishes.orientation[0] = np.array([0.5, 0.5, 0.5, 0.5])  # upright, heading along y
-    assert eye_of(bodies_of(t.fishes), 0) == pytest.approx((0.0, 7.0, -300.0), abs=1e-5)
-    assert along_body(bodies_of(t.fishes), 0, 1.0) == pytest.approx((0.0, -13.0, -300.0), abs=1e-5)
+    assert eye_of(t.fishes, 0) == pytest.approx((0.0, 7.0, -300.0), abs=1e-5)
+    assert along_body(t.fishes, 0, 1.0) == pytest.approx((0.0, -13.0, -300.0), abs=1e-5)
     x = matrix(t.fishes.orientation[0].astype(float))[:, 0]
     np.testing.assert_allclose(x, [0, 1, 0], atol=1e-6)
 
@@ -163,10 +161,10 @@ def test_a_pillar_is_seen_by_its_nearest_side(tank):
     reach = tank().nature.vision_cm
     for x, seen in ((7.0 + reach + 29.0, True), (7.0 + reach + 31.0, False)):
         t = tank(pillars=[(x, 0.0, 30.0, -100.0)])
-        assert sees_pillar(bodies_of(t.fishes), 0, t.sea.pillars[0], t.nature) == seen
+        assert sees_pillar(t.fishes, 0, t.sea.pillars[0], t.nature) == seen
     # For a pillar that is lower than the eye: its top.
     t = tank(pillars=[(7.0, 0.0, 30.0, -300.0 - reach - 31.0)])
-    assert not sees_pillar(bodies_of(t.fishes), 0, t.sea.pillars[0], t.nature)
+    assert not sees_pillar(t.fishes, 0, t.sea.pillars[0], t.nature)
 
 
 def test_a_box_is_seen_by_any_corner(tank):
@@ -174,7 +172,7 @@ def test_a_box_is_seen_by_any_corner(tank):
     box = np.array([200.0, -10.0, -500.0, 220.0, 10.0, -400.0], np.float32)
 
     def seen():
-        return sees_box(bodies_of(t.fishes), 0, surroundings_of(t.sea), box, t.nature.vision_cm)
+        return sees_box(t.fishes, 0, t.sea, box, t.nature.vision_cm)
 
     assert not seen()
     box[4] = 200.0  # reaches out from behind the pillar

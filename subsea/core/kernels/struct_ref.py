@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from numba import typeof, types
+from numba.core import cgutils
 from numba.experimental import structref
-from numba.extending import typeof_impl
+from numba.extending import intrinsic, typeof_impl
 
 from subsea.core.kernels import kernel
 
@@ -29,6 +30,27 @@ class Kind(types.StructRef):  # type: ignore[misc]
         super().__init__(fields)
         told = hashlib.sha256(str(self).encode()).hexdigest()
         self.name = f"{self._typename}.{told[:16]}"
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def uncounted(context: Any, value: Any) -> Any:
+    """An array whose references are not counted, or anything else as it is.
+
+    Kernels would count references to the arrays of a group at every turn, with locked instructions
+    for which the cores of a computer wait for each other. The named tuple keeps the arrays alive.
+    """
+
+    def code(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        (given,) = arguments
+        if not isinstance(value, types.Array):
+            target.nrt.incref(builder, value, given)
+            return given
+        array = target.make_array(value)(target, builder, given)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+
+    return value(value), code
 
 
 SOURCE = """
@@ -85,10 +107,14 @@ _makers: dict[Any, Any] = {}
 def _maker(name: str, fields: tuple[str, ...], kind: Any) -> Any:
     """The kernel that allocates a group of this type and fills in its fields."""
     if kind not in _makers:
-        lines = "\n    ".join(f"group.{field} = arrays[{k}]" for k, field in enumerate(fields))
+        lines = "\n    ".join(
+            f"group.{field} = uncounted(arrays[{k}])" for k, field in enumerate(fields)
+        )
         source = SOURCE.format(name=f"make_{name.lower()}", fields=lines)
         # Compiled under this file's name, so that numba caches it with this file's kernels.
-        names = {"new": structref.new, "kind": kind, "__name__": __name__}
+        names = {
+            "new": structref.new, "uncounted": uncounted, "kind": kind, "__name__": __name__
+        }  # fmt: skip
         exec(compile(source, __file__, "exec"), names)
         _makers[kind] = kernel(names[f"make_{name.lower()}"])
     return _makers[kind]
