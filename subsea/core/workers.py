@@ -20,7 +20,7 @@ Work = Callable[[Any], Any]
 Pool = Callable[[Work, Mapping[K, Any], Check], Results[K]]
 
 POLL_S = 0.2
-THREADS = "OPENBLAS_NUM_THREADS"
+THREADS = "OPENBLAS_NUM_THREADS", "SUBSEA_THREADS"  # of matrices, and of a tick
 MAX_ATTEMPTS = 3  # crashes of processes with the same job
 
 
@@ -113,11 +113,11 @@ def _ctrl_c_blocked() -> Iterator[None]:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let processes that are started inside use one thread for matrices, unless set otherwise."""
-    given = THREADS in os.environ
-    os.environ.setdefault(THREADS, "1")
+    """Let processes that are started inside use one thread each, unless set otherwise."""
+    added = [name for name in THREADS if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, "1"))
     try:
         yield
     finally:
-        if not given:
-            del os.environ[THREADS]
+        for name in added:
+            del os.environ[name]

@@ -3,62 +3,103 @@
 A kernel with a named tuple of fifty arrays as argument contains code to unpack all of them, which
 takes a second or more to compile for each kernel; every call unpacks them, too. A pointer to a
 group compiles in a twentieth of that time. Kernels read `group.field` in both cases.
+
+Kernels do not count references to a group or to its arrays, as they do with other arguments: the
+named tuple keeps both alive. Counting takes locked instructions at each call of a function, for
+which the cores of a computer wait for each other.
 """
 
 import hashlib
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, TypeVar
 
+import numpy as np
 from numba import typeof, types
 from numba.core import cgutils
-from numba.experimental import structref
-from numba.extending import intrinsic, typeof_impl
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    intrinsic,
+    lower_getattr_generic,
+    models,
+    register_model,
+    typeof_impl,
+    unbox,
+)
 
 from subsea.core.kernels import kernel
 
 T = TypeVar("T")
 
 
-class Kind(types.StructRef):  # type: ignore[misc]
+class Kind(types.Type):  # type: ignore[misc]
     """Numba type of a group; each group has its own subclass at the top level of a module.
 
-    Otherwise numba would name the type by all its fields: some thousand characters in the names of
-    all kernels that use it and in their cache.
+    Its name is short, as it is part of the names of all kernels that use it, and of their cache.
     """
 
-    def __init__(self, fields: Any) -> None:
-        super().__init__(fields)
-        told = hashlib.sha256(str(self).encode()).hexdigest()
-        self.name = f"{self._typename}.{told[:16]}"
+    def __init__(self, fields: dict[str, Any]) -> None:
+        self.fields = fields
+        self.layout = types.Tuple(list(fields.values()))  # of its memory
+        told = hashlib.sha256(str(fields).encode()).hexdigest()
+        super().__init__(f"{type(self).__name__}.{told[:16]}")
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def uncounted(context: Any, value: Any) -> Any:
-    """An array whose references are not counted, or anything else as it is.
+@infer_getattr
+class FieldTypes(AttributeTemplate):  # type: ignore[misc]
+    """The type of a field of a group."""
 
-    Kernels would count references to the arrays of a group at every turn, with locked instructions
-    for which the cores of a computer wait for each other. The named tuple keeps the arrays alive.
-    """
+    key = Kind
 
-    def code(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        (given,) = arguments
-        if not isinstance(value, types.Array):
-            target.nrt.incref(builder, value, given)
-            return given
-        array = target.make_array(value)(target, builder, given)
+    def generic_resolve(self, kind: Kind, field: str) -> Any:
+        """The type, or None for an unknown field."""
+        return kind.fields.get(field)
+
+
+@lower_getattr_generic(Kind)
+def _field(context: Any, builder: Any, kind: Kind, pointer: Any, field: str) -> Any:
+    """Load a field."""
+    place = _place(context, builder, kind, pointer, list(kind.fields).index(field))
+    return _uncounted(context, builder, kind.fields[field], builder.load(place))
+
+
+def _place(context: Any, builder: Any, kind: Kind, pointer: Any, number: int) -> Any:
+    """Address of a field in the memory of a group."""
+    layout = context.get_value_type(kind.layout)
+    return cgutils.gep_inbounds(builder, builder.bitcast(pointer, layout.as_pointer()), 0, number)
+
+
+def _uncounted(context: Any, builder: Any, of: Any, value: Any) -> Any:
+    """A value whose arrays have no reference count."""
+    if isinstance(of, types.Array):
+        array = context.make_array(of)(context, builder, value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
         array.parent = cgutils.get_null_value(array.parent.type)
         return array._getvalue()
+    if isinstance(of, types.BaseTuple):
+        for k, part in enumerate(of):
+            one = _uncounted(context, builder, part, builder.extract_value(value, k))
+            value = builder.insert_value(value, one, k)
+    return value
 
-    return value(value), code
 
+@intrinsic
+def _fill(context: Any, kind: Any, address: Any, values: Any) -> Any:
+    """Write the fields of a group to an address; returns the size of its memory in bytes."""
+    kind = kind.instance_type
 
-SOURCE = """
-def {name}(arrays):
-    group = new(kind)
-    {fields}
-    return group
-"""
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        _, address, values = arguments
+        pointer = builder.inttoptr(address, cgutils.voidptr_t)
+        for k in range(len(kind.fields)):
+            place = _place(context, builder, kind, pointer, k)
+            builder.store(builder.extract_value(values, k), place)
+        layout = context.get_value_type(kind.layout)
+        return context.get_constant(types.intp, context.get_abi_sizeof(layout))
+
+    return types.intp(types.TypeRef(kind), address, values), code
 
 
 def by_pointer(kind: type[Kind]) -> Callable[[type[T]], type[T]]:
@@ -67,54 +108,74 @@ def by_pointer(kind: type[Kind]) -> Callable[[type[T]], type[T]]:
     `kind` is the numba type of the group. The instance stays a named tuple in Python. A kernel
     cannot replace its fields; it can only write into fields that are arrays.
     """
-    return lambda group: _pointed(group, structref.register(kind))
+    register_model(kind)(models.OpaqueModel)
+    unbox(kind)(_unboxed)
+    return lambda group: _pointed(group, kind)
+
+
+def _unboxed(kind: Kind, group: Any, c: Any) -> Any:
+    """The pointer to the memory of a group that is the argument of a kernel."""
+    pointer = cgutils.alloca_once_value(c.builder, cgutils.get_null_value(cgutils.voidptr_t))
+    failed = cgutils.alloca_once_value(c.builder, cgutils.true_bit)
+    with ExitStack() as stack:
+        address = c.pyapi.object_getattr_string(group, "_address")
+        with cgutils.early_exit_if_null(c.builder, stack, address):
+            pass  # Ctrl-C in the middle of a call
+        c.builder.store(c.pyapi.long_as_voidptr(address), pointer)
+        c.builder.store(cgutils.false_bit, failed)
+        c.pyapi.decref(address)
+    return NativeValue(c.builder.load(pointer), is_error=c.builder.load(failed))
 
 
 def _pointed(group: Any, kind: Any) -> Any:
     name, fields = group.__name__, group._fields
 
     class Group(group):  # type: ignore[misc]
-        """A `group` with a pointer to it, made when first needed."""
+        """A `group` with memory that has its fields, made when first needed."""
 
         @property
         def _numba_type_(self) -> Any:
             if "kind" not in self.__dict__:
                 self.__dict__["kind"] = kind(
-                    [(field, typeof(value)) for field, value in zip(fields, self, strict=True)]
+                    {field: typeof(value) for field, value in zip(fields, self, strict=True)}
                 )
             return self.__dict__["kind"]
 
         @property
-        def _meminfo(self) -> Any:
-            if "pointer" not in self.__dict__:
-                self.__dict__["pointer"] = _maker(name, fields, self._numba_type_)(tuple(self))
-            return self.__dict__["pointer"]
+        def _address(self) -> int:
+            if "memory" not in self.__dict__:
+                memory = _memory(name, self._numba_type_, tuple(self))
+                # Threads that both make it use the same, which stays.
+                self.__dict__.setdefault("memory", (memory, memory.ctypes.data))
+            return self.__dict__["memory"][1]
 
-        @staticmethod
-        def _numba_box_(kind: Any, pointer: Any) -> Any:
-            return pointer
+        def __reduce__(self) -> Any:
+            """A copy has memory of its own, which points to its own arrays."""
+            return Group, tuple(self)
 
     Group.__name__, Group.__qualname__ = name, group.__qualname__
     Group.__module__, Group.__doc__ = group.__module__, group.__doc__
-    structref.define_boxing(kind, Group)
     typeof_impl.register(Group)(lambda value, _: value._numba_type_)
     return Group
 
 
-_makers: dict[Any, Any] = {}
+FIELD_BYTES = 512  # more than any field takes
+
+SOURCE = """
+def fill_{name}(address, values):
+    return fill(kind, address, values)
+"""
+
+_fillers: dict[Any, Any] = {}
 
 
-def _maker(name: str, fields: tuple[str, ...], kind: Any) -> Any:
-    """The kernel that allocates a group of this type and fills in its fields."""
-    if kind not in _makers:
-        lines = "\n    ".join(
-            f"group.{field} = uncounted(arrays[{k}])" for k, field in enumerate(fields)
-        )
-        source = SOURCE.format(name=f"make_{name.lower()}", fields=lines)
+def _memory(name: str, kind: Kind, values: tuple[Any, ...]) -> Any:
+    """Memory that has the fields of a group."""
+    if kind not in _fillers:
         # Compiled under this file's name, so that numba caches it with this file's kernels.
-        names = {
-            "new": structref.new, "uncounted": uncounted, "kind": kind, "__name__": __name__
-        }  # fmt: skip
-        exec(compile(source, __file__, "exec"), names)
-        _makers[kind] = kernel(names[f"make_{name.lower()}"])
-    return _makers[kind]
+        names = {"fill": _fill, "kind": kind, "__name__": __name__}
+        exec(compile(SOURCE.format(name=name.lower()), __file__, "exec"), names)
+        _fillers[kind] = kernel(names[f"fill_{name.lower()}"])
+    memory = np.zeros(FIELD_BYTES * len(values) // 8, np.int64)
+    assert _fillers[kind](memory.ctypes.data, values) <= memory.nbytes
+    return memory
