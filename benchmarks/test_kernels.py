@@ -242,10 +242,10 @@ def test_surface(benchmark, rng, of):
 
 
 @njit(cache=True)
-def nearest_of_all(points, chosen, cell, reach, found, gaps, slots):
+def nearest_of_all(points, chosen, cell, reach, found, gaps):
     grid = make_grid(points, chosen, cell)
     for i in range(len(points)):
-        nearest(grid, vector(points[i]), reach, i, found[i], gaps[i], slots)
+        nearest(grid, vector(points[i]), reach, i, found[i], gaps[i], 0.5 * cell)
 
 
 @pytest.mark.parametrize("of", ["kernel", "scipy's k-d tree"])

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.state import Clock, Fishes, Minds
 
@@ -18,9 +19,9 @@ def burst(fishes: Fishes, minds: Minds, i: int) -> None:
 
 
 @kernel
-def tire(fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """Count the time of bursts of all fishes, by their effort, and their rest; runs every tick."""
-    for i in range(len(minds.spent)):
+def tire(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Count the time of bursts of the fishes `who`, by their effort, and their rest."""
+    for i in who:
         effort = (fishes.goal_speed[i] - 1.0) / max(fishes.burst[i] - 1.0, 1e-3)
         change = min(effort, 1.0) if effort > 0.0 else -RECOVERS
         minds.spent[i] = max(minds.spent[i] + np.float32(change * clock.dt), np.float32(0.0))

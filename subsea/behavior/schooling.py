@@ -190,10 +190,10 @@ def guide_schools(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
             continue
         if i == school:
             minds.patience[i] -= np.float32(clock.dt)
-        if is_informed(i, school, clock):
-            toward = minus(vector(minds.waypoint[school]), vector(fishes.position[i]))
-            if norm(toward) < NEAR_GOAL_BL * fishes.length[i]:
-                minds.patience[school] = 0.0
+        toward = minus(vector(minds.waypoint[school]), vector(fishes.position[i]))
+        there = norm(toward) < NEAR_GOAL_BL * fishes.length[i]
+        if there and is_informed(i, school, clock):
+            minds.patience[school] = 0.0
     for i in range(len(minds.leader)):
         done = minds.patience[i] <= 0.0 and minds.errand[i] <= 0.0
         if minds.leads[i] and not minds.led[i] and done:

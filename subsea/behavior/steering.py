@@ -140,14 +140,14 @@ def constrained(urge: Vector, normal: Vector, distance: float, room: float) -> V
 
 
 @kernel
-def ease_goals(fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """Turn every fish's goal direction toward its urge by a share of the angle; runs every tick.
+def ease_goals(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Turn the goals of the fishes `who` toward their urges by a share of the angle.
 
     Where the motor preferences warn of a side, the angle is multiplied by min(1, 1.5 + M) for the
     negative preference M (Tu §6.5.3).
     """
     share = min(EASE * clock.dt, 1.0)
-    for i in range(len(minds.intention)):
+    for i in who:
         urge = vector(minds.urge[i])
         length = norm(urge)
         if length < 1e-6:

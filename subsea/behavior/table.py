@@ -1,6 +1,7 @@
 """Table of behaviors: a row for each, and the entries that call all of them."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from subsea.behavior import (
 )
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 # Writes the strength of a desire of each of the fishes `who`, 0 to 1, into `out` (n,).
@@ -27,6 +29,7 @@ Routine = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock], None]
 
 # Levels of the hierarchy (Tu §7.5): a desire on one comes before all desires on the next.
 COLLISION, DANGER, APPETITE, EASE = range(4)
+LEAST_PART = 1024  # fishes of an intention for which another thread pays
 
 
 class Behavior(NamedTuple):
@@ -36,11 +39,12 @@ class Behavior(NamedTuple):
     routine: Routine
     desires: tuple[tuple[int, Desire], ...]
     tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
+    in_turn: bool = False  # True if the routine reads what it writes for others: no parts
 
 
 # The first seven in the order of the codes AVOID to WANDER of `state`.
 BEHAVIORS = (
-    Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),)),
+    Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),), in_turn=True),
     Behavior("escape", escaping.act, ((DANGER, escaping.desire),)),
     Behavior(
         "school",
@@ -48,7 +52,7 @@ BEHAVIORS = (
         ((DANGER, schooling.alarmed_desire), (EASE, schooling.desire)),
     ),
     Behavior("eat", eating.act, ((APPETITE, eating.desire),), tires=True),
-    Behavior("mate", mating.act, ((APPETITE, mating.desire),), tires=True),
+    Behavior("mate", mating.act, ((APPETITE, mating.desire),), tires=True, in_turn=True),
     Behavior("leave", leaving.act, ((EASE, leaving.desire),)),
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
@@ -89,17 +93,44 @@ def compute_desires(
 
 
 @kernel
+def run_routine(
+    code: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+) -> None:
+    """Let the fishes `who` follow intention `code`: a branch for each row of `BEHAVIORS`."""
+    if code == 0:
+        avoiding.act(who, fishes, minds, sea, nature, clock)
+    elif code == 1:
+        escaping.act(who, fishes, minds, sea, nature, clock)
+    elif code == 2:
+        schooling.act(who, fishes, minds, sea, nature, clock)
+    elif code == 3:
+        eating.act(who, fishes, minds, sea, nature, clock)
+    elif code == 4:
+        mating.act(who, fishes, minds, sea, nature, clock)
+    elif code == 5:
+        leaving.act(who, fishes, minds, sea, nature, clock)
+    elif code == 6:
+        wandering.act(who, fishes, minds, sea, nature, clock)
+    elif code == 7:
+        curious.act(who, fishes, minds, sea, nature, clock)
+    elif code == 8:
+        struggling.act(who, fishes, minds, sea, nature, clock)
+
+
 def run_routines(
     who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
 ) -> None:
-    """Let each of the fishes `who` follow its intention: a line for each row of `BEHAVIORS`."""
+    """Let each of the fishes `who` follow its intention, one intention after the other."""
     now = minds.intention[who]
-    avoiding.act(who[now == 0], fishes, minds, sea, nature, clock)
-    escaping.act(who[now == 1], fishes, minds, sea, nature, clock)
-    schooling.act(who[now == 2], fishes, minds, sea, nature, clock)
-    eating.act(who[now == 3], fishes, minds, sea, nature, clock)
-    mating.act(who[now == 4], fishes, minds, sea, nature, clock)
-    leaving.act(who[now == 5], fishes, minds, sea, nature, clock)
-    wandering.act(who[now == 6], fishes, minds, sea, nature, clock)
-    curious.act(who[now == 7], fishes, minds, sea, nature, clock)
-    struggling.act(who[now == 8], fishes, minds, sea, nature, clock)
+    for code in np.flatnonzero(np.bincount(now)):
+        follow = partial(_follow, int(code), nature, clock)
+        if BEHAVIORS[code].in_turn:
+            follow(who[now == code], fishes, minds, sea)
+        else:
+            share(follow, who[now == code], LEAST_PART, fishes, minds, sea)
+
+
+def _follow(
+    code: int, nature: Nature, clock: Clock, who: Ints, fishes: Fishes, minds: Minds, sea: Sea
+) -> None:
+    run_routine(code, who, fishes, minds, sea, nature, clock)

@@ -19,6 +19,7 @@ import numba
 import numpy as np
 from msgspec.structs import replace
 
+from subsea.behavior.table import run_routine
 from subsea.core.disk_cache import cache_folder
 from subsea.core.own_files import make_own_folder
 from subsea.core.processors import cores
@@ -72,14 +73,18 @@ def _decisions() -> None:
 
 
 def _routines() -> None:
-    step.act(_open_water(), np.zeros(0, np.int64), NEUTRAL, CLOCK)
+    world, nobody = _open_water(), np.zeros(0, np.int64)
+    fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
+    run_routine(np.int64(0), nobody, fishes, minds, sea, world.nature, CLOCK)
+    step.act(world, nobody, np.arange(len(fishes.species)), NEUTRAL, CLOCK)
 
 
 def _motion() -> None:
     world = _open_water()
     step.perceive(world, CLOCK, NEUTRAL)
-    step.move_water(world, CLOCK)
-    step.move_fishes(world, CLOCK)
+    everyone = np.arange(len(world.state.fishes.species))
+    step.move_water(world, everyone, CLOCK)
+    step.move_fishes(world, everyone, CLOCK)
 
 
 def _open_water() -> World:

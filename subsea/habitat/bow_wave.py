@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, unit, vector
 from subsea.state import HULL_CM, Fishes, Sea
@@ -11,12 +12,12 @@ SPAN = 4.0  # radii beyond which the wave has less than 2% of the hull's speed
 
 
 @kernel
-def add_bow_wave(fishes: Fishes, sea: Sea) -> None:
-    """Add the bow wave to `fishes.drift`: a hull of any speed pushes fishes aside."""
+def add_bow_wave(who: Ints, fishes: Fishes, sea: Sea) -> None:
+    """Add the bow wave to the drift of the fishes `who`: a hull pushes them aside."""
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     if norm(velocity) == 0.0:
         return
-    for i in range(len(fishes.drift)):
+    for i in who:
         radius = HULL_CM + BEAM_BL * fishes.length[i]
         if abs(fishes.position[i, 0] - hull[0]) > SPAN * radius:
             continue

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
@@ -23,14 +23,14 @@ PASSES = 2  # over the barriers, so that in a corner neither undoes the other
 
 
 @kernel
-def keep_in_free_water(fishes: Fishes, sea: Sea, own: Array, dt: float) -> None:
-    """Add to `fishes.drift` what keeps snout, middle and tail of every fish in free water.
+def keep_in_free_water(who: Ints, fishes: Fishes, sea: Sea, own: Array, dt: float) -> None:
+    """Add to the drift of the fishes `who` what keeps snout, middle and tail in free water.
 
     `own` (n, 3) is the velocity of each fish through the water, cm/s. A part that would be too
     near after `dt` s loses its speed toward the barrier and is pushed off. A fish on the hook is
     not kept under the surface.
     """
-    for i in range(len(fishes.length)):
+    for i in who:
         if not fishes.alive[i] or i == sea.catch[1]:
             continue
         middle, length = vector(fishes.position[i]), float(fishes.length[i])
@@ -38,7 +38,10 @@ def keep_in_free_water(fishes: Fishes, sea: Sea, own: Array, dt: float) -> None:
         touch = TOUCH_CM + TOUCH_BL * length
         reach = length + touch + speed * dt
         ahead, snout = x_axis(fishes.orientation[i]), float(fishes.snout[i])
-        for _ in range(PASSES):
+        rim = math.sqrt(middle[0] * middle[0] + middle[1] * middle[1])
+        above, below = middle[2] + reach, middle[2] - reach
+        inside = rim + reach < sea.radius and above < 0.0 and below > sea.crest
+        for _ in range(0 if inside else PASSES):
             for half in range(3):
                 part = plus(middle, times(snout - 0.5 * half * length, ahead))
                 _keep_inside(fishes.drift[i], part, own[i], sea, touch, dt)

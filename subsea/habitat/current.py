@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import ZERO, Vector, plus, store, times, vector
@@ -60,9 +60,9 @@ def _source(strength: float, gap: float) -> float:
 
 
 @kernel
-def set_drift(fishes: Fishes, sea: Sea, flow: Array) -> None:
-    """Set `fishes.drift` to the velocity of the water at each fish."""
+def set_drift(who: Ints, fishes: Fishes, sea: Sea, flow: Array) -> None:
+    """Set `fishes.drift` to the velocity of the water at each of the fishes `who`."""
     uniform = vector(flow)
-    for i in range(len(fishes.drift)):
+    for i in who:
         here = vector(fishes.position[i])
         store(fishes.drift[i], flow_near(sea.pillars, sea.rocks, uniform, here))

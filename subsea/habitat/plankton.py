@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
@@ -53,15 +53,15 @@ def scatter(
 
 
 @kernel
-def drift(sea: Sea, flow: Array, clock: Clock) -> None:
-    """Move every speck by one tick with the water, and a little at random.
+def drift(who: Ints, sea: Sea, flow: Array, clock: Clock) -> None:
+    """Move the specks `who` by one tick with the water, and a little at random.
 
     A speck that leaves the cylinder enters on the other side. One that was eaten returns after its
     absence near the same place: the oscillating current brings nothing from afar, and feeding
     grounds would be empty in half an hour. Specks do not enter solids.
     """
     uniform_flow = vector(flow)
-    for k in range(len(sea.plankton)):
+    for k in who:
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
             if sea.absent[k] == 0.0:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
@@ -10,16 +10,17 @@ from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds
 
 GAP_BL = 0.12  # gap between skins, over the longer body, where separation begins
 FULL_CM_S = 6.0  # speed at which touching bodies are pushed apart
+FAR = 1.001  # share of the reach of two bodies beyond which they surely do not touch
 CLOSEST = 2  # neighbours considered, besides the threat
 
 
 @kernel
-def separate(fishes: Fishes, minds: Minds) -> None:
-    """Add to `fishes.drift` what separates bodies that are about to touch.
+def separate(who: Ints, fishes: Fishes, minds: Minds) -> None:
+    """Add to the drift of the fishes `who` what parts them from bodies that they nearly touch.
 
     Not for courting partners, nor for predators and their prey.
     """
-    for i in range(len(fishes.length)):
+    for i in who:
         if not fishes.alive[i] or minds.courtship[i] > APPROACHING or minds.kind[i] == PREDATOR:
             continue
         for k in range(CLOSEST + 1):
@@ -27,17 +28,28 @@ def separate(fishes: Fishes, minds: Minds) -> None:
             felt = k == CLOSEST and (j == minds.neighbour[i, 0] or j == minds.neighbour[i, 1])
             if j == NOBODY or felt or not fishes.alive[j] or minds.kind[j] == PREDATOR:
                 continue
-            away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
-            distance = norm(away)
             longer = max(fishes.length[i], fishes.length[j])
             touching = 0.25 * (
                 fishes.girth[i, 0] + fishes.girth[i, 1] + fishes.girth[j, 0] + fishes.girth[j, 1]
             )
+            reach = _half(fishes, i) + _half(fishes, j) + touching + GAP_BL * longer
+            apart = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+            if dot(apart, apart) > (FAR * reach) ** 2:
+                continue  # most are
+            away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
+            distance = norm(away)
             close = 1.0 - (distance - touching) / (GAP_BL * longer)
             if close > 0.0 and distance > 1e-6:
                 speed = FULL_CM_S * min(close, 1.0) / distance
                 for axis in range(3):
                     fishes.drift[i, axis] += np.float32(speed * away[axis])
+
+
+@kernel
+def _half(fishes: Fishes, i: int) -> float:
+    """Distance of the farther end of the centre line from the origin of fish i, cm."""
+    snout = float(fishes.snout[i])
+    return max(abs(snout), abs(snout - float(fishes.length[i])))
 
 
 @kernel

@@ -7,7 +7,7 @@ tick. After the motion, this moves back each fish that reaches beyond a barrier.
 
 import math
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import quaternion, rotate
@@ -22,14 +22,14 @@ SWING = 0.25  # of a body length: the farthest that a turn swings an end in a ti
 
 
 @kernel
-def contain(fishes: Fishes, nodes: Array, sea: Sea, dt: float) -> None:
-    """Move each fish back by as much as snout, middle or tail is beyond a barrier.
+def contain(who: Ints, fishes: Fishes, nodes: Array, sea: Sea, dt: float) -> None:
+    """Move each of the fishes `who` back by as much as snout, middle or tail is beyond a barrier.
 
     `nodes` are the library's. A body that fits nowhere near keeps the place and attitude of the
     last tick. One that a panel put into a solid is let out at the speed of its own motion. A fish
     on the hook may leave the water.
     """
-    for i in range(len(fishes.species)):
+    for i in who:
         if not fishes.alive[i] or i == sea.catch[1]:
             continue
         # In double precision, as all else that follows.

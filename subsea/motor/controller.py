@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
@@ -65,14 +65,15 @@ GRADE_MARGIN = 1.2  # factor by which another grade must fit better
 
 
 @kernel
-def command(fishes: Fishes, library: Library, clock: Clock) -> None:
-    """Choose `wanted_segment`; ease `tempo`, `thrust`, `bend` and `steering` toward the goal.
+def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
+    """Choose `wanted_segment` of the fishes `who`, and ease the rest toward their goals.
 
-    The horizontal angle to the goal selects a swim or a turn, its elevation the pitch, and the
-    goal's speed grade and tempo. Playback changes over at the next row with a gentle glide.
+    The rest is tempo, thrust, bend and steering. The horizontal angle to the goal selects a swim or
+    a turn, its elevation the pitch, and the goal's speed grade and tempo. Playback changes over at
+    the next row with a gentle glide.
     """
     dt = clock.dt
-    for i in range(len(fishes.species)):
+    for i in who:
         kind = fishes.species[i]
         x = x_axis(fishes.orientation[i])
         g = fishes.goal_direction[i]

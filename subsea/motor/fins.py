@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.motor.segments import LEFT_GRADUAL, RIGHT_GRADUAL, ROW
 from subsea.repertoire.library import Library
@@ -28,15 +29,15 @@ EASE_HZ = 3.0  # how fast dorsal fin and tail follow
 
 
 @kernel
-def flap(fishes: Fishes, library: Library, dt: float) -> None:
-    """Advance fins and breath by one tick.
+def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
+    """Advance fins and breath of the fishes `who` by one tick.
 
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
     each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
     brake or retreat (Tu B.2). While a row of the pectoral gait is played, its phase is that of the
     fins: foremost at the beginning of the stroke, or highest if they flap.
     """
-    for i in range(len(fishes.species)):
+    for i in who:
         fins = fishes.fins[i]
         for column in range(len(fins)):
             fishes.previous_fins[i, column] = fins[column]

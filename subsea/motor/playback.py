@@ -1,6 +1,6 @@
 """Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick."""
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import (
     Quaternion,
@@ -38,13 +38,13 @@ AT_REST = 0.3  # share of the slow swim's pace below which a segment begins at r
 
 
 @kernel
-def play(fishes: Fishes, library: Library, dt: float) -> None:
-    """Advance every fish by one tick of recorded motion, steering, balance and drift.
+def play(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
+    """Advance the fishes `who` by one tick of recorded motion, steering, balance and drift.
 
     Simulated fishes have already moved (`motor/dynamics.py`).
     """
     per_second = 1.0 / dt
-    for i in range(len(fishes.species)):
+    for i in who:
         if fishes.live[i] or not fishes.alive[i]:
             continue
         store(fishes.previous_position[i], vector(fishes.position[i]))

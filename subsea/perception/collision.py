@@ -17,7 +17,7 @@ from subsea.geometry.solids import (
     ray_meets_seabed,
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
-from subsea.perception.grid import Grid, near_slots
+from subsea.perception.grid import ROUNDING, Grid, make_grid, near_slots
 from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
@@ -47,21 +47,72 @@ FORESIGHT_S = 0.6
 SCHOOLING_S = 0.3
 COURTING_S = 0.1
 HELD = 1.3  # factor on the region for what a fish is already avoiding: hysteresis
+# Fishes longer or faster than this are kept apart from the others.
+LARGE_CM, FAST_CM_S = 45.0, 65.0
+SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0
 STATIONS = 7  # least number of points of a centre line ...
 FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the other apart
 
 
+class Crowd(NamedTuple):
+    """The fishes of a grid, with which others may collide."""
+
+    grid: Grid  # of the middles of their bodies
+    motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
+    radius: float  # the largest
+    speed: float  # the largest
+
+
+@kernel
+def crowds_of(fishes: Fishes) -> tuple[Crowd, Crowd]:
+    """All living fishes: the small and slow ones, and those that are large or fast.
+
+    A fish searches the others within a reach that grows with the largest and the fastest of them.
+    """
+    n = len(fishes.length)
+    middles, small, large = np.empty((n, 3)), np.empty(n, np.int64), np.empty(n, np.int64)
+    smalls, larges = 0, 0
+    for i in range(n):
+        middle = along_body(fishes, i, 0.5)
+        store(middles[i], middle)
+        if not fishes.alive[i]:
+            continue
+        speed = norm(vector(fishes.velocity[i]))
+        if fishes.length[i] > LARGE_CM or speed > FAST_CM_S:
+            large[larges] = i
+            larges += 1
+        else:
+            small[smalls] = i
+            smalls += 1
+    return (
+        _crowd(fishes, make_grid(middles, small[:smalls], SMALL_CELL_CM)),
+        _crowd(fishes, make_grid(middles, large[:larges], LARGE_CELL_CM)),
+    )
+
+
+@kernel
+def _crowd(fishes: Fishes, grid: Grid) -> Crowd:
+    motion = np.empty((len(grid.member), 5))
+    radius, speed = 0.0, 0.0
+    for slot, j in enumerate(grid.member):
+        velocity = vector(fishes.velocity[j])
+        store(motion[slot], velocity)
+        motion[slot, 3], motion[slot, 4] = _radius(fishes, j), norm(velocity)
+        radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
+    return Crowd(grid, motion, radius, speed)
+
+
 @kernel
 def find_threats(
-    who: Ints, fishes: Fishes, minds: Minds, grids: tuple[Grid, Grid], nature: Nature
+    who: Ints, fishes: Fishes, minds: Minds, crowds: tuple[Crowd, Crowd], nature: Nature
 ) -> None:
     """Set `minds.threat` of the fishes `who`: the fish that is most likely to collide with it.
 
-    `grids` hold the middles of all fishes, small and large ones apart. The threat is the fish with
-    the largest share of its centre line in the sensitivity region; of equal ones the nearest.
-    Hunted prey and the partner in courtship are not threats.
+    `crowds` have all fishes. The threat is the fish with the largest share of its centre line in
+    the sensitivity region; of equal ones the nearest. Hunted prey and the partner in courtship are
+    not threats.
     """
-    small, large = _crowd(fishes, grids[0]), _crowd(fishes, grids[1])
+    small, large = crowds
     slots = np.empty(max(len(small.motion), len(large.motion)), np.int64)
     for i in who:
         region = sensitivity(minds, i, nature)
@@ -103,27 +154,6 @@ def sensitivity(minds: Minds, i: int, nature: Nature) -> SensitivityRegion:
     return SensitivityRegion(scale * margin, scale * foresight, welcome)
 
 
-class Crowd(NamedTuple):
-    """The fishes of a grid, with which others may collide."""
-
-    grid: Grid  # of the middles of their bodies
-    motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
-    radius: float  # the largest
-    speed: float  # the largest
-
-
-@kernel
-def _crowd(fishes: Fishes, grid: Grid) -> Crowd:
-    motion = np.empty((len(grid.member), 5))
-    radius, speed = 0.0, 0.0
-    for slot, j in enumerate(grid.member):
-        velocity = vector(fishes.velocity[j])
-        store(motion[slot], velocity)
-        motion[slot, 3], motion[slot, 4] = _radius(fishes, j), norm(velocity)
-        radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
-    return Crowd(grid, motion, radius, speed)
-
-
 @kernel
 def worst_threat(
     fishes: Fishes, i: int, region: SensitivityRegion, crowd: Crowd, slots: Ints,
@@ -142,10 +172,12 @@ def worst_threat(
     for k in range(near_slots(grid, here, reach, slots)):
         slot = slots[k]
         gap = minus(vector(grid.place[slot]), here)
-        near = around + motion[slot, 3]
-        # Most are too far away, however they move: test that first.
-        far = near + foresight * (speed + motion[slot, 4])
         squared = dot(gap, gap)
+        # Most are too far away, however they move: test that first.
+        if squared > ROUNDING * reach * reach:
+            continue
+        near = around + motion[slot, 3]
+        far = near + foresight * (speed + motion[slot, 4])
         if squared > far * far:
             continue
         drift = minus(vector(motion[slot]), velocity)

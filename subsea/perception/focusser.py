@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
@@ -47,6 +48,7 @@ STEEPEST = 0.6  # sine of the steepest climb or dive, as in `motor/controller.py
 ARC = 0.5  # share by which the way to a point straight behind is longer
 TOWARD = 0.5  # cosine of the 60 degrees about an axis that count as its direction
 ELBOW_BL = 0.6  # distance within which a companion is in the way
+LEAST_PART = 1024  # fishes for which another thread pays
 APPETISING_BL = 5.0  # range of food that sets motor preferences
 
 
@@ -57,8 +59,12 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     or prey for eating, and a fish to court for mating, until the courtship goes on. Other
     intentions have no target. Objects that are gone or no longer perceived are dropped.
     """
-    set_preferences(who, fishes, minds, sea, nature)
-    set_targets(who, fishes, minds, sea, nature)
+
+    def look(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+        set_preferences(part, fishes, minds, sea, nature)
+        set_targets(part, fishes, minds, sea, nature)
+
+    share(look, who, LEAST_PART, fishes, minds, sea)
 
 
 @kernel

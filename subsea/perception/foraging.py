@@ -7,7 +7,7 @@ import numpy as np
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
-from subsea.perception.grid import Grid, insert, near_slots, nearest
+from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
 
@@ -23,16 +23,20 @@ def cell_cm(sea: Sea) -> float:
 
 
 @kernel
-def perceive_plankton(who: Ints, fishes: Fishes, minds: Minds, grid: Grid, nature: Nature) -> None:
+def perceive_plankton(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, grid: Grid, nature: Nature
+) -> None:
     """Set the food of the plankton eaters among the fishes `who` from the specks of `grid`.
 
     A speck is seen within V_r, and smelled within O_r in all directions and behind solids. As O_r
     is the larger, smell alone decides.
     """
-    gaps, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
+    gaps = np.empty(minds.foods.shape[1])
     for i in who:
         if minds.kind[i] != PREDATOR:
-            nearest(grid, eye_of(fishes, i), nature.smell_cm, -1, minds.foods[i], gaps, slots)
+            mouth = eye_of(fishes, i)
+            guess = farthest(sea.plankton, mouth, minds.foods[i])
+            nearest(grid, mouth, nature.smell_cm, -1, minds.foods[i], gaps, guess)
             minds.food[i] = minds.foods[i, 0]
             minds.food_distance[i] = gaps[0]
 
@@ -45,9 +49,9 @@ def perceive_prey(
 
     `minds.food` is the nearest, `minds.foods` the cheapest to catch.
     """
-    farthest = nature.smell_cm
+    reach = nature.smell_cm
     for j in grid.member:
-        farthest = max(farthest, sight(float(fishes.length[j]), nature))
+        reach = max(reach, sight(float(fishes.length[j]), nature))
     cost, slots = np.empty(minds.foods.shape[1]), np.empty(len(grid.member), np.int64)
     for i in who:
         if minds.kind[i] != PREDATOR:
@@ -57,7 +61,7 @@ def perceive_prey(
         cost[:] = np.inf
         minds.food[i] = -1
         mouth, ahead = eye_of(fishes, i), ahead_of(fishes, i)
-        inner, outer = -1.0, min(grid.cell, farthest)
+        inner, outer = -1.0, min(grid.cell, reach)
         while True:
             for k in range(near_slots(grid, mouth, outer, slots)):
                 slot = slots[k]
@@ -74,9 +78,9 @@ def perceive_prey(
                 insert(found, cost, j, cost_of(toward, distance, ahead, schools))
                 if distance < least or (distance == least and j < minds.food[i]):
                     minds.food[i], least = j, distance
-            if cost[-1] <= outer or outer >= farthest:
+            if cost[-1] <= outer or outer >= reach:
                 break  # a cost is never less than the distance
-            inner, outer = outer, min(2.0 * outer, farthest)
+            inner, outer = outer, min(2.0 * outer, reach)
         minds.food_distance[i] = least
 
 

@@ -9,7 +9,10 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, minus, store, vector
 
-CELLS_EACH, CELLS_MORE = 64, 4096  # most cells: per point, and in addition
+CELLS_EACH, CELLS_MORE = 16, 16384  # most cells: per point, and in addition
+FEW = 48  # points that are faster gone through than looked up by cells
+LEAST_CM = 1.0  # first range of a search
+ROUNDING, MARGIN = 1.0 + 1e-9, 1.0 + 1e-6
 
 
 class Grid(NamedTuple):
@@ -72,6 +75,10 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
     They include all points within `reach` cm and some farther ones; `slots` must have room for all
     m. (Numba cannot cache generators.)
     """
+    if len(grid.member) <= FEW:
+        for slot in range(len(grid.member)):
+            slots[slot] = slot
+        return len(grid.member)
     low, size = grid.low, grid.size
     first_a, last_a = _range(p[0] - low[0], reach, grid.cell, size[0])
     first_b, last_b = _range(p[1] - low[1], reach, grid.cell, size[1])
@@ -79,8 +86,13 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
     count = 0
     if first_c > last_c:
         return 0
+    x, y = p[0] - low[0], p[1] - low[1]
     for a in range(first_a, last_a + 1):
+        aside = max(a * grid.cell - x, x - (a + 1) * grid.cell, 0.0)
         for b in range(first_b, last_b + 1):
+            along = max(b * grid.cell - y, y - (b + 1) * grid.cell, 0.0)
+            if aside * aside + along * along > ROUNDING * reach * reach:
+                continue
             row = (a * grid.size[1] + b) * grid.size[2]
             for slot in range(grid.start[row + first_c], grid.start[row + last_c + 1]):
                 slots[count] = slot
@@ -97,33 +109,65 @@ def _range(middle: float, reach: float, cell: float, size: int) -> tuple[int, in
 
 @kernel
 def nearest(
-    grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array, slots: Ints
+    grid: Grid, p: Vector, reach: float, but: int, found: Ints, gaps: Array, guess: float
 ) -> None:
     """Write the members nearest to p to `found` (k,) and their distances, cm, to `gaps` (k,).
 
     All are nearer than `reach`, and the member `but` is left out; missing ones are -1 at infinity.
-    Of equal distances the lower index comes first. `slots` (m,) is scratch space. The search
-    widens only while too few are found.
+    Of equal distances the lower index comes first. `guess` is a distance, cm, within which k
+    members are expected; the search widens while it has found too few.
     """
     found[:] = -1
     gaps[:] = np.inf
-    inner, outer = -1.0, min(0.5 * grid.cell, reach)
+    x, y = p[0] - grid.low[0], p[1] - grid.low[1]
+    few = len(grid.member) <= FEW
+    inner, outer = -1.0, reach if few else min(max(guess, LEAST_CM), reach)
     while True:
         # The tolerance keeps rounding from separating equals.
-        bound = min(outer, gaps[-1]) * (1.0 + 1e-12)
-        for k in range(near_slots(grid, p, outer, slots)):
-            slot = slots[k]
-            away = minus(vector(grid.place[slot]), p)
-            squared = dot(away, away)
-            if squared > bound * bound or grid.member[slot] == but:
-                continue
-            gap = math.sqrt(squared)
-            if inner < gap <= outer and gap < reach:
-                insert(found, gaps, grid.member[slot], gap)
-                bound = min(bound, gaps[-1] * (1.0 + 1e-12))
+        bound = ROUNDING * min(outer, gaps[-1])
+        first_a, last_a = _range(x, bound, grid.cell, grid.size[0])
+        first_b, last_b = _range(y, bound, grid.cell, grid.size[1])
+        first_c, last_c = _range(p[2] - grid.low[2], bound, grid.cell, grid.size[2])
+        if few:  # one row of all
+            first_a, last_a, first_b, last_b = 0, 0, 0, 0
+        elif first_c > last_c:
+            last_a = first_a - 1
+        for a in range(first_a, last_a + 1):
+            aside = max(a * grid.cell - x, x - (a + 1) * grid.cell, 0.0)
+            for b in range(first_b, last_b + 1):
+                along = max(b * grid.cell - y, y - (b + 1) * grid.cell, 0.0)
+                if not few and aside * aside + along * along > bound * bound:
+                    continue
+                row = (a * grid.size[1] + b) * grid.size[2]
+                first = 0 if few else grid.start[row + first_c]
+                end = len(grid.member) if few else grid.start[row + last_c + 1]
+                for slot in range(first, end):
+                    away = minus(vector(grid.place[slot]), p)
+                    squared = dot(away, away)
+                    if squared > bound * bound or grid.member[slot] == but:
+                        continue
+                    gap = math.sqrt(squared)
+                    if inner < gap <= outer and gap < reach:
+                        insert(found, gaps, grid.member[slot], gap)
+                        bound = min(bound, ROUNDING * gaps[-1])
         if gaps[-1] <= outer or outer >= reach:
             break
         inner, outer = outer, min(2.0 * outer, reach)
+
+
+@kernel
+def farthest(place: Array, p: Vector, found: Ints) -> float:
+    """A guess for `nearest` from what it found the last time: the distance of the farthest, cm.
+
+    There are still as many as near; infinity if there were too few.
+    """
+    square = 0.0
+    for k in found:
+        if k < 0:
+            return np.inf
+        away = minus(vector(place[k]), p)
+        square = max(square, dot(away, away))
+    return MARGIN * math.sqrt(square)
 
 
 @kernel

@@ -1,8 +1,10 @@
 """Track the place of the leader, or of the middle of the school."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from subsea.core.arrays import Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import store, times, vector
 from subsea.perception.vision import sees_fish
@@ -10,20 +12,30 @@ from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 
 @kernel
-def watch_leader(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+def see_leader(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, seen: Bools
 ) -> None:
+    """Set `seen` (n,) of the fishes `who`: whether they see the leader that they follow."""
+    for i in who:
+        leader = np.int64(minds.leader[i])
+        follows = leader >= 0 and minds.led[i] and minds.schools[i] and fishes.alive[leader]
+        seen[i] = follows and sees_fish(fishes, i, leader, sea, nature)
+
+
+@kernel
+def watch_leader(who: Ints, fishes: Fishes, minds: Minds, seen: Bools, clock: Clock) -> None:
     """Update `leader_place` and `leader_seen` of the fishes `who` that school.
 
     A fish that does not see its leader takes over the latest sighting of its companions: so a
-    school finds its way around a pillar that hides the leader.
+    school finds its way around a pillar that hides the leader. In order of the index, as
+    sightings are passed on.
     """
     now = clock.tick * clock.dt
     for i in who:
         leader = np.int64(minds.leader[i])
         if leader < 0 or not minds.led[i] or not minds.schools[i] or not fishes.alive[leader]:
             continue
-        if sees_fish(fishes, i, leader, sea, nature):
+        if seen[i]:
             minds.leader_seen[i] = now
             store(minds.leader_place[i], vector(fishes.position[leader]))
             continue
@@ -35,13 +47,16 @@ def watch_leader(
                 store(minds.leader_place[i], vector(minds.leader_place[j]))
 
 
-@kernel
-def watch_schools(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """Update place and size of the schools without a leader, for the fishes `who` of them.
+class Schools(NamedTuple):
+    """The schools without a leader, each at the index of the fish by which it is known."""
 
-    The place is the middle of all fishes of the school: fishes pass on where it is, as they do
-    with the place of a leader.
-    """
+    middle: Array  # (n, 3) cm, sum of the places of its fishes
+    size: Array  # (n,) number of its fishes
+
+
+@kernel
+def schools_of(fishes: Fishes, minds: Minds) -> Schools:
+    """Sum up places and numbers of the fishes of each school without a leader."""
     n = len(minds.leader)
     middle, size = np.zeros((n, 3)), np.zeros(n)
     for i in range(n):
@@ -50,9 +65,20 @@ def watch_schools(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None
             size[school] += 1.0
             for axis in range(3):
                 middle[school, axis] += fishes.position[i, axis]
+    return Schools(middle, size)
+
+
+@kernel
+def watch_schools(who: Ints, minds: Minds, schools: Schools, clock: Clock) -> None:
+    """Update place and size of the schools without a leader, for the fishes `who` of them.
+
+    The place is the middle of all fishes of the school: fishes pass on where it is, as they do
+    with the place of a leader.
+    """
     for i in who:
         if minds.schools[i] and not minds.led[i]:
             school = minds.leader[i] if minds.leader[i] >= 0 else i
+            size = schools.size[school]
             minds.leader_seen[i] = clock.tick * clock.dt
-            minds.school_size[i] = size[school]
-            store(minds.leader_place[i], times(1.0 / size[school], vector(middle[school])))
+            minds.school_size[i] = size
+            store(minds.leader_place[i], times(1.0 / size, vector(schools.middle[school])))

@@ -1,11 +1,13 @@
 """Nearest companions, as felt by the lateral line in all directions (Tu §6.3)."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.vector import vector
-from subsea.perception.grid import Grid, make_grid, nearest
+from subsea.perception.grid import Grid, farthest, make_grid, nearest
 from subsea.state import Fishes, Minds
 
 REACH_CM = 110.0  # range of companions ...
@@ -13,21 +15,28 @@ SCHOOL_CM = 300.0  # ... and of fishes that school, which also see them
 CELL_CM = 60.0  # large enough that few cells are empty
 
 
-def find_neighbours(who: Ints, fishes: Fishes, minds: Minds) -> None:
+def grid_of(fishes: Fishes, kind: int) -> Grid:
+    """The living fishes of a species."""
+    fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
+    return make_grid(fishes.position, fellows, CELL_CM)
+
+
+def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, grids: Mapping[int, Grid]) -> None:
     """Set `minds.neighbour` of the fishes `who`: the nearest of their species within reach.
 
-    Equal distances are ordered by index, so the result does not depend on the order of `who`.
+    `grids` has the fishes of each species. Equal distances are ordered by index, so the result does
+    not depend on the order of `who`.
     """
     kinds = fishes.species[who]
-    for kind in np.unique(kinds):
-        fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
-        grid = make_grid(fishes.position, fellows, CELL_CM)
-        _find(who[kinds == kind], fishes.position, minds, grid)
+    for kind, grid in grids.items():
+        _find(who[kinds == kind], fishes, minds, grid)
 
 
 @kernel
-def _find(who: Ints, position: Array, minds: Minds, grid: Grid) -> None:
-    gaps, slots = np.empty(minds.neighbour.shape[1]), np.empty(len(grid.member), np.int64)
+def _find(who: Ints, fishes: Fishes, minds: Minds, grid: Grid) -> None:
+    gaps = np.empty(minds.neighbour.shape[1])
     for i in who:
+        here = vector(fishes.position[i])
         reach = SCHOOL_CM if minds.schools[i] else REACH_CM
-        nearest(grid, vector(position[i]), reach, i, minds.neighbour[i], gaps, slots)
+        guess = farthest(fishes.position, here, minds.neighbour[i])
+        nearest(grid, here, reach, i, minds.neighbour[i], gaps, guess)

@@ -4,8 +4,8 @@ import numpy as np
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.vector import minus, norm, vector
-from subsea.perception.grid import Grid, insert, near_slots
+from subsea.geometry.vector import dot, minus, norm, vector
+from subsea.perception.grid import ROUNDING, Grid, insert, near_slots
 from subsea.perception.vision import (
     SUBMARINE_CM,
     eye_of,
@@ -31,6 +31,7 @@ def see_predators(
     longest = 0.0
     for j in grid.member:
         longest = max(longest, float(fishes.length[j]))
+    farthest = sight(longest, nature)
     cost = np.empty(minds.predators.shape[1])
     slots = np.empty(len(grid.member), np.int64)
     for i in who:
@@ -45,9 +46,11 @@ def see_predators(
                 danger = fearfulness(nature.submarine_cm, norm(minus(there, eye)))
                 total += min(danger, 1.0)
                 insert(worst, cost, SUBMARINE, -danger)
-            for k in range(near_slots(grid, eye, sight(longest, nature), slots)):
+            for k in range(near_slots(grid, eye, farthest, slots)):
                 j = grid.member[slots[k]]
                 gap = minus(vector(grid.place[slots[k]]), eye)
+                if dot(gap, gap) > ROUNDING * farthest * farthest:
+                    continue
                 danger = fearfulness(float(minds.dread[i]), norm(gap))
                 if total >= 1.0 and -danger > cost[-1]:
                     continue  # it adds nothing, and the test of sight is the most expensive

@@ -1,45 +1,96 @@
 """Run all senses of the fishes that think in a tick."""
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share, side_by_side
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
-from subsea.perception.grid import make_grid
-from subsea.perception.neighbours import find_neighbours
-from subsea.perception.vision import middles_of
+from subsea.perception.collision import Crowd
+from subsea.perception.grid import Grid, make_grid
+from subsea.perception.leader_tracking import Schools
+from subsea.perception.neighbours import find_neighbours, grid_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
-LARGE_CM = 45.0  # longer fishes are kept in a grid of their own ...
-SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0  # ... so that small ones are searched nearby
+LEAST_PART = 256  # fishes for which another thread pays ...
+LEAST_GRIDS = 4096  # ... and those in a sea whose grids are sorted side by side
+
+
+class Survey(NamedTuple):
+    """Everything in the sea, sorted for those that look around."""
+
+    crowds: tuple[Crowd, Crowd]
+    schools: Schools
+    specks: Grid
+    hunters: Grid
+    prey: Grid
+    mild: Grid  # pacifists
+    fellows: dict[int, Grid]  # by species
 
 
 def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
     """Update all that perception writes of the fishes `who`, except by the focusser."""
     if len(who) == 0:
         return
-    feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
-    find_neighbours(who, fishes, minds)
-    leader_tracking.watch_leader(who, fishes, minds, sea, nature, clock)
-    leader_tracking.watch_schools(who, fishes, minds, clock)
-    alive, place, kinds = fishes.alive, fishes.position, minds.kind
-    large, middles = fishes.length > LARGE_CM, middles_of(fishes)
-    crowd = (
-        make_grid(middles, np.flatnonzero(alive & ~large), SMALL_CELL_CM),
-        make_grid(middles, np.flatnonzero(alive & large), LARGE_CELL_CM),
+    courting = bool((minds.kind[who] == PACIFIST).any())
+    hunting = who[minds.kind[who] == PREDATOR]
+    survey = survey_of(who, fishes, minds, sea)
+    seen = np.zeros(len(minds.led), np.bool_)
+
+    def look(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+        feel_water(part, fishes.position, sea.climate, minds.light, minds.temperature)
+        find_neighbours(part, fishes, minds, survey.fellows)
+        leader_tracking.see_leader(part, fishes, minds, sea, nature, seen)
+        collision.find_threats(part, fishes, minds, survey.crowds, nature)
+        collision.find_barriers(part, fishes, minds, sea, nature)
+        predators.see_predators(part, fishes, minds, sea, survey.hunters, nature)
+        foraging.perceive_plankton(part, fishes, minds, sea, survey.specks, nature)
+        if courting:
+            mates.see_mates(part, fishes, minds, sea, survey.mild, nature)
+
+    def hunt(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+        foraging.perceive_prey(part, fishes, minds, sea, survey.prey, nature)
+
+    share(look, who, LEAST_PART, fishes, minds, sea)
+    leader_tracking.watch_leader(who, fishes, minds, seen, clock)
+    leader_tracking.watch_schools(who, minds, survey.schools, clock)
+    # Needs the companions of prey.
+    if len(hunting):
+        share(hunt, hunting, LEAST_PART // 8, fishes, minds, sea)
+
+
+def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
+    """Sort everything that the fishes `who` may look for."""
+    alive, kinds = fishes.alive, minds.kind
+    hunting = bool((kinds[who] == PREDATOR).any())
+    courting = bool((kinds[who] == PACIFIST).any())
+
+    def grid(wanted: bool, kind: int, cell: float) -> Callable[[], Any]:
+        return lambda: make_grid(
+            fishes.position, np.flatnonzero(alive & (kinds == kind) & wanted), cell
+        )
+
+    species = [int(kind) for kind in np.unique(fishes.species[who])]
+    crowds, schools, specks, hunters, prey, mild, *fellows = side_by_side(
+        [
+            lambda: collision.crowds_of(fishes),
+            lambda: leader_tracking.schools_of(fishes, minds),
+            lambda: make_grid(
+                sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea)
+            ),
+            grid(True, PREDATOR, predators.CELL_CM),
+            grid(hunting, PREY, foraging.PREY_CELL_CM),
+            grid(courting, PACIFIST, mates.CELL_CM),
+            *(partial(grid_of, fishes, kind) for kind in species),
+        ],
+        len(alive) >= LEAST_GRIDS,
     )
-    collision.find_threats(who, fishes, minds, crowd, nature)
-    collision.find_barriers(who, fishes, minds, sea, nature)
-    hunters = make_grid(place, np.flatnonzero(alive & (kinds == PREDATOR)), predators.CELL_CM)
-    predators.see_predators(who, fishes, minds, sea, hunters, nature)
-    specks = make_grid(sea.plankton, np.flatnonzero(sea.absent <= 0.0), foraging.cell_cm(sea))
-    foraging.perceive_plankton(who, fishes, minds, specks, nature)
-    if (kinds[who] == PREDATOR).any():
-        prey = make_grid(place, np.flatnonzero(alive & (kinds == PREY)), foraging.PREY_CELL_CM)
-        foraging.perceive_prey(who, fishes, minds, sea, prey, nature)
-    if (kinds[who] == PACIFIST).any():
-        mild = make_grid(place, np.flatnonzero(alive & (kinds == PACIFIST)), mates.CELL_CM)
-        mates.see_mates(who, fishes, minds, sea, mild, nature)
+    by_species = dict(zip(species, fellows, strict=True))
+    return Survey(crowds, schools, specks, hunters, prey, mild, by_species)
 
 
 @kernel

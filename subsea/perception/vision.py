@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
@@ -40,15 +38,6 @@ def along_body(fishes: Fishes, i: int, share: float) -> Vector:
     """
     along = float(fishes.snout[i]) - share * float(fishes.length[i])
     return plus(vector(fishes.position[i]), times(along, ahead_of(fishes, i)))
-
-
-@kernel
-def middles_of(fishes: Fishes) -> Array:
-    """The middle of the centre line of every fish (n, 3), cm, world."""
-    out = np.empty((len(fishes.length), 3))
-    for i in range(len(out)):
-        out[i, 0], out[i, 1], out[i, 2] = along_body(fishes, i, 0.5)
-    return out
 
 
 @kernel

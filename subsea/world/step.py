@@ -20,7 +20,8 @@ from subsea.behavior.table import (
     run_routines,
 )
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
-from subsea.core.arrays import Ints
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels.threads import cut, run_all, share
 from subsea.directing.director import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
@@ -37,11 +38,15 @@ from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.scheduling import fish_due
 from subsea.perception.senses import sense
-from subsea.state import Clock, Submarine
+from subsea.repertoire.library import Library
+from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
 from subsea.world.world import TICK_S, World
+
+# Fishes for which another thread pays: of a short pass, and of those that think.
+LEAST_PART, LEAST_MINDS = 2048, 1024
 
 # Input that steers the submarine or fishes in a tick.
 Order = Helm | Rail | TeleopCommand | TeleopCommands
@@ -57,11 +62,12 @@ def step(world: World, order: Order) -> None:
     clock = Clock(state.seed, state.tick, TICK_S)
     commands = as_commands(order) if isinstance(order, TeleopCommand) else order
     world.stages_s.clear()
+    everyone = np.arange(len(state.fishes.species))
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
     own = state.fishes.velocity - state.fishes.drift
     with _stage(world, "habitat"):
-        move_water(world, clock)
+        move_water(world, everyone, clock)
     with _stage(world, "perception"):
         who = perceive(world, clock, commands)
     free = who
@@ -72,12 +78,12 @@ def step(world: World, order: Order) -> None:
     with _stage(world, "perception"):
         focus(free, state.fishes, state.minds, state.sea, world.nature, clock)
     with _stage(world, "behavior"):
-        act(world, free, commands, clock)
+        act(world, free, everyone, commands, clock)
         state.minds.pause[who] = 0.0
     with _stage(world, "habitat"):
-        keep_in_free_water(state.fishes, state.sea, own, TICK_S)
+        stay_in_free_water(world, everyone, own)
     with _stage(world, "motor"):
-        move_fishes(world, clock)
+        move_fishes(world, everyone, clock)
     if isinstance(order, Rail):
         ride(state.submarine, order, TICK_S)
     else:
@@ -85,18 +91,29 @@ def step(world: World, order: Order) -> None:
     state.tick += 1
 
 
-def move_water(world: World, clock: Clock) -> None:
+def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     """Move the current, plankton, seaweed and the hook, and apply the forces on fishes."""
     state, sea, fishes = world.state, world.state.sea, world.state.fishes
     flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
-    plankton.drift(sea, flow, clock)
-    set_drift(fishes, sea, flow)
-    add_bow_wave(fishes, sea)
-    separate(fishes, state.minds)
+    visibility = world.scenario.water.visibility_cm
+
+    def carry(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+        set_drift(part, fishes, sea, flow)
+        add_bow_wave(part, fishes, sea)
+        separate(part, fishes, minds)
+
+    def stir(part: Ints, sea: Sea) -> None:
+        plankton.drift(part, sea, flow, clock)
+
+    tasks = [
+        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea),
+        *cut(stir, np.arange(len(sea.plankton)), LEAST_PART, sea),
+        lambda: step_seaweed(state.seaweed, fishes, sea, flow, visibility, clock),
+    ]
+    run_all(tasks, shared=len(everyone) >= 2 * LEAST_PART)
     hook.move_hook(sea, clock)
-    step_seaweed(state.seaweed, fishes, sea, flow, world.scenario.water.visibility_cm, clock)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
@@ -123,41 +140,71 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     )  # fmt: skip
     schooling.join_schools(who, fishes.alive, minds)
     schooling.guide_schools(fishes, minds, sea, clock)
-    update_mental_state(who, fishes, minds, nature, clock)
     end_courtships(who, fishes, minds)
-    compute_desires(who, fishes, minds, sea, nature, clock)
-    choose_intention(free, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+
+    def feel(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
+        update_mental_state(part, fishes, minds, nature, clock)
+        compute_desires(part, fishes, minds, sea, nature, clock)
+
+    def choose(part: Ints, minds: Minds) -> None:
+        choose_intention(part, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
+
+    share(feel, who, LEAST_MINDS, fishes, minds, sea)
+    share(choose, free, LEAST_MINDS, minds)
 
 
-def act(world: World, free: Ints, order: Order, clock: Clock) -> None:
+def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) -> None:
     """Turn the intentions of the fishes `free` into goals; update eating, biting and colours."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     fishes.gape[free] = 0.0
     run_routines(free, fishes, minds, sea, world.nature, clock)
-    steering.keep_clear(free, fishes, minds, sea)
+    share(steering.keep_clear, free, LEAST_MINDS, fishes, minds, sea)
     if isinstance(order, TeleopCommands):
         living = order.taken(fishes.alive[order.fish])
         follow_commands(living, fishes, minds, sea, clock)
-    steering.ease_goals(fishes, minds, clock)
-    tire(fishes, minds, clock)
+
+    def ease(part: Ints, fishes: Fishes, minds: Minds) -> None:
+        steering.ease_goals(part, fishes, minds, clock)
+        tire(part, fishes, minds, clock)
+
+    def show(part: Ints, fishes: Fishes, minds: Minds) -> None:
+        ease_display(part, fishes, minds, clock)
+
+    share(ease, everyone, LEAST_PART, fishes, minds)
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)
-    ease_display(fishes, minds, clock)
+    share(show, everyone, 4 * LEAST_PART, fishes, minds)
 
 
-def move_fishes(world: World, clock: Clock) -> None:
+def stay_in_free_water(world: World, everyone: Ints, own: Array) -> None:
+    """Keep bodies, which swim at `own` (n, 3) cm/s, off solids and within the sea."""
+
+    def keep(part: Ints, fishes: Fishes, sea: Sea) -> None:
+        keep_in_free_water(part, fishes, sea, own, TICK_S)
+
+    share(keep, everyone, LEAST_PART, world.state.fishes, world.state.sea)
+
+
+def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
-    command(fishes, world.library, clock)
+
+    def steer_bodies(part: Ints, fishes: Fishes, library: Library) -> None:
+        command(part, fishes, library, clock)
+
+    def play_back(part: Ints, fishes: Fishes, library: Library, sea: Sea) -> None:
+        play(part, fishes, library, TICK_S)
+        contain(part, fishes, library.nodes, sea, TICK_S)
+        flap(part, fishes, library, TICK_S)
+
+    share(steer_bodies, everyone, LEAST_PART, fishes, world.library)
     burst = swim(
         fishes, world.library, world.dynamics, state.live,
         state.submarine.position, clock, world.physics, state.sea,
     )  # fmt: skip
     world.report_bursts(burst)
-    play(fishes, world.library, TICK_S)
-    contain(fishes, world.library.nodes, state.sea, TICK_S)
-    flap(fishes, world.library, TICK_S)
+    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea)
 
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:

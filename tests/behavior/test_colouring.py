@@ -5,11 +5,12 @@ import pytest
 
 from subsea.behavior.colouring import ease_display
 from subsea.state import CIRCLING, LOOPING, NO_COURTSHIP, Clock
+from tests.support.scenes import everyone
 
 
 def _wait(t, seconds, dt=0.033):
     for tick in range(round(seconds / dt)):
-        ease_display(t.fishes, t.minds, Clock(0, tick, dt))
+        ease_display(everyone(t.fishes), t.fishes, t.minds, Clock(0, tick, dt))
 
 
 @pytest.fixture

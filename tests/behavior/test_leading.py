@@ -5,6 +5,7 @@ import numpy as np
 from subsea.behavior import leading, schooling
 from subsea.behavior.steering import ease_goals
 from subsea.state import FEAR, PREY
+from tests.support.scenes import everyone
 
 
 def _school(tank, n=3):
@@ -29,7 +30,7 @@ def test_stragglers_catch_up(tank):
     _see(t)
     for tick in range(30):
         t.at(tick).run(schooling.act, 1, 2)
-        ease_goals(t.fishes, t.minds, t.clock)
+        ease_goals(everyone(t.fishes), t.fishes, t.minds, t.clock)
     toward = t.fishes.position[0] - t.fishes.position[2]
     assert t.fishes.goal_direction[2] @ toward / np.linalg.norm(toward) > 0.9
     assert t.fishes.goal_speed[2] > t.fishes.goal_speed[1]

@@ -16,6 +16,7 @@ from subsea.behavior.steering import (
     keep_clear,
 )
 from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, SCHOOL, WANDER
+from tests.support.scenes import everyone
 
 ALL = np.arange(1)
 angle = st.floats(0, 2 * np.pi)
@@ -79,7 +80,7 @@ def test_goals_turn_smoothly_and_stay_unit_vectors(tank):
     for tick in range(600):
         if tick % 20 == 0:
             t.minds.urge[:] = rng.normal(size=3)
-        ease_goals(t.fishes, t.minds, t.at(tick).clock)
+        ease_goals(everyone(t.fishes), t.fishes, t.minds, t.at(tick).clock)
         now = t.fishes.goal_direction[0]
         assert abs(np.linalg.norm(now) - 1) < 1e-5
         assert now @ before > np.cos(np.radians(25))
@@ -93,7 +94,7 @@ def test_a_warning_makes_the_turn_smaller(tank):
         t = tank()
         t.minds.urge[:] = 0.0, 1.0, 0.0
         t.minds.preference[:, LEFT] = preference
-        ease_goals(t.fishes, t.minds, t.clock)
+        ease_goals(everyone(t.fishes), t.fishes, t.minds, t.clock)
         turned.append(np.arctan2(t.fishes.goal_direction[0, 1], t.fishes.goal_direction[0, 0]))
     np.testing.assert_allclose(np.array(turned) / turned[0], [1, 1, 0.5, 1], rtol=1e-4)
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from subsea.behavior import wandering
 from subsea.behavior.steering import ease_goals
+from tests.support.scenes import everyone
 
 
 def test_a_loner_in_open_water_swims_to_its_waypoint(tank):
@@ -11,7 +12,7 @@ def test_a_loner_in_open_water_swims_to_its_waypoint(tank):
     for tick in range(60):
         now = t.at(tick)
         now.run(wandering.act)
-        ease_goals(now.fishes, now.minds, now.clock)
+        ease_goals(everyone(now.fishes), now.fishes, now.minds, now.clock)
     toward = t.minds.waypoint[0] - t.fishes.position[0]
     assert t.fishes.goal_direction[0] @ toward / np.linalg.norm(toward) > 0.99
     assert 10 < np.hypot(*t.minds.waypoint[0, :2]) < t.sea.radius

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
 from subsea.state import HULL_CM, Fishes, empty
+from tests.support.scenes import everyone
 
 RADIUS = 50.0
 numbers = st.tuples(*[st.floats(-100, 100)] * 3).filter(lambda p: np.linalg.norm(p) > 1)
@@ -50,7 +51,7 @@ def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched(make_sea):
     nearest = np.inf
     for _ in range(150):
         fishes.drift[:] = 0.0
-        add_bow_wave(fishes, sea)
+        add_bow_wave(everyone(fishes), fishes, sea)
         fishes.position[:] += 0.033 * fishes.drift
         sea.submarine[:3] += 0.033 * sea.submarine[3:6]
         nearest = min(nearest, np.linalg.norm(fishes.position[0] - sea.submarine[:3]))

@@ -6,6 +6,7 @@ import pytest
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance
 from subsea.habitat.contact import TOUCH_BL, TOUCH_CM, keep_in_free_water
+from tests.support.scenes import everyone
 
 DT = 0.033
 ROCKS = np.array([[0.0, 60, -300, 70, 50, 80, 0.3], [0.0, -60, -300, 70, 50, 80, -0.3]])
@@ -19,7 +20,7 @@ def swim(t, sea, way, speed, ticks):
     own = speed * np.array([way], np.float32)
     for _ in range(ticks):
         t.fishes.drift[:] = 0.0
-        keep_in_free_water(t.fishes, sea, own, DT)
+        keep_in_free_water(everyone(t.fishes), t.fishes, sea, own, DT)
         t.fishes.position[0] += DT * (t.fishes.drift[0] + own[0])
         yield t.fishes.position[0] + PARTS[:, None] * np.array([1.0, 0.0, 0.0])
 
@@ -51,7 +52,9 @@ def test_a_barrier_is_felt_only_near_by_and_only_by_its_part(tank):
     for gap, felt in ((TOUCH + 3.0, False), (TOUCH - 0.01, True)):
         t.fishes.position[0] = wall - gap - 7.0, 0.0, -300.0
         t.fishes.drift[:] = 0.0
-        keep_in_free_water(t.fishes, t.sea, np.array([[60.0, 5.0, 0.0]], np.float32), DT)
+        keep_in_free_water(
+            everyone(t.fishes), t.fishes, t.sea, np.array([[60.0, 5.0, 0.0]], np.float32), DT
+        )
         assert t.fishes.drift[0, 0] == pytest.approx(-60.0 if felt else 0.0, abs=0.2)
         assert t.fishes.drift[0, 1] == pytest.approx(0.0, abs=0.1)
 
@@ -59,5 +62,5 @@ def test_a_barrier_is_felt_only_near_by_and_only_by_its_part(tank):
 def test_a_fish_inside_is_let_out_gently(tank):
     t = tank(1)
     t.fishes.position[0, 2] = -620.0
-    keep_in_free_water(t.fishes, t.sea, np.zeros((1, 3), np.float32), DT)
+    keep_in_free_water(everyone(t.fishes), t.fishes, t.sea, np.zeros((1, 3), np.float32), DT)
     assert 20.0 < t.fishes.drift[0, 2] < 100.0

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, flow_at, flow_near, set_drift
 from subsea.state import Fishes, empty
+from tests.support.scenes import everyone
 
 FLOW = (3.0, 1.0, 0.0)
 STRENGTH = np.hypot(3.0, 1.0)
@@ -74,7 +75,7 @@ def test_every_fish_is_carried_by_the_water_where_it_is(make_sea):
     fishes = empty(Fishes, n=200)
     rng = np.random.default_rng(3)
     fishes.position[:] = rng.uniform((-200, -200, -290), (200, 200, 0), (200, 3))
-    set_drift(fishes, sea, np.array(FLOW))
+    set_drift(everyone(fishes), fishes, sea, np.array(FLOW))
     places = fishes.position.astype(float)
     expected = [flow_near(PILLAR, ROCK, FLOW, tuple(place)) for place in places]
     np.testing.assert_allclose(fishes.drift, expected, rtol=1e-5)

@@ -22,7 +22,7 @@ def _scattered(number=300, seed=0, pillars=PILLARS[:0], rocks=ROCKS[:0]):
 
 def _pass(sea, flow, ticks, seed=0, first=0):
     for tick in range(first, first + ticks):
-        drift(sea, np.array(flow), Clock(seed, tick, DT))
+        drift(np.arange(len(sea.plankton)), sea, np.array(flow), Clock(seed, tick, DT))
 
 
 def test_scattered_evenly_in_the_water():
@@ -57,7 +57,7 @@ def test_none_ever_enters_a_pillar_or_a_rock(make_sea, vx, vy, seed):
     sea = make_sea(_scattered(150, seed, PILLARS, ROCKS), PILLARS, ROCKS)
     for tick in range(200):
         sea.absent[tick % 150] = DT  # eaten, and back in the next tick
-        drift(sea, np.array([vx, vy, 0.0]), Clock(seed, tick, DT))
+        drift(np.arange(len(sea.plankton)), sea, np.array([vx, vy, 0.0]), Clock(seed, tick, DT))
         assert min(clearance(PILLARS, ROCKS, vector(p)) for p in sea.plankton) > -1e-3
 
 

@@ -16,6 +16,7 @@ from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.repertoire.schema import SEGMENTS
 from subsea.state import Clock, Fishes, Live, empty
+from tests.support.scenes import everyone
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -103,10 +104,10 @@ class Tank:
         f = self.fishes
         for _ in range(ticks):
             if obey:
-                command(f, self.library, Clock(1, self.tick, TICK))
+                command(everyone(f), f, self.library, Clock(1, self.tick, TICK))
             clock = Clock(1, 10 * self.tick + 1, TICK)
             swim(f, self.library, self.dynamics, self.live, STILL, clock)
-            play(f, self.library, TICK)
+            play(everyone(f), f, self.library, TICK)
             self.tick += 1
 
     def step(self, ticks, obey=True):

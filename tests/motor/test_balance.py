@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from subsea.geometry.rotation import about, multiply
 from subsea.motor.balance import roll_of
 from subsea.motor.playback import play
+from tests.support.scenes import everyone
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -27,7 +28,7 @@ def test_a_rolled_fish_rights_itself_at_a_bounded_rate(library, make_fishes, rol
     fishes.orientation[0] = multiply(upright, about(1.0, 0.0, 0.0, np.radians(roll_deg)))
     rolls = [np.radians(roll_deg)]
     for _ in range(400):
-        play(fishes, library, TICK)
+        play(everyone(fishes), fishes, library, TICK)
         rolls.append(roll_of(fishes.orientation[0].astype(float)))
     assert abs(rolls[-1]) < np.radians(1.0)
     assert np.abs(np.diff(np.unwrap(rolls))).max() < np.radians(56) * TICK

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from subsea.geometry.rotation import about, multiply, quaternion, rotate
 from subsea.motor.containment import GAP_CM, SWING, contain, deepest
 from subsea.motor.pose import ends
+from tests.support.scenes import everyone
 
 DT = 0.033
 PILLARS = [[300.0, 0.0, 50.0, -100.0]]
@@ -54,7 +55,7 @@ def test_what_reaches_beyond_a_barrier_is_moved_back(tank, straight, barrier):
     step = 45.0 * np.array(way)
     t = moved(tank, place, step)
     assert gap(t, straight) < 0.0
-    contain(t.fishes, straight, t.sea, DT)
+    contain(everyone(t.fishes), t.fishes, straight, t.sea, DT)
     assert 0.0 <= gap(t, straight) < 10 * GAP_CM
     # Along the barrier nothing changes, and the velocity is that of the corrected motion.
     back = t.fishes.position[0] - np.asarray(place) - step
@@ -67,18 +68,18 @@ def test_what_reaches_beyond_a_barrier_is_moved_back(tank, straight, barrier):
 def test_free_fishes_and_those_on_the_hook_are_left_alone(tank, straight):
     t = moved(tank, (500.0, 0.0, -300.0), (3.0, 0.0, 0.0))
     before = t.fishes.velocity[0].copy()
-    contain(t.fishes, straight, t.sea, DT)
+    contain(everyone(t.fishes), t.fishes, straight, t.sea, DT)
     assert t.fishes.position[0].tolist() == [503.0, 0.0, -300.0]
     assert t.fishes.velocity[0].tolist() == before.tolist()
     t = moved(tank, (0.0, 500.0, -20.0), (0.0, 0.0, 45.0))
     t.sea.catch[1] = 0
-    contain(t.fishes, straight, t.sea, DT)
+    contain(everyone(t.fishes), t.fishes, straight, t.sea, DT)
     assert t.fishes.position[0, 2] == 25.0
 
 
 def test_a_fish_that_a_panel_put_into_stone_comes_out_gently(tank, straight):
     t = moved(tank, (0.0, 60.0, -300.0), (0.1, 0.0, 0.0))
-    contain(t.fishes, straight, t.sea, DT)
+    contain(everyone(t.fishes), t.fishes, straight, t.sea, DT)
     assert np.linalg.norm(t.fishes.position[0] - [0.0, 60.0, -300.0]) < SWING * 20.0 + 0.3
 
 
@@ -91,5 +92,5 @@ def test_no_motion_from_free_water_ends_outside(tank, straight, barrier, heading
     place = PLACES[barrier][0]
     step = far * np.array([np.cos(heading), np.sin(heading), climb])
     t = moved(tank, place, step, heading)
-    contain(t.fishes, straight, t.sea, DT)
+    contain(everyone(t.fishes), t.fishes, straight, t.sea, DT)
     assert gap(t, straight) >= 0.0

@@ -9,6 +9,7 @@ from subsea.motor.playback import play
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.state import Clock
+from tests.support.scenes import everyone
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -22,8 +23,8 @@ def _ask(fishes, library, azimuth_deg=0.0, climb_deg=0.0, speed=0.6, ticks=1, ti
     fishes.goal_speed[:] = speed
     path = [fishes.position[0].copy()]
     for k in range(ticks):
-        command(fishes, library, Clock(1, tick + k, TICK))
-        play(fishes, library, TICK)
+        command(everyone(fishes), fishes, library, Clock(1, tick + k, TICK))
+        play(everyone(fishes), fishes, library, TICK)
         path.append(fishes.position[0].copy())
     return np.array(path)
 
@@ -102,10 +103,10 @@ def test_a_swim_turns_by_bending_and_adds_no_yaw(fish, library):
         turning = "turn_left_gradual" if level > 0 else "turn_right_gradual"
         fish.wanted_segment[:], fish.bend[:] = SEGMENTS.index(turning), bend
         for _ in range(24):
-            play(fish, library, TICK)
+            play(everyone(fish), fish, library, TICK)
         before = _heading(fish)
         for _ in range(12):
-            play(fish, library, TICK)
+            play(everyone(fish), fish, library, TICK)
         turn = (_heading(fish) - before + np.pi) % (2 * np.pi) - np.pi
         assert turn == pytest.approx(level / LEVELS * recorded, rel=0.02)
 

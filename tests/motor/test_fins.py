@@ -5,6 +5,7 @@ import numpy as np
 from subsea.motor.fins import flap
 from subsea.motor.segments import ROW
 from subsea.state import DORSAL, LIFT_LEFT, LIFT_RIGHT, MOUTH, SWEEP_LEFT, SWEEP_RIGHT, TAIL
+from tests.support.scenes import everyone
 
 TICK = 0.033
 
@@ -16,7 +17,7 @@ def _minute(make_fishes, library, steering, speed, oars=False, thrust=1.0):
     fishes.oars[:], fishes.thrust[:] = oars, thrust
     fins = []
     for _ in range(1800):
-        flap(fishes, library, TICK)
+        flap(everyone(fishes), fishes, library, TICK)
         fins.append(fishes.fins[0].copy())
     return np.array(fins)
 
@@ -99,7 +100,7 @@ def _rowing(make_fishes, library, flaps):
     sweeps, lifts = [], []
     for row in range(length):
         fishes.row_a[:], fishes.row_b[:] = first + (row - 1) % length, first + row
-        flap(fishes, rows, TICK)
+        flap(everyone(fishes), fishes, rows, TICK)
         sweeps.append(fishes.fins[0, SWEEP_LEFT])
         lifts.append(fishes.fins[0, LIFT_LEFT])
     return np.array(sweeps), np.array(lifts), 2 * np.pi * np.arange(length) / length
@@ -124,7 +125,7 @@ def test_a_burst_folds_the_fins_and_holds_them_still(make_fishes, library):
     fishes.goal_speed[:], fishes.tempo[:] = 2.0, 2.5
     sweeps = []
     for _ in range(60):
-        flap(fishes, library, TICK)
+        flap(everyone(fishes), fishes, library, TICK)
         sweeps.append(fishes.fins[0, SWEEP_LEFT])
     assert max(sweeps) < 0.06
     assert np.ptp(sweeps) < 1e-6

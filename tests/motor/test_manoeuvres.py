@@ -13,6 +13,7 @@ from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import pack
 from subsea.state import Clock
 from tests.conftest import TICK_S, segment
+from tests.support.scenes import everyone
 
 CSTART, STOP, ROW = (
     SEGMENTS.index(name) for name in ("cstart_left_moderate", "swim_stop", "row_forward")
@@ -50,8 +51,8 @@ def _run(fishes, library, speed, ticks, begin=0):
     speeds = []
     for tick in range(begin, begin + ticks):
         fishes.goal_speed[:] = speed
-        command(fishes, library, Clock(1, tick, TICK_S))
-        play(fishes, library, TICK_S)
+        command(everyone(fishes), fishes, library, Clock(1, tick, TICK_S))
+        play(everyone(fishes), fishes, library, TICK_S)
         speeds.append(float(fishes.velocity[0, :2] @ matrix(fishes.orientation[0])[:2, 0]))
     return np.array(speeds) * TICK_S / FAST
 

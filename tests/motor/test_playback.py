@@ -13,6 +13,7 @@ from subsea.motor.playback import advance, play
 from subsea.motor.pose import nodes_world
 from subsea.repertoire.schema import BASIC_SEGMENTS, SEGMENTS
 from subsea.state import Fishes, empty
+from tests.support.scenes import everyone
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -104,7 +105,7 @@ def test_a_larger_fish_covers_more_ground_a_beat(library, make_fishes):
     fishes = make_fishes(2, "swim_fast")
     fishes.scale[1] = 2.0
     for _ in range(24):
-        play(fishes, library, TICK)
+        play(everyone(fishes), fishes, library, TICK)
     moved = np.linalg.norm(fishes.position, axis=1)
     np.testing.assert_allclose(moved[1] / moved[0], 2.0, rtol=1e-4)
 
@@ -114,8 +115,8 @@ def test_the_current_carries_fishes(library, make_fishes):
     drifting = make_fishes(2, "swim_slow")
     drifting.drift[:] = 5.0, -2.0, 1.0
     for _ in range(30):
-        play(fishes, library, TICK)
-        play(drifting, library, TICK)
+        play(everyone(fishes), fishes, library, TICK)
+        play(everyone(drifting), drifting, library, TICK)
     gone = drifting.position - fishes.position
     np.testing.assert_allclose(gone, 30 * TICK * np.array([[5.0, -2.0, 1.0]] * 2), atol=1e-3)
 
@@ -135,11 +136,11 @@ def test_glides_keep_the_way_and_make_no_leap(library, make_fishes):
         fishes.orientation[0] = about(1.0, 0.0, 0.0, np.pi / 2)
         # An acyclic segment is played to its end first.
         for _ in range(5):
-            play(fishes, library, TICK)
+            play(everyone(fishes), fishes, library, TICK)
         fishes.wanted_segment[:] = SEGMENTS.index(after)
         nodes, speeds = [nodes_world(fishes, library, 0)], []
         for _ in range(40):
-            play(fishes, library, TICK)
+            play(everyone(fishes), fishes, library, TICK)
             nodes.append(nodes_world(fishes, library, 0))
             speeds.append(np.linalg.norm(fishes.velocity[0]))
         where = f"{before} to {after}"
@@ -156,11 +157,11 @@ def test_a_turn_waits_for_the_beat_but_not_for_long(library, make_fishes):
     for after, phase in product(BASIC_SEGMENTS[3:], range(12)):
         fishes = make_fishes(1, "swim_medium")
         for _ in range(phase):
-            play(fishes, library, TICK)
+            play(everyone(fishes), fishes, library, TICK)
         fishes.wanted_segment[:] = SEGMENTS.index(after)
         waited = 0
         while fishes.segment[0] != SEGMENTS.index(after):
-            play(fishes, library, TICK)
+            play(everyone(fishes), fishes, library, TICK)
             waited += 1
         assert waited <= 12, f"{after}, phase {phase}"
 
@@ -169,8 +170,8 @@ def test_a_sharp_turn_is_played_to_its_end(library, make_fishes):
     fishes = make_fishes(1, "turn_left_sharp")
     fishes.wanted_segment[:] = SEGMENTS.index("swim_slow")
     for _ in range(11):
-        play(fishes, library, TICK)
+        play(everyone(fishes), fishes, library, TICK)
         assert fishes.segment[0] == SEGMENTS.index("turn_left_sharp")
     for _ in range(3):
-        play(fishes, library, TICK)
+        play(everyone(fishes), fishes, library, TICK)
     assert fishes.segment[0] == SEGMENTS.index("swim_slow")

@@ -7,6 +7,7 @@ from subsea.motor.balance import roll_of
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.state import Clock, Fishes, empty
+from tests.support.scenes import everyone
 
 TICK = 0.033
 HOUR = int(3600 / TICK)
@@ -34,8 +35,8 @@ def test_an_hour_at_random_commands(shipped_library):
             wish /= np.linalg.norm(wish, axis=1, keepdims=True)
             fishes.goal_direction[change] = wish[change]
             fishes.goal_speed[change] = rng.uniform(-0.5, 1.0, FISHES)[change]
-        command(fishes, library, Clock(1, tick, TICK))
-        play(fishes, library, TICK)
+        command(everyone(fishes), fishes, library, Clock(1, tick, TICK))
+        play(everyone(fishes), fishes, library, TICK)
         if tick % 30 == 0:
             rolls = np.array([abs(roll_of(q)) for q in fishes.orientation.astype(float)])
             overturned = np.where(rolls > np.pi / 2, overturned + 30 * TICK, 0.0)

@@ -12,6 +12,7 @@ from subsea.motor.pose import control_points_world
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import pack
 from subsea.state import Clock, Fishes, empty
+from tests.support.scenes import everyone
 
 TICK = 0.033
 SMALL_BL = 0.025  # body lengths per tick², as for nodes in test_transitions.py
@@ -33,8 +34,8 @@ def test_at_random_commands_no_point_of_the_surface_is_jerked(name):
             azimuth = rng.uniform(-np.pi, np.pi)
             fishes.goal_direction[:] = np.cos(azimuth), np.sin(azimuth), 0.0
             fishes.goal_speed[:] = rng.uniform(0.2, 1.0)
-        command(fishes, library, Clock(1, tick, TICK))
-        play(fishes, library, TICK)
+        command(everyone(fishes), fishes, library, Clock(1, tick, TICK))
+        play(everyone(fishes), fishes, library, TICK)
         path.append(control_points_world(fishes, library, 0)[::5])
         tempo.append(max(fishes.tempo[0], 1.0))
         segments.add(int(fishes.segment[0]))

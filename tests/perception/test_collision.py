@@ -9,14 +9,13 @@ from subsea.geometry.rotation import from_matrix
 from subsea.perception.collision import (
     ENLARGED,
     HELD,
+    crowds_of,
     find_barriers,
     find_threats,
     met_first,
     share_inside,
 )
-from subsea.perception.grid import make_grid
-from subsea.perception.senses import LARGE_CELL_CM, LARGE_CM, SMALL_CELL_CM
-from subsea.perception.vision import middles_of
+from subsea.perception.vision import along_body
 from subsea.state import (
     APPROACHING,
     AVOID,
@@ -34,14 +33,8 @@ BACK = np.array([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])  # upright, heading agai
 
 
 def _threats(t):
-    fishes = t.fishes
-    large = fishes.length > LARGE_CM
-    middles = middles_of(fishes)
-    grids = (
-        make_grid(middles, np.flatnonzero(fishes.alive & ~large), SMALL_CELL_CM),
-        make_grid(middles, np.flatnonzero(fishes.alive & large), LARGE_CELL_CM),
-    )
-    find_threats(np.arange(len(large)), fishes, t.minds, grids, t.nature)
+    who = np.arange(len(t.fishes.length))
+    find_threats(who, t.fishes, t.minds, crowds_of(t.fishes), t.nature)
     return list(t.minds.threat)
 
 
@@ -154,18 +147,19 @@ def test_the_one_with_most_of_its_body_inside_is_worst(tank):
 def test_the_grids_miss_nobody(tank, seed):
     """Compare with all pairs of fishes of all sizes and speeds."""
     rng = np.random.default_rng(seed)
-    n = 40
+    n = 120
     t = tank(n)
     t.fishes.length[:] = rng.choice([8.0, 20.0, 30.0, 120.0], n)
     t.fishes.snout[:] = 0.3 * t.fishes.length
     t.fishes.girth[:] = t.fishes.length[:, None] * (0.2, 0.1)
-    t.fishes.position[:] = rng.normal((0, 0, -300), 60, (n, 3))
-    t.fishes.velocity[:] = rng.normal(0, 25, (n, 3))
+    t.fishes.position[:] = rng.normal((0, 0, -300), 90, (n, 3))
+    t.fishes.velocity[:] = rng.normal(0, 40, (n, 3))
     turn = rng.normal(size=(n, 4))
     t.fishes.orientation[:] = turn / np.linalg.norm(turn, axis=1)[:, None]
+    assert min(len(crowd.grid.member) for crowd in crowds_of(t.fishes)) > 0
     found = _threats(t)
     bodies = t.fishes
-    p = middles_of(bodies)
+    p = np.array([along_body(bodies, i, 0.5) for i in range(n)])
     for i in range(n):
         shares = [
             share_inside(bodies, i, j, ENLARGED * 0.08, ENLARGED * 0.6) if j != i else 0.0

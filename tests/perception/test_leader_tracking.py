@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from subsea.perception.leader_tracking import watch_leader, watch_schools
+from subsea.perception.leader_tracking import (
+    schools_of,
+    see_leader,
+    watch_leader,
+    watch_schools,
+)
 
 FOLLOWERS = np.array([1, 2])
 
@@ -17,10 +22,9 @@ def _school(tank):
 
 
 def _watch(t, tick):
-    watch_leader(
-        FOLLOWERS, t.fishes, t.minds, t.sea, t.nature,
-        t.at(tick).clock,
-    )  # fmt: skip
+    seen = np.zeros(len(t.fishes.length), np.bool_)
+    see_leader(FOLLOWERS, t.fishes, t.minds, t.sea, t.nature, seen)
+    watch_leader(FOLLOWERS, t.fishes, t.minds, seen, t.at(tick).clock)
 
 
 def test_a_fish_that_sees_its_leader_knows_its_place(tank):
@@ -58,7 +62,7 @@ def test_a_school_without_a_leader_knows_its_middle(tank):
     t.minds.schools[:], t.minds.leader[1:5], t.minds.led[4] = True, 0, True
     t.fishes.position[:] = np.arange(18.0).reshape(6, 3)
     t.fishes.alive[3] = False
-    watch_schools(np.arange(6), t.fishes, t.minds, t.at(10).clock)
+    watch_schools(np.arange(6), t.minds, schools_of(t.fishes, t.minds), t.at(10).clock)
     middle = t.fishes.position[:3].mean(axis=0)
     np.testing.assert_allclose(t.minds.leader_place[:3], np.tile(middle, (3, 1)), rtol=1e-6)
     assert t.minds.school_size[[0, 1, 2, 5]].tolist() == [3, 3, 3, 1]

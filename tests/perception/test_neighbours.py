@@ -5,8 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.perception.neighbours import REACH_CM, SCHOOL_CM, find_neighbours
+from subsea.perception.neighbours import REACH_CM, SCHOOL_CM, find_neighbours, grid_of
 from subsea.state import NEIGHBOURS, Fishes, Minds, empty
+
+
+def _find(who, fishes, minds):
+    grids = {kind: grid_of(fishes, kind) for kind in np.unique(fishes.species)}
+    find_neighbours(who, fishes, minds, grids)
 
 
 def _all_pairs(fishes, reach):
@@ -36,14 +41,14 @@ def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     # rounded places make equal distances, to test the order
     fishes.position[:] = np.round(rng.normal(0, spread, (n, 3)))
     fishes.species[:] = rng.integers(0, 2, n)
-    find_neighbours(np.arange(n), fishes, minds)
+    _find(np.arange(n), fishes, minds)
     np.testing.assert_array_equal(minds.neighbour, _all_pairs(fishes, REACH_CM))
 
 
 @pytest.mark.parametrize("n", [0, 1])
 def test_a_single_fish_has_no_neighbours(n):
     fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
-    find_neighbours(np.arange(n), fishes, minds)
+    _find(np.arange(n), fishes, minds)
     assert (minds.neighbour == -1).all()
 
 
@@ -56,7 +61,7 @@ def test_fishes_that_do_not_think_keep_their_neighbours(seed, stride):
     minds.neighbour[:] = 7
     seen = _all_pairs(fishes, REACH_CM)
     for first in range(stride):
-        find_neighbours(np.arange(first, 40, stride), fishes, minds)
+        _find(np.arange(first, 40, stride), fishes, minds)
         turn = np.arange(40) % stride <= first
         np.testing.assert_array_equal(minds.neighbour[turn], seen[turn])
         assert (minds.neighbour[~turn] == 7).all()
@@ -66,5 +71,5 @@ def test_fishes_that_school_look_farther():
     fishes, minds = empty(Fishes, n=3), empty(Minds, n=3, b=1, d=1)
     fishes.position[1, 0], fishes.position[2, 0] = SCHOOL_CM - 1.0, 2.0 * SCHOOL_CM
     minds.schools[0] = True
-    find_neighbours(np.arange(3), fishes, minds)
+    _find(np.arange(3), fishes, minds)
     assert minds.neighbour[:, 0].tolist() == [1, -1, -1]

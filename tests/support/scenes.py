@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 BARE = Path(__file__).with_name("bare_sea.toml")
 
 
@@ -10,3 +12,8 @@ def scene(folder, *directions):
     file = folder / "scene.toml"
     file.write_text(BARE.read_text() + "".join(f"[[direction]]\n{one}\n" for one in directions))
     return file
+
+
+def everyone(fishes):
+    """The indices of all fishes, for kernels that take a part of them."""
+    return np.arange(len(fishes.length))

@@ -1,0 +1,58 @@
+"""The same world on any number of threads, bit for bit.
+
+`tools/check_threads.py` does the same with all fishes of every scenario for 300 ticks.
+"""
+
+import pytest
+
+from subsea.behavior import table
+from subsea.core.kernels.threads import use_threads
+from subsea.core.resources import resource_path
+from subsea.perception import focusser, scheduling, senses
+from subsea.scenario.load import load_scenario
+from subsea.submarine.helm import Helm
+from subsea.world import step
+from subsea.world.build import create_world
+from subsea.world.snapshot import checksum
+
+SCENARIOS = sorted(path.stem for path in resource_path("assets/scenarios").glob("*.toml"))
+TICKS, MOST_FISHES = 45, 120
+AHEAD = Helm(surge=0.4)
+
+
+@pytest.fixture
+def small_parts(monkeypatch):
+    """Cut a hundred fishes into as many parts as a hundred thousand."""
+    for module in (step, senses, focusser, scheduling, table):
+        monkeypatch.setattr(module, "LEAST_PART", 3)
+    monkeypatch.setattr(step, "LEAST_MINDS", 2)
+    monkeypatch.setattr(senses, "LEAST_GRIDS", 1)
+    yield
+    use_threads()
+
+
+def _dive(name, threads, ticks=TICKS):
+    """Checksums of a dive, one every 15 ticks."""
+    use_threads(threads)
+    scenario = load_scenario(name)[0]
+    number = sum(shoal.number for shoal in scenario.fish)
+    world = create_world(scenario, fish=MOST_FISHES if number > MOST_FISHES else None)
+    found = []
+    for tick in range(ticks):
+        step.step(world, AHEAD)
+        if tick % 15 == 14:
+            found.append(checksum(world))
+    return found
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_number_of_threads_does_not_matter(small_parts, name):
+    alone = _dive(name, 1)
+    for threads in (2, 3, 16):
+        assert _dive(name, threads) == alone
+
+
+def test_it_does_not_matter_for_ten_seconds(small_parts):
+    """Long enough for captures and courtships."""
+    for name in ("preying", "mating"):
+        assert _dive(name, 3, 300) == _dive(name, 1, 300)
