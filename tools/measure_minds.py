@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
 from subsea.submarine.helm import NEUTRAL
@@ -46,6 +47,7 @@ def medians_ms(number: int) -> list[float]:
 def main() -> None:
     """Print a row for each number of fishes: in turns, then all in every tick."""
     numbers = [int(word) for word in sys.argv[1:]] or list(NUMBERS)
+    use_threads(1)
     taking_turns = step.fish_due
     step.time = SimpleNamespace(perf_counter=time.thread_time)
     medians_ms(60)  # compiles

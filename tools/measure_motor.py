@@ -32,14 +32,15 @@ def main() -> None:
     number = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
     world = create_world(load_scenario("peaceful")[0], fish=number)
     fishes, library = world.state.fishes, world.library
+    who = np.arange(number)
     arrays = [getattr(fishes, name) for name in TOUCHED]
     copies = [np.empty_like(a) for a in arrays]
     copying = fastest(lambda: [*map(np.copyto, copies, arrays)])
     rows = {
         "copy the arrays that playback touches": copying,
-        "playback of root motion": fastest(lambda: play(fishes, library, TICK_S)),
-        "secondary controller": fastest(lambda: command(fishes, library, Clock(1, 0, TICK_S))),
-        "fins and breath": fastest(lambda: flap(fishes, library, TICK_S)),
+        "playback of root motion": fastest(lambda: play(who, fishes, library, TICK_S)),
+        "secondary controller": fastest(lambda: command(who, fishes, library, Clock(1, 0, TICK_S))),
+        "fins and breath": fastest(lambda: flap(who, fishes, library, TICK_S)),
     }
     print(f"{number} fishes, a tick")
     for name, duration in rows.items():
