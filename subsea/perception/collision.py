@@ -48,7 +48,7 @@ SCHOOLING_S = 0.3
 COURTING_S = 0.1
 HELD = 1.3  # factor on the region for what a fish is already avoiding: hysteresis
 # Fishes longer or faster than this are kept apart from the others.
-LARGE_CM, FAST_CM_S = 45.0, 65.0
+LARGE_CM, FAST_CM_S = 45.0, 80.0
 SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0
 STATIONS = 7  # least number of points of a centre line ...
 FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the other apart

@@ -16,7 +16,7 @@ from subsea.perception.leader_tracking import Schools
 from subsea.perception.neighbours import find_neighbours, grid_of
 from subsea.state import PACIFIST, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
-LEAST_PART = 256  # fishes for which another thread pays ...
+LEAST_PART, LEAST_HUNTERS = 256, 32  # fishes for which another thread pays ...
 LEAST_GRIDS = 4096  # ... and those in a sea whose grids are sorted side by side
 
 
@@ -60,7 +60,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     leader_tracking.watch_schools(who, minds, survey.schools, clock)
     # Needs the companions of prey.
     if len(hunting):
-        share(hunt, hunting, LEAST_PART // 8, fishes, minds, sea)
+        share(hunt, hunting, LEAST_HUNTERS, fishes, minds, sea)
 
 
 def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:

@@ -16,7 +16,7 @@ from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 
 SCENARIOS = sorted(path.stem for path in resource_path("assets/scenarios").glob("*.toml"))
-TICKS, MOST_FISHES = 45, 120
+TICKS, MOST_FISHES = 30, 60
 AHEAD = Helm(surge=0.4)
 
 
@@ -24,8 +24,9 @@ AHEAD = Helm(surge=0.4)
 def small_parts(monkeypatch):
     """Cut a hundred fishes into as many parts as a hundred thousand."""
     for module in (step, senses, focusser, scheduling, table):
-        monkeypatch.setattr(module, "LEAST_PART", 3)
-    monkeypatch.setattr(step, "LEAST_MINDS", 2)
+        monkeypatch.setattr(module, "LEAST_PART", 5)
+    monkeypatch.setattr(step, "LEAST_MINDS", 5)
+    monkeypatch.setattr(senses, "LEAST_HUNTERS", 1)
     monkeypatch.setattr(senses, "LEAST_GRIDS", 1)
     yield
     use_threads()
