@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -35,7 +35,14 @@ from subsea.profiling.frame_statistics import (
     write_json,
 )
 from subsea.profiling.machine import describe_machine, reference_work
-from subsea.rendering.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of
+from subsea.rendering.output.quality import (
+    AUTO,
+    LADDER,
+    PRESETS,
+    first_rung,
+    name_of,
+    on_software,
+)
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
 from subsea.view.display_rigs import cockpit
@@ -185,6 +192,9 @@ def measure(
         step(world, steer(world))
     columns: dict[str, list[float]] = defaultdict(list)
     stages: dict[str, list[float]] = defaultdict(list)
+    gpu: dict[str, list[float]] = defaultdict(list)
+    # A software renderer rasterises all stages tile by tile, so its queries overlap.
+    renderer.timer.on = not on_software(context.info["GL_RENDERER"])
     levels = np.zeros((frames, len(LEVELS)))
     memory = empty_lod_state(len(world.state.fishes.species))
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
@@ -192,7 +202,7 @@ def measure(
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
             order = steer(world)  # not measured: in a dive the visitor steers
             fixed_s = fixed_work()
-            cpu, thread, start = time.process_time(), time.thread_time(), time.perf_counter()
+            cpu, thread_start, start = time.process_time(), time.thread_time(), time.perf_counter()
             step(world, order)
             packet = pack(
                 world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
@@ -203,10 +213,11 @@ def measure(
                 ),
                 memory=memory,
             )  # fmt: skip
-            packed = time.perf_counter()
-            drawing, host_s = _draw(renderer, context, packet)
+            packed, packed_cpu = time.perf_counter(), time.thread_time()
+            drawn = _draw(renderer, context, packet)
             end = time.perf_counter()
-            cpu, thread = time.process_time() - cpu, time.thread_time() - thread
+            cpu, thread = time.process_time() - cpu, time.thread_time() - thread_start
+            gpu_s = renderer.timer.seconds()
             if pace and hold_ms:
                 pace = adaptive_quality.paced(pace, 1000.0 * (end - start), hold_ms)
                 if LADDER[pace.rung] != renderer.quality:
@@ -214,12 +225,15 @@ def measure(
             if k < 0:
                 continue
             columns["frame_s"].append(end - start)
-            columns["host_s"].append(packed - start + host_s)
+            columns["host_s"].append(packed - start + drawn.host_s)
             columns["cpu_s"].append(cpu)
             columns["thread_s"].append(thread)
+            columns["host_cpu_s"].append(packed_cpu - thread_start + drawn.host_cpu_s)
             columns["yardstick_s"].append(fixed_s)
-            for name, seconds in (world.stages_s | drawing).items():
+            for name, seconds in (world.stages_s | drawn.stages_s).items():
                 stages[name].append(seconds)
+            for name, seconds in gpu_s.items() if renderer.timer.on else ():
+                gpu[name].append(seconds)
             levels[k] = np.bincount(memory.level[memory.level != HIDDEN], minlength=len(LEVELS))
             columns["simulated"].append(world.state.fishes.live.sum())
             columns["visible"].append(len(world.state.fishes.species) - packet.hidden)
@@ -227,20 +241,26 @@ def measure(
             columns["draw_calls"].append(renderer.draw_calls)
     return Frames(
         stages_s={name: np.array(values) for name, values in stages.items()},
+        gpu_s={name: np.array(values) for name, values in gpu.items()},
         levels=levels,
         **{name: np.array(values) for name, values in columns.items()},
     )
 
 
-def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str, float], float]:
-    """Draw a packet completely; seconds of the stages upload, draw and present.
+class _Drawing(NamedTuple):
+    """Seconds of a picture."""
 
-    Also the seconds that the renderer spent outside its drawing calls.
-    """
+    stages_s: dict[str, float]  # in the stages upload, draw and present
+    host_s: float  # that the renderer spent outside its drawing calls
+    host_cpu_s: float  # the same in processor time of the calling thread
+
+
+def _draw(renderer: "Renderer", context: Any, packet: Packet) -> _Drawing:
+    """Draw a packet completely, and read the picture back."""
     context.finish()
-    begin = time.perf_counter()
+    begin, begin_cpu = time.perf_counter(), time.thread_time()
     renderer.draw(packet)
-    asked = time.perf_counter()
+    asked, asked_cpu = time.perf_counter(), time.thread_time()
     context.finish()
     drawn = time.perf_counter()
     renderer.read_pixels()
@@ -249,4 +269,6 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str,
         "draw": drawn - begin - renderer.upload_s,
         "present": time.perf_counter() - drawn,
     }
-    return stages, asked - begin - renderer.draw_s
+    return _Drawing(
+        stages, asked - begin - renderer.draw_s, asked_cpu - begin_cpu - renderer.draw_cpu_s
+    )

@@ -29,8 +29,10 @@ class Frames(NamedTuple):
     host_s: Array  # (F,) without running and waiting for drawing calls
     cpu_s: Array  # (F,) processor time of all threads
     thread_s: Array  # (F,) processor time of the calling thread
+    host_cpu_s: Array  # (F,) processor time of the calling thread outside drawing calls
     yardstick_s: Array  # (F,) time of a fixed work beside it, see `machine.reference_work`
     stages_s: dict[str, Array]  # (F,) each
+    gpu_s: dict[str, Array]  # (F,) time of the GPU in each of its stages; empty without a GPU
     visible: Array  # (F,) fishes drawn
     simulated: Array  # (F,) fishes simulated
     levels: Array  # (F, L) fishes drawn at each level of detail
@@ -55,7 +57,9 @@ def statistics(frames: Frames) -> dict[str, Any]:
         "cpu_ms": {
             "all": summarize_ms(frames.cpu_s)["p50"],
             "thread": summarize_ms(frames.thread_s)["p50"],
+            "host": summarize_ms(frames.host_cpu_s)["p50"],
         },
+        "gpu_ms": _gpu_ms(frames.gpu_s),
         "yardstick_ms": summarize_ms(frames.yardstick_s)["p50"],
         "fps": 1000.0 / frame_ms["mean"],
         "stages_ms": {name: summarize_ms(frames.stages_s[name])["p50"] for name in STAGES},
@@ -72,6 +76,23 @@ def statistics(frames: Frames) -> dict[str, Any]:
     }
 
 
+def _gpu_ms(gpu_s: dict[str, Array]) -> dict[str, float] | None:
+    """Medians of the time of the GPU, in all and in each stage; None without a GPU."""
+    if not gpu_s:
+        return None
+    whole = np.sum([*gpu_s.values()], axis=0)
+    return {
+        name: summarize_ms(seconds)["p50"] for name, seconds in ({"all": whole} | gpu_s).items()
+    }
+
+
+def bound_by(report: dict[str, Any]) -> str | None:
+    """Whichever takes longer for a frame: "GPU" or "host"; None without a GPU."""
+    if report["gpu_ms"] is None:
+        return None
+    return "GPU" if report["gpu_ms"]["all"] > report["cpu_ms"]["thread"] else "host"
+
+
 def _parts_ms(durations_s: Array) -> list[float]:
     """Medians of consecutive tenths of a run, ms; fewer for less than ten frames."""
     parts = np.array_split(durations_s, min(PARTS, len(durations_s)))
@@ -84,12 +105,16 @@ def print_report(report: dict[str, Any]) -> None:
     print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
     print(_drawn_by(report))
     print(machine_line(report["machine"]))
-    for title in ("frame_ms", "cpu_ms", "stages_ms", "lod"):
+    for title in ("frame_ms", "cpu_ms", "stages_ms", "gpu_ms", "lod"):
+        if report[title] is None:
+            continue
         print(title)
         for name, value in report[title].items():
             print(f"  {name:<14}{value:>10.3f}")
     print(f"rest_ms {report['rest_ms']:.2f}, in no stage")
     print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
+    if limit := bound_by(report):
+        print(f"bound by the {limit}")
     print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
 
 

@@ -17,6 +17,7 @@ from subsea.core.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
+from subsea.rendering.gl.gpu_timer import GpuTimer
 from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
@@ -63,8 +64,11 @@ class Renderer(GpuOwner):
         self.wireframe = False  # draw the edges of triangles, except for the water
         self.triangles = 0  # of the last picture
         self.draw_calls = 0  # of the last picture
-        self.draw_s = 0.0  # of the last picture: until its drawing calls returned
+        # Of the last picture, until its drawing calls returned: by the clock, and processor time of
+        # the calling thread.
+        self.draw_s = self.draw_cpu_s = 0.0
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
+        self.timer = GpuTimer(context)
         # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
             solids = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
@@ -168,7 +172,8 @@ class Renderer(GpuOwner):
         `pictures`, which `read_pixels` returns.
         """
         context = self._context
-        calls, seconds = context.extra.calls, context.extra.seconds
+        tally = context.extra
+        calls, seconds, cpu_s = tally.calls, tally.seconds, tally.cpu_s
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
         start = time.perf_counter()
@@ -186,46 +191,56 @@ class Renderer(GpuOwner):
         context.enable(context.PROGRAM_POINT_SIZE)
         context.depth_func = "<="  # water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
-        eye = None
+        eye, stage = None, self.timer.stage
         for number, view in enumerate(map(self._on_canvas, packet.views)):
             uniforms = uniforms_of(packet, view, self._scene.water)
             if uniforms["u_eye"] != eye:  # views through one eye share their shafts
-                self._shafts.draw(uniforms)
+                with stage("shafts"):
+                    self._shafts.draw(uniforms)
             eye = uniforms["u_eye"]
             self._target.framebuffer.use()
             context.viewport = context.scissor = view.viewport  # points must not cross the edge
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             context.wireframe = self.wireframe
-            self.triangles += self._rocks.draw(number, uniforms)
+            with stage("stone"):
+                self.triangles += self._rocks.draw(number, uniforms)
             context.enable(context.CULL_FACE)
-            self.triangles += self._coral.draw(number, uniforms)
+            with stage("corals"):
+                self.triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
-            self.triangles += self._seaweed.draw(packet, number, uniforms)
-            self.triangles += self._seabed.draw(number, uniforms)
+            with stage("seaweed"):
+                self.triangles += self._seaweed.draw(packet, number, uniforms)
+            with stage("sand"):
+                self.triangles += self._seabed.draw(number, uniforms)
             if self.quality.shadows and not self.wireframe:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may overlap
-                self.triangles += self._coral.draw_shadows(number, uniforms)
-                self.triangles += self._shadows.draw(uniforms)
+                with stage("shadows"):
+                    self.triangles += self._coral.draw_shadows(number, uniforms)
+                    self.triangles += self._shadows.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
             context.wireframe = False
-            self.triangles += self._water.draw(view, uniforms)
+            with stage("water"):
+                self.triangles += self._water.draw(view, uniforms)
             context.enable(context.BLEND)
             context.wireframe = self.wireframe
-            self.triangles += self._fishes.draw(packet, number, uniforms)
-            self.triangles += self._hook.draw(packet, number, uniforms)
+            with stage("fishes"):
+                self.triangles += self._fishes.draw(packet, number, uniforms)
+                self.triangles += self._hook.draw(packet, number, uniforms)
             context.wireframe = False
             self._target.framebuffer.depth_mask = False
-            self.triangles += self._bubbles.draw(packet, number, uniforms)
-            self.triangles += self._particles.draw(packet, number, uniforms)
-            self.triangles += self._lines.draw(packet, number, view, uniforms)
+            with stage("particles"):
+                self.triangles += self._bubbles.draw(packet, number, uniforms)
+                self.triangles += self._particles.draw(packet, number, uniforms)
+                self.triangles += self._lines.draw(packet, number, view, uniforms)
             self._target.framebuffer.depth_mask = True
         context.scissor = None
-        self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
-        self.draw_calls = context.extra.calls - calls
-        self.draw_s = context.extra.seconds - seconds
+        with stage("output"):
+            self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
+        self.draw_calls, self.draw_s = tally.calls - calls, tally.seconds - seconds
+        self.draw_cpu_s = tally.cpu_s - cpu_s
 
     def show(self, canvas: Bytes, into: Any = None) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""

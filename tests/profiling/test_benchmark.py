@@ -15,7 +15,8 @@ from PIL import Image
 from subsea.cli.main import main
 from subsea.core import durations
 from subsea.profiling import benchmark, comparison, machine
-from subsea.profiling.frame_statistics import STAGES
+from subsea.profiling.frame_statistics import STAGES, bound_by
+from subsea.rendering.gl.gpu_timer import GPU_STAGES
 from subsea.world import step as ocean
 from tests.support.scenes import BARE
 
@@ -41,7 +42,7 @@ def test_the_report_has_the_agreed_keys(reports):
         "version", "without", "motor", "simulated_mean", "frame_ms", "fps", "stages_ms", "lod",
         "triangles_mean", "quality", "quality_drawn", "target_ms", "host_ms", "draw_calls",
         "theatre", "set", "tour", "parts_ms", "machine", "cpu_ms", "yardstick_ms",
-        "rest_ms",
+        "rest_ms", "gpu_ms",
     }  # fmt: skip
     assert set(report["frame_ms"]) == {"mean", "p50", "p95", "p99", "max"}
     assert tuple(report["stages_ms"]) == STAGES
@@ -60,9 +61,25 @@ def test_its_figures_agree(reports):
         assert 0.0 < report["rest_ms"] < frame["p50"]
         assert report["draw_calls"] >= 5
         assert 0.0 < report["cpu_ms"]["thread"] <= 1.01 * report["cpu_ms"]["all"]
+        assert 0.0 < report["cpu_ms"]["host"] < report["cpu_ms"]["thread"]
         assert report["cpu_ms"]["thread"] < 1.5 * frame["max"]
         assert (report["quality"], report["quality_drawn"]) == ("low", "low")
         assert report["target_ms"] is None
+
+
+def test_on_a_gpu_its_stages_are_timed(tmp_path, monkeypatch, capsys, reports):
+    assert reports["with"]["gpu_ms"] is None  # a software renderer
+    monkeypatch.setattr(benchmark, "on_software", lambda renderer: False)
+    assert main([*SMALL, "--json", str(tmp_path / "gpu.json")]) == 0
+    report = json.loads((tmp_path / "gpu.json").read_text())
+    assert tuple(report["gpu_ms"]) == ("all", *GPU_STAGES)
+    assert report["gpu_ms"]["water"] > 0.0
+    printed = capsys.readouterr().out
+    assert f"bound by the {bound_by(report)}" in printed
+    slow = report | {"gpu_ms": {"all": 9.0}, "cpu_ms": {"thread": 5.0}}
+    assert bound_by(slow) == "GPU"
+    assert bound_by(slow | {"cpu_ms": {"thread": 10.0}}) == "host"
+    assert bound_by(slow | {"gpu_ms": None}) is None
 
 
 def test_the_report_describes_the_machine(reports, capsys):
