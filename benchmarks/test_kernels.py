@@ -37,7 +37,7 @@ from subsea.profiling.paper_tables import place_nodes
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock
 from subsea.submarine.helm import NEUTRAL
-from subsea.view.culling import OUT_OF_SIGHT, coverage
+from subsea.view.culling import OUT_OF_SIGHT, coverage, view_arrays
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -280,11 +280,11 @@ def test_culling(benchmark, ocean, of):
         seen = (away >= -radii[:, None]).all(axis=1)
         return seen, np.linalg.norm(centres - views[0].eye, axis=1)
 
-    pixels, _ = coverage(centres, radii, fishes.length, views)
+    pixels, _ = coverage(centres, radii, fishes.length, view_arrays(views))
     assert ((pixels != OUT_OF_SIGHT) == in_numpy()[0]).mean() > 0.999
     group = "which of 10 000 spheres are in sight, and how far away"
     if of == "kernel":
-        timed(benchmark, group, of, coverage, centres, radii, fishes.length, views)
+        timed(benchmark, group, of, coverage, centres, radii, fishes.length, view_arrays(views))
     elif of == "numpy":
         timed(benchmark, group, of, in_numpy)
     else:

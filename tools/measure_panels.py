@@ -17,6 +17,7 @@ import numpy as np
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
+from subsea.ui.idle_tours import IdleTours
 from subsea.ui.panels import PANELS
 from subsea.world.world import TICK_S
 
@@ -62,18 +63,18 @@ def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, floa
 
 def timed(dive: Dive) -> Callable[[], tuple[float, float]]:
     """Time all that is drawn over the picture; returns a function for the last frame's times."""
-    write, last = dive._write, (0.0, 0.0)
+    write, last = dive.text.draw, (0.0, 0.0)
 
-    def written(elapsed_s: float) -> None:
+    def written(elapsed_s: float, tours: IdleTours) -> None:
         nonlocal last
         dive.picture._context.finish()
         own, all_of = time.thread_time(), time.process_time()
-        write(elapsed_s)
+        write(elapsed_s, tours)
         own = time.thread_time() - own
         dive.picture._context.finish()
         last = own, time.process_time() - all_of
 
-    dive._write = written  # type: ignore[method-assign]
+    dive.text.draw = written  # type: ignore[method-assign]
     return lambda: last
 
 

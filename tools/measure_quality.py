@@ -23,11 +23,11 @@ from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.step import step
 
 PARTS = {  # of the renderer, and the methods that draw them
-    "stone": ("_solids", "draw"), "corals": ("_coral", "draw"), "sand": ("_seabed", "draw"),
+    "stone": ("_rocks", "draw"), "corals": ("_coral", "draw"), "sand": ("_seabed", "draw"),
     "seaweed": ("_seaweed", "draw"), "water and surface": ("_water", "draw"),
     "fishes": ("_fishes", "draw"), "bubbles": ("_bubbles", "draw"),
-    "snow and plankton": ("_particles", "draw"), "shafts": ("_shafts", "cast"),
-    "shadows of fishes": ("_blobs", "draw"), "shadows of corals": ("_coral", "draw_shadows"),
+    "snow and plankton": ("_particles", "draw"), "shafts": ("_shafts", "draw"),
+    "shadows of fishes": ("_shadows", "draw"), "shadows of corals": ("_coral", "draw_shadows"),
     "to the screen": ("", "_show"),
 }  # fmt: skip
 AT_TICKS = (30, 60, 90)

@@ -49,6 +49,8 @@ def _scenery() -> None:
     from subsea.rendering.fish.soft_shadows import Sand, cast
     from subsea.rendering.gl.static_batch import bounding_spheres, gather, levels_in_sight
     from subsea.rendering.reef.rocks import pieces
+    from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
+    from subsea.rendering.sea.bubbles import in_sight
     from subsea.rendering.sea.seabed import surroundings
 
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
@@ -63,6 +65,10 @@ def _scenery() -> None:
         (spheres[:, :3].copy(), spheres[:, 3].copy()), packet.views, 1.0, 1.0, np.ones(2), before
     )
     gather(np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64))
+    everything = np.ones((1, len(packet.leaves)), np.bool_)
+    fronds_of(packet.leaves, everything, 0, len(packet.leaves), FRONDS_AT[0])
+    (view,) = packet.views
+    in_sight(np.zeros((0, 2, 3)), view.planes, np.asarray(view.eye, np.float64), 1.0)
 
 
 def _decisions() -> None:

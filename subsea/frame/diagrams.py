@@ -34,7 +34,7 @@ from subsea.perception.vision import FIELD_COS
 from subsea.repertoire import SEGMENTS
 from subsea.state import NOBODY
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, coverage
+from subsea.view.culling import IN_SIGHT, coverage, view_arrays
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.retina import (
     FishEyes,
@@ -187,7 +187,7 @@ class DiagramBuilder:
         )
         radii = library.bounding_radius[fishes.species] * fishes.length
         reach = IN_SIGHT * self.world.scenario.water.visibility_cm
-        pixels, _ = coverage(middle, radii, fishes.length, views, reach)
+        pixels, _ = coverage(middle, radii, fishes.length, view_arrays(views), reach)
         without = {view.without for view in views}
         if len(without) == 1:  # a fish does not see its own body
             pixels[[one for one in without if one >= 0]] = -1.0

@@ -12,14 +12,20 @@ from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
+from subsea.frame.in_sight import (
+    LEAF_TEXELS,
+    LeafLimits,
+    leaf_texels,
+    leaves_in_sight,
+    plankton_in_sight,
+)
 from subsea.frame.lines import NO_LINES, Lines
-from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
 from subsea.motor.pose import pose_at
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Water
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty
 from subsea.view.camera import View
-from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage
+from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage, view_arrays
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import (
     LEVELS,
@@ -47,21 +53,8 @@ DISPLAY = 21  # share of mating colours, 0 to 1
 FISH = 22  # index of the fish in the world
 INSTANCE_COLUMNS = 23
 
-# Texels of a leaf of seaweed: its nodes from the root to the tip, then its look.
-LEAF_NODES = 8
-LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
-LEAF_NEAR_PX = 260.0  # below this a leaf is drawn coarsely ...
-LEAF_LEAST_PX = 7.0  # ... and below this not at all
-LEAF_MOST_CM = 150.0  # largest size of a cluster that counts
-BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
-KELP = SEAWEED_KINDS.index("kelp")
-GOLDEN = 0.6180339887  # its multiples modulo 1 fill [0, 1) evenly
-
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
-
-PLANKTON_REACH_CM = 1400.0  # where specks have faded
-SPECK_CM = 4.0  # farthest that a speck is drawn from its position
 
 # Bounding spheres hold the nodes; the surface reaches a little farther.
 ENLARGED = 1.1
@@ -193,7 +186,8 @@ def pack(
     time_s = (world.state.tick - 1 + alpha) * TICK_S
     radii = ENLARGED * library.bounding_radius[fishes.species] * fishes.length
     reach = IN_SIGHT * world.scenario.water.visibility_cm
-    pixels, distance = coverage(centres, radii, fishes.length, views, reach, options.culling)
+    arrays = view_arrays(views)
+    pixels, distance = coverage(centres, radii, fishes.length, arrays, reach, options.culling)
     pixels[~fishes.alive] = OUT_OF_SIGHT
     # Coarse levels would cut the crests of waves along a body, differently for body and fins: such
     # fishes are drawn one level finer.
@@ -208,7 +202,14 @@ def pack(
     )
     order, share, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
-    leaves, fine_leaves, leaves_seen = _leaves_in_sight(world, views, options)
+    state = world.state
+    limits = LeafLimits(reach, options.detail, options.growth, options.culling, options.lod)
+    leaves, fine_leaves, leaves_seen = leaves_in_sight(
+        state.sea.seaweed, state.seaweed, arrays, limits
+    )
+    specks, bounds = plankton_in_sight(
+        state.sea.plankton, state.sea.absent, arrays, options.culling
+    )
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
     _write_instances(fishes, library, centres, order, share, alpha, instances)
     live_points = _skin_live(world, order)
@@ -228,7 +229,7 @@ def pack(
         instances=instances,
         batches=batches,
         plankton=world.state.sea.plankton.copy(),
-        plankton_seen=_plankton_in_sight(world.state.sea, views, options.culling),
+        plankton_seen=tuple(specks[a:b] for a, b in pairwise(bounds.tolist())),
         hidden=int((pixels < 0.0).sum()),
         live_points=live_points,
         live_row=len(library.entry),
@@ -236,7 +237,7 @@ def pack(
         vessel=pilot.eye,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
-        leaves=_leaves(world, leaves, alpha),
+        leaves=leaf_texels(state.seaweed, leaves, alpha),
         fine_leaves=fine_leaves,
         leaves_seen=leaves_seen,
         lines=lines,
@@ -270,51 +271,6 @@ def _hook(sea: Sea, alpha: float) -> Array | None:
         return None
     velocity = {SINKING: -sea.tackle[3], HOOKED: sea.tackle[3]}.get(int(state), 0.0)
     return np.asarray(sea.hook - (0.0, 0.0, (1.0 - alpha) * TICK_S * velocity))
-
-
-def _plankton_in_sight(sea: Sea, views: Sequence[View], culling: bool) -> tuple[Ints, ...]:
-    """Indices of the plankton that each view sees; the look of a speck depends on its index."""
-    size = np.full(len(sea.plankton), SPECK_CM)
-    _, distance = coverage(sea.plankton, size, size, views, PLANKTON_REACH_CM, culling)
-    present = sea.absent == 0.0
-    return tuple(np.flatnonzero(np.isfinite(own) & present).astype(np.int32) for own in distance)
-
-
-def _leaves_in_sight(
-    world: World, views: Sequence[View], options: PackOptions
-) -> tuple[Ints, int, Bools]:
-    """Leaves (k,) of clusters in sight, fine ones first; the number of fine ones.
-
-    The last result says which of the leaves (v, k) each view sees.
-    """
-    box, seaweed = world.state.sea.seaweed, world.state.seaweed
-    centres, size = (box[:, :3] + box[:, 3:]) / 2, box[:, 3:] - box[:, :3]
-    # Leaves are wider than their chains, leave their boxes between ticks, and carry blades of kelp.
-    blades = np.where(seaweed.kind == KELP, BLADE * seaweed.look[:, 0], 0.0)
-    blades = np.maximum.reduceat(blades, seaweed.first[:-1]) if len(box) else np.zeros(0)
-    radii = np.linalg.norm(size, axis=1) / 2 + 10.0 + blades
-    reach = IN_SIGHT * world.scenario.water.visibility_cm
-    covers = np.minimum(2 * radii, LEAF_MOST_CM)
-    pixels, distance = coverage(centres, radii, covers, views, reach, options.culling)
-    pixels *= np.float32(options.detail)
-    near = pixels > LEAF_NEAR_PX if options.lod else pixels >= 0.0
-    shown = np.arange(len(box)) * GOLDEN % 1.0 < options.growth
-    cluster = np.repeat(np.arange(len(box)), np.diff(seaweed.first))
-    fine, coarse = shown & near, shown & ~near & (pixels > LEAF_LEAST_PX)
-    fine_leaves = np.flatnonzero(fine[cluster])
-    leaves = np.concatenate([fine_leaves, np.flatnonzero(coarse[cluster])])
-    return leaves, len(fine_leaves), np.isfinite(distance)[:, cluster[leaves]]
-
-
-def _leaves(world: World, order: Ints, alpha: float) -> Array:
-    """Texels of the leaves `order`, `alpha` of the way from the last tick to the current one."""
-    seaweed = world.state.seaweed
-    out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
-    before, after = seaweed.previous[order], seaweed.node[order]
-    out[:, :LEAF_NODES, :3] = before + np.float32(alpha) * (after - before)
-    out[:, 0, 3] = seaweed.kind[order]
-    out[:, LEAF_NODES:] = seaweed.look[order].reshape(-1, 2, 4)
-    return out
 
 
 def _skin_live(world: World, order: Ints) -> Array:

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from tqdm import tqdm
@@ -202,7 +202,7 @@ def measure(
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
             order = steer(world)  # not measured: in a dive the visitor steers
             fixed_s = fixed_work()
-            cpu, thread_start, start = time.process_time(), time.thread_time(), time.perf_counter()
+            cpu, thread, start = time.process_time(), time.thread_time(), time.perf_counter()
             step(world, order)
             packet = pack(
                 world, views(rig, cockpit(world.state.submarine, 1.0)), 1.0,
@@ -213,10 +213,10 @@ def measure(
                 ),
                 memory=memory,
             )  # fmt: skip
-            packed, packed_cpu = time.perf_counter(), time.thread_time()
-            drawn = _draw(renderer, context, packet)
+            packed = time.perf_counter()
+            drawing, host_s = _draw(renderer, context, packet)
             end = time.perf_counter()
-            cpu, thread = time.process_time() - cpu, time.thread_time() - thread_start
+            cpu, thread = time.process_time() - cpu, time.thread_time() - thread
             gpu_s = renderer.timer.seconds()
             if pace and hold_ms:
                 pace = adaptive_quality.paced(pace, 1000.0 * (end - start), hold_ms)
@@ -225,12 +225,11 @@ def measure(
             if k < 0:
                 continue
             columns["frame_s"].append(end - start)
-            columns["host_s"].append(packed - start + drawn.host_s)
+            columns["host_s"].append(packed - start + host_s)
             columns["cpu_s"].append(cpu)
             columns["thread_s"].append(thread)
-            columns["host_cpu_s"].append(packed_cpu - thread_start + drawn.host_cpu_s)
             columns["yardstick_s"].append(fixed_s)
-            for name, seconds in (world.stages_s | drawn.stages_s).items():
+            for name, seconds in (world.stages_s | drawing).items():
                 stages[name].append(seconds)
             for name, seconds in gpu_s.items() if renderer.timer.on else ():
                 gpu[name].append(seconds)
@@ -247,20 +246,15 @@ def measure(
     )
 
 
-class _Drawing(NamedTuple):
-    """Seconds of a picture."""
+def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str, float], float]:
+    """Draw a packet completely; seconds of the stages upload, draw and present.
 
-    stages_s: dict[str, float]  # in the stages upload, draw and present
-    host_s: float  # that the renderer spent outside its drawing calls
-    host_cpu_s: float  # the same in processor time of the calling thread
-
-
-def _draw(renderer: "Renderer", context: Any, packet: Packet) -> _Drawing:
-    """Draw a packet completely, and read the picture back."""
+    Also the seconds that the renderer spent outside its drawing calls.
+    """
     context.finish()
-    begin, begin_cpu = time.perf_counter(), time.thread_time()
+    begin = time.perf_counter()
     renderer.draw(packet)
-    asked, asked_cpu = time.perf_counter(), time.thread_time()
+    asked = time.perf_counter()
     context.finish()
     drawn = time.perf_counter()
     renderer.read_pixels()
@@ -269,6 +263,4 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> _Drawing:
         "draw": drawn - begin - renderer.upload_s,
         "present": time.perf_counter() - drawn,
     }
-    return _Drawing(
-        stages, asked - begin - renderer.draw_s, asked_cpu - begin_cpu - renderer.draw_cpu_s
-    )
+    return stages, asked - begin - renderer.draw_s

@@ -29,7 +29,6 @@ class Frames(NamedTuple):
     host_s: Array  # (F,) without running and waiting for drawing calls
     cpu_s: Array  # (F,) processor time of all threads
     thread_s: Array  # (F,) processor time of the calling thread
-    host_cpu_s: Array  # (F,) processor time of the calling thread outside drawing calls
     yardstick_s: Array  # (F,) time of a fixed work beside it, see `machine.reference_work`
     stages_s: dict[str, Array]  # (F,) each
     gpu_s: dict[str, Array]  # (F,) time of the GPU in each of its stages; empty without a GPU
@@ -57,7 +56,6 @@ def statistics(frames: Frames) -> dict[str, Any]:
         "cpu_ms": {
             "all": summarize_ms(frames.cpu_s)["p50"],
             "thread": summarize_ms(frames.thread_s)["p50"],
-            "host": summarize_ms(frames.host_cpu_s)["p50"],
         },
         "gpu_ms": _gpu_ms(frames.gpu_s),
         "yardstick_ms": summarize_ms(frames.yardstick_s)["p50"],

@@ -64,9 +64,7 @@ class Renderer(GpuOwner):
         self.wireframe = False  # draw the edges of triangles, except for the water
         self.triangles = 0  # of the last picture
         self.draw_calls = 0  # of the last picture
-        # Of the last picture, until its drawing calls returned: by the clock, and processor time of
-        # the calling thread.
-        self.draw_s = self.draw_cpu_s = 0.0
+        self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
         self.timer = GpuTimer(context)
         # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
@@ -172,8 +170,7 @@ class Renderer(GpuOwner):
         `pictures`, which `read_pixels` returns.
         """
         context = self._context
-        tally = context.extra
-        calls, seconds, cpu_s = tally.calls, tally.seconds, tally.cpu_s
+        calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()
         self._target.framebuffer.clear()
         start = time.perf_counter()
@@ -239,8 +236,8 @@ class Renderer(GpuOwner):
         context.scissor = None
         with stage("output"):
             self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
-        self.draw_calls, self.draw_s = tally.calls - calls, tally.seconds - seconds
-        self.draw_cpu_s = tally.cpu_s - cpu_s
+        self.draw_calls = context.extra.calls - calls
+        self.draw_s = context.extra.seconds - seconds
 
     def show(self, canvas: Bytes, into: Any = None) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""

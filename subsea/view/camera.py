@@ -7,6 +7,8 @@ transposed here.
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
+from operator import mul
 
 import numpy as np
 
@@ -41,11 +43,27 @@ class View:
 
 def look(eye: Array, forward: Array, up: Array) -> Array:
     """The world-to-eye matrix (4, 4) of an eye at `eye` (3,) that looks along `forward`."""
-    target = np.asarray(eye, np.float64) + np.asarray(forward, np.float64)
-    matrix = pyrr.matrix44.create_look_at(
-        np.asarray(eye, np.float64), target, np.asarray(up, np.float64), dtype=np.float64
-    )
-    return np.asarray(matrix.T, dtype=np.float32)
+    # Single numbers: numpy takes ten times as long for vectors of three.
+    place = np.asarray(eye, np.float64).tolist()
+    ahead = _unit(np.asarray(forward, np.float64).tolist())
+    side = _unit(_cross(ahead, np.asarray(up, np.float64).tolist()))
+    above = _unit(_cross(side, ahead))
+    behind = [-x for x in ahead]
+    rows = [[*axis, -sum(map(mul, axis, place))] for axis in (side, above, behind)]
+    return np.array([*rows, [0.0, 0.0, 0.0, 1.0]], np.float32)
+
+
+def _unit(a: list[float]) -> list[float]:
+    length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    return [a[0] / length, a[1] / length, a[2] / length]
+
+
+def _cross(a: list[float], b: list[float]) -> list[float]:
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 
 
 def axes_of(heading: float, pitch: float, roll: float = 0.0) -> Array:

@@ -31,18 +31,17 @@ class ViewArrays(NamedTuple):
 
 def view_arrays(views: Sequence[View]) -> ViewArrays:
     """The planes, eyes and scales of views, as arrays."""
-    return ViewArrays(
-        np.stack([view.planes for view in views]),
-        np.stack([np.asarray(view.eye, np.float64) for view in views]),
-        np.array([pixels_per_radian(view) for view in views]),
-    )
+    planes, eyes = np.empty((len(views), 6, 4)), np.empty((len(views), 3))
+    for v, view in enumerate(views):
+        planes[v], eyes[v] = view.planes, view.eye
+    return ViewArrays(planes, eyes, np.array([pixels_per_radian(view) for view in views]))
 
 
 def coverage(
     centres: Array,
     radii: Array,
     lengths: Array,
-    views: Sequence[View],
+    views: ViewArrays,
     reach_cm: float = np.inf,
     culling: bool = True,
 ) -> tuple[Array, Array]:
@@ -54,8 +53,8 @@ def coverage(
     `culling` every view sees everything.
     """
     pixels = np.empty(len(centres), np.float32)
-    distance = np.empty((len(views), len(centres)), np.float32)
-    _cover(centres, radii, lengths, view_arrays(views), reach_cm, culling, pixels, distance)
+    distance = np.empty((len(views.eyes), len(centres)), np.float32)
+    _cover(centres, radii, lengths, views, reach_cm, culling, pixels, distance)
     return pixels, distance
 
 
@@ -70,6 +69,14 @@ def in_frustum(planes: Array, v: int, x: float, y: float, z: float, radius: floa
 
 
 @kernel
+def eye_distance(views: ViewArrays, v: int, x: float, y: float, z: float) -> float:
+    """Distance of a point from the eye of view `v`, cm."""
+    eyes = views[1]
+    d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
+    return float(d)
+
+
+@kernel
 def _cover(
     centres: Array,
     radii: Array,
@@ -80,12 +87,12 @@ def _cover(
     pixels: Array,
     distance: Array,
 ) -> None:
-    planes, eyes, scales = views
+    planes, _, scales = views
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
         pixels[i] = OUT_OF_SIGHT
         for v in range(len(planes)):
-            d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
+            d = eye_distance(views, v, x, y, z)
             if culling and (d - radii[i] >= reach or not in_frustum(planes, v, x, y, z, radii[i])):
                 distance[v, i] = np.inf
                 continue

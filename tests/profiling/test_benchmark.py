@@ -61,7 +61,6 @@ def test_its_figures_agree(reports):
         assert 0.0 < report["rest_ms"] < frame["p50"]
         assert report["draw_calls"] >= 5
         assert 0.0 < report["cpu_ms"]["thread"] <= 1.01 * report["cpu_ms"]["all"]
-        assert 0.0 < report["cpu_ms"]["host"] < report["cpu_ms"]["thread"]
         assert report["cpu_ms"]["thread"] < 1.5 * frame["max"]
         assert (report["quality"], report["quality_drawn"]) == ("low", "low")
         assert report["target_ms"] is None

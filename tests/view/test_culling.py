@@ -13,7 +13,7 @@ from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import ENLARGED
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import read_repertoire
-from subsea.view.culling import OUT_OF_SIGHT, coverage, pixels_per_radian
+from subsea.view.culling import OUT_OF_SIGHT, coverage, pixels_per_radian, view_arrays
 from subsea.view.display_rigs import DISPLAYS, views_for
 from subsea.view.rig import pose_from_angles
 
@@ -32,7 +32,7 @@ def _covered(centres, views, *, radius=15.0, **options):
     centres = np.atleast_2d(np.asarray(centres, np.float32))
     n = len(centres)
     radii, lengths = np.full(n, radius, np.float32), np.full(n, 20.0, np.float32)
-    return coverage(centres, radii, lengths, views, **options)
+    return coverage(centres, radii, lengths, view_arrays(views), **options)
 
 
 def _inside(points, view):
@@ -110,7 +110,7 @@ def test_no_fish_with_a_visible_vertex_is_culled(drawn, which, turn, at, length,
     centre = EYE + [ahead, aside, 0.6 * up]
     vertices = centre + length * places @ R.T
     radii = np.array([ENLARGED * radius * length], np.float32)
-    _, distance = coverage(centre[None].astype("f4"), radii, np.array([length]), views)
+    _, distance = coverage(centre[None].astype("f4"), radii, np.array([length]), view_arrays(views))
     for view, (away,) in zip(views, distance, strict=True):
         if _inside(vertices, view).any():
             assert np.isfinite(away)

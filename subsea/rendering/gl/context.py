@@ -99,17 +99,15 @@ class _DrawCallCounter:
 
     def __init__(self) -> None:
         self.calls = 0
-        self.seconds = 0.0  # by the clock
-        self.cpu_s = 0.0  # processor time of the calling thread
-        self._start = self._start_cpu = 0.0
+        self.seconds = 0.0
+        self._start = 0.0
 
     def __enter__(self) -> None:
-        self._start, self._start_cpu = time.perf_counter(), time.thread_time()
+        self._start = time.perf_counter()
 
     def __exit__(self, *arguments: object) -> None:
         self.calls += 1
         self.seconds += time.perf_counter() - self._start
-        self.cpu_s += time.thread_time() - self._start_cpu
 
 
 def _prepared(context: Any) -> Any:

@@ -1,7 +1,6 @@
 """Times that the GPU spends in the stages of a picture, by timer queries (OpenGL 3.3)."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 # Of a picture, in the order of drawing; several views add up.
@@ -9,6 +8,7 @@ GPU_STAGES = (
     "shafts", "stone", "corals", "seaweed", "sand", "shadows", "water", "fishes", "particles",
     "output",
 )  # fmt: skip
+NOTHING = nullcontext()
 
 
 class GpuTimer:
@@ -23,18 +23,15 @@ class GpuTimer:
         self._queries: list[Any] = []
         self._names: list[str] = []  # of the queries since the last call of `seconds`
 
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Measure the drawing calls within."""
+    def stage(self, name: str) -> AbstractContextManager[object]:
+        """Measure the drawing calls within the context."""
         if not self.on:
-            yield
-            return
+            return NOTHING
         if len(self._names) == len(self._queries):
             self._queries.append(self._context.query(time=True))
-        query = self._queries[len(self._names)]
         self._names.append(name)
-        with query:
-            yield
+        query: AbstractContextManager[object] = self._queries[len(self._names) - 1]
+        return query
 
     def seconds(self) -> dict[str, float]:
         """Seconds in each stage since the last call; waits until the GPU is done."""

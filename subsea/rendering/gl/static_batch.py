@@ -1,6 +1,7 @@
 """Static geometry in one vertex buffer: each view draws the visible items in one call."""
 
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import moderngl
@@ -114,22 +115,28 @@ class StaticBatch(GpuOwner):
             return
         self._level, self._seen = level, seen
         # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
-        drawn = [
-            own[np.argsort(np.linalg.norm(self._centres[own] - eye, axis=1) - self._radii[own])]
-            for own, eye in (
-                (np.flatnonzero(row), view.eye) for row, view in zip(seen, views, strict=True)
-            )
-        ]
-        ranges = [self._ranges[own, level[own]] for own in drawn]
-        for own, rows in zip(drawn, ranges, strict=True):
-            for first in {*rows[self._absent[own, level[own]], 2].tolist()}:
-                vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
-                self._vertices.write(vertices, self._stride * first)
-                self._absent &= self._ranges[..., 2] != first
-        self._starts = np.cumsum([0, *((own[:, 1] - own[:, 0]).sum() for own in ranges)]).tolist()
+        drawn, ranges = [], []
+        for row, view in zip(seen, views, strict=True):
+            own = np.flatnonzero(row)
+            away = self._centres[own] - view.eye
+            near = np.sqrt(np.einsum("ij,ij->i", away, away)) - self._radii[own]
+            drawn.append(own[np.argsort(near)])
+            ranges.append(self._ranges[drawn[-1], level[drawn[-1]]])
+        if self._waiting:
+            self._make(np.concatenate(drawn), level)
+        sizes = [int((own[:, 1] - own[:, 0]).sum()) for own in ranges]
+        self._starts = [0, *accumulate(sizes)]
         if self._starts[-1]:
             data = gather(self._triangles, np.concatenate(ranges))
             replace_data(self._indices, data)
+
+    def _make(self, items: Ints, level: Ints) -> None:
+        """Upload the meshes of `items` at their levels that are drawn for the first time."""
+        absent = items[self._absent[items, level[items]]]
+        for first in {*self._ranges[absent, level[absent], 2].tolist()}:
+            vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
+            self._vertices.write(vertices, self._stride * first)
+            self._absent &= self._ranges[..., 2] != first
 
     def recall(self, level: Ints | None = None) -> Ints:
         """Set the levels (k,) that the next choice starts from, None: no item; returns the old."""

@@ -5,8 +5,10 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.frame.packet import LEAF_TEXELS, Packet
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.core.kernels import kernel
+from subsea.frame.in_sight import LEAF_TEXELS
+from subsea.frame.packet import Packet
 from subsea.rendering.gl.id_buffer import SEAWEED
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
@@ -21,6 +23,12 @@ FRONDS = {
     "grass": ([*range(7)], [0, 2, 4]),
     "red": ([*range(12)], [0, *range(1, 12, 2)]),
 }
+
+# The same for kernels, near and far: a row (fronds) for each kind, which ends with -1.
+FRONDS_AT = [
+    np.array([[*own[level], *[-1] * (26 - len(own[level]))] for own in FRONDS.values()])
+    for level in range(2)
+]
 
 
 class SeaweedRenderer(GpuOwner):
@@ -56,20 +64,15 @@ class SeaweedRenderer(GpuOwner):
         if number:
             texels = np.ascontiguousarray(packet.leaves, "f4")
             self._leaves.write(texels, viewport=(0, 0, LEAF_TEXELS, number))
+        seen = packet.leaves_seen
+        if seen is None:
+            seen = np.ones((len(packet.views), number), np.bool_)
         ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
         for level, (first, end) in enumerate(ends):
-            fronds = fronds_of(packet.leaves[first:end], level)
-            fronds[:, 0] += first
-            if packet.leaves_seen is None:
-                fronds = np.tile(fronds, (len(packet.views), 1))
-                lengths = [len(fronds) // len(packet.views)] * len(packet.views)
-            else:
-                seen = packet.leaves_seen[:, fronds[:, 0].astype(int)]
-                lengths = seen.sum(axis=1)
-                fronds = fronds[np.nonzero(seen)[1]]
-            self._starts[level] = np.cumsum([0, *lengths]).tolist()
+            fronds, starts = fronds_of(packet.leaves, seen, first, end, FRONDS_AT[level])
+            self._starts[level] = starts.tolist()
             if len(fronds):
-                replace_data(self._ribbons[level][2], np.ascontiguousarray(fronds))
+                replace_data(self._ribbons[level][2], fronds)
 
     def draw(
         self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
@@ -88,17 +91,29 @@ class SeaweedRenderer(GpuOwner):
         return total
 
 
-def fronds_of(leaves: Array, level: int) -> Array:
-    """Leaf and number (m, 2) float32 of the fronds on leaves (k, LEAF_TEXELS, 4)."""
-    kind = leaves[:, 0, 3].astype(int)
-    parts = [np.zeros((0, 2), np.float32)]
-    for number, fronds in enumerate(FRONDS.values()):
-        rows = np.flatnonzero(kind == number)
-        if not len(rows):
-            continue
-        own = fronds[level]
-        parts.append(np.stack([np.repeat(rows, len(own)), np.tile(own, len(rows))], axis=1))
-    return np.concatenate(parts).astype(np.float32)
+@kernel
+def fronds_of(leaves: Array, seen: Bools, first: int, end: int, fronds: Ints) -> tuple[Array, Ints]:
+    """Leaf and number (m, 2) float32 of the fronds that each view sees, and the bounds of views.
+
+    Of the `leaves` from `first` to `end`, of which each view has `seen` (v, k) some, kind by kind.
+    `fronds` is one of FRONDS_AT.
+    """
+    views, kinds, most = len(seen), *fronds.shape
+    out = np.empty((views * max(end - first, 0) * most, 2), np.float32)
+    bounds = np.zeros(views + 1, np.int64)
+    place = 0
+    for v in range(views):
+        for kind in range(kinds):
+            for k in range(first, end):
+                if not seen[v, k] or leaves[k, 0, 3] != kind:
+                    continue
+                for number in fronds[kind]:
+                    if number < 0:
+                        break
+                    out[place, 0], out[place, 1] = k, number
+                    place += 1
+        bounds[v + 1] = place
+    return out[:place], bounds
 
 
 def ribbon(along: int, across: int) -> tuple[Array, Ints]:

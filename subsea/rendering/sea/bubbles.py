@@ -5,8 +5,10 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Bools
+from subsea.core.kernels import kernel
 from subsea.frame.packet import Packet, RenderScene
+from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.rendering.gl.id_buffer import BUBBLES
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
@@ -30,7 +32,9 @@ class BubbleRenderer(GpuOwner):
             slots((x, y, float(z)), rate, size, number)
             for number, ((x, y, rate, size), z) in enumerate(zip(scene.vents, feet, strict=True))
         ]
-        self._streams = [stream(slot, self._current) for slot in self._slots]
+        self._streams = self._ends()
+        self._held: list[bool] = []  # True for the vents whose slots are in the buffer
+        self._count = 0  # of these slots
         self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES))
         total = sum(len(slot) for slot in self._slots)
         self._buffer = self.own(context.buffer(reserve=max(32 * total, 32)))
@@ -43,19 +47,26 @@ class BubbleRenderer(GpuOwner):
         view, current = packet.views[number], packet.current_cm_s
         if current is not None and current != self._current:
             self._current = current
-            self._streams = [stream(slot, current) for slot in self._slots]
-        seen = [
-            slot
-            for slot, ends in zip(self._slots, self._streams, strict=True)
-            if in_sight(ends, view.planes, view.eye, self._reach)
-        ]
-        if not seen:
+            self._streams = self._ends()
+        if not self._slots:
             return 0
-        records = np.concatenate(seen)
-        replace_data(self._buffer, records)
+        eye = np.asarray(view.eye, np.float64)
+        seen = in_sight(self._streams, view.planes, eye, self._reach).tolist()
+        if not any(seen):
+            return 0
+        if seen != self._held:  # rarely changes
+            self._held = seen
+            records = np.concatenate([self._slots[k] for k, one in enumerate(seen) if one])
+            replace_data(self._buffer, records)
+            self._count = len(records)
         array = self._programs.ready(self._array, as_ids, **uniforms, u_current=self._current)
-        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(records))
-        return 2 * len(records)
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
+        return 2 * self._count
+
+    def _ends(self) -> Array:
+        """The ends (k, 2, 3) of all streams."""
+        ends = [stream(slot, self._current) for slot in self._slots]
+        return np.array(ends, np.float64).reshape(-1, 2, 3)
 
 
 def terminal_speed(diameter: Array | float) -> Array:
@@ -93,10 +104,18 @@ def stream(records: Array, current_cm_s: tuple[float, float]) -> Array:
     return np.array([[x, y, z], [x + drift[0], y + drift[1], 0.0]])
 
 
-def in_sight(ends: Array, planes: Array, eye: Array, reach: float) -> bool:
-    """True if a view sees anything near the line between `ends` (2, 3)."""
-    inside = ends @ planes[:, :3].T + planes[:, 3] > -STREAM_CM
-    way = ends[1] - ends[0]
-    share = np.clip((eye - ends[0]) @ way / max(float(way @ way), 1.0), 0.0, 1.0)
-    near = np.linalg.norm(ends[0] + share * way - eye) < reach + STREAM_CM
-    return bool(inside.any(axis=0).all() and near)
+@kernel
+def in_sight(streams: Array, planes: Array, eye: Array, reach: float) -> Bools:
+    """True for each of the `streams` (k, 2, 3) of which a view sees anything nearby."""
+    out = np.empty(len(streams), np.bool_)
+    at = vector(eye)
+    for k in range(len(streams)):
+        low, high = vector(streams[k, 0]), vector(streams[k, 1])
+        way = minus(high, low)
+        share = min(max(dot(minus(at, low), way) / max(dot(way, way), 1.0), 0.0), 1.0)
+        out[k] = norm(minus(plus(low, times(share, way)), at)) < reach + STREAM_CM
+        for p in range(len(planes)):
+            plane = planes[p, 0], planes[p, 1], planes[p, 2]
+            away = max(dot(plane, low), dot(plane, high)) + planes[p, 3]
+            out[k] = out[k] and away > -STREAM_CM
+    return out

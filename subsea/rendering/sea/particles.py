@@ -5,7 +5,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.frame.packet import PLANKTON_REACH_CM, Packet, RenderScene
+from subsea.frame.in_sight import PLANKTON_REACH_CM
+from subsea.frame.packet import Packet, RenderScene
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.output.quality import PRESETS, Quality

@@ -83,21 +83,23 @@ def grid(across: int, down: int) -> NDArray[np.int32]:
 
 def cells_for(view: View, plain: tuple[int, int]) -> tuple[int, int]:
     """Cells across and down, each about as wide an angle as `plain` ones on a plain display."""
-    found = [
-        whole // steps * min(max(round(steps / (scale * tangent)), 1), steps)
-        for whole, steps, scale, tangent in zip(
-            plain, STEPS, np.diag(view.projection)[:2].tolist(), HALF_TANGENTS, strict=True
-        )
-    ]
-    return found[0], found[1]
+    scales = float(view.projection[0, 0]), float(view.projection[1, 1])
+    across, down = (
+        plain[k]
+        // STEPS[k]
+        * min(max(round(STEPS[k] / (scales[k] * HALF_TANGENTS[k])), 1), STEPS[k])
+        for k in range(2)
+    )
+    return across, down
 
 
 def highest(view: View) -> float:
     """Height of the highest corner of a view, cm above the surface."""
-    up, across = view.view[:3, 2], view.projection
-    x, y = ((np.array([-1.0, 1.0]) + across[k, 2]) / across[k, k] for k in range(2))
-    rise = (up[0] * x).max() + (up[1] * y).max() - up[2]
-    return float(view.eye[2] + FAR_CM * rise)
+    up, across = view.view[:3, 2].tolist(), view.projection.tolist()
+    x, y = (
+        max(up[k] * (side + across[k][2]) / across[k][k] for side in (-1.0, 1.0)) for k in range(2)
+    )
+    return float(view.eye[2]) + FAR_CM * (x + y - up[2])
 
 
 def disc(rings: int, sectors: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from subsea.core.resources import resource_names
-from subsea.frame import packet
+from subsea.frame import in_sight
 from subsea.habitat import seaweed, stone_shade
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
@@ -107,11 +107,11 @@ def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
     names = schema.SeaweedTable.__annotations__["kind"].__args__
     assert seaweed.KINDS == names == tuple(FRONDS) == ("ribbon", "kelp", "grass", "red")
     np.testing.assert_array_equal(kinds, [range(len(names))])
-    assert numbers("seaweed.vert", "LAST = # ;") == packet.LEAF_NODES - 1 == seaweed.NODES - 1
+    assert numbers("seaweed.vert", "LAST = # ;") == in_sight.LEAF_NODES - 1 == seaweed.NODES - 1
     ((blades, branches),) = numbers("seaweed.vert", "BLADES = # , BRANCHES = # ;")
     # Besides the stem, which is number 0.
     assert (blades, branches) == (max(FRONDS["kelp"][0]), max(FRONDS["red"][0]))
     ((short, more),) = numbers(
         "seaweed.vert", r"length_cm = kelp \? look\.x \* \( # \+ # \* own \)"
     )
-    assert short + more == packet.BLADE
+    assert short + more == in_sight.BLADE

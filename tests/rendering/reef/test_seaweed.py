@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from subsea.frame.packet import LEAF_NODES, LEAF_TEXELS
+from subsea.frame.in_sight import LEAF_NODES, LEAF_TEXELS
 from subsea.habitat.seaweed import KINDS
 from subsea.rendering.reef.seaweed import COARSE, FINE, FRONDS, ribbon
 

@@ -116,9 +116,9 @@ def test_a_stream_is_drawn_where_some_of_it_may_be_seen(places):
     eye = np.array([-300.0, -20.0, -250.0])
     for heading, seen in ((0.0, True), (np.pi, False), (1.0, False)):
         (view,) = views_for("mono", (320, 180), pose_from_angles(eye, heading, 0.0))
-        assert in_sight(ends, view.planes, eye, 900.0) == seen
+        assert in_sight(ends[None], view.planes, eye, 900.0) == [seen]
     (view,) = views_for("mono", (320, 180), pose_from_angles(eye, 0.0, 0.0))
-    assert not in_sight(ends, view.planes, eye, 200.0)
+    assert not in_sight(ends[None], view.planes, eye, 200.0)
 
 
 def test_only_vents_in_sight_are_drawn(counted, scene, make_packet):
