@@ -35,6 +35,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--regenerate", action="store_true", help="store the pictures of tests/rendering again"
     )
+    parser.addoption(
+        "--differences", type=Path, help="write a JSON file with the differences of the pictures"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -76,8 +79,13 @@ LONG = (
 )
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Long files first: of several processes none is left alone with one in the end."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Long files first: of several processes none is left alone with one in the end.
+
+    With `--differences` only the tests of stored pictures.
+    """
+    if config.getoption("--differences"):
+        items[:] = [item for item in items if "same_picture" in getattr(item, "fixturenames", ())]
     here = Path(__file__).parent
     rank = {here / name: place for place, name in enumerate(LONG)}
     assert all(path.exists() for path in rank), "LONG names a file that is gone"

@@ -28,7 +28,7 @@ COARSE, FINE = 1, 2  # of a cluster; 0: not drawn
 
 
 class LeafLimits(NamedTuple):
-    """What of the seaweed is drawn."""
+    """Limits to the seaweed that is drawn."""
 
     reach: float  # cm, how far one sees
     detail: float  # factor on the pixels by which levels are chosen
@@ -55,8 +55,8 @@ def plankton_in_sight(
             if absent[i] == 0.0 and (
                 not culling
                 or (
-                    eye_distance(views, v, x, y, z) - SPECK_CM < PLANKTON_REACH_CM
-                    and in_frustum(views[0], v, x, y, z, SPECK_CM)
+                    in_frustum(views[0], v, x, y, z, SPECK_CM)
+                    and eye_distance(views, v, x, y, z) - SPECK_CM < PLANKTON_REACH_CM
                 )
             ):
                 found[end] = i

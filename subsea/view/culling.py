@@ -92,9 +92,11 @@ def _cover(
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
         pixels[i] = OUT_OF_SIGHT
         for v in range(len(planes)):
+            distance[v, i] = np.inf
+            if culling and not in_frustum(planes, v, x, y, z, radii[i]):
+                continue
             d = eye_distance(views, v, x, y, z)
-            if culling and (d - radii[i] >= reach or not in_frustum(planes, v, x, y, z, radii[i])):
-                distance[v, i] = np.inf
+            if culling and d - radii[i] >= reach:
                 continue
             distance[v, i] = d
             pixels[i] = max(pixels[i], lengths[i] / max(d, 1.0) * scales[v])

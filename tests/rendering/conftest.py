@@ -1,5 +1,6 @@
 """A small sea in closed form, a context without a window, and stored pictures."""
 
+import json
 from pathlib import Path
 from typing import NamedTuple
 
@@ -226,6 +227,10 @@ def same_picture(request, tmp_path):
         assert stored.shape == picture.shape
         difference = np.abs(stored - picture).max(axis=2)
         share = (difference > TOLERANCE_LEVELS).mean()
+        if listed := request.config.getoption("--differences"):
+            found = json.loads(listed.read_text()) if listed.is_file() else {}
+            found[name] = {"share": float(share), "most": int(difference.max())}
+            listed.write_text(json.dumps(found))
         if share > TOLERANCE_SHARE:
             Image.fromarray(picture).save(tmp_path / f"{name}.png")
             Image.fromarray((10 * difference).clip(0, 255).astype(np.uint8)).save(

@@ -59,10 +59,9 @@ def set_uniforms(target: Any, **values: Any) -> None:
     """
     if target.extra is None:
         target.extra = {name: target[name] for name in target}
-    known = target.extra
-    for name, value in values.items():
-        uniform = known.get(name)
-        if uniform is not None and uniform.extra != value:
+    for name, uniform in target.extra.items():  # fewer than the values
+        value = values.get(name)
+        if value is not None and uniform.extra != value:
             uniform.extra = value
             if isinstance(value, bytes):
                 uniform.write(value)

@@ -12,7 +12,7 @@ from subsea.core.kernels import kernel
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.view.camera import View
-from subsea.view.culling import ViewArrays, in_frustum, view_arrays
+from subsea.view.culling import ViewArrays, eye_distance, in_frustum, view_arrays
 
 OUT_OF_SIGHT = -1  # instead of a level
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
@@ -195,14 +195,17 @@ def _levels(
     before: Ints,
     seen: Bools,
 ) -> Ints:
-    planes, eyes, scales = views
+    planes, _, scales = views
     level = np.empty(len(centres), np.int64)
     for i in range(len(centres)):
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
         pixels = 0.0
         for v in range(len(planes)):
-            d = np.sqrt((x - eyes[v, 0]) ** 2 + (y - eyes[v, 1]) ** 2 + (z - eyes[v, 2]) ** 2)
-            seen[v, i] = d - radii[i] < reach and in_frustum(planes, v, x, y, z, radii[i])
+            seen[v, i] = in_frustum(planes, v, x, y, z, radii[i])  # most are not
+            if not seen[v, i]:
+                continue
+            d = eye_distance(views, v, x, y, z)
+            seen[v, i] = d - radii[i] < reach
             if seen[v, i]:
                 pixels = max(pixels, 2.0 * radii[i] * scales[v] / max(d - radii[i], 1.0))
         new = before[i] == OUT_OF_SIGHT

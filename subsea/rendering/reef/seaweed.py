@@ -95,7 +95,7 @@ class SeaweedRenderer(GpuOwner):
 def fronds_of(leaves: Array, seen: Bools, first: int, end: int, fronds: Ints) -> tuple[Array, Ints]:
     """Leaf and number (m, 2) float32 of the fronds that each view sees, and the bounds of views.
 
-    Of the `leaves` from `first` to `end`, of which each view has `seen` (v, k) some, kind by kind.
+    They grow on the `leaves` from `first` to `end` that a view has `seen` (v, k), kind by kind.
     `fronds` is one of FRONDS_AT.
     """
     views, kinds, most = len(seen), *fronds.shape

@@ -106,7 +106,7 @@ def stream(records: Array, current_cm_s: tuple[float, float]) -> Array:
 
 @kernel
 def in_sight(streams: Array, planes: Array, eye: Array, reach: float) -> Bools:
-    """True for each of the `streams` (k, 2, 3) of which a view sees anything nearby."""
+    """True for each of the `streams` (k, 2, 3) that comes near what a view sees."""
     out = np.empty(len(streams), np.bool_)
     at = vector(eye)
     for k in range(len(streams)):
