@@ -4,6 +4,7 @@ All species are drawn by the same calls: their skins share one atlas, other cons
 in one uniform block, and each instance has the index of its species.
 """
 
+from itertools import accumulate
 from math import ceil, cos, radians, sin, sqrt
 from typing import Any
 
@@ -88,7 +89,8 @@ class FishRenderer(GpuOwner):
         buffers = self.own_buffers(context, shape.vertices, listed)
         layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
         self._content[True] = [(buffers[0], *layout)], buffers[1]
-        self._arrays: dict[Any, Any] = {}
+        # By program: its vertex array; location, format and offset of each attribute of instances.
+        self._arrays: dict[Any, tuple[Any, list[tuple[int, str, int]]]] = {}
         # Drivers that build programs at their first draw do it with the first picture: the last
         # triangle of each array has no area.
         plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
@@ -139,8 +141,9 @@ class FishRenderer(GpuOwner):
         }
         batches = packet.batches[number]
         defines = required_defines(uniforms, as_ids) + OWN_IDS * as_ids
+        values = units | uniforms | {"u_object_id": object_id(FISH)}
         for compiled in {*self._cold, *(self._program(batch, defines) for batch in batches)}:
-            set_uniforms(compiled, **units, **uniforms, u_object_id=object_id(FISH))
+            set_uniforms(compiled, **values)
         while self._cold:
             compiled, nothing = self._cold.popitem()
             self._render(compiled, nothing, 1, 0, 1)
@@ -181,8 +184,19 @@ class FishRenderer(GpuOwner):
             compiled = self.own(program(self._context, name, **values))
             compiled["Looks"].binding = LOOKS_BINDING
             self._programs[defines] = compiled
-            array = variant_array(self._context, compiled, *self._content[is_speck])
-            self._arrays[compiled] = self.own(array)
+            array = self.own(variant_array(self._context, compiled, *self._content[is_speck]))
+            formats = INSTANCE_FORMAT.split()
+            offsets = accumulate((4 * int(kind[0]) for kind in formats), initial=0)
+            self._arrays[compiled] = (
+                array,
+                [
+                    (compiled[name].location, kind, offset)
+                    for name, kind, offset in zip(
+                        INSTANCE_ATTRIBUTES, formats, offsets, strict=False
+                    )
+                    if name in compiled
+                ],
+            )
         return self._programs[defines]
 
     def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
@@ -190,14 +204,11 @@ class FishRenderer(GpuOwner):
 
         OpenGL 3.3 has no base instance, so the instance attributes are bound with an offset.
         """
-        array = self._arrays[compiled]
+        array, attributes = self._arrays[compiled]
         stride = INSTANCE_COLUMNS * 4
-        offset = record * stride
-        formats = INSTANCE_FORMAT.split()
-        for name, kind in zip(INSTANCE_ATTRIBUTES, formats, strict=True):
-            if name in compiled:
-                array.bind(compiled[name].location, "f", self._instances, kind, offset, stride, 1)
-            offset += 4 * int(kind[0])
+        for location, kind, offset in attributes:
+            at = record * stride + offset
+            array.bind(location, "f", self._instances, kind, at, stride, 1)
         array.render(vertices=3 * triangles, first=3 * first, instances=count)
 
 

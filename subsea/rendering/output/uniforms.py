@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
 from subsea.frame.packet import Packet
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
@@ -19,11 +18,13 @@ CONTRAST_LEFT = 0.02  # at the visibility of a scenario
 def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
     """The uniforms of a view."""
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
+    rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
+    matrices = rows.transpose(0, 2, 1).tobytes()  # in OpenGL's column-major order
     return {
-        "u_view": _columns(view.view),
-        "u_projection": _columns(view.projection),
-        "u_view_projection": _columns(both),
-        "u_inverse": _columns(np.linalg.inv(both)),
+        "u_view": matrices[:64],
+        "u_projection": matrices[64:128],
+        "u_view_projection": matrices[128:192],
+        "u_inverse": matrices[192:],
         "u_eye": tuple(float(x) for x in view.eye),
         "u_size": (float(view.viewport[2]), float(view.viewport[3])),
         "u_without": float(view.without),
@@ -42,8 +43,3 @@ def _lamps(packet: Packet) -> dict[str, Any]:
         return {}
     places, ways = ([tuple(map(float, one)) for one in part] for part in packet.lamps)
     return {"u_lamps": places, "u_beams": ways}
-
-
-def _columns(matrix: Array) -> bytes:
-    """A matrix in OpenGL's column-major order."""
-    return np.ascontiguousarray(matrix.T, dtype="f4").tobytes()
