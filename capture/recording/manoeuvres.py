@@ -161,7 +161,7 @@ def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
         missing = turn.angle - mean_heading(trial.frames, beat)
         error = abs(missing) + LATE_DEG * max(0.0, ticks_to_turn(trial.frames) - turn.done)
         if swims:
-            faster = np.linalg.norm(displacement(trial.frames[-2:])) / usual - MOST_FASTER
+            faster = float(np.linalg.norm(displacement(trial.frames[-2:]))) / usual - MOST_FASTER
             error += LOOP_DEG * loop_error(trial.frames) / length + SPEED_DEG * max(faster, 0.0)
         if error < least:
             best, least = trial._replace(couple=couple), error

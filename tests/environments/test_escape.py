@@ -59,6 +59,7 @@ def test_a_fish_before_the_jaws_is_caught_and_stays_dead(env):
         env.step(STILL)
     ahead = np.array(x_axis(fishes.orientation[shark]))
     fishes.position[info["fish"]] = mouth_of(fishes, shark) + 0.1 * fishes.length[shark] * ahead
+    minds.target[shark] = info["fish"]
     rewards, dead, late = [], False, False
     while not dead and not late:
         seen, reward, dead, late, _ = env.step(STILL)
