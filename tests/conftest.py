@@ -70,6 +70,7 @@ LONG = (
     "ui/skin_editor/test_window.py",
     "ui/panels/test_fish_panels.py",
     "behavior/test_courtship.py",
+    "world/test_threads.py",
     "media/test_film.py",
     "test_faults.py",
     "ui/test_dive_ends.py",
