@@ -193,15 +193,16 @@ def test_a_shark_hunts_only_its_quarry_and_then_rests(tmp_path):
     )
     minds, fishes = world.state.minds, world.state.fishes
     targets = set()
-    start = float(np.linalg.norm(fishes.position[SHARK] - fishes.position[2]))
+    gaps = [float(np.linalg.norm(fishes.position[SHARK] - fishes.position[2]))]
     for tick in range(round(12.4 / TICK_S)):
         step(world, NEUTRAL)
         assert tick * TICK_S > 0.5 or minds.intention[SHARK] != EAT
         if minds.intention[SHARK] == EAT:
             targets.add(int(minds.target[SHARK]))
+        gaps.append(float(np.linalg.norm(fishes.position[SHARK] - fishes.position[2])))
     # It was 900 cm away, out of reach of its senses; once near, it may be lost for a moment.
     assert targets - {NOBODY} == {2}
-    assert np.linalg.norm(fishes.position[SHARK] - fishes.position[2]) < start - 300
+    assert min(gaps) < gaps[0] - 300  # its quarry may get away again
     assert world.state.directions.cast[2].tolist() == [SHARK, 2]
     play(world, 3.0)
     assert minds.intention[SHARK] != EAT

@@ -26,13 +26,13 @@ Task = Callable[[], object]
 
 def threads() -> int:
     """Number of threads of a tick: SUBSEA_THREADS, or one for each core."""
-    return _the_crew().number
+    return _the_pool().number
 
 
 def use_threads(number: int | None = None) -> None:
     """Run ticks on this number of threads; None: as SUBSEA_THREADS says, or one for each core."""
-    global _crew
-    before, _crew = _crew, _Crew(_default() if number is None else number)
+    global _pool
+    before, _pool = _pool, _Pool(_default() if number is None else number)
     if before:
         before.end()
 
@@ -59,7 +59,7 @@ def run_all(tasks: Sequence[Task], shared: bool = True) -> None:
     Tasks that run tasks themselves, or beside those of another thread, do so one after another.
     """
     if shared:
-        _the_crew().run(tasks)
+        _the_pool().run(tasks)
         return
     for task in tasks:
         task()
@@ -125,7 +125,7 @@ class _Batch:
             self.ended.get()
 
 
-class _Crew:
+class _Pool:
     """This thread, and helpers that are started when they are first needed."""
 
     def __init__(self, number: int) -> None:
@@ -193,18 +193,18 @@ def _default() -> int:
 
 def _start_anew() -> None:
     """Forget the helpers of the parent in a forked process, which has none."""
-    global _crew
-    _crew = _Crew(_crew.number) if _crew else None
+    global _pool
+    _pool = _Pool(_pool.number) if _pool else None
 
 
-def _the_crew() -> _Crew:
+def _the_pool() -> _Pool:
     """The threads of this process."""
-    global _crew
-    if _crew is None:
-        _crew = _Crew(_default())
-    return _crew
+    global _pool
+    if _pool is None:
+        _pool = _Pool(_default())
+    return _pool
 
 
-_crew: _Crew | None = None
+_pool: _Pool | None = None
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_start_anew)
