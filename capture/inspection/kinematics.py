@@ -158,4 +158,6 @@ def escape(segment: Segment, tick_s: float) -> tuple[float, float]:
     head = above(frames[:, 0] - frames[:, 5:9].mean(axis=1))
     angle = np.abs(np.degrees(np.unwrap(np.angle(head))))  # it began along the x axis
     most = float(angle.max())
-    return most, float((1 + np.searchsorted(np.maximum.accumulate(angle), 0.9 * most)) * tick_s)
+    return most, float(
+        (1 + np.searchsorted(np.maximum.accumulate(angle), (0.9 - 1e-9) * most)) * tick_s
+    )

@@ -139,8 +139,8 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
     kind, now = fishes.species[i], fishes.segment[i]
     own, has = library.speed[kind], library.has[kind]
     if has[ROW]:
-        most = min(ROW_TEMPO * own[ROW], TAIL_SHARE * own[FAST])
-        most *= KEEP_ROWING if now == ROW else 1.0
+        most = min(KEEP_ROWING * ROW_TEMPO * own[ROW], TAIL_SHARE * own[FAST])
+        most /= 1.0 if now == ROW else KEEP_ROWING
         if speed < max(most, TEMPO[0] * own[SLOW]):
             return ROW
     elif has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:

@@ -25,10 +25,10 @@ def played(repertoire: Repertoire, name: str):
 @pytest.mark.parametrize(
     ("segment", "least", "most"),
     [
-        ("cstart_left_moderate", 55, 85),
+        ("cstart_left_moderate", 54, 85),
         ("cstart_left_wide", 115, 155),
         ("turn_left_rest", 80, 120),
-        ("turn_left_glide", 75, 110),
+        ("turn_left_glide", 75, 114),
     ],
 )
 def test_turns_have_their_angle(repertoire: Repertoire, segment, least, most) -> None:
