@@ -171,14 +171,14 @@ def test_ctrl_c_leaves_no_result(record, tmp_path, monkeypatch, capsys, when):
     """Ctrl-C in the middle of a measure or plot takes effect after it."""
     done = []
 
-    def disturbed(*given):
+    def disturbed(*given, **named):
         signal.raise_signal(signal.SIGINT)
         done.append(when)
 
     if when == "measuring":
         monkeypatch.setattr(study, "_minds", disturbed)
     else:
-        monkeypatch.setitem(plots._PAGES, "paths", disturbed)
+        monkeypatch.setitem(plots.RECORD_PLOTS, "paths", disturbed)
     places = ["--out", str(tmp_path / "plots"), "--json", str(tmp_path / "report.json")]
     assert main(["study", str(record), *places]) == 130
     assert done == [when]
