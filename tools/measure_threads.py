@@ -53,9 +53,9 @@ def estimate_ms(world: World, cores: int, ticks: int) -> tuple[float, float, flo
             spent.append(1000.0 * (time.thread_time() - begin))
         passes.append(spent)
 
-    run = threads._Crew.run
+    run = threads._Pool.run
     use_threads(cores)
-    threads._Crew.run = run_in_turn  # type: ignore[method-assign]
+    threads._Pool.run = run_in_turn  # type: ignore[method-assign]
     try:
         for _ in range(ticks):
             passes.clear()
@@ -66,7 +66,7 @@ def estimate_ms(world: World, cores: int, ticks: int) -> tuple[float, float, flo
             outside = whole - sum(map(sum, shared))
             rows.append((whole, outside, outside + sum(_makespan(one, cores) for one in shared)))
     finally:
-        threads._Crew.run = run  # type: ignore[method-assign]
+        threads._Pool.run = run  # type: ignore[method-assign]
         use_threads()
     whole, outside, together = np.median(rows, axis=0)
     return float(whole), float(outside), float(together)
