@@ -33,7 +33,7 @@ FISH = (60, 1_000, 10_000, 30_000, 100_000)
 LEAST_S = 4.0  # a case is not begun with less time left
 LEAST_PX = 64  # a side of a picture
 STOP_S = 10.0  # for a case to end after an interrupt
-GROUPS = ("start", "presets", "fishes", "displays", "pictures", "paper", "panels")
+GROUPS = ("start", "presets", "fishes", "dive", "displays", "pictures", "paper", "panels")
 
 
 @dataclass
@@ -71,6 +71,11 @@ def cases(options: argparse.Namespace) -> list[Case]:
         words = "--scenario", "open-ocean", "--fish", str(number)
         full_hd = "--size", smaller("1920x1080", shrink)
         found.append(benchmark("fishes", f"{number:,}", *words, *full_hd, most_s=120.0))
+    together = "--without", "sync", "--size", smaller("1920x1080", shrink)
+    drawn = [(f"{preset}, 1920x1080", ("--quality", preset)) for preset in PRESETS]
+    for number in FISH[2:]:
+        drawn.append((f"{number:,}", ("--scenario", "open-ocean", "--fish", str(number))))
+    found += [benchmark("dive", name, *together, *words, most_s=120.0) for name, words in drawn]
     theatre = ["--theatre", "three-projectors", "--shrink", str(shrink), "--quality", "medium"]
     found.append(benchmark("displays", "three channels, 4000x1000", *theatre))
     for name, display, size in (

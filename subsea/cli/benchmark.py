@@ -8,7 +8,7 @@ from subsea.cli import options as shared
 from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError, unknown
 
-STAGES_TO_LEAVE_OUT = ("culling", "lod")
+STAGES_TO_LEAVE_OUT = ("culling", "lod", "sync")
 
 
 def add(commands: Any) -> None:
@@ -52,7 +52,8 @@ def add(commands: Any) -> None:
         type=_left_out,
         default=frozenset(),
         metavar="LIST",
-        help=f"stages to leave out, separated by commas: {', '.join(STAGES_TO_LEAVE_OUT)}",
+        help="stages to leave out, separated by commas: culling, lod, sync (pictures are not read\n"
+        "back, and drawn while the next frame is computed, as in a dive)",
     )
     parser.add_argument(
         "--motor",

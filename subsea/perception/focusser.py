@@ -59,12 +59,13 @@ def focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     or prey for eating, and a fish to court for mating, until the courtship goes on. Other
     intentions have no target. Objects that are gone or no longer perceived are dropped.
     """
+    share(_focus, who, LEAST_PART, fishes, minds, sea, nature)
 
-    def look(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        set_preferences(part, fishes, minds, sea, nature)
-        set_targets(part, fishes, minds, sea, nature)
 
-    share(look, who, LEAST_PART, fishes, minds, sea)
+@kernel
+def _focus(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature) -> None:
+    set_preferences(who, fishes, minds, sea, nature)
+    set_targets(who, fishes, minds, sea, nature)
 
 
 @kernel

@@ -1,7 +1,5 @@
 """Nearest companions, as felt by the lateral line in all directions (Tu §6.3)."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from subsea.core.arrays import Ints
@@ -21,19 +19,13 @@ def grid_of(fishes: Fishes, kind: int) -> Grid:
     return make_grid(fishes.position, fellows, CELL_CM)
 
 
-def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, grids: Mapping[int, Grid]) -> None:
-    """Set `minds.neighbour` of the fishes `who`: the nearest of their species within reach.
-
-    `grids` has the fishes of each species. Equal distances are ordered by index, so the result does
-    not depend on the order of `who`.
-    """
-    kinds = fishes.species[who]
-    for kind, grid in grids.items():
-        _find(who[kinds == kind], fishes, minds, grid)
-
-
 @kernel
-def _find(who: Ints, fishes: Fishes, minds: Minds, grid: Grid) -> None:
+def find_neighbours(who: Ints, fishes: Fishes, minds: Minds, grid: Grid) -> None:
+    """Set `minds.neighbour` of the fishes `who`: the nearest within reach in the grid.
+
+    The grid has all fishes of their species. Equal distances are ordered by index, so the result
+    does not depend on the order of `who`.
+    """
     gaps = np.empty(minds.neighbour.shape[1])
     for i in who:
         here = vector(fishes.position[i])

@@ -17,11 +17,8 @@ LEAST_PART = 8192  # fishes for which another thread pays
 def fish_due(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
     """Rising indices of the living fishes that think now; adds a tick to `minds.pause` of all."""
     due = np.empty(len(minds.intention), np.bool_)
-
-    def mark(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        mark_due(part, fishes, minds, sea, visibility, clock, due)
-
-    share(mark, np.arange(len(due)), LEAST_PART, fishes, minds, sea)
+    everyone = np.arange(len(due))
+    share(mark_due, everyone, LEAST_PART, fishes, minds, sea, visibility, clock, due)
     return np.flatnonzero(due)
 
 

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share, side_by_side
+from subsea.core.kernels.threads import cut, run_all, share, side_by_side
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.collision import Crowd
 from subsea.perception.grid import Grid, make_grid
@@ -20,15 +20,21 @@ LEAST_PART, LEAST_HUNTERS = 256, 32  # fishes for which another thread pays ...
 LEAST_GRIDS = 4096  # ... and those in a sea whose grids are sorted side by side
 
 
+class Surroundings(NamedTuple):
+    """What any fish may look for, sorted."""
+
+    crowds: tuple[Crowd, Crowd]
+    specks: Grid
+    hunters: Grid
+    mild: Grid  # pacifists
+
+
 class Survey(NamedTuple):
     """Everything in the sea, sorted for those that look around."""
 
-    crowds: tuple[Crowd, Crowd]
+    around: Surroundings
     schools: Schools
-    specks: Grid
-    hunters: Grid
     prey: Grid
-    mild: Grid  # pacifists
     fellows: dict[int, Grid]  # by species
 
 
@@ -36,31 +42,39 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     """Update all that perception writes of the fishes `who`, except by the focusser."""
     if len(who) == 0:
         return
-    courting = bool((minds.kind[who] == PACIFIST).any())
     hunting = who[minds.kind[who] == PREDATOR]
     survey = survey_of(who, fishes, minds, sea)
     seen = np.zeros(len(minds.led), np.bool_)
-
-    def look(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        feel_water(part, fishes.position, sea.climate, minds.light, minds.temperature)
-        find_neighbours(part, fishes, minds, survey.fellows)
-        leader_tracking.see_leader(part, fishes, minds, sea, nature, seen)
-        collision.find_threats(part, fishes, minds, survey.crowds, nature)
-        collision.find_barriers(part, fishes, minds, sea, nature)
-        predators.see_predators(part, fishes, minds, sea, survey.hunters, nature)
-        foraging.perceive_plankton(part, fishes, minds, sea, survey.specks, nature)
-        if courting:
-            mates.see_mates(part, fishes, minds, sea, survey.mild, nature)
-
-    def hunt(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        foraging.perceive_prey(part, fishes, minds, sea, survey.prey, nature)
-
-    share(look, who, LEAST_PART, fishes, minds, sea)
+    kinds = fishes.species[who]
+    looks = cut(look_around, who, LEAST_PART, fishes, minds, sea, nature, survey.around, seen)
+    for kind, grid in survey.fellows.items():
+        looks += cut(find_neighbours, who[kinds == kind], LEAST_PART, fishes, minds, grid)
+    run_all(looks, shared=len(who) >= 2 * LEAST_PART)
     leader_tracking.watch_leader(who, fishes, minds, seen, clock)
     leader_tracking.watch_schools(who, minds, survey.schools, clock)
     # Needs the companions of prey.
     if len(hunting):
-        share(hunt, hunting, LEAST_HUNTERS, fishes, minds, sea)
+        groups = fishes, minds, sea, survey.prey, nature
+        share(foraging.perceive_prey, hunting, LEAST_HUNTERS, *groups)
+
+
+@kernel
+def look_around(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, around: Surroundings,
+    seen: Bools,
+) -> None:  # fmt: skip
+    """Update what the fishes `who` perceive, except neighbours and prey.
+
+    Sets `seen` (n,) where a fish sees the leader of its school.
+    """
+    feel_water(who, fishes.position, sea.climate, minds.light, minds.temperature)
+    leader_tracking.see_leader(who, fishes, minds, sea, nature, seen)
+    collision.find_threats(who, fishes, minds, around.crowds, nature)
+    collision.find_barriers(who, fishes, minds, sea, nature)
+    predators.see_predators(who, fishes, minds, sea, around.hunters, nature)
+    foraging.perceive_plankton(who, fishes, minds, sea, around.specks, nature)
+    if len(around.mild.member) > 0:
+        mates.see_mates(who, fishes, minds, sea, around.mild, nature)
 
 
 def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
@@ -90,7 +104,7 @@ def survey_of(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> Survey:
         len(alive) >= LEAST_GRIDS,
     )
     by_species = dict(zip(species, fellows, strict=True))
-    return Survey(crowds, schools, specks, hunters, prey, mild, by_species)
+    return Survey(Surroundings(crowds, specks, hunters, mild), schools, prey, by_species)
 
 
 @kernel

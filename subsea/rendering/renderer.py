@@ -66,6 +66,8 @@ class Renderer(GpuOwner):
         self.draw_calls = 0  # of the last picture
         self.draw_s = 0.0  # of the last picture: until its drawing calls returned
         self.upload_s = 0.0  # of the last picture: copying the packet to the GPU
+        self.waited_s = 0.0  # by the last picture, for the one before
+        self.gpu_s = 0.0  # of the picture before the last: time of the GPU, 0 if unknown
         self.timer = GpuTimer(context)
         # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
@@ -167,8 +169,16 @@ class Renderer(GpuOwner):
         """Draw every view of a packet and resolve the canvas to the outputs.
 
         `into` is the framebuffer for a rig with one output; None draws into the renderer's own
-        `pictures`, which `read_pixels` returns.
+        `pictures`, which `read_pixels` returns. Waits until the GPU has drawn the picture before:
+        it works on one while the next is computed, and never falls behind by two.
         """
+        start = time.perf_counter()
+        self.gpu_s = self.timer.wait()
+        self.waited_s = time.perf_counter() - start
+        with self.timer.picture():
+            self._draw(packet, into)
+
+    def _draw(self, packet: Packet, into: Any) -> None:
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()

@@ -290,7 +290,7 @@ class Dive:
         self.text.draw(elapsed_s, self.tours)
         if self.records_text:
             self._record(elapsed_s)
-        picture.adapt_quality(lambda: time.perf_counter() - start)
+        picture.adapt_quality(time.perf_counter() - start)
         if alpha is not None:
             self.tick_source.swap(picture.finish)
         self.window_set.present()

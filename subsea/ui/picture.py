@@ -176,12 +176,16 @@ class ScenePicture:
         name = name_of(self.renderer.quality)
         return f"picture {name}" if self.quality != AUTO else f"picture auto: {name}"
 
-    def adapt_quality(self, spent_s: Callable[[], float]) -> None:
-        """Adapt automatic quality to the time `spent_s` on this picture."""
+    def adapt_quality(self, spent_s: float) -> None:
+        """Adapt automatic quality to the time `spent_s` on this picture, without the display's.
+
+        The GPU still draws it. The frame takes the longer of this time and that of the GPU, which
+        is known of the picture before.
+        """
         if self.quality != AUTO or self.pattern:
             return
-        self._context.finish()  # the time of the picture, without waiting for the display
-        self._pace = adaptive_quality.paced(self._pace, 1000.0 * spent_s(), self.target_ms)
+        frame_ms = 1000.0 * max(spent_s, self.renderer.gpu_s)
+        self._pace = adaptive_quality.paced(self._pace, frame_ms, self.target_ms)
         if self._chosen() != self.renderer.quality:
             self.renderer.adapt(self._chosen())
 

@@ -123,7 +123,8 @@ class WindowSet:
 
         The front window is current afterwards.
         """
-        self.context.finish()
+        if self._others:  # their contexts need a complete picture
+            self.context.finish()
         for number, shown in [*self._others, (self._number, self._front)]:
             shown.window.make_current()
             pages = [picture for (output, _), picture in pictures.items() if output == number]

@@ -7,16 +7,13 @@ from contextlib import contextmanager
 import numpy as np
 
 from subsea.behavior import biting, eating, hunting, schooling, steering
-from subsea.behavior.bursting import tire
 from subsea.behavior.colouring import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
-from subsea.behavior.mental_state import update_mental_state
 from subsea.behavior.table import (
     BEHAVIOR_OF_DESIRE,
     LEVEL_OF_DESIRE,
     TIRES,
-    compute_desires,
     run_routines,
 )
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
@@ -25,24 +22,19 @@ from subsea.core.kernels.threads import cut, run_all, share
 from subsea.directing.director import direct
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
-from subsea.habitat.bow_wave import add_bow_wave
 from subsea.habitat.contact import keep_in_free_water
-from subsea.habitat.current import flow_at, set_drift
+from subsea.habitat.current import flow_at
 from subsea.habitat.seaweed import step_seaweed
-from subsea.habitat.separation import separate
-from subsea.motor.containment import contain
 from subsea.motor.controller import command
-from subsea.motor.fins import flap
-from subsea.motor.playback import play
 from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.scheduling import fish_due
 from subsea.perception.senses import sense
-from subsea.repertoire.library import Library
-from subsea.state import Clock, Fishes, Minds, Sea, Submarine
+from subsea.state import Clock, Submarine
 from subsea.submarine.helm import STATION, Helm
 from subsea.submarine.hull import hull_axes, step_hull
 from subsea.submarine.rail import Rail, ride
+from subsea.world.passes import carry, ease, feel, play_back
 from subsea.world.world import TICK_S, World
 
 # Fishes for which another thread pays: of a short pass, and of those that think.
@@ -99,17 +91,9 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
     visibility = world.scenario.water.visibility_cm
 
-    def carry(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        set_drift(part, fishes, sea, flow)
-        add_bow_wave(part, fishes, sea)
-        separate(part, fishes, minds)
-
-    def stir(part: Ints, sea: Sea) -> None:
-        plankton.drift(part, sea, flow, clock)
-
     tasks = [
-        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea),
-        *cut(stir, np.arange(len(sea.plankton)), LEAST_PART, sea),
+        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, flow),
+        *cut(plankton.drift, np.arange(len(sea.plankton)), LEAST_PART, sea, flow, clock),
         lambda: step_seaweed(state.seaweed, fishes, sea, flow, visibility, clock),
     ]
     run_all(tasks, shared=len(everyone) >= 2 * LEAST_PART)
@@ -142,15 +126,9 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
-    def feel(part: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
-        update_mental_state(part, fishes, minds, nature, clock)
-        compute_desires(part, fishes, minds, sea, nature, clock)
-
-    def choose(part: Ints, minds: Minds) -> None:
-        choose_intention(part, minds, nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES)
-
-    share(feel, who, LEAST_MINDS, fishes, minds, sea)
-    share(choose, free, LEAST_MINDS, minds)
+    share(feel, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
+    table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
+    share(choose_intention, free, LEAST_MINDS, minds, nature, *table)
 
 
 def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) -> None:
@@ -163,48 +141,29 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
         living = order.taken(fishes.alive[order.fish])
         follow_commands(living, fishes, minds, sea, clock)
 
-    def ease(part: Ints, fishes: Fishes, minds: Minds) -> None:
-        steering.ease_goals(part, fishes, minds, clock)
-        tire(part, fishes, minds, clock)
-
-    def show(part: Ints, fishes: Fishes, minds: Minds) -> None:
-        ease_display(part, fishes, minds, clock)
-
-    share(ease, everyone, LEAST_PART, fishes, minds)
+    share(ease, everyone, LEAST_PART, fishes, minds, clock)
     eating.ingest(fishes, minds, sea, clock)
     hunting.inhale(fishes, minds, sea, clock)
     biting.bite(fishes, minds, sea, clock)
-    share(show, everyone, 4 * LEAST_PART, fishes, minds)
+    share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
 
 
 def stay_in_free_water(world: World, everyone: Ints, own: Array) -> None:
     """Keep bodies, which swim at `own` (n, 3) cm/s, off solids and within the sea."""
-
-    def keep(part: Ints, fishes: Fishes, sea: Sea) -> None:
-        keep_in_free_water(part, fishes, sea, own, TICK_S)
-
-    share(keep, everyone, LEAST_PART, world.state.fishes, world.state.sea)
+    fishes, sea = world.state.fishes, world.state.sea
+    share(keep_in_free_water, everyone, LEAST_PART, fishes, sea, own, TICK_S)
 
 
 def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
-
-    def steer_bodies(part: Ints, fishes: Fishes, library: Library) -> None:
-        command(part, fishes, library, clock)
-
-    def play_back(part: Ints, fishes: Fishes, library: Library, sea: Sea) -> None:
-        play(part, fishes, library, TICK_S)
-        contain(part, fishes, library.nodes, sea, TICK_S)
-        flap(part, fishes, library, TICK_S)
-
-    share(steer_bodies, everyone, LEAST_PART, fishes, world.library)
+    share(command, everyone, LEAST_PART, fishes, world.library, clock)
     burst = swim(
         fishes, world.library, world.dynamics, state.live,
         state.submarine.position, clock, world.physics, state.sea,
     )  # fmt: skip
     world.report_bursts(burst)
-    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea)
+    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)
 
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:

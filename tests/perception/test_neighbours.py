@@ -10,8 +10,8 @@ from subsea.state import NEIGHBOURS, Fishes, Minds, empty
 
 
 def _find(who, fishes, minds):
-    grids = {kind: grid_of(fishes, kind) for kind in np.unique(fishes.species)}
-    find_neighbours(who, fishes, minds, grids)
+    for kind in np.unique(fishes.species):
+        find_neighbours(who[fishes.species[who] == kind], fishes, minds, grid_of(fishes, kind))
 
 
 def _all_pairs(fishes, reach):

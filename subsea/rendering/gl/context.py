@@ -60,13 +60,17 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     return _prepared(context)
 
 
+def flush() -> None:
+    """Let the GPU begin what the current headless context has asked for; nothing without EGL."""
+    if look_up := _egl():
+        ctypes.CFUNCTYPE(None)(look_up(b"glFlush"))()
+
+
 def count_objects(context: Any) -> dict[str, int]:
     """Count the objects of each kind in a headless context; empty without EGL."""
-    try:
-        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
-    except OSError:
+    look_up = _egl()
+    if look_up is None:
         return {}
-    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
     made = {
         "Buffer": context.buffer(reserve=4),
         "Texture": context.texture((1, 1), 1),
@@ -80,6 +84,17 @@ def count_objects(context: Any) -> dict[str, int]:
         is_one = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(look_up(f"glIs{kind}".encode()))
         found[kind] = sum(bool(is_one(name)) for name in range(1, one.glo))
         one.release()
+    return found
+
+
+def _egl() -> Callable[[bytes], int] | None:
+    """The function that finds those of OpenGL through EGL, or None without EGL."""
+    try:
+        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
+    except OSError:
+        return None
+    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+    found: Callable[[bytes], int] = look_up
     return found
 
 

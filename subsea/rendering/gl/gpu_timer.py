@@ -11,8 +11,11 @@ GPU_STAGES = (
 NOTHING = nullcontext()
 
 
+UNKNOWN_S = 4.2  # drivers count nanoseconds in 32 bits: longer times mean nothing
+
+
 class GpuTimer:
-    """Measures stages that do not overlap; does nothing until it is switched on.
+    """Measures whole pictures, or while it is `on` their stages, which do not overlap.
 
     moderngl cannot free queries: they exist as long as their context, and are used again.
     """
@@ -20,8 +23,26 @@ class GpuTimer:
     def __init__(self, context: Any) -> None:
         self.on = False
         self._context = context
+        self._whole = context.query(time=True)
+        self._drawn = False  # a picture is measured as a whole, and not read yet
         self._queries: list[Any] = []
         self._names: list[str] = []  # of the queries since the last call of `seconds`
+
+    def picture(self) -> AbstractContextManager[object]:
+        """Measure the picture that is drawn within the context, unless its stages are measured."""
+        if self.on:
+            return NOTHING
+        self._drawn = True
+        query: AbstractContextManager[object] = self._whole
+        return query
+
+    def wait(self) -> float:
+        """Wait until the GPU has drawn the last `picture`; seconds that it took, 0 if unknown."""
+        if not self._drawn:
+            return 0.0
+        self._drawn = False
+        seconds = 1e-9 * self._whole.elapsed
+        return seconds if seconds < UNKNOWN_S else 0.0
 
     def stage(self, name: str) -> AbstractContextManager[object]:
         """Measure the drawing calls within the context."""
