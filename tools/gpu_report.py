@@ -67,14 +67,16 @@ def cases(options: argparse.Namespace) -> list[Case]:
         for preset in PRESETS:
             words = "--size", smaller(size, shrink), "--quality", preset
             found.append(benchmark("presets", f"{preset}, {size}", *words))
+    ocean, full_hd = (
+        ("--scenario", "open-ocean", "--fish"),
+        ("--size", smaller("1920x1080", shrink)),
+    )
     for number in FISH:
-        words = "--scenario", "open-ocean", "--fish", str(number)
-        full_hd = "--size", smaller("1920x1080", shrink)
-        found.append(benchmark("fishes", f"{number:,}", *words, *full_hd, most_s=120.0))
-    together = "--without", "sync", "--size", smaller("1920x1080", shrink)
+        words = *ocean, str(number), *full_hd
+        found.append(benchmark("fishes", f"{number:,}", *words, most_s=120.0))
+    together = "--without", "sync", *full_hd
     drawn = [(f"{preset}, 1920x1080", ("--quality", preset)) for preset in PRESETS]
-    for number in FISH[2:]:
-        drawn.append((f"{number:,}", ("--scenario", "open-ocean", "--fish", str(number))))
+    drawn += [(f"{number:,}", (*ocean, str(number))) for number in FISH[2:]]
     found += [benchmark("dive", name, *together, *words, most_s=120.0) for name, words in drawn]
     theatre = ["--theatre", "three-projectors", "--shrink", str(shrink), "--quality", "medium"]
     found.append(benchmark("displays", "three channels, 4000x1000", *theatre))
