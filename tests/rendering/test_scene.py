@@ -59,6 +59,19 @@ def test_the_peaceful_bay(context, bay, same_picture):
     renderer.release()
 
 
+def test_the_bay_is_the_same_without_indirect_drawing(context, bay, monkeypatch):
+    packet, pictures = pack(bay, sights(bay, size=(160, 90)), 1.0), []
+    for extension in (static_batch.INDIRECT, "no extension"):
+        monkeypatch.setattr(static_batch, "INDIRECT", extension)
+        renderer = Renderer(context, make_scene(bay), display_rig("mono", (160, 90)))
+        renderer.draw(packet)
+        pictures.append((renderer.read_pixels(), renderer.triangles, renderer.draw_calls))
+        renderer.release()
+    with_commands, without = pictures
+    assert (with_commands[0] == without[0]).all()
+    assert with_commands[1:] == without[1:]
+
+
 @pytest.mark.parametrize(("sea", "species"), [("bay", 5), ("crowd", 10)])
 def test_a_frame_takes_few_drawing_calls(context, request, sea, species):
     world, tour = request.getfixturevalue(sea), Tour()

@@ -18,6 +18,8 @@ OUT_OF_SIGHT = -1  # instead of a level
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
 LEAST_PX = 3.0  # smaller items are not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
+INDIRECT = "GL_ARB_multi_draw_indirect"  # of OpenGL 4.3, and of many drivers of 3.3
+COMMAND_BYTES = 20
 
 
 class StaticMesh(NamedTuple):
@@ -46,7 +48,10 @@ class LazyMesh(NamedTuple):
 
 
 class StaticBatch(GpuOwner):
-    """The vertices of all items, and the indices of the triangles that are drawn now."""
+    """The vertices and triangles of all items, and a command for each item that is drawn now.
+
+    Drivers without `INDIRECT` receive the indices of all triangles that are drawn now instead.
+    """
 
     def __init__(
         self,
@@ -78,7 +83,8 @@ class StaticBatch(GpuOwner):
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
         self._level = np.full(len(items), OUT_OF_SIGHT)
         self._seen = np.zeros((0, len(items)), np.bool_)
-        self._starts = [0]  # of the triangles of each view, and the end
+        self._sizes: list[int] = []  # triangles of each view
+        self._starts = [0]  # of the commands of each view, or of its triangles, and the end
         item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
         self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
         self._array: Any = None
@@ -90,7 +96,12 @@ class StaticBatch(GpuOwner):
         self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels)
         self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
         self._vertices = self.own(programs.context.buffer(reserve=self._stride * first[-1]))
-        self._indices = self.own(programs.context.buffer(reserve=12))
+        self._indirect = INDIRECT in programs.context.extensions
+        if self._indirect:
+            self._indices = self.own(programs.context.buffer(self._triangles))
+            self._commands = self.own(programs.context.buffer(reserve=COMMAND_BYTES))
+        else:
+            self._indices = self.own(programs.context.buffer(reserve=12))
         content = [(self._vertices, layout, *attributes.split())]
         self._array = programs.array(content, self._indices)
 
@@ -124,11 +135,12 @@ class StaticBatch(GpuOwner):
             ranges.append(self._ranges[drawn[-1], level[drawn[-1]]])
         if self._waiting:
             self._make(np.concatenate(drawn), level)
-        sizes = [int((own[:, 1] - own[:, 0]).sum()) for own in ranges]
-        self._starts = [0, *accumulate(sizes)]
-        if self._starts[-1]:
-            data = gather(self._triangles, np.concatenate(ranges))
-            replace_data(self._indices, data)
+        self._sizes = [int((own[:, 1] - own[:, 0]).sum()) for own in ranges]
+        self._starts = [0, *accumulate(map(len, ranges) if self._indirect else self._sizes)]
+        if sum(self._sizes) and self._indirect:
+            replace_data(self._commands, commands(np.concatenate(ranges)))
+        elif sum(self._sizes):
+            replace_data(self._indices, gather(self._triangles, np.concatenate(ranges)))
 
     def _make(self, items: Ints, level: Ints) -> None:
         """Upload the meshes of `items` at their levels that are drawn for the first time."""
@@ -155,10 +167,14 @@ class StaticBatch(GpuOwner):
         if self._array is None:
             return 0
         first, end = self._starts[number : number + 2]
-        if end > first:
-            array = self._programs.ready(self._array, as_ids, **uniforms)
+        if end == first:
+            return 0
+        array = self._programs.ready(self._array, as_ids, **uniforms)
+        if self._indirect:
+            array.render_indirect(self._commands, moderngl.TRIANGLES, end - first, first)
+        else:
             array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
-        return end - first
+        return self._sizes[number]
 
 
 def levels_in_sight(
@@ -219,6 +235,14 @@ def _levels(
             coarsest += pixels / (1.0 + HYSTERESIS) < threshold
         level[i] = plain if new else min(max(before[i], finest), coarsest)
     return level
+
+
+def commands(ranges: Ints) -> Ints:
+    """Commands (k, 5) uint32 that draw each of the `ranges` (k, 3): glDrawElementsIndirect."""
+    out = np.empty((len(ranges), 5), np.uint32)
+    out[:, 0], out[:, 1] = 3 * (ranges[:, 1] - ranges[:, 0]), 1  # indices, instances
+    out[:, 2], out[:, 3], out[:, 4] = 3 * ranges[:, 0], ranges[:, 2], 0  # first index, first vertex
+    return out
 
 
 @kernel

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.rendering.gl import static_batch
 from subsea.rendering.gl.shaders import set_uniforms
 from subsea.rendering.gl.static_batch import (
     HYSTERESIS,
@@ -100,9 +101,12 @@ class OneProgram:
         pass
 
 
-@pytest.fixture
-def drawn(context):
+@pytest.fixture(params=["commands", "triangles"])
+def drawn(context, request, monkeypatch):
     """Draw items in the first of some views; white pixels and the number of triangles."""
+    if request.param == "triangles":
+        monkeypatch.setattr(static_batch, "INDIRECT", "no extension")
+    assert (static_batch.INDIRECT in context.extensions) == (request.param == "commands")
     program = context.program(
         vertex_shader="#version 330\n" + VERTEX, fragment_shader="#version 330\n" + FRAGMENT
     )
