@@ -238,9 +238,10 @@ def _table(own: list[Case]) -> list[str]:
 
 def _pictures(differences: dict[str, dict[str, float]]) -> list[str]:
     """Rows of the stored pictures and by how much they differ."""
-    lines = ["| picture | pixels that differ | largest difference, levels |", "| --- | --- | --- |"]
+    lines = ["| picture | pixels that differ | difference, levels: mean | largest |"]
+    lines.append("| --- " * 4 + "|")
     for name, one in sorted(differences.items(), key=lambda item: -item[1]["share"]):
-        lines.append(f"| {name} | {one['share']:.3%} | {one['most']} |")
+        lines.append(f"| {name} | {one['share']:.2%} | {one['mean']:.2f} | {one['most']} |")
     return lines
 
 

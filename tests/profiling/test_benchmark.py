@@ -17,6 +17,7 @@ from subsea.core import durations
 from subsea.profiling import benchmark, comparison, machine
 from subsea.profiling.frame_statistics import STAGES, bound_by
 from subsea.rendering.gl.gpu_timer import GPU_STAGES
+from subsea.rendering.renderer import Renderer
 from subsea.world import step as ocean
 from tests.support.scenes import BARE
 
@@ -79,6 +80,19 @@ def test_on_a_gpu_its_stages_are_timed(tmp_path, monkeypatch, capsys, reports):
     assert bound_by(slow) == "GPU"
     assert bound_by(slow | {"cpu_ms": {"thread": 10.0}}) == "host"
     assert bound_by(slow | {"gpu_ms": None}) is None
+
+
+def test_frames_as_in_a_dive_are_neither_awaited_nor_read_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(benchmark, "on_software", lambda renderer: False)
+    read = []
+    monkeypatch.setattr(Renderer, "read_pixels", lambda *given: read.append(given))
+    assert main([*SMALL, "--without", "sync", "--json", str(tmp_path / "dive.json")]) == 0
+    report = json.loads((tmp_path / "dive.json").read_text())
+    assert read == []
+    assert tuple(report["gpu_ms"]) == ("all", "picture")
+    assert report["gpu_ms"]["picture"] > 0.0
+    assert report["without"] == ["sync"]
+    assert sum(report["stages_ms"].values()) < 1.5 * report["frame_ms"]["max"]
 
 
 def test_the_report_describes_the_machine(reports, capsys):

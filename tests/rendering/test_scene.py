@@ -9,6 +9,7 @@ from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.fish.species import species_names
 from subsea.frame.packet import KIND, make_scene, pack
+from subsea.rendering.gl import static_batch
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Shoal

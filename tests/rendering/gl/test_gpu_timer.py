@@ -1,5 +1,7 @@
 """Timer queries name the stages that are drawn, and cost nothing while they are off."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from subsea.rendering.gl.gpu_timer import GPU_STAGES, GpuTimer
@@ -53,3 +55,22 @@ def test_it_measures_nothing_while_it_is_off(context):
     with timer.stage("water"):
         context.clear()
     assert set(timer.seconds().values()) == {0.0}
+
+
+def test_the_next_picture_waits_for_the_one_before_and_knows_its_time(timed, make_packet):
+    timed.timer.on = False
+    packet = make_packet([], size=SIZE)
+    timed.draw(packet)
+    timed.draw(packet)
+    assert 0.0 < timed.gpu_s < 4.2
+    assert timed.waited_s >= 0.0
+    assert timed.timer.wait() > 0.0
+    assert timed.timer.wait() == 0.0  # nothing was drawn since
+
+
+def test_a_time_beyond_the_counter_of_drivers_is_unknown(context):
+    timer = GpuTimer(context)
+    with timer.picture():
+        context.clear()
+    timer._whole = SimpleNamespace(elapsed=2**32 - 1)
+    assert timer.wait() == 0.0
