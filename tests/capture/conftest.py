@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from capture.recording.record import record_species
+from capture.recording.record import Recorded, assemble, record_segment, segments_of
 from subsea.fish.species import Species, load_species
 from subsea.repertoire import Repertoire, write_repertoire
 
@@ -10,8 +10,18 @@ NAMES = ["emperor_angelfish", "fusilier"]
 
 
 @pytest.fixture(scope="session")
-def repertoires() -> dict[str, Repertoire]:
-    return {name: record_species(name, load_species(name)) for name in NAMES}
+def segments() -> dict[str, dict[str, Recorded]]:
+    """The recorded segments of each species."""
+    every = {name: load_species(name) for name in NAMES}
+    return {
+        name: {segment: record_segment(species, segment) for segment in segments_of(species)}
+        for name, species in every.items()
+    }
+
+
+@pytest.fixture(scope="session")
+def repertoires(segments: dict[str, dict[str, Recorded]]) -> dict[str, Repertoire]:
+    return {name: assemble(name, load_species(name), found) for name, found in segments.items()}
 
 
 @pytest.fixture(scope="session", params=NAMES)

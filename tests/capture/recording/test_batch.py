@@ -55,9 +55,13 @@ def changed(species: Species, table: str, **values: object) -> Species:
 
 
 @pytest.fixture(scope="module")
-def known() -> dict[str, workers.Recorded]:
-    """Segments that tests of this module have swum."""
-    return {}
+def known(segments: dict[str, dict[str, workers.Recorded]]) -> dict[str, workers.Recorded]:
+    """Segments that tests have swum."""
+    return {
+        f"{segment} of {load_species(name)}": recorded
+        for name, found in segments.items()
+        for segment, recorded in found.items()
+    }
 
 
 @pytest.fixture
@@ -74,21 +78,6 @@ def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, workers.Recorded]) ->
 
     monkeypatch.setattr(workers, "record_segment", swim)
     return names
-
-
-def test_the_number_of_processes_changes_nothing(whole: Path, tmp_path: Path) -> None:
-    told: list[tuple[str, int]] = []
-    assert (
-        record_all(
-            dict.fromkeys(NAMES, tmp_path), process_pool(2), progress=lambda *at: told.append(at)
-        )
-        == NAMES
-    )
-    assert_same(tmp_path, whole)
-    for name in NAMES:
-        assert [count for which, count in told if which == name] == list(
-            range(len(segments_of(load_species(name))) + 1)
-        )
 
 
 @pytest.mark.parametrize("done", [0, 4, WHOLE, WHOLE + 4, WHOLE + len(EACH)])
@@ -160,17 +149,29 @@ def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
         np.testing.assert_array_equal(theirs, ours)
 
 
-def test_a_crashed_process_loses_nothing(whole: Path, tmp_path: Path) -> None:
+def test_neither_two_processes_nor_a_crash_of_one_change_the_files(
+    whole: Path, tmp_path: Path
+) -> None:
     killed: list[int] = []
+    told: list[tuple[str, int]] = []
 
     def kill_once() -> None:
         for child in multiprocessing.active_children()[: 1 - len(killed)]:
             os.kill(child.pid or 0, signal.SIGKILL)
             killed.append(child.pid or 0)
 
-    record_all(dict.fromkeys(NAMES, tmp_path), process_pool(2), check=kill_once)
+    recorded = record_all(
+        dict.fromkeys(NAMES, tmp_path),
+        process_pool(2),
+        progress=lambda *at: told.append(at),
+        check=kill_once,
+    )
+    assert recorded == NAMES
     assert len(killed) == 1
     assert_same(tmp_path, whole)
+    for name in NAMES:
+        counts = [count for which, count in told if which == name]
+        assert counts == list(range(len(segments_of(load_species(name))) + 1))
 
 
 def test_repeated_crashes_are_an_error_of_one_line(tmp_path: Path) -> None:
@@ -212,7 +213,7 @@ def write_empty(path: Path) -> bytes:
 
 @pytest.mark.parametrize("free", [1000, 60_000, 500_000])
 def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
-    free: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    free: int, tmp_path: Path, swum: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The disk fills up in the first segment, in the fifth, or in the repertoire."""
     old = tmp_path / "fusilier.h5"
@@ -243,7 +244,7 @@ sys.exit(cli.main(sys.argv[1:]))
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
-    number: int, whole: Path, tmp_path: Path
+    number: int, whole: Path, tmp_path: Path, swum: list[str]
 ) -> None:
     old = tmp_path / "fusilier.h5"
     before = write_empty(old)
