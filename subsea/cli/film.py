@@ -53,6 +53,20 @@ def add(commands: Any) -> None:
     shared.add(parser, "size")
     shared.add_quality(parser, "high", automatic=False)
     shared.add(parser, "fish", "seed", *shared.DRAWING, "follow", "theatre", "shrink")
+    parser.add_argument("--mute", action="store_true", help="a film without sound")
+    parser.add_argument(
+        "--sound-layout",
+        default="stereo",
+        metavar="LAYOUT",
+        help="of the sound: mono, stereo (default), binaural, quad, 5.1 or 7.1",
+    )
+    parser.add_argument("--audio", type=Path, metavar="FILE", help="write the sound as FILE.wav")
+    parser.add_argument(
+        "--audio-stems",
+        type=Path,
+        metavar="DIR",
+        help="write sea, fishes and vessel as WAV files into DIR, at full volume",
+    )
     add_force(parser)
     group = parser.add_argument_group(
         "what a fish sees",

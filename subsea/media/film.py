@@ -19,6 +19,7 @@ from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import PlacedLabel, place_labels
 from subsea.frame.packet import pack
 from subsea.media.film_options import TourFilmOptions
+from subsea.media.film_sound import FilmSound, check_sound_files, write_sound
 from subsea.media.film_timing import film_length_s, instants, reach
 from subsea.media.frame_writers import (
     check_output,
@@ -33,6 +34,8 @@ from subsea.media.video_metadata import NO_METADATA, metadata_for
 from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
+from subsea.sound.mixer import SoundLevels
+from subsea.sound.space import layout_of
 from subsea.view.display_rigs import cockpit
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
@@ -69,6 +72,8 @@ def film(options: TourFilmOptions) -> int:
     rate = frame_rate(options.fps)
     end = options.start + seconds
     times = [end] if kind == "picture" else instants(options.start, seconds, rate)
+    check_sound_files(options.audio, options.audio_stems, options.force)
+    sound = _sound_of(options, kind)
     missing = list(range(len(times)))
     if kind == "folder":
         manifest = describe_film(
@@ -97,7 +102,9 @@ def film(options: TourFilmOptions) -> int:
                 write_manifest(out, manifest)
             # Every channel of a theatre has two eyes, which no player can show.
             metadata = metadata_for(options.display) if options.theatre is None else NO_METADATA
-            write = stack.enter_context(open_writers(out, sizes, rate, metadata))
+            write = stack.enter_context(
+                open_writers(out, sizes, rate, metadata, None if options.mute else sound)
+            )
             say(_intent(names, len(times), missing))
             done = stack.enter_context(progress(len(times), "frame", len(times) - len(missing)))
             memory = empty_lod_state(len(world.state.fishes.species))
@@ -105,10 +112,15 @@ def film(options: TourFilmOptions) -> int:
             camera: FollowCamera | None = None
             observer: CameraPose | None = None
 
-            reach(world, times[0], steer, check)
+            def listen() -> None:
+                if sound is not None:
+                    sound.listen(world, fish)
+
+            listen()
+            reach(world, times[0], steer, check, after=listen)
             for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
-                alpha = reach(world, instant, steer, check)
+                alpha = reach(world, instant, steer, check, after=listen)
                 before, observer = observer, cockpit(world.state.submarine, alpha)
                 if is_cut(before, observer, float(1 / rate)):  # no cross-fade over a cut
                     memory = empty_lod_state(len(world.state.fishes.species))
@@ -135,11 +147,22 @@ def film(options: TourFilmOptions) -> int:
                 write(k, pictures)
                 durations.append(drawn - begun)
                 done()
+        if sound is not None:
+            write_sound(sound, seconds, options.audio, options.audio_stems)
     except KeyboardInterrupt:
         _report(names, kind, durations)
         raise
     _report(names, kind, durations)
     return 0
+
+
+def _sound_of(options: TourFilmOptions, kind: str) -> FilmSound | None:
+    """The sound to record, if a film or a file is to have it."""
+    layout = layout_of(options.sound_layout)
+    wanted = options.audio is not None or options.audio_stems is not None
+    if wanted or (kind == "film" and not options.mute):
+        return FilmSound(layout, options.start, SoundLevels())
+    return None
 
 
 def lettered(picture: Bytes, labels: Sequence[PlacedLabel], output: int) -> Bytes:

@@ -39,6 +39,10 @@ class TourFilmOptions(FilmOptions):
     shrink: int = 1  # the theatre's width and height are divided by this
     show: Sequence[str] = ()  # diagrams over the sea
     wireframe: bool = False
+    mute: bool = False  # a film without sound
+    sound_layout: str = "stereo"  # one of `sound.space.LAYOUTS`
+    audio: Path | None = None  # the sound alone, a WAV file
+    audio_stems: Path | None = None  # a folder with the sound of each group
     follow: str | None = None  # a fish to look at from behind, as long as it lives
 
 

@@ -63,11 +63,13 @@ def instants(start: float, seconds: float, rate: Fraction) -> list[float]:
 
 
 def reach(
-    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None
-) -> float:
+    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None,
+    after: Check = lambda: None,
+) -> float:  # fmt: skip
     """Step the world until `instant` lies between its last two ticks; returns where, 0 to 1.
 
-    `before` is called before every tick, and `check`, which may raise, also once at the beginning.
+    `before` and `after` are called around every tick, and `check`, which may raise, also once at
+    the beginning.
     """
     ticks, alpha = divmod(instant / TICK_S, 1.0)
     check()
@@ -75,4 +77,5 @@ def reach(
         check()
         before()
         step(world, steer(world))
+        after()
     return alpha

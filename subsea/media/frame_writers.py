@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from subsea.core.atomic_io import check_folder, is_folder, replacing
 from subsea.core.errors import UserError
 from subsea.core.file_kinds import FILM, PICTURE, check_results
+from subsea.media.film_sound import FilmSound
 from subsea.media.video_metadata import NO_METADATA, VideoMetadata, insert_boxes
+from subsea.sound.space import RATE
 
 # (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits.
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
@@ -23,6 +25,7 @@ Write = Callable[[int, Picture], None]  # of a frame by its number
 WriteAll = Callable[[int, Mapping[str, Picture]], None]  # of all windows by name
 
 QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
+BITS_S = 96_000  # of each channel of sound
 TELEVISION = (24, 30, 48, 60, 120)  # nominal rates; broadcasts are 0.1% slower
 KINDS = "FILE.mp4, FILE.png or a folder's name without a suffix"
 
@@ -88,11 +91,17 @@ def open_writers(
     sizes: Mapping[str, tuple[int, int]],
     rate: Fraction,
     metadata: VideoMetadata = NO_METADATA,
+    sound: FilmSound | None = None,
 ) -> Iterator[WriteAll]:
-    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`."""
+    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`.
+
+    Films have `sound`.
+    """
     with ExitStack() as stack:
         writers = {
-            name: stack.enter_context(_open_writer(window_path(out, name), size, rate, metadata))
+            name: stack.enter_context(
+                _open_writer(window_path(out, name), size, rate, metadata, sound)
+            )
             for name, size in sizes.items()
         }
 
@@ -104,11 +113,12 @@ def open_writers(
 
 
 def _open_writer(
-    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata
-) -> AbstractContextManager[Write]:
+    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata,
+    sound: FilmSound | None,
+) -> AbstractContextManager[Write]:  # fmt: skip
     kind = kind_of(out)
     if kind == "film":
-        return film_writer(out, size, rate, metadata)
+        return film_writer(out, size, rate, metadata, sound)
     if kind == "picture":
         return nullcontext(lambda number, picture: write_png(out, picture))
     return nullcontext(lambda number, picture: write_png(frame_file(out, number), picture))
@@ -116,9 +126,12 @@ def _open_writer(
 
 @contextmanager
 def film_writer(
-    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata = NO_METADATA
-) -> Iterator[Write]:
+    out: Path, size: tuple[int, int], rate: Fraction, metadata: VideoMetadata = NO_METADATA,
+    sound: FilmSound | None = None,
+) -> Iterator[Write]:  # fmt: skip
     """Write an H.264 film that plays everywhere: yuv420p, index first. The size must be even.
+
+    With `sound` it has a track of AAC.
 
     An interruption closes the film after the pictures so far; an error leaves no file.
     """
@@ -140,11 +153,13 @@ def film_writer(
             stream: Any = container.add_stream("libx264", rate=rate, options=options)
             stream.width, stream.height = size
             stream.pix_fmt = "yuv420p"
+            add_sound = _sound_track(container, sound)
 
             def write(number: int, picture: Picture) -> None:
                 nonlocal frames
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
                 frames += 1
+                add_sound(float(frames / rate))
 
             try:
                 yield write
@@ -153,10 +168,39 @@ def film_writer(
                     raise
                 interrupted = interrupt
             container.mux(stream.encode(None))
+            add_sound(None)
         if metadata.boxes:
             insert_boxes(temporary, metadata.boxes)
     if interrupted:
         raise interrupted
+
+
+def _sound_track(container: Any, sound: FilmSound | None) -> Callable[[float | None], None]:
+    """Add a track of AAC; returns a function that fills it up to a time, s, and ends it at None."""
+    if sound is None:
+        return lambda until: None
+    import av
+
+    track: Any = container.add_stream("aac", rate=RATE, layout=sound.layout.container_name)
+    track.bit_rate = BITS_S * sound.layout.channels
+    read, at = sound.reader(), 0
+
+    def add(until: float | None) -> None:
+        nonlocal at
+        if until is None:
+            container.mux(track.encode(None))
+            return
+        samples = read(until)
+        if len(samples):
+            planes = np.ascontiguousarray(samples.T)
+            frame = av.AudioFrame.from_ndarray(
+                planes, format="fltp", layout=sound.layout.container_name
+            )
+            frame.sample_rate, frame.pts, frame.time_base = RATE, at, Fraction(1, RATE)
+            at += len(samples)
+            container.mux(track.encode(frame))
+
+    return add
 
 
 def write_png(path: Path, picture: Picture) -> None:

@@ -59,7 +59,7 @@ CHILDREN_AT = {b"moov": 8, b"trak": 8, b"mdia": 8, b"minf": 8, b"stbl": 8, b"sts
 
 
 def insert_boxes(path: Path, boxes: bytes) -> None:
-    """Append boxes to the sample description of a one-track MP4 file, index first."""
+    """Append boxes to the sample description of the pictures in an MP4 file, index first."""
     new = path.with_name(f"{path.name}.tagged")
     try:
         with path.open("rb") as source, new.open("wb") as target:

@@ -1,0 +1,221 @@
+"""Mix the moments of a dive to the channels of a layout, a tick at a time."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
+from subsea.sound.moment import (
+    BEDS,
+    BREATH,
+    CRACKLE,
+    GROUP_OF_BED,
+    GROUP_OF_VOICE,
+    GROUPS,
+    MOTOR,
+    SURF,
+    WINCH,
+    Moment,
+)
+from subsea.sound.space import BLOCK, RATE, Layout, muffling, pan, reach_ears
+from subsea.sound.voices import LONGEST, next_noise, noise_seed, one_pole, sing, white
+
+# Noise of each bed: a band, Hz, and a factor that brings it to a level of about 1.
+LOW_HZ = np.array([60.0, 1800.0, 70.0, 60.0, 60.0, 500.0, 600.0])
+HIGH_HZ = np.array([420.0, 15_000.0, 600.0, 200.0, 340.0, 2500.0, 3800.0])
+RAISE = np.array([13.0, 8.0, 10.0, 3.0, 14.0, 1.2, 4.5])
+HARMONICS = np.array([0.55, 0.30, 0.16, 0.10, 0.05, 0.04])  # of motor and winch
+SWELL_S, BREATH_S = 7.3, 4.4  # periods of waves and of breath
+ROOM = 0.8  # level from which peaks are rounded, so that none is beyond 1
+QUIET = 0.3  # the same at night
+RAMP = (np.arange(BLOCK) + 1.0) / BLOCK
+STATES = 4  # of a bed: phase, three filters
+SPARSE = 0.99  # noise beyond which it counts as a snap afar: 480 a second
+
+
+@dataclass(frozen=True)
+class SoundLevels:
+    """Volumes, 0 to 1, and what is left out."""
+
+    volume: float = 0.8
+    sea: float = 1.0
+    fishes: float = 1.0
+    vessel: float = 1.0
+    mute: bool = False
+    night: bool = False  # loud sounds are softer
+
+    @property
+    def gains(self) -> Array:
+        """Factors (3,) on the groups."""
+        whole = 0.0 if self.mute else self.volume
+        return whole * np.array([self.sea, self.fishes, self.vessel])
+
+
+class Mixer:
+    """Turns moments into samples. The first moment is heard without what was before it."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        channels = layout.channels
+        self._rest = np.zeros((len(GROUPS), LONGEST + 2 * BLOCK, channels))
+        self._end = 0  # of what is left in it of earlier events, samples
+        self._states = np.zeros((len(BEDS), STATES))
+        self._before: tuple[Array, Array] | None = None  # beds and their gains
+        self._gains: Array = np.ones(len(GROUPS))
+
+    def stems(self, moment: Moment) -> Array:
+        """The samples (3, BLOCK, c) of each of the GROUPS in a tick, at full volume."""
+        gains = np.zeros((len(BEDS), self.layout.channels))
+        _place_beds(moment.beds, *self._where, gains)
+        before = self._before or (moment.beds, gains)
+        self._before = moment.beds, gains
+        first = (moment.tick - 1) * BLOCK
+        _add_beds(self._rest, *before, moment.beds, gains, self._states, first, moment.seed)
+        end = _add_events(self._rest, moment.events, *self._where, self.layout.delay_s)
+        end = max(end, self._end, BLOCK)
+        out = self._rest[:, :BLOCK].copy()
+        self._rest[:, : end - BLOCK] = self._rest[:, BLOCK:end]
+        self._rest[:, end - BLOCK : end] = 0.0
+        self._end = end - BLOCK
+        return out
+
+    def mix(self, moment: Moment, levels: SoundLevels) -> Array:
+        """The samples (BLOCK, c) float32 of a tick, in [-1, 1]; volumes change without a click."""
+        gains = levels.gains
+        before = gains if self._before is None else self._gains
+        stems = self.stems(moment)
+        ramp = before + RAMP[:, None] * (gains - before)
+        self._gains = gains
+        whole = np.einsum("gnc,ng->nc", stems, ramp)
+        return rounded(whole, QUIET if levels.night else ROOM).astype(np.float32)
+
+    @property
+    def _where(self) -> tuple[Array, float]:
+        return self.layout.directions, self.layout.width
+
+
+def rounded(samples: Array, room: float) -> Array:
+    """Samples whose peaks beyond `room` are rounded to stay below 1, or below 1.25 `room`."""
+    most = min(1.0, 1.25 * room) - room
+    size = np.abs(samples)
+    over = size > room
+    if over.any():
+        bent = room + most * np.tanh((size - room) / most)
+        return np.asarray(np.where(over, np.sign(samples) * bent, samples))
+    return samples
+
+
+@kernel
+def _place_beds(beds: Array, directions: Array, width: float, gains: Array) -> None:
+    """Write the gains (b, c) of each bed and channel."""
+    for b in range(len(beds)):
+        pan(directions, width, (beds[b, 1], beds[b, 2], beds[b, 3]), gains[b])
+
+
+@kernel
+def _add_beds(
+    out: Array, old: Array, old_gains: Array, new: Array, gains: Array, states: Array,
+    first: int, seed: int,
+) -> None:  # fmt: skip
+    """Add all beds to the groups of `out` (3, n, c) from the `old` to the `new` levels."""
+    begin, end = first / RATE, (first + BLOCK) / RATE
+    tones = np.empty(BLOCK)
+    for b in range(len(new)):
+        if old[b, 0] == 0.0 and new[b, 0] == 0.0:
+            continue
+        group, tonal = GROUP_OF_BED[b], b in (MOTOR, WINCH)
+        low, high = one_pole(LOW_HZ[b]), one_pole(HIGH_HZ[b])
+        noise = noise_seed(seed + 7919 * (b + 1), first)
+        if tonal:
+            states[b, 0] = _hum(old[b, 4], new[b, 4], states[b, 0], tones)
+        before, now = old[b, 0], new[b, 0]
+        if b == SURF:
+            before, now = before * _swell(begin), now * _swell(end)
+        elif b == BREATH:
+            before, now = before * _breath(begin), now * _breath(end)
+        faster, fast, slow, raised = states[b, 1], states[b, 2], states[b, 3], RAISE[b]
+        for k in range(BLOCK):
+            noise = next_noise(noise)
+            value = white(noise)
+            if b == CRACKLE:  # far snaps
+                value = value if abs(value) > SPARSE else 0.0
+            faster += high * (value - faster)
+            fast += high * (faster - fast)
+            slow += low * (fast - slow)
+            value = raised * (fast - slow)
+            if tonal:
+                value = 0.25 * value + tones[k]
+            share = (k + 1.0) / BLOCK
+            value *= before + share * (now - before)
+            for c in range(gains.shape[1]):
+                out[group, k, c] += value * (
+                    old_gains[b, c] + share * (gains[b, c] - old_gains[b, c])
+                )
+        states[b, 1], states[b, 2], states[b, 3] = faster, fast, slow
+
+
+@kernel
+def _hum(old_hz: float, new_hz: float, phase: float, out: Array) -> float:
+    """Write a tone and its harmonics from one pitch to another; returns the phase at the end."""
+    for k in range(len(out)):
+        hz = old_hz + (k + 1.0) / len(out) * (new_hz - old_hz)
+        phase = (phase + hz / RATE) % 1.0
+        before, now = 0.0, math.sin(2.0 * math.pi * phase)
+        twice = 2.0 * math.cos(2.0 * math.pi * phase)
+        out[k] = 0.0
+        for level in HARMONICS:
+            out[k] += level * now
+            before, now = now, twice * now - before
+    return phase
+
+
+@kernel
+def _swell(t: float) -> float:
+    """Waves that come and go."""
+    return 0.65 + 0.35 * math.sin(2.0 * math.pi * t / SWELL_S)
+
+
+@kernel
+def _breath(t: float) -> float:
+    """Breathing in, briefly, and out, longer and softer."""
+    at = (t % BREATH_S) / BREATH_S
+    if at < 0.28:
+        return math.sin(math.pi * at / 0.28) ** 2
+    if at < 0.40 or at > 0.85:
+        return 0.0
+    return 0.55 * math.sin(math.pi * (at - 0.40) / 0.45) ** 2
+
+
+VOICE_GROUPS = np.array([GROUP_OF_VOICE[voice] for voice in sorted(GROUP_OF_VOICE)])
+
+
+@kernel
+def _add_events(out: Array, events: Array, directions: Array, width: float, delay_s: float) -> int:
+    """Add all events to the groups of `out` (3, n, c); returns the end of the last, samples."""
+    end = 0
+    channels = out.shape[2]
+    sound = np.empty(LONGEST)
+    gains, delays, corners = np.empty(channels), np.empty(channels), np.empty(channels)
+    for e in range(len(events)):
+        voice = int(events[e, 0])
+        way = (events[e, 3], events[e, 4], events[e, 5])
+        number = sing(voice, events[e, 7], events[e, 8], int(events[e, 9]), sound)
+        pan(directions, width, way, gains)
+        reach_ears(width, delay_s, way, delays, corners)
+        group, water = VOICE_GROUPS[voice], one_pole(muffling(events[e, 6]))
+        for c in range(channels):
+            head = one_pole(corners[c])
+            at = events[e, 1] * BLOCK + delays[c]
+            start = int(at)
+            part = at - start
+            wet, heard = 0.0, 0.0
+            gain = events[e, 2] * gains[c]
+            for k in range(number):
+                wet += water * (sound[k] - wet)
+                heard += head * (wet - heard)
+                out[group, start + k, c] += gain * (1.0 - part) * heard
+                out[group, start + k + 1, c] += gain * part * heard
+            end = max(end, start + number + 1)
+    return end

@@ -1,0 +1,293 @@
+"""What sounds in one tick: events, and beds that sound on."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array, Ints
+from subsea.geometry.height_field import height_at
+from subsea.geometry.keyed_random import uniform
+from subsea.sound.space import METRE, Listener, doppler, fading, toward
+from subsea.sound.voices import (
+    BUBBLE,
+    CREAK,
+    CRUNCH,
+    KNOCK,
+    POP,
+    SNAP,
+    STRIKE,
+    WHOOSH,
+    minnaert_hz,
+)  # fmt: skip
+from subsea.state import HOOKED, PREDATOR, SINKING
+from subsea.submarine.hull import AHEAD_CM_S
+from subsea.world.world import TICK_S, World
+
+SURF, CRACKLE, FLOW, MOTOR, SCHOOL, WINCH, BREATH = range(7)
+BEDS = ("surf", "crackle", "flow", "motor", "school", "winch", "breath")
+SEA, FISHES, VESSEL = range(3)
+GROUPS = ("sea", "fishes", "vessel")
+GROUP_OF_BED = (SEA, SEA, VESSEL, VESSEL, FISHES, SEA, VESSEL)
+GROUP_OF_VOICE = {SNAP: SEA, BUBBLE: SEA, POP: FISHES, CRUNCH: FISHES, WHOOSH: FISHES,
+                  STRIKE: FISHES, KNOCK: VESSEL, CREAK: VESSEL}  # fmt: skip
+# Levels at 1 m, or of what is all round, of full scale (designed).
+LOUD = {SNAP: 0.40, BUBBLE: 0.10, POP: 0.10, CRUNCH: 0.20, WHOOSH: 0.16, STRIKE: 0.55,
+        KNOCK: 0.30, CREAK: 0.05}  # fmt: skip
+SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.045, 0.030, 0.06, 0.06
+SCHOOL_LEVEL, WINCH_LEVEL, BREATH_LEVEL = 0.016, 0.12, 0.02
+SURF_CM = 500.0  # depth in which waves fade by a factor e
+
+# Snaps of a whole reef around: 1,500 to 2,000 a minute in summer (Everest et al. 1948).
+SNAPS_S, FEWEST_SNAPS_S = 30.0, 1.0
+REEF_CM = 250.0  # distance and size of a stone that are a whole reef
+EARSHOT_CM = 1500.0  # of bubbles, mouths and turns
+SCHOOL_CM = 500.0
+MOST_EVENTS = 64  # of a tick, the loudest
+MOTOR_HZ, MOTOR_RISE_HZ, WINCH_HZ = 36.0, 44.0, 170.0
+# Keys of the random numbers.
+COUNT, WHERE, AROUND, LOUDNESS, TOUCH, SETTLE, SIZE = (np.int64(k) for k in range(310, 317))
+EVENT_COLUMNS = ("voice", "when", "level", "right", "ahead", "up", "away", "size", "pitch", "seed")
+BED_COLUMNS = ("level", "right", "ahead", "up", "pitch")
+
+
+Row = tuple[float, ...]
+"""An event: EVENT_COLUMNS."""
+
+
+class Moment(NamedTuple):
+    """What is heard in a tick."""
+
+    tick: int
+    seed: int
+    events: Array  # (e, 10) columns EVENT_COLUMNS; `when` in [0, 1) of the tick, `level` as heard
+    beds: Array  # (7, 5) rows BEDS, columns BED_COLUMNS at the end of the tick
+    words: tuple[tuple[str, float, float], ...]  # captions: a sound, its direction right, level
+
+
+class Sources(NamedTuple):
+    """What does not move: stones and vents of a world."""
+
+    stones: Array  # (s, 4) middle and size, cm
+    vents: Array  # (v, 5) foot, cm, bubbles a second, largest diameter, cm
+
+
+def sources_of(world: World) -> Sources:
+    """The stones and vents of a world."""
+    sea = world.state.sea
+    rocks = np.column_stack([sea.rocks[:, :3], sea.rocks[:, 3:6].mean(axis=1)])
+    low = [height_at(sea.heights, sea.half_width, x, y) for x, y in sea.pillars[:, :2]]
+    middles = 0.5 * (sea.pillars[:, 3] + np.array(low)) if low else np.zeros(0)
+    pillars = np.column_stack([sea.pillars[:, :2], middles, sea.pillars[:, 2]])
+    reef = np.column_stack([world.state.reef.place, world.state.reef.radius])
+    vents = [
+        (x, y, height_at(sea.heights, sea.half_width, x, y), vent.rate_per_s, vent.size_cm)
+        for vent in world.scenario.vent
+        for x, y in [vent.position_cm]
+    ]
+    stones = np.concatenate([rocks, pillars, reef]).astype(np.float64)
+    return Sources(stones, np.array(vents, np.float64).reshape(-1, 5))
+
+
+def hear(world: World, listener: Listener, sources: Sources) -> Moment:
+    """What is heard in the tick that the world has just made."""
+    rows: list[Row] = []
+    words: list[tuple[str, float, float]] = []
+    area = _area_around(sources.stones, listener)
+    amount = float(min(area.sum(), 1.0))
+    rows += _snaps(world, listener, sources.stones, area)
+    rows += _bubbles(world, listener, sources.vents)
+    gap = world.state.fishes.position - listener.place
+    away = np.sqrt(np.einsum("ni,ni->n", gap, gap))
+    for voice, fishes in _acting(world, away):
+        for i in fishes:
+            position = world.state.fishes.position[i].astype(np.float64)
+            row = _event(world, listener, voice, position, world.state.fishes.velocity[i], int(i))
+            rows.append(row)
+            if voice in CAPTIONS and row[2] > HEARD:
+                words.append((CAPTIONS[voice], row[3], row[2]))
+    if listener.aboard:
+        rows += _hull(world, listener)
+    beds = _beds(world, listener, amount)
+    words += _school(world, listener, gap, away, beds[SCHOOL])
+    rows.sort(key=lambda row: -row[2])
+    events = np.array(rows[:MOST_EVENTS], np.float64).reshape(-1, len(EVENT_COLUMNS))
+    return Moment(world.state.tick, world.state.seed, events, beds, tuple(words))
+
+
+CAPTIONS = {STRIKE: "a predator strikes", CRUNCH: "crunching", WHOOSH: "a fish darts off"}
+HEARD = 0.02  # level from which a sound has a caption
+SCHOOL_WORDS, FEW, MOST_SCHOOL = "a school passes", 8, 0.15
+
+
+def side_of(right: float) -> str:
+    """The side of a direction in words."""
+    return "left" if right < -0.4 else "right" if right > 0.4 else "ahead"
+
+
+def _event(
+    world: World, listener: Listener, voice: int, place: Array, velocity: Array, key: int
+) -> Row:
+    """A row of an event at a place."""
+    way, away = toward(listener.axes, listener.place, tuple(place))
+    tick, seed = world.state.tick, world.state.seed
+    level = LOUD[voice] * fading(away) * (0.6 + 0.4 * uniform(seed, key, tick, LOUDNESS))
+    pitch = _doppler(listener, way, velocity)
+    own = _seed(seed, tick, key)
+    return (voice, uniform(seed, key, tick, WHERE), level, *way, away, 0.0, pitch, own)
+
+
+def _seed(seed: int, tick: int, key: int) -> float:
+    """A seed of an event's noise."""
+    return float(int(uniform(seed, key, tick, SIZE) * 2**31))
+
+
+def _doppler(listener: Listener, way: tuple[float, float, float], velocity: Array) -> float:
+    turned = listener.axes @ np.asarray(velocity, np.float64)
+    own = listener.axes @ listener.velocity
+    return float(doppler(way, tuple(turned), tuple(own)))
+
+
+def _area_around(stones: Array, listener: Listener) -> Array:
+    """How large each stone (s,) appears, as a share of a whole reef around."""
+    away = np.linalg.norm(stones[:, :3] - listener.place, axis=1)
+    return np.asarray((stones[:, 3] / np.maximum(away, REEF_CM)) ** 2)
+
+
+def _snaps(world: World, listener: Listener, stones: Array, area: Array) -> list[Row]:
+    """Snaps of shrimp in the stones near."""
+    tick, seed = world.state.tick, world.state.seed
+    weight = np.cumsum(area)
+    if not len(weight):
+        return []
+    expected = (FEWEST_SNAPS_S + (SNAPS_S - FEWEST_SNAPS_S) * min(weight[-1], 1.0)) * TICK_S
+    number = _poisson(expected, uniform(seed, 0, tick, COUNT))
+    rows = []
+    for k in range(number):
+        at = int(np.searchsorted(weight, uniform(seed, k, tick, WHERE) * weight[-1]))
+        x, y, z, size = stones[min(at, len(stones) - 1)]
+        turn, up = 2 * np.pi * uniform(seed, k, tick, AROUND), uniform(seed, k, tick, SIZE)
+        flat = math.sqrt(1.0 - up * up)
+        on_stone = flat * np.cos(turn), flat * np.sin(turn), up
+        place = np.array([x, y, z]) + size * np.array(on_stone)
+        row = list(_event(world, listener, SNAP, place, np.zeros(3), 1000 + k))
+        # Claws differ: few snaps are loud.
+        row[2] *= 0.25 + 3.0 * uniform(seed, k, tick, TOUCH) ** 6
+        rows.append(tuple(row))
+    return rows
+
+
+def _poisson(expected: float, share: float) -> int:
+    """A number of events, from a random number in [0, 1)."""
+    number, chance = 0, math.exp(-expected)
+    total = chance
+    while share >= total and number < MOST_EVENTS:
+        number += 1
+        chance *= expected / number
+        total += chance
+    return number
+
+
+def _bubbles(world: World, listener: Listener, vents: Array) -> list[Row]:
+    """Bubbles that leave the vents, at the moments at which they are drawn."""
+    rows = []
+    end = world.state.tick * TICK_S
+    burst = 9.0
+    for number, (x, y, z, rate, size) in enumerate(vents):
+        place = np.array([x, y, z])
+        if np.linalg.norm(place - listener.place) > EARSHOT_CM:
+            continue
+        about = int((end - 0.37 * number) * rate)
+        for j in range(max(about - 4, 0), about + 5):
+            moment = (j + 0.85 * burst / (2 * np.pi) * np.sin(2 * np.pi * j / burst)) / rate
+            since = moment + 0.37 * number - (end - TICK_S)
+            if not 0.0 <= since < TICK_S:
+                continue
+            key = 5000 + 1000 * number + j % 1000
+            row = list(_event(world, listener, BUBBLE, place, np.zeros(3), key))
+            radius = 0.5 * size * (0.22 + 0.78 * uniform(world.state.seed, key, j, SIZE))
+            row[1], row[7] = since / TICK_S, minnaert_hz(radius, max(-z, 0.0))
+            row[2] *= min(radius / 0.3, 1.5)
+            rows.append(tuple(row))
+    return rows
+
+
+def _acting(world: World, away: Array) -> list[tuple[int, Ints]]:
+    """Fishes within earshot, `away` (n,) cm, that bite, strike or start in this tick."""
+    fishes, minds = world.state.fishes, world.state.minds
+    begin = (world.state.tick - 1) * TICK_S
+    near = away < EARSHOT_CM
+    fed = near & (np.abs(minds.last_meal - begin) < 0.4 * TICK_S) & (minds.eaten > 0.0)
+    strikes = fed & (minds.kind == PREDATOR)
+    crunchers = np.array(["wrasse" in one.name.lower() for one in world.species], np.bool_)
+    crunches = fed & ~strikes & crunchers[fishes.species]
+    starts = near & fishes.alive & (minds.startled < 1.4 * TICK_S)
+    return [
+        (STRIKE, np.flatnonzero(strikes)),
+        (CRUNCH, np.flatnonzero(crunches)),
+        (POP, np.flatnonzero(fed & ~strikes & ~crunches)),
+        (WHOOSH, np.flatnonzero(starts)),
+    ]
+
+
+def _hull(world: World, listener: Listener) -> list[Row]:
+    """Knocks on stone, and creaks when the depth changes."""
+    submarine, seed, tick = world.state.submarine, world.state.seed, world.state.tick
+    rows = []
+    pushed = submarine.position - submarine.previous_position - TICK_S * submarine.velocity
+    push = float(np.linalg.norm(pushed))
+    if push > 0.5 and uniform(seed, 0, tick, TOUCH) < 0.2:
+        row = list(_event(world, listener, KNOCK, listener.place - METRE * pushed / push,
+                          submarine.velocity, 1))  # fmt: skip
+        row[2] *= min(push / 4.0, 1.0)
+        rows.append(tuple(row))
+    sinking = abs(float(submarine.velocity[2])) / 60.0
+    if uniform(seed, 0, tick, SETTLE) < 0.008 * min(sinking, 1.5):
+        aside = 2.0 * uniform(seed, 1, tick, SETTLE) - 1.0
+        place = listener.place + METRE * (aside * listener.axes[0] + listener.axes[2])
+        rows.append(_event(world, listener, CREAK, place, submarine.velocity, 2))
+    return rows
+
+
+def _beds(world: World, listener: Listener, amount: float) -> Array:
+    """Levels, directions and pitches of the beds, but of a school."""
+    beds = np.zeros((len(BEDS), len(BED_COLUMNS)))
+    beds[:, 4] = 1.0
+    depth = max(-float(listener.place[2]), 0.0)
+    beds[SURF, 0] = SURF_LEVEL * math.exp(-depth / SURF_CM)
+    beds[SURF, 1:4] = listener.axes[:, 2]
+    beds[CRACKLE, 0] = CRACKLE_LEVEL * math.sqrt(amount)
+    speed = float(np.linalg.norm(listener.velocity))
+    share = min(speed / AHEAD_CM_S, 2.0)
+    beds[FLOW, 0] = FLOW_LEVEL * share**2 * (1.0 if listener.aboard else 0.3)
+    if listener.aboard:
+        turning = float(np.abs(world.state.submarine.rates).max())
+        thrust = min(share + 0.5 * turning, 1.5)
+        beds[MOTOR, 0] = MOTOR_LEVEL * min(thrust, 1.0) * (0.4 + 0.6 * thrust)
+        beds[MOTOR, 1:4] = 0.0, -0.8, -0.6  # behind and below
+        beds[MOTOR, 4] = MOTOR_HZ + MOTOR_RISE_HZ * thrust
+        beds[BREATH, 0] = BREATH_LEVEL
+    sea = world.state.sea
+    if sea.catch[0] in (SINKING, HOOKED):
+        way, away = toward(listener.axes, listener.place, (sea.tackle[0], sea.tackle[1], 0.0))
+        beds[WINCH] = (WINCH_LEVEL * fading(away), *way,
+                       WINCH_HZ * _doppler(listener, way, np.zeros(3)))  # fmt: skip
+    return beds
+
+
+def _school(
+    world: World, listener: Listener, gap: Array, away: Array, bed: Array
+) -> list[tuple[str, float, float]]:
+    """Write the rush of fishes that swim close by to their `bed`; returns its caption."""
+    fishes = world.state.fishes
+    near = np.flatnonzero((away < SCHOOL_CM) & fishes.alive & (away > 1.0))
+    if not len(near):
+        return []
+    speed = np.linalg.norm(fishes.velocity[near] - fishes.drift[near], axis=1)
+    size = fishes.length[near] / 20.0
+    loud = (speed / 100.0) ** 2 * size**2 * (METRE / np.maximum(away[near], METRE)) ** 2
+    total = float(loud.sum())
+    bed[0] = min(SCHOOL_LEVEL * math.sqrt(total), MOST_SCHOOL)
+    bed[1:4] = listener.axes @ (loud @ (gap[near] / away[near, None])) / max(total, 1e-9)
+    heard = len(near) >= FEW and bed[0] > HEARD
+    return [(SCHOOL_WORDS, float(bed[1]), float(bed[0]))] if heard else []
