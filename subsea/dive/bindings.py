@@ -16,7 +16,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "film", "leave",
+    "picture", "film", "mute", "louder", "quieter", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -72,6 +72,9 @@ CONTROLS: dict[ControlName, Control] = {
     "rewind": Control("a second back", (",",)),
     "picture": Control("take a picture", ("F12",)),
     "film": Control("start a film, and end it", ("F10",)),
+    "mute": Control("sound off, and on", ("M",)),
+    "louder": Control("sound up", ("=",)),
+    "quieter": Control("sound down", ("-",)),
     "leave": Control("end the dive at once", ()),
 }  # fmt: skip
 

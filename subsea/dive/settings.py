@@ -97,6 +97,9 @@ class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
         "Ctrl+Shift+Q"
     )
+    volume: Annotated[
+        float, Meta(ge=0, le=1, description="0 to 1: of the sound, instead of `sound.volume`")
+    ] = 0.6
 
 
 class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -108,6 +111,28 @@ class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     instruments: Annotated[
         bool, Meta(description="with instruments, panels and all text of the window")
     ] = False
+
+
+class SoundSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The sound of a dive."""
+
+    volume: Annotated[float, Meta(ge=0, le=1, description="0 to 1: of everything")] = 0.8
+    sea: Annotated[
+        float, Meta(ge=0, le=1, description="0 to 1: reef, bubbles, waves, and the hook's winch")
+    ] = 1.0
+    fishes: Annotated[
+        float, Meta(ge=0, le=1, description="0 to 1: schools, mouths, turns and strikes")
+    ] = 1.0
+    vessel: Annotated[
+        float, Meta(ge=0, le=1, description="0 to 1: motor, water at the hull, breath, knocks")
+    ] = 1.0
+    mute: Annotated[bool, Meta(description="whether the dive begins without sound")] = False
+    night: Annotated[bool, Meta(description="whether loud sounds are softer")] = False
+    captions: Annotated[bool, Meta(description="whether sounds are shown in words")] = False
+    layout: Annotated[
+        Literal["mono", "stereo", "binaural", "quad", "5.1", "7.1"],
+        Meta(description="stereo, binaural for headphones, mono, quad, 5.1 or 7.1"),
+    ] = "stereo"
 
 
 class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -122,6 +147,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     attract: AttractSettings = AttractSettings()
     kiosk: KioskSettings = KioskSettings()
     pictures: PictureSettings = PictureSettings()
+    sound: SoundSettings = SoundSettings()
 
     @property
     def bindings(self) -> Bindings:
@@ -186,7 +212,9 @@ def kiosk_settings(settings: Settings) -> Settings:
             f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
             "at `kiosk.leave` of the settings"
         )
-    return msgspec.structs.replace(settings, controls=controls | {"leave": [key]})
+    sound = msgspec.structs.replace(settings.sound, volume=settings.kiosk.volume)
+    controls |= {"leave": [key]}
+    return msgspec.structs.replace(settings, controls=controls, sound=sound)
 
 
 def write_settings(path: Path, force: bool = False) -> None:

@@ -28,6 +28,10 @@ from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
+from subsea.sound.listening import listener_of
+from subsea.sound.mixer import Mixer, SoundLevels
+from subsea.sound.moment import Sources, hear
+from subsea.sound.space import LAYOUTS
 from subsea.state import Clock
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
@@ -93,6 +97,16 @@ def _motion() -> None:
     step.move_fishes(world, everyone, CLOCK)
 
 
+def _sound() -> None:
+    world = _open_water()
+    ears = listener_of(world)
+    around = Sources(np.array([[*ears.place, 500.0]]), np.array([[*ears.place, 30.0, 1.0]]))
+    mixer = Mixer(LAYOUTS["stereo"])
+    for tick in range(1, 40):  # until shrimp snap
+        world.state.tick = tick
+        mixer.mix(hear(world, ears, around), SoundLevels())
+
+
 def _open_water() -> World:
     """A world whose creation compiles little."""
     bare = dict.fromkeys(("rock", "outcrop", "arch", "seaweed", "vent", "reef", "tour"), ())
@@ -104,6 +118,7 @@ JOBS: dict[str, Callable[[], None]] = {
     "scenery": _scenery,
     "motion": _motion,
     "decisions": _decisions,
+    "sound": _sound,
 }
 """The parts of a dive, in the order of their start: the slowest to compile first."""
 

@@ -1,4 +1,4 @@
-"""The sound of a film: what is heard at the eye, tick by tick."""
+"""The sound of a film, heard at the eye, tick by tick."""
 
 from collections.abc import Callable
 from pathlib import Path

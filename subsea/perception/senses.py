@@ -21,7 +21,7 @@ LEAST_GRIDS = 4096  # ... and those in a sea whose grids are sorted side by side
 
 
 class Surroundings(NamedTuple):
-    """What any fish may look for, sorted."""
+    """All things that a fish may look for, sorted."""
 
     crowds: tuple[Crowd, Crowd]
     specks: Grid

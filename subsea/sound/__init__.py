@@ -1,4 +1,4 @@
-"""What is heard in a sea: from its state and a listener to samples.
+"""The sound of a sea: from its state and a listener to samples.
 
 Nothing here draws or opens a window; `device` alone plays sound.
 """

@@ -98,7 +98,7 @@ class Mixer:
 
 def rounded(samples: Array, room: float) -> Array:
     """Samples whose peaks beyond `room` are rounded to stay below 1, or below 1.25 `room`."""
-    most = min(1.0, 1.25 * room) - room
+    most = min(0.999, 1.25 * room) - room
     size = np.abs(samples)
     over = size > room
     if over.any():

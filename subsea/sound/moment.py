@@ -1,4 +1,4 @@
-"""What sounds in one tick: events, and beds that sound on."""
+"""Sounds of one tick: events, and beds that sound on."""
 
 import math
 from typing import NamedTuple
@@ -56,7 +56,7 @@ Row = tuple[float, ...]
 
 
 class Moment(NamedTuple):
-    """What is heard in a tick."""
+    """The sounds of a tick, as a listener hears them."""
 
     tick: int
     seed: int
@@ -66,7 +66,7 @@ class Moment(NamedTuple):
 
 
 class Sources(NamedTuple):
-    """What does not move: stones and vents of a world."""
+    """Stones and vents of a world, which do not move."""
 
     stones: Array  # (s, 4) middle and size, cm
     vents: Array  # (v, 5) foot, cm, bubbles a second, largest diameter, cm
@@ -90,7 +90,7 @@ def sources_of(world: World) -> Sources:
 
 
 def hear(world: World, listener: Listener, sources: Sources) -> Moment:
-    """What is heard in the tick that the world has just made."""
+    """The sounds of the tick that the world has just made."""
     rows: list[Row] = []
     words: list[tuple[str, float, float]] = []
     area = _area_around(sources.stones, listener)
@@ -149,7 +149,7 @@ def _doppler(listener: Listener, way: tuple[float, float, float], velocity: Arra
 
 
 def _area_around(stones: Array, listener: Listener) -> Array:
-    """How large each stone (s,) appears, as a share of a whole reef around."""
+    """The apparent size of each stone (s,), as a share of a whole reef around."""
     away = np.linalg.norm(stones[:, :3] - listener.place, axis=1)
     return np.asarray((stones[:, 3] / np.maximum(away, REEF_CM)) ** 2)
 

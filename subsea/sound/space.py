@@ -17,14 +17,14 @@ RATE = 48_000  # samples a second
 BLOCK = round(TICK_S * RATE)  # of a tick
 SOUND_CM_S = 150_000.0  # in sea water
 
-NEAREST_CM = 50.0  # nearer sources are no louder
+NEAREST_CM = 50.0  # nearer sources are as loud
 METRE = 100.0  # levels of sources are given at 1 m
 CLEAR_HZ, DULL_CM = 20_000.0, 3000.0  # low-pass of water (designed): half the band in this way
 OPEN_HZ, SHADOWED_HZ = 20_000.0, 3500.0  # low-pass of the head: at the near ear, and the far one
 # Width of the picture of sound, and the longest delay between two ears, s. Under water people
 # hardly hear directions: in loudspeakers the true delay across a head, for headphones that in air.
 STEREO_WIDTH, STEREO_S = 0.8, 0.2 / 1500.0
-BINAURAL_WIDTH, BINAURAL_S = 1.0, 0.2 / 343.0
+BINAURAL_WIDTH, BINAURAL_S = 0.6, 0.2 / 343.0
 FOCUS = 5.0  # how narrow a source is among several loudspeakers
 
 
@@ -157,10 +157,10 @@ def pan(directions: Array, width: float, way: Vector, gains: Array) -> None:
         gains[c] = 0.0
         if x != 0.0 or y != 0.0 or z != 0.0:
             near = 0.5 + 0.5 * (x * way[0] + y * way[1] + z * way[2])
-            gains[c] = near**FOCUS
+            gains[c] = max(near, 0.01) ** FOCUS
         power += gains[c] ** 2
     for c in range(number):
-        gains[c] /= math.sqrt(max(power, 1e-12))
+        gains[c] /= math.sqrt(power)
 
 
 @kernel
@@ -170,6 +170,6 @@ def reach_ears(width: float, delay_s: float, way: Vector, delays: Array, corners
     corners[:] = OPEN_HZ
     if width > 0.0:
         far = 0 if way[0] > 0.0 else 1
-        aside = width * abs(way[0])
+        aside = abs(way[0])
         delays[far] = aside * delay_s * RATE
         corners[far] = OPEN_HZ * (SHADOWED_HZ / OPEN_HZ) ** aside

@@ -18,7 +18,7 @@ SNAP, BUBBLE, POP, CRUNCH, WHOOSH, STRIKE, KNOCK, CREAK = range(8)
 LONGEST = RATE  # samples of any sound
 GAMMA, AIR_PA, WATER_KG_M3, GRAVITY = 1.4, 101_325.0, 1025.0, 9.81
 RINGS = 18.0  # oscillations in which a bubble fades by a factor e, about those of 1 to 5 mm
-GLIDE = 1.5  # 1/s: by how much a bubble that rises and shrinks from its ring goes up
+GLIDE = 0.8  # 1/s: by how much a bubble that rises and shrinks from its ring goes up
 NOISE = np.int64(300)  # key of the random numbers
 
 
@@ -95,8 +95,8 @@ def _add_damped(hz: float, fade_s: float, level: float, number: int, out: Array)
 @kernel
 def _snap(pitch: float, seed: int, out: Array) -> int:
     """The collapse of a bubble at a shrimp's claw: a click of 2 to 15 kHz, a millisecond long."""
-    hz = pitch * (3000.0 + 5000.0 * uniform(seed, 1, 0, NOISE))
-    fade = 1.2e-4 + 2.0e-4 * uniform(seed, 2, 0, NOISE)
+    hz = pitch * (4000.0 + 5000.0 * uniform(seed, 1, 0, NOISE))
+    fade = 1.6e-4 + 2.0e-4 * uniform(seed, 2, 0, NOISE)
     number = int(8.0 * fade * RATE)
     out[:number] = 0.0
     _add_damped(hz, fade, 1.0, number, out)
@@ -140,7 +140,7 @@ def _crunch(pitch: float, seed: int, out: Array) -> int:
     out[:number] = 0.0
     for b in range(5 + int(4.0 * uniform(seed, 0, 0, NOISE))):
         first = int(0.15 * RATE * uniform(seed, b, 1, NOISE))
-        loud = 1.6 * (0.4 + 0.6 * uniform(seed, b, 2, NOISE))
+        loud = 2.4 * (0.4 + 0.6 * uniform(seed, b, 2, NOISE))
         shrink = math.exp(-1.0 / (0.004 * RATE))
         for k in range(first, number):
             out[k] += min((k - first) / (0.0006 * RATE), 1.0) * loud
@@ -152,13 +152,14 @@ def _crunch(pitch: float, seed: int, out: Array) -> int:
 @kernel
 def _band(from_hz: float, to_hz: float, number: int, seed: int, out: Array) -> None:
     """Multiply samples by noise in a band."""
-    low, high, state = 0.0, 0.0, noise_seed(seed, 0)
+    low, lower, high, state = 0.0, 0.0, 0.0, noise_seed(seed, 0)
     fast, slow = one_pole(to_hz), one_pole(from_hz)
     for k in range(number):
         state = next_noise(state)
         low += fast * (white(state) - low)
-        high += slow * (low - high)
-        out[k] *= low - high
+        lower += fast * (low - lower)
+        high += slow * (lower - high)
+        out[k] *= lower - high
 
 
 @kernel
@@ -167,7 +168,7 @@ def _rush(seconds: float, from_hz: float, to_hz: float, seed: int, out: Array) -
     number = int(seconds * RATE)
     for k in range(number):
         share = k / number
-        out[k] = 6.0 * math.sin(math.pi * share) ** 2 * (1.0 - 0.5 * share)
+        out[k] = 9.0 * math.sin(math.pi * share) ** 2 * (1.0 - 0.5 * share)
     _band(from_hz, to_hz, number, seed, out)
     return number
 
@@ -201,11 +202,11 @@ def _creak(pitch: float, seed: int, out: Array) -> int:
     hz = pitch * (420.0 + 380.0 * uniform(seed, 1, 0, NOISE))
     rate = 28.0 + 30.0 * uniform(seed, 2, 0, NOISE)
     out[:number] = 0.0
-    while int(first) < number:
+    while int(first) < number - int(0.05 * RATE):
         share = first / number
         level = math.sin(math.pi * share) ** 0.5 * (0.5 + 0.5 * uniform(seed, slips, 3, NOISE))
         begin = int(first)
-        _add_damped(hz, 0.006, level, min(number - begin, int(0.05 * RATE)), out[begin:])
+        _add_damped(hz, 0.006, level, int(0.05 * RATE), out[begin:])
         first += RATE / (rate * (1.0 + 0.7 * share))
         slips += 1
     return number

@@ -14,7 +14,10 @@ from subsea.view.unproject import front_view
 from subsea.world.world import TICK_S
 
 SHARED_TIME = "several computers show this dive: its time goes on"
-WITH_MENU: tuple[Command, ...] = ("fullscreen", "leave", "picture", "film")  # work while it is open
+# These work while the menu is open.
+WITH_MENU: tuple[Command, ...] = (
+    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter",
+)  # fmt: skip
 
 
 class Commands:
@@ -41,6 +44,9 @@ class Commands:
             "picture": dive.take_picture,
             "film": lambda: dive.shots.film(dive.window.size),
             "instruments": lambda: dive.overlay.note(f"instruments: {dive.overlay.hud.cycle()}"),
+            "mute": lambda: dive.sound.mute(),
+            "louder": lambda: dive.sound.turn(up=True),
+            "quieter": lambda: dive.sound.turn(up=False),
             "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,
             "leave": dive.window.ask_to_close,

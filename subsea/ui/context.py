@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from subsea.dive.bindings import Command
+from subsea.dive.live_sound import LiveSound
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
@@ -30,6 +31,7 @@ class DiveContext(Protocol):
     overlay: Overlay
     picture: ScenePicture
     shots: ScreenCapture
+    sound: LiveSound
     window: GlWindow  # the pilot's
     pilot: Pilot
     tick_source: TickSource

@@ -13,6 +13,7 @@ from subsea.core.interrupts import deferred_interrupts
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
+from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
@@ -152,6 +153,8 @@ class Dive:
         self.window = self.window_set.front
         with ExitStack() as undo:
             undo.callback(opening.close)
+            self.sound = LiveSound(settings.sound, lambda text: self.overlay.note(text), say)
+            undo.callback(self.sound.close)
             self.picture = ScenePicture(self.window_set, opening.rig, display)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
@@ -249,6 +252,7 @@ class Dive:
         self.tick_source.steered_fish = None
         self.world.seen_light.clear()
         self._seen_tick = 0
+        self.sound.fish = fish
         self.pilot.set_riding(self.picture.ride is not None)
         self.picture.jump()
         self.picture.arrange(self.overlay.help_hidden)
@@ -263,6 +267,7 @@ class Dive:
         for line in (*self.window_set.notes(), *self.world.notices):
             self.note(line)
         self.world.notices.clear()
+        self.sound.check()
         self.tours.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
@@ -329,6 +334,8 @@ class Dive:
                 if self.timeline is not None:
                     self.timeline.touch()
             self.world, self._seen_tick = world, 0
+            self.sound.fish = None
+            self.sound.attend(world)
             self.picture.eye = self.tick_source.eye()
             self.inspector.reset()
             self._of_world = undo.pop_all()

@@ -47,6 +47,7 @@ DISPLAYS = {
     "equirectangular": "All round",
     "stereo": "3D, shutter glasses",
 }
+VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
 QUALITIES = {"auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High"}
 
 
@@ -83,6 +84,7 @@ class Menu:
             "": self._first,
             "Display": self._displays,
             "Quality": self._qualities,
+            "Sound": self._sounds,
             "Scenario": self._scenarios,
         }
 
@@ -241,6 +243,8 @@ class Menu:
         if not self.kiosk:
             now = QUALITIES[dive.picture.quality]
             yield Entry("Quality", partial(self._open_page, "Quality"), now)
+        if not self.kiosk:
+            yield Entry("Sound", partial(self._open_page, "Sound"), dive.sound.text)
         if not dive.shared:
             yield Entry("Scenario", partial(self._open_page, "Scenario"), dive.scenario.title)
         if not self.kiosk and not dive.window.fixed:
@@ -261,6 +265,22 @@ class Menu:
         for name in CHOICES:
             choose = partial(picture.choose, name)
             yield Entry(QUALITIES[name], choose, chosen=name == picture.quality)
+        yield self._back()
+
+    def _sounds(self) -> Iterator[Entry]:
+        sound = self.dive.sound
+        own = sound.settings
+        for volume in VOLUMES:
+            choose = partial(sound.change, volume=volume, mute=False)
+            now = not own.mute and own.volume == volume
+            yield Entry(f"{volume:.0%}", choose, chosen=now)
+        yield Entry("Off", partial(sound.change, mute=True), chosen=own.mute)
+        for name, on, about in (
+            ("night", own.night, "Loud sounds are softer."),
+            ("captions", own.captions, "Sounds are shown in words."),
+        ):
+            flip = partial(sound.change, **{name: not on})
+            yield Entry(name.capitalize(), flip, "on" if on else "off", about=about)
         yield self._back()
 
     def _scenarios(self) -> Iterator[Entry]:

@@ -81,6 +81,8 @@ def step(world: World, order: Order) -> None:
     else:
         steer(world, state.submarine, order if isinstance(order, Helm) else STATION)
     state.tick += 1
+    for observe in world.observers:
+        observe(world)
 
 
 def move_water(world: World, everyone: Ints, clock: Clock) -> None:

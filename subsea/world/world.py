@@ -1,6 +1,6 @@
 """A world: the constants of a dive, and the state."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,6 +34,8 @@ class World:
     # Brightness of rendered eye views, for fishes that use it in place of the ambient light.
     seen_light: dict[int, float] = field(default_factory=dict)
     notices: list[str] = field(default_factory=list)  # lines to show, cleared by the reader
+    # Functions to call after every tick.
+    observers: list[Callable[["World"], object]] = field(default_factory=list)
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
 
     @property

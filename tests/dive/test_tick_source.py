@@ -271,7 +271,8 @@ def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):
         timeline=None,
         picture=SimpleNamespace(open_world=lambda *given: done.append("scene"), close_world=None),
         inspector=SimpleNamespace(reset=lambda: None),
+        sound=SimpleNamespace(fish=None, attend=lambda world: done.append("heard")),
     )
     monkeypatch.setattr(dive, "endless_tour", lambda world, tour: done.append("boarded") or tour)
     dive.Dive._show_world(running, world, tour="reef")
-    assert done == ["listens", "scene", "resumed", "boarded", "reef"]
+    assert done == ["listens", "scene", "resumed", "boarded", "reef", "heard"]

@@ -330,5 +330,5 @@ def test_help_is_shown_from_it(boat, menu, user, monkeypatch):
 
 
 def test_leaving_is_its_last_entry(boat, menu, user):
-    press(boat, user, *["Down"] * 6, "Return")
+    press(boat, user, *["Down"] * 7, "Return")
     assert not boat.window.open

@@ -1,0 +1,102 @@
+"""The sound of a dive, volumes, and captions of sounds."""
+
+from collections.abc import Callable
+
+import msgspec
+
+from subsea.dive.settings import SoundSettings
+from subsea.sound.device import Open, Player, open_device
+from subsea.sound.listening import listener_of
+from subsea.sound.mixer import SoundLevels
+from subsea.sound.moment import Moment, Sources, hear, side_of, sources_of
+from subsea.sound.space import layout_of
+from subsea.world.world import TICK_S, World
+
+STEP = 0.1  # of the volume
+CAPTION_S = 6.0  # until the same caption may return
+
+
+class LiveSound:
+    """Listens to every tick of a world, and plays it."""
+
+    def __init__(
+        self,
+        settings: SoundSettings,
+        note: Callable[[str], object],
+        log: Callable[[str], object],
+        open_one: Open = open_device,
+    ) -> None:
+        """Silent until a world is given.
+
+        `note` shows volumes and captions, `log` tells of the device.
+        """
+        self.settings = settings
+        self.fish: int | None = None  # that listens; None: the pilot
+        self._note, self._log = note, log
+        self._player = Player(layout_of(settings.layout), self.levels, open_one)
+        self._world: World | None = None
+        self._sources: Sources | None = None
+        self._said: dict[str, float] = {}  # time of the dive of each caption
+
+    @property
+    def levels(self) -> SoundLevels:
+        """The volumes, as the mixer takes them."""
+        own = self.settings
+        return SoundLevels(own.volume, own.sea, own.fishes, own.vessel, own.mute, own.night)
+
+    def attend(self, world: World | None) -> None:
+        """Listen to this world from now on, and to no other."""
+        if self._world is not None:
+            self._world.observers.remove(self._listen)
+        self._world, self._sources = world, None if world is None else sources_of(world)
+        self._said.clear()
+        if world is not None:
+            world.observers.append(self._listen)
+
+    def change(self, **settings: object) -> None:
+        """Change settings; they are heard at once."""
+        self.settings = msgspec.structs.replace(self.settings, **settings)
+        self._player.levels = self.levels
+
+    def turn(self, up: bool) -> None:
+        """Turn the volume up or down by a step, and the sound on."""
+        volume = round(min(max(self.settings.volume + (STEP if up else -STEP), 0.0), 1.0), 2)
+        self.change(volume=volume, mute=False)
+        self._note(self.text)
+
+    def mute(self) -> None:
+        """Turn the sound off or on."""
+        self.change(mute=not self.settings.mute)
+        self._note(self.text)
+
+    @property
+    def text(self) -> str:
+        """The volume in words."""
+        return "sound off" if self.settings.mute else f"sound {self.settings.volume:.0%}"
+
+    def check(self) -> None:
+        """Look after the device, once a frame."""
+        if line := self._player.check():
+            self._log(line)
+
+    def close(self) -> None:
+        """Stop."""
+        self.attend(None)
+        self._player.close()
+
+    def _listen(self, world: World) -> None:
+        if self._sources is None:
+            return
+        moment = hear(world, listener_of(world, self.fish), self._sources)
+        self._player.push(moment)
+        if self.settings.captions:
+            self._caption(moment)
+
+    def _caption(self, moment: Moment) -> None:
+        """Show the loudest sound that has not just been shown."""
+        now = moment.tick * TICK_S
+        for words, right, _ in sorted(moment.words, key=lambda one: -one[2]):
+            if now - self._said.get(words, -CAPTION_S) >= CAPTION_S:
+                self._said[words] = now
+                self._note(f"[{words}, {side_of(right)}]")
+                return

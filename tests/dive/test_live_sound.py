@@ -1,0 +1,78 @@
+"""Sound of a dive: settings, captions and who listens."""
+
+import numpy as np
+import pytest
+
+from subsea.dive.live_sound import LiveSound
+from subsea.dive.settings import SoundSettings
+from subsea.scenario.load import load_scenario
+from subsea.sound.moment import Moment
+from subsea.submarine.helm import NEUTRAL
+from subsea.world.build import create_world
+from subsea.world.step import step
+from tests.support.scenes import BARE
+
+
+class Deaf:
+    """A device that asks for nothing."""
+
+    def __init__(self, channels, samples):
+        self.channels = channels
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def sound():
+    lines = []
+    made = LiveSound(SoundSettings(), lines.append, lines.append, Deaf)
+    yield made, lines
+    made.close()
+
+
+def test_it_listens_to_every_tick_of_one_world(sound):
+    live, _ = sound
+    worlds = [create_world(load_scenario(str(BARE))[0]) for _ in range(2)]
+    for world in worlds:
+        live.attend(world)
+        for _ in range(3):
+            step(world, NEUTRAL)
+    assert [len(world.observers) for world in worlds] == [0, 1]
+    assert len(live._player._waiting) == 6
+    live.close()
+    assert worlds[1].observers == []
+
+
+def test_a_ridden_fish_hears_no_motor(sound):
+    live, _ = sound
+    world = create_world(load_scenario(str(BARE))[0], fish=3)
+    live.attend(world)
+    step(world, NEUTRAL)
+    live.fish = 0
+    step(world, NEUTRAL)
+    aboard, outside = (moment for _, moment in live._player._waiting)
+    assert aboard.beds[6, 0] > 0.0  # breath
+    assert outside.beds[6, 0] == 0.0
+
+
+def test_volumes_are_heard_at_once_and_shown(sound):
+    live, lines = sound
+    live.turn(up=False)
+    assert live._player.levels.volume == pytest.approx(0.7)
+    live.mute()
+    assert live._player.levels.mute
+    live.turn(up=True)
+    assert not live._player.levels.mute
+    for _ in range(9):
+        live.turn(up=True)
+    assert live._player.levels.volume == 1.0
+    assert lines[:3] == ["sound 70%", "sound off", "sound 80%"]
+
+
+def test_captions_name_the_sound_and_its_side_but_not_again_and_again(sound):
+    live, lines = sound
+    school = ("a school passes", -0.9, 0.1), ("crunching", 0.8, 0.05)
+    for tick in (1, 2, 3, 400):
+        live._caption(Moment(tick, 1, np.zeros((0, 10)), np.zeros((7, 5)), school))
+    assert lines == ["[a school passes, left]", "[crunching, right]", "[a school passes, left]"]

@@ -1,0 +1,226 @@
+"""The sound of a dive: levels, groups, and how it is cut."""
+
+import wave
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from subsea.sound.mixer import Mixer, SoundLevels, rounded
+from subsea.sound.moment import (
+    BED_COLUMNS,
+    BEDS,
+    BUBBLE,
+    EVENT_COLUMNS,
+    GROUPS,
+    MOTOR,
+    SNAP,
+    SNAPS_S,
+    STRIKE,
+    WINCH,
+    Moment,
+    Sources,
+    hear,
+    side_of,
+)
+from subsea.sound.soundtrack import Soundtrack, render, stems, write_wav
+from subsea.sound.space import BLOCK, LAYOUTS, RATE, fading
+from subsea.sound.voices import KNOCK, WHOOSH, minnaert_hz
+from tests.sound.conftest import ears
+
+STEREO = LAYOUTS["stereo"]
+FULL = SoundLevels(volume=1.0)
+SILENT = np.zeros((len(BEDS), len(BED_COLUMNS)))
+
+
+def moment(*events, beds=SILENT, tick=1):
+    return Moment(tick, 1, np.array(events).reshape(-1, len(EVENT_COLUMNS)), beds, ())
+
+
+def event(voice, level=0.5, way=(0.0, 1.0, 0.0), when=0.0, size=1000.0, pitch=1.0, away=100.0):
+    return (voice, when, level, *way, away, size, pitch, 7.0)
+
+
+def bed(number, level, pitch=100.0, way=(0.0, 1.0, 0.0)):
+    beds = SILENT.copy()
+    beds[number] = (level, *way, pitch)
+    return beds
+
+
+def mixed(*moments, layout=STEREO, levels=FULL):
+    mixer = Mixer(layout)
+    return np.concatenate([mixer.mix(one, levels) for one in moments])
+
+
+@given(cuts=st.lists(st.integers(1, 60_000), max_size=4), start=st.floats(0.0, 4.0))
+@settings(max_examples=10, deadline=None)
+def test_any_cuts_give_the_same_samples(heard, cuts, start):
+    moments = heard[1].moments[:40]
+    edges = [0, *sorted({*cuts, 40_000})]
+    parts = [
+        render(moments, STEREO, (round(start * RATE) + a) / RATE, b - a)
+        for a, b in zip(edges, edges[1:], strict=False)
+    ]
+    whole = render(moments, STEREO, round(start * RATE) / RATE, edges[-1])
+    assert (np.concatenate(parts) == whole).all()
+
+
+def test_the_same_dive_sounds_the_same(heard):
+    world, track = heard
+    again = Soundtrack(STEREO)
+    again.moments = list(track.moments)
+    assert (track.render(0.0, 50_000) == again.render(0.0, 50_000)).all()
+    assert world.state.tick == track.moments[-1].tick
+    assert (render(track.moments, STEREO, 60.0, 100) == 0.0).all()  # after the end
+
+
+def test_the_bay_is_heard_without_clicks_or_clipping(heard):
+    samples = render(heard[1].moments, STEREO, 0.0, 5 * RATE)
+    assert 0.002 < np.sqrt((samples**2).mean()) < 0.2
+    assert np.abs(samples).max() < 1.0
+    # A band up to 15 kHz cannot step farther than this from one sample to the next.
+    assert np.abs(np.diff(samples, axis=0)).max() < 2.0 * np.abs(samples).max()
+    voices = {int(voice) for one in heard[1].moments for voice in one.events[:, 0]}
+    assert {SNAP, BUBBLE} <= voices
+
+
+def test_borders_of_ticks_are_not_heard(heard):
+    """Steps at the first samples of ticks are like all others."""
+    beds = [one._replace(events=one.events[:0]) for one in heard[1].moments[:60]]
+    samples = render(beds, STEREO, 0.0, 60 * BLOCK)[:, 0].astype(float)
+    steps = np.abs(np.diff(samples))
+    at_borders = steps[BLOCK - 1 :: BLOCK]
+    assert at_borders.mean() < 1.5 * steps.mean()
+    assert at_borders.max() <= steps.max()
+
+
+def test_all_muted_is_silence(heard):
+    for levels in (
+        SoundLevels(mute=True),
+        SoundLevels(volume=0.0),
+        SoundLevels(1.0, 0.0, 0.0, 0.0),
+    ):
+        assert not mixed(*heard[1].moments[:20], levels=levels).any()
+
+
+def test_groups_add_up_to_the_whole(heard):
+    moments = heard[1].moments[:40]
+    parts = stems(moments, STEREO)
+    assert tuple(parts) == GROUPS
+    assert sum(parts.values()) == pytest.approx(mixed(*moments), abs=1e-5)
+    sea = mixed(*moments, levels=SoundLevels(1.0, 1.0, 0.0, 0.0))
+    assert sea == pytest.approx(parts["sea"], abs=1e-5)
+    assert np.abs(parts["vessel"]).max() > 0.001
+
+
+def test_levels_fall_with_distance(heard):
+    world, _ = heard
+    rms = []
+    for away in (200.0, 400.0):
+        found = mixed(moment(event(KNOCK, fading(away), away=away), tick=1), moment(tick=2))
+        rms.append(np.sqrt((found**2).mean()))
+    assert rms[1] == pytest.approx(0.5 * rms[0], rel=0.05)
+
+
+def test_pan_and_delay_of_an_event():
+    right = mixed(moment(event(KNOCK, way=(1.0, 0.0, 0.0))), layout=LAYOUTS["binaural"])
+    assert np.abs(right[:, 1]).max() > 1.5 * np.abs(right[:, 0]).max()
+    first = [np.flatnonzero(np.abs(channel) > 1e-4)[0] for channel in right.T]
+    assert 20 < first[0] - first[1] < 40  # 28 samples are 0.58 ms
+    ahead = mixed(moment(event(KNOCK)), layout=LAYOUTS["binaural"])
+    assert ahead[:, 0] == pytest.approx(ahead[:, 1])
+
+
+def test_an_event_goes_on_in_later_ticks():
+    found = mixed(moment(event(WHOOSH, when=0.5)), *(moment(tick=k) for k in range(2, 20)))
+    assert not found[: BLOCK // 2].any()
+    assert found[5 * BLOCK : 8 * BLOCK].any()
+    assert not found[-BLOCK:].any()
+
+
+@pytest.mark.parametrize(("number", "hz"), [(MOTOR, 60.0), (WINCH, 170.0)])
+def test_tones_have_the_pitch_that_is_asked_for(number, hz):
+    found = mixed(*(moment(beds=bed(number, 0.2, hz), tick=k) for k in range(1, 60)))[:, 0]
+    power = np.abs(np.fft.rfft(found[BLOCK:] * np.hanning(len(found) - BLOCK), RATE)) ** 2
+    assert power.argmax() == pytest.approx(hz, abs=1.5)
+
+
+def test_a_bubble_is_heard_at_its_resonance():
+    hz = minnaert_hz(0.25, 400.0)
+    found = mixed(moment(event(BUBBLE, size=hz)), moment(tick=2), moment(tick=3))[:, 0]
+    assert np.abs(np.fft.rfft(found, RATE)).argmax() == pytest.approx(hz, rel=0.02)
+
+
+def test_a_source_that_passes_falls_in_pitch(heard):
+    """Doppler, as an event's row has it."""
+    world, _ = heard
+    from subsea.sound.moment import _event
+
+    comes = _event(
+        world, ears(), STRIKE, np.array([300.0, 0, -300.0]), np.array([-3000.0, 0, 0]), 1
+    )
+    goes = _event(world, ears(), STRIKE, np.array([300.0, 0, -300.0]), np.array([3000.0, 0, 0]), 1)
+    pitch = EVENT_COLUMNS.index("pitch")
+    assert comes[pitch] == pytest.approx(1.0 / 0.98)
+    assert goes[pitch] == pytest.approx(1.0 / 1.02)
+
+
+def test_volumes_change_without_a_step():
+    beds = [moment(beds=bed(MOTOR, 0.5, 50.0), tick=k) for k in range(1, 5)]
+    mixer = Mixer(STEREO)
+    blocks = [
+        mixer.mix(one, SoundLevels(volume)) for one, volume in zip(beds, (1, 1, 0, 0), strict=True)
+    ]
+    assert not blocks[3].any()
+    whole = np.concatenate(blocks)[:, 0]
+    assert np.abs(np.diff(whole)).max() < 1.2 * np.abs(np.diff(blocks[0][:, 0])).max()
+
+
+def test_no_sample_is_beyond_full_scale():
+    loud = moment(*[event(STRIKE, 1.0, when=k / 30) for k in range(30)])
+    found = mixed(loud, moment(tick=2))
+    assert 0.9 < np.abs(found).max() < 1.0
+    calm = mixed(loud, moment(tick=2), levels=SoundLevels(1.0, night=True))
+    assert np.abs(calm).max() < 0.4
+    assert (rounded(np.array([0.1, -0.5]), 0.8) == [0.1, -0.5]).all()
+
+
+def test_shrimp_snap_more_where_there_is_more_stone(heard):
+    world, _ = heard
+
+    def snaps(size):
+        around = Sources(np.array([[100.0, 0.0, -300.0, size]]), np.zeros((0, 5)))
+        count = 0
+        for tick in range(1, 400):
+            world.state.tick = tick
+            count += int((hear(world, ears(), around).events[:, 0] == SNAP).sum())
+        return count / (399 * 0.033)
+
+    tick = world.state.tick
+    few, many = snaps(20.0), snaps(400.0)
+    world.state.tick = tick
+    assert few < 0.2 * many
+    assert many == pytest.approx(SNAPS_S, rel=0.15)
+
+
+def test_only_aboard_the_vessel_is_heard(heard):
+    world, _ = heard
+    around = Sources(np.zeros((0, 4)), np.zeros((0, 5)))
+    inside, outside = (hear(world, ears(velocity=(60.0, 0, 0), aboard=x), around) for x in (1, 0))
+    assert inside.beds[MOTOR, 0] > 0.0
+    assert outside.beds[MOTOR, 0] == 0.0
+    assert 0.0 < outside.beds[BEDS.index("flow"), 0] < inside.beds[BEDS.index("flow"), 0]
+
+
+def test_sides_in_words():
+    assert [side_of(right) for right in (-0.9, 0.0, 0.9)] == ["left", "ahead", "right"]
+
+
+def test_a_wav_file(tmp_path):
+    samples = np.array([[0.0, 1.0], [-1.0, 0.5]])
+    write_wav(tmp_path / "a.wav", samples)
+    with wave.open(str(tmp_path / "a.wav")) as file:
+        assert (file.getnchannels(), file.getframerate(), file.getnframes()) == (2, RATE, 2)
+        words = np.frombuffer(file.readframes(2), "<i2").reshape(2, 2)
+    assert words == pytest.approx(np.array([[0, 32767], [-32767, 16384]]), abs=1)
