@@ -91,7 +91,8 @@ def test_without_a_device_there_is_one_line(monkeypatch):
 
     player = Player(STEREO, FULL, none)
     assert player.check() == "no sound: the system has no device"
-    monkeypatch.setattr(time, "monotonic", lambda now=time.monotonic(): now + 60.0)
+    later = time.monotonic() + 60.0
+    monkeypatch.setattr(time, "monotonic", lambda: later)
     assert player.check() == ""
 
 

@@ -1,6 +1,7 @@
 """The sound of a dive: levels, groups, and how it is cut."""
 
 import wave
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from subsea.sound.moment import (
     WINCH,
     Moment,
     Sources,
+    _event,
     hear,
     side_of,
 )
@@ -59,8 +61,7 @@ def test_any_cuts_give_the_same_samples(heard, cuts, start):
     moments = heard[1].moments[:40]
     edges = [0, *sorted({*cuts, 40_000})]
     parts = [
-        render(moments, STEREO, (round(start * RATE) + a) / RATE, b - a)
-        for a, b in zip(edges, edges[1:], strict=False)
+        render(moments, STEREO, (round(start * RATE) + a) / RATE, b - a) for a, b in pairwise(edges)
     ]
     whole = render(moments, STEREO, round(start * RATE) / RATE, edges[-1])
     assert (np.concatenate(parts) == whole).all()
@@ -91,8 +92,8 @@ def test_borders_of_ticks_are_not_heard(heard):
     samples = render(beds, STEREO, 0.0, 60 * BLOCK)[:, 0].astype(float)
     steps = np.abs(np.diff(samples))
     at_borders = steps[BLOCK - 1 :: BLOCK]
-    assert at_borders.mean() < 1.5 * steps.mean()
-    assert at_borders.max() <= steps.max()
+    assert np.median(at_borders) < 2.0 * np.median(steps)
+    assert at_borders.max() <= 1.2 * np.delete(steps, slice(BLOCK - 1, None, BLOCK)).max()
 
 
 def test_all_muted_is_silence(heard):
@@ -114,8 +115,7 @@ def test_groups_add_up_to_the_whole(heard):
     assert np.abs(parts["vessel"]).max() > 0.001
 
 
-def test_levels_fall_with_distance(heard):
-    world, _ = heard
+def test_levels_fall_with_distance():
     rms = []
     for away in (200.0, 400.0):
         found = mixed(moment(event(KNOCK, fading(away), away=away), tick=1), moment(tick=2))
@@ -155,12 +155,8 @@ def test_a_bubble_is_heard_at_its_resonance():
 def test_a_source_that_passes_falls_in_pitch(heard):
     """Doppler, as an event's row has it."""
     world, _ = heard
-    from subsea.sound.moment import _event
-
-    comes = _event(
-        world, ears(), STRIKE, np.array([300.0, 0, -300.0]), np.array([-3000.0, 0, 0]), 1
-    )
-    goes = _event(world, ears(), STRIKE, np.array([300.0, 0, -300.0]), np.array([3000.0, 0, 0]), 1)
+    ahead, speed = np.array([300.0, 0.0, -300.0]), np.array([3000.0, 0.0, 0.0])
+    comes, goes = (_event(world, ears(), STRIKE, ahead, way, 1) for way in (-speed, speed))
     pitch = EVENT_COLUMNS.index("pitch")
     assert comes[pitch] == pytest.approx(1.0 / 0.98)
     assert goes[pitch] == pytest.approx(1.0 / 1.02)
