@@ -147,6 +147,8 @@ def film(options: TourFilmOptions) -> int:
                 write(k, pictures)
                 durations.append(drawn - begun)
                 done()
+            if sound is not None:  # it ends with the last frame, not at its beginning
+                reach(world, end, steer, check, after=listen)
         if sound is not None:
             write_sound(sound, seconds, options.audio, options.audio_stems)
     except KeyboardInterrupt:

@@ -168,6 +168,7 @@ def film_writer(
                     raise
                 interrupted = interrupt
             container.mux(stream.encode(None))
+            add_sound(float(frames / rate))
             add_sound(None)
         if metadata.boxes:
             insert_boxes(temporary, metadata.boxes)
