@@ -9,7 +9,7 @@ from subsea.sound.device import Open, Player, open_device
 from subsea.sound.listening import listener_of
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.moment import Moment, Sources, hear, side_of, sources_of
-from subsea.sound.space import layout_of
+from subsea.sound.space import Layout, layout_of
 from subsea.world.world import TICK_S, World
 
 STEP = 0.1  # of the volume
@@ -24,16 +24,20 @@ class LiveSound:
         settings: SoundSettings,
         note: Callable[[str], object],
         log: Callable[[str], object],
+        loudspeakers: Layout | None = None,
         open_one: Open = open_device,
     ) -> None:
         """Silent until a world is given.
 
-        `note` shows volumes and captions, `log` tells of the device.
+        `note` shows volumes and captions, `log` tells of the device. `loudspeakers` replace the
+        layout of the settings; without a channel they are silent, and no device is opened.
         """
+        layout = layout_of(settings.layout) if loudspeakers is None else loudspeakers
         self.settings = settings
         self.fish: int | None = None  # that listens; None: the pilot
         self._note, self._log = note, log
-        self._player = Player(layout_of(settings.layout), self.levels, open_one)
+        self._plays = layout.channels > 0
+        self._player = Player(layout, self.levels, open_one)
         self._world: World | None = None
         self._sources: Sources | None = None
         self._said: dict[str, float] = {}  # time of the dive of each caption
@@ -76,7 +80,7 @@ class LiveSound:
 
     def check(self) -> None:
         """Look after the device, once a frame."""
-        if line := self._player.check():
+        if self._plays and (line := self._player.check()):
             self._log(line)
 
     def close(self) -> None:
@@ -88,7 +92,8 @@ class LiveSound:
         if self._sources is None:
             return
         moment = hear(world, listener_of(world, self.fish), self._sources)
-        self._player.push(moment)
+        if self._plays:
+            self._player.push(moment)
         if self.settings.captions:
             self._caption(moment)
 

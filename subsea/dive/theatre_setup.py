@@ -12,6 +12,7 @@ from subsea.core.errors import UserError, unknown
 from subsea.core.input_files import file_hash
 from subsea.core.toml_files import error_at
 from subsea.dive.cluster.credentials import cluster_faults
+from subsea.sound.space import Layout, loudspeakers
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import CameraRig
 from subsea.view.stereo import EYES, Stereo
@@ -29,6 +30,8 @@ class TheatreSetup(NamedTuple):
     path: Path
     windows: tuple[Window, ...]  # one for each output of the rig
     rig: CameraRig
+    # Of this computer, none if all belong to others; None: the theatre lists none.
+    loudspeakers: Layout | None = None
 
 
 def set_up_theatre(
@@ -60,7 +63,21 @@ def set_up_theatre(
     if not numbers:
         raise UserError(f"node {node!r} has no window with a channel that works", file=path)
     rig = theatre_rig(theatre, found, numbers, display, stereo)
-    return TheatreSetup(theatre, path, tuple(theatre.window[number] for number in numbers), rig)
+    windows = tuple(theatre.window[number] for number in numbers)
+    return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node))
+
+
+def _loudspeakers(theatre: Theatre, node: str | None) -> Layout | None:
+    """The loudspeakers of one computer, None: of all; None if the theatre lists none."""
+    if not theatre.loudspeaker:
+        return None
+    return loudspeakers(
+        [
+            (speaker.azimuth_deg, speaker.elevation_deg)
+            for speaker in theatre.loudspeaker
+            if node in (None, speaker.node)
+        ]
+    )
 
 
 def chosen_rig(

@@ -111,7 +111,7 @@ def _in_theatre(
         Screen(window.name, window.size, window.position, window.monitor)
         for window in setup.windows
     ]
-    return Installation(setup.rig, screens, str(setup.path)), make_ticks
+    return Installation(setup.rig, screens, str(setup.path), setup.loudspeakers), make_ticks
 
 
 class Dive:
@@ -153,7 +153,10 @@ class Dive:
         self.window = self.window_set.front
         with ExitStack() as undo:
             undo.callback(opening.close)
-            self.sound = LiveSound(settings.sound, lambda text: self.overlay.note(text), say)
+            speakers = None if installation is None else installation.loudspeakers
+            self.sound = LiveSound(
+                settings.sound, lambda text: self.overlay.note(text), say, speakers
+            )
             undo.callback(self.sound.close)
             self.picture = ScenePicture(self.window_set, opening.rig, display)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
@@ -201,6 +204,10 @@ class Dive:
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
         self.commands.run(command)
+
+    def _caption(self, text: str) -> None:
+        """Show a line for a while in the window only."""
+        self.overlay.note(text)
 
     def note(self, text: str) -> None:
         """Show a line on the terminal, and for a while in the window."""

@@ -8,6 +8,7 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.core.errors import UserError
+from subsea.sound.space import Layout
 from subsea.view.rig import CameraRig
 
 FILM = "`subsea film dive.mp4` makes a film"  # the alternative without a display
@@ -39,6 +40,7 @@ class Installation(NamedTuple):
     rig: CameraRig
     screens: Sequence[Screen]
     source: str = ""  # the file that defines them
+    loudspeakers: Layout | None = None  # instead of those of the settings
 
 
 class Monitor(NamedTuple):

@@ -55,7 +55,7 @@ def open_windows(
         if installation is None:
             window_set = WindowSet([(Screen(title, size), None)], pilot, display == PAGED)
         else:
-            rig, screens, source = installation
+            rig, screens, source, _ = installation
             shown = placed(screens, there, source, say)
             rig = select_outputs(rig, [number for number, _ in shown])
             window_set = WindowSet(

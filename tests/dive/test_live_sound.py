@@ -7,6 +7,7 @@ from subsea.dive.live_sound import LiveSound
 from subsea.dive.settings import SoundSettings
 from subsea.scenario.load import load_scenario
 from subsea.sound.moment import Moment
+from subsea.sound.space import loudspeakers
 from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -26,7 +27,7 @@ class Deaf:
 @pytest.fixture
 def sound():
     lines = []
-    made = LiveSound(SoundSettings(), lines.append, lines.append, Deaf)
+    made = LiveSound(SoundSettings(), lines.append, lines.append, open_one=Deaf)
     yield made, lines
     made.close()
 
@@ -76,3 +77,14 @@ def test_captions_name_the_sound_and_its_side_but_not_again_and_again(sound):
     for tick in (1, 2, 3, 400):
         live._caption(Moment(tick, 1, np.zeros((0, 10)), np.zeros((7, 5)), school))
     assert lines == ["[a school passes, left]", "[crunching, right]", "[a school passes, left]"]
+
+
+def test_a_computer_without_loudspeakers_opens_no_device():
+    def never(channels, samples):
+        raise AssertionError
+
+    live = LiveSound(SoundSettings(), print, print, loudspeakers([]), never)
+    live.attend(create_world(load_scenario(str(BARE))[0]))
+    step(live._world, NEUTRAL)
+    live.check()
+    assert len(live._player._waiting) == 0

@@ -250,3 +250,42 @@ def test_only_keys_on_this_computer_are_checked(tmp_path):
     assert "middle.key: no such file" in str(fault)
     with pytest.raises(UserError, match=r"hall\.toml: \[cluster\]: .*middle\.key: no such file"):
         credentials(cluster, nodes, "left", path)
+
+
+def test_each_computer_plays_its_own_loudspeakers(tmp_path):
+    file = tmp_path / "theatre.toml"
+    windows = """
+[[window]]
+name = "a"
+size = [64, 48]
+
+[[window]]
+name = "b"
+size = [64, 48]
+node = "side"
+
+[[channel]]
+name = "left"
+window = "a"
+dome = {}
+
+[[channel]]
+name = "right"
+window = "b"
+dome = {}
+
+[cluster]
+master = "main"
+"""
+    file.write_text(windows)
+    assert set_up_theatre(str(file), node="main").loudspeakers is None
+    file.write_text(
+        windows + "[[loudspeaker]]\nazimuth_deg = -90\n[[loudspeaker]]\nazimuth_deg = 0\n"
+        "elevation_deg = 90\n"
+    )
+    layout = set_up_theatre(str(file), node="main").loudspeakers
+    assert layout.directions == pytest.approx(np.array([[-1, 0, 0], [0, 0, 1]]), abs=1e-9)
+    assert set_up_theatre(str(file), node="side").loudspeakers.channels == 0
+    file.write_text(windows + '[[loudspeaker]]\nazimuth_deg = 0\nnode = "sied"\n')
+    with pytest.raises(UserError, match="unknown node 'sied'"):
+        set_up_theatre(str(file))

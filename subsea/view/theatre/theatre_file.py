@@ -17,7 +17,7 @@ from subsea.view.surround import ALL_ROUND
 from subsea.view.theatre.node_names import NAME, parse_address
 
 FOLDER = "assets/theatres"
-MOST_WINDOWS = 32
+MOST_WINDOWS, MOST_LOUDSPEAKERS = 32, 32
 MAIN = "main"  # the node of windows that name none
 
 FEWEST_PIXELS = 16  # a side of a window or of a part of one
@@ -164,6 +164,14 @@ class Cluster(_Table, frozen=True, kw_only=True):
         parse_address(self.address)
 
 
+class Loudspeaker(_Table, frozen=True, kw_only=True):
+    """A loudspeaker as the best seat sees it: a channel of the sound device of a computer."""
+
+    azimuth_deg: Angle  # from straight ahead, right positive
+    elevation_deg: Annotated[float, msgspec.Meta(ge=-90, le=90)] = 0.0  # up positive
+    node: Name = MAIN  # the computer that it is connected to
+
+
 class Theatre(_Table, frozen=True, kw_only=True):
     """A whole theatre."""
 
@@ -175,6 +183,7 @@ class Theatre(_Table, frozen=True, kw_only=True):
     window: Annotated[list[Window], msgspec.Meta(min_length=1, max_length=MOST_WINDOWS)]
     channel: Annotated[list[Channel], msgspec.Meta(max_length=MOST_WINDOWS)] = []
     mpcdi: Annotated[list[Archive], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    loudspeaker: Annotated[list[Loudspeaker], msgspec.Meta(max_length=MOST_LOUDSPEAKERS)] = []
     cluster: Cluster | None = None
 
     @property
@@ -194,6 +203,10 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     _distinct(path, "channel", [channel.name for channel in theatre.channel])
     if not theatre.channel and not theatre.mpcdi:
         raise UserError("shows nothing, expected at least one `channel` or `mpcdi`", file=path)
+    for k, speaker in enumerate(theatre.loudspeaker):
+        if speaker.node not in theatre.nodes:
+            fault = unknown("node", speaker.node, list(theatre.nodes)).message
+            raise error_at(path, f"loudspeaker[{k}].node", fault)
     for k, window in enumerate(theatre.window):
         if window.position is not None and window.monitor is not None:
             fault = f"window {window.name!r} has a `position` and a `monitor`, expected one"
