@@ -1,6 +1,6 @@
 """Make film strips of four manoeuvres: `python docs/make_manoeuvre_pictures.py [FOLDER]`.
 
-manoeuvres.jpg: a C-start from above, a strike from the side, a wrasse that rows, a ray that banks.
+manoeuvres.jpg: a C-start from below, a strike from the side, a wrasse that rows, a ray that banks.
 The camera stands still in the C-start and keeps beside the fish in the others.
 """
 
@@ -24,6 +24,7 @@ CELL = (200, 150)  # pixels of one picture
 FRAMES = 8
 LIMIT_S = 240.0
 CAPTION = 16  # pixels
+OPEN_CM, APART_CM = 12.0, 60.0  # around a fish, without another, and without a shark
 
 
 class Strip(NamedTuple):
@@ -42,8 +43,8 @@ class Strip(NamedTuple):
 def main() -> None:
     """Write the plate."""
     strips = [
-        Strip("C-start of a fusilier, from above", "rendezvous", 2, _starts, 1, 1,
-              (-0.1, 0.0, 2.4), False),
+        Strip("C-start of a fusilier, from below", "preying", 4, _starts, 1, 1,
+              (-0.1, 0.0, -2.4), False),
         Strip("Strike of a blacktip reef shark", "visitors", 1, _strikes, 24, 4,
               (0.4, 1.0, 0.25), True),
         Strip("A moon wrasse rows with its pectoral fins", "peaceful", 1, _rows, 0, 1,
@@ -105,13 +106,29 @@ def _first(chosen: NDArray[np.bool_]) -> int | None:
 
 
 def _starts(world: subsea.World) -> int | None:
-    startled = np.isin(world.fishes.segment, list(CSTARTS))
-    return _first(startled & _of(world, "Yellowback fusilier"))
+    """A fusilier that nobody hides from below."""
+    startled = np.isin(world.fishes.segment, list(CSTARTS)) & _of(world, "Yellowback fusilier")
+    for fish in np.flatnonzero(startled):
+        gap = world.fishes.position - world.fishes.position[fish]
+        aside = np.linalg.norm(gap[:, :2], axis=1) - 0.5 * world.fishes.length
+        hiding = (aside < OPEN_CM) & (gap[:, 2] < 0.0) & (gap[:, 2] > -2.5 * OPEN_CM)
+        if not np.delete(hiding, fish).any():
+            return int(fish)
+    return None
+
+
+def _alone(world: subsea.World, fish: int, away_cm: float) -> bool:
+    """True if no shark but this fish is nearer to it."""
+    gap = np.linalg.norm(world.fishes.position - world.fishes.position[fish], axis=1)
+    near = (gap < away_cm) & _of(world, "Blacktip reef shark")
+    near[fish] = False
+    return not near.any()
 
 
 def _strikes(world: subsea.World) -> int | None:
     """A shark that has just swallowed prey."""
-    return _first(_of(world, "Blacktip reef shark") & (world.minds.last_meal > world.time_s - 0.05))
+    ate = _of(world, "Blacktip reef shark") & (world.minds.last_meal > world.time_s - 0.05)
+    return _first(ate & np.array([_alone(world, k, 3.0 * APART_CM) for k in range(len(ate))]))
 
 
 def _rows(world: subsea.World) -> int | None:
