@@ -1,6 +1,7 @@
 """Sounds of one tick: events, and beds that sound on."""
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +49,7 @@ MOTOR_HZ, MOTOR_RISE_HZ, WINCH_HZ = 36.0, 44.0, 170.0
 # Keys of the random numbers.
 COUNT, WHERE, AROUND, LOUDNESS, TOUCH, SETTLE, SIZE = (np.int64(k) for k in range(310, 317))
 EVENT_COLUMNS = ("voice", "when", "level", "right", "ahead", "up", "away", "size", "pitch", "seed")
+STILL = np.zeros(3)
 BED_COLUMNS = ("level", "right", "ahead", "up", "pitch")
 
 
@@ -126,10 +128,10 @@ def side_of(right: float) -> str:
 
 
 def _event(
-    world: World, listener: Listener, voice: int, place: Array, velocity: Array, key: int
+    world: World, listener: Listener, voice: int, place: Iterable[float], velocity: Array, key: int
 ) -> Row:
     """A row of an event at a place."""
-    way, away = toward(listener.axes, listener.place, tuple(place))
+    way, away = toward(listener.axes, listener.place, (*map(float, place),))
     tick, seed = world.state.tick, world.state.seed
     level = LOUD[voice] * fading(away) * (0.6 + 0.4 * uniform(seed, key, tick, LOUDNESS))
     pitch = _doppler(listener, way, velocity)
@@ -143,9 +145,10 @@ def _seed(seed: int, tick: int, key: int) -> float:
 
 
 def _doppler(listener: Listener, way: tuple[float, float, float], velocity: Array) -> float:
-    turned = listener.axes @ np.asarray(velocity, np.float64)
+    still = velocity is STILL or not velocity.any()
+    turned = STILL if still else listener.axes @ np.asarray(velocity, np.float64)
     own = listener.axes @ listener.velocity
-    return float(doppler(way, tuple(turned), tuple(own)))
+    return float(doppler(way, tuple(turned.tolist()), tuple(own.tolist())))
 
 
 def _area_around(stones: Array, listener: Listener) -> Array:
@@ -166,11 +169,11 @@ def _snaps(world: World, listener: Listener, stones: Array, area: Array) -> list
     for k in range(number):
         at = int(np.searchsorted(weight, uniform(seed, k, tick, WHERE) * weight[-1]))
         x, y, z, size = stones[min(at, len(stones) - 1)]
-        turn, up = 2 * np.pi * uniform(seed, k, tick, AROUND), uniform(seed, k, tick, SIZE)
+        turn, up = math.tau * uniform(seed, k, tick, AROUND), uniform(seed, k, tick, SIZE)
         flat = math.sqrt(1.0 - up * up)
-        on_stone = flat * np.cos(turn), flat * np.sin(turn), up
-        place = np.array([x, y, z]) + size * np.array(on_stone)
-        row = list(_event(world, listener, SNAP, place, np.zeros(3), 1000 + k))
+        on_stone = size * flat * math.cos(turn), size * flat * math.sin(turn), size * up
+        place = (x + on_stone[0], y + on_stone[1], z + on_stone[2])
+        row = list(_event(world, listener, SNAP, place, STILL, 1000 + k))
         # Claws differ: few snaps are loud.
         row[2] *= 0.25 + 3.0 * uniform(seed, k, tick, TOUCH) ** 6
         rows.append(tuple(row))
@@ -194,17 +197,17 @@ def _bubbles(world: World, listener: Listener, vents: Array) -> list[Row]:
     end = world.state.tick * TICK_S
     burst = 9.0
     for number, (x, y, z, rate, size) in enumerate(vents):
-        place = np.array([x, y, z])
-        if np.linalg.norm(place - listener.place) > EARSHOT_CM:
+        place = (x, y, z)
+        if math.dist(place, listener.place) > EARSHOT_CM:
             continue
         about = int((end - 0.37 * number) * rate)
         for j in range(max(about - 4, 0), about + 5):
-            moment = (j + 0.85 * burst / (2 * np.pi) * np.sin(2 * np.pi * j / burst)) / rate
+            moment = (j + 0.85 * burst / math.tau * math.sin(math.tau * j / burst)) / rate
             since = moment + 0.37 * number - (end - TICK_S)
             if not 0.0 <= since < TICK_S:
                 continue
             key = 5000 + 1000 * number + j % 1000
-            row = list(_event(world, listener, BUBBLE, place, np.zeros(3), key))
+            row = list(_event(world, listener, BUBBLE, place, STILL, key))
             radius = 0.5 * size * (0.22 + 0.78 * uniform(world.state.seed, key, j, SIZE))
             row[1], row[7] = since / TICK_S, minnaert_hz(radius, max(-z, 0.0))
             row[2] *= min(radius / 0.3, 1.5)
