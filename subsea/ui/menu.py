@@ -48,6 +48,8 @@ DISPLAYS = {
     "stereo": "3D, shutter glasses",
 }
 VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
+GROUPS = {"sea": "Reef and waves", "fishes": "Fishes", "vessel": "Vessel"}
+GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
 QUALITIES = {"auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High"}
 
 
@@ -275,6 +277,10 @@ class Menu:
             now = not own.mute and own.volume == volume
             yield Entry(f"{volume:.0%}", choose, chosen=now)
         yield Entry("Off", partial(sound.change, mute=True), chosen=own.mute)
+        for group, title in GROUPS.items():
+            level = getattr(own, group)
+            lower = next((step for step in GROUP_LEVELS if step < level), GROUP_LEVELS[0])
+            yield Entry(title, partial(sound.change, **{group: lower}), f"{level:.0%}")
         for name, on, about in (
             ("night", own.night, "Loud sounds are softer."),
             ("captions", own.captions, "Sounds are shown in words."),

@@ -332,3 +332,29 @@ def test_help_is_shown_from_it(boat, menu, user, monkeypatch):
 def test_leaving_is_its_last_entry(boat, menu, user):
     press(boat, user, *["Down"] * 7, "Return")
     assert not boat.window.open
+
+
+def test_the_page_of_sound(boat, menu):
+    menu.page = "Sound"
+    before = boat.sound.settings
+
+    def entry(text):
+        return next(one for one in menu.entries() if one.text == text)
+
+    assert entry("80%").chosen
+    entry("40%").act()
+    assert boat.sound.settings.volume == 0.4
+    assert entry("40%").chosen
+    entry("Off").act()
+    assert entry("Off").chosen
+    assert not entry("40%").chosen
+    for level in ("50%", "0%", "100%"):
+        entry("Fishes").act()
+        assert entry("Fishes").aside == level
+    entry("Night").act()
+    entry("Captions").act()
+    assert (entry("Night").aside, entry("Captions").aside) == ("on", "on")
+    menu.page = ""
+    boat.sound.change(
+        **{name: getattr(before, name) for name in ("volume", "mute", "night", "captions")}
+    )
