@@ -246,7 +246,8 @@ class Menu:
             now = QUALITIES[dive.picture.quality]
             yield Entry("Quality", partial(self._open_page, "Quality"), now)
         if not self.kiosk:
-            yield Entry("Sound", partial(self._open_page, "Sound"), dive.sound.text)
+            now = dive.sound.text.removeprefix("sound ")
+            yield Entry("Sound", partial(self._open_page, "Sound"), now)
         if not dive.shared:
             yield Entry("Scenario", partial(self._open_page, "Scenario"), dive.scenario.title)
         if not self.kiosk and not dive.window.fixed:
