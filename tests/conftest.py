@@ -72,6 +72,7 @@ LONG = (
     "behavior/test_courtship.py",
     "world/test_threads.py",
     "media/test_film.py",
+    "media/test_film_sound.py",
     "test_faults.py",
     "ui/test_dive_ends.py",
     "ui/test_dive.py",

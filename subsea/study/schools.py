@@ -149,8 +149,13 @@ def splits(school: School, end: float) -> list[Split]:
 
 
 def split_periods(time: Array, together: Array, end: float) -> list[tuple[int, int, float]]:
-    """First sample, sample after the last, and duration, s, of each split; see `splits`."""
+    """First sample, sample after the last, and duration, s, of each split; see `splits`.
+
+    A split ends at the latest with the school: it has no sample while it has too few fishes.
+    """
     found = []
+    if len(time) > 1:
+        end = min(end, float(time[-1] + np.median(np.diff(time))))
     for first, after in runs(together < WHOLE):
         duration = float((time[after] if after < len(time) else end) - time[first])
         if duration >= SPLIT_S:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.state import EAT, FEAR, SCHOOL, WANDER
-from subsea.study.schools import LINK_BL, schools, splits
+from subsea.study.schools import LINK_BL, schools, split_periods, splits
 from tests.support.records import EAST, NORTH, a_record, row
 
 
@@ -88,6 +88,15 @@ def test_a_split_lasts_until_nine_tenths_are_connected():
     assert first.apart == pytest.approx(0.3)
     assert (first.rejoined, last.rejoined) == (True, False)
     assert last.duration == pytest.approx(2.0)
+
+
+def test_a_split_ends_with_its_school():
+    """Sampled every 0.2 s until 3.8 s, when predators have left too few fishes; in parts from 2."""
+    time = np.arange(20) * 0.2
+    together = np.where(time < 1.9, 1.0, 0.5)
+    ((first, after, duration),) = split_periods(time, together, 300.0)
+    assert (first, after) == (10, 20)
+    assert duration == pytest.approx(2.0)
 
 
 def test_one_of_ten_is_no_split():
