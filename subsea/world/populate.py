@@ -10,17 +10,20 @@ from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import out_of_solids
 from subsea.habitat.reef import KINDS as KINDS_OF_GROWTH
+from subsea.motor.containment import contain
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
 from subsea.state import KINDS, Fishes, Minds, Reef, Sea, empty
 from subsea.world.inventory import share_out
+from subsea.world.world import TICK_S
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
 FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pectoral fins
 HOME_CM = 400.0  # distance within which a fish finds a home
 ABOVE_HOME_CM = 15.0  # height of the home over the growth
+LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish that begins in one
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
@@ -114,7 +117,21 @@ def populate(
     fishes.flaps[:] = flaps[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
+    _let_out(fishes, library, sea)
     return fishes, minds
+
+
+def _let_out(fishes: Fishes, library: Library, sea: Sea) -> None:
+    """Move bodies that begin with an end in a solid or outside of the sea into free water."""
+    everyone = np.arange(len(fishes.species))
+    for _ in range(LET_OUT):
+        before = fishes.position.copy()
+        contain(everyone, fishes, library.nodes, sea, TICK_S)
+        if (before == fishes.position).all():
+            break
+        fishes.previous_position[:] = fishes.position
+        fishes.previous_orientation[:] = fishes.orientation
+    fishes.velocity[:] = 0.0
 
 
 def settle(species: dict[str, Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:

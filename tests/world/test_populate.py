@@ -1,12 +1,20 @@
 """Places, numbers and homes of the fishes of a scenario."""
 
 import numpy as np
+from msgspec import structs
 
+from subsea.geometry.rotation import quaternion, rotate
+from subsea.geometry.vector import vector
 from subsea.habitat.reef import KINDS as GROWTHS
+from subsea.motor.containment import deepest
+from subsea.motor.pose import ends
 from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Rock, Shoal
 from subsea.state import Fishes, Minds, Reef, empty
+from subsea.world.build import create_world
 from subsea.world.populate import ABOVE_HOME_CM, settle, shoal_sizes, with_total
 from subsea.world.repertoires import species_of
+from tests.support.scenes import BARE
 
 
 def test_a_scenario_is_scaled_to_a_total_number():
@@ -31,3 +39,22 @@ def test_clownfish_live_at_the_nearest_anemone():
     up = 5.0 + ABOVE_HOME_CM
     assert minds.home[:3].tolist() == [[250.0, 0, up], [250.0, 0, up], [2000.0, 0, 0]]
     assert minds.home_range.tolist() == [100.0, 100.0, 100.0, np.inf]
+
+
+def test_no_body_begins_in_a_solid():
+    """Sharks whose places lie deep in a rock, whose nearest surface is hard to tell from there."""
+    scenario, _ = load_scenario(str(BARE))
+    rock = Rock(position_cm=(0.0, 0.0), size_cm=(400.0, 200.0, 250.0), height_cm=200.0)
+    sharks = Shoal(
+        species="blacktip_reef_shark", number=12, position_cm=(0.0, 230.0, -350.0), spread_cm=300.0
+    )
+    for seed in range(3):
+        world = create_world(structs.replace(scenario, rock=[rock], fish=[sharks], tour=[]), seed)
+        fishes, nodes = world.state.fishes, world.library.nodes
+        for i in range(12):
+            turn = quaternion(fishes.orientation[i])
+            parts = [rotate(turn, end) for end in ends(fishes, nodes, i)]
+            gap, _ = deepest(vector(fishes.position[i]), *parts, world.state.sea)
+            assert gap > -0.01
+        assert (fishes.velocity == 0.0).all()
+        assert (fishes.previous_position == fishes.position).all()
