@@ -13,7 +13,10 @@ from pathlib import Path
 import pytest
 
 TOOL = Path(__file__).parents[2] / "tools" / "gpu_report.py"
-PICTURES = {"school": {"share": 0.0, "most": 0}, "dome": {"share": 0.25, "most": 9}}
+PICTURES = {
+    "school": {"share": 0.0, "most": 0, "mean": 0.0},
+    "dome": {"share": 0.25, "most": 9, "mean": 0.5},
+}
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +106,7 @@ def test_stages_of_the_gpu_and_pictures_are_tables(tool):
     assert "Some GPU; OpenGL 4.6; x, 8 cores; commit y" in page
     assert "| GPU, ms | water | fishes |" in page
     assert "| low, 1280x720 | 0.500 | 0.250 |" in page
-    assert page.index("| dome | 25.000% | 9 |") < page.index("| school | 0.000% | 0 |")
+    assert page.index("| dome | 25.00% | 0.50 | 9 |") < page.index("| school | 0.00% | 0.00 | 0 |")
 
 
 def test_ctrl_c_keeps_what_is_measured(tmp_path):

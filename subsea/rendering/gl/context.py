@@ -110,9 +110,15 @@ def _create(**settings: Any) -> Any:
 
 
 class _DrawCallCounter:
-    """The `scope` of every vertex array, which counts and times its drawing calls."""
+    """The `scope` of every vertex array, which counts and times its drawing calls.
 
-    def __init__(self) -> None:
+    It also has the one timer query of whole pictures: moderngl cannot free queries.
+    """
+
+    def __init__(self, picture_query: Any) -> None:
+        self.picture_query = picture_query
+        with picture_query:  # only then it counts as an object
+            pass
         self.calls = 0
         self.seconds = 0.0
         self._start = 0.0
@@ -128,7 +134,7 @@ class _DrawCallCounter:
 def _prepared(context: Any) -> Any:
     """Free dropped objects, and count the drawing calls of all vertex arrays in `extra`."""
     context.gc_mode = "auto"  # without it dropped objects are never freed
-    context.extra = tally = _DrawCallCounter()
+    context.extra = tally = _DrawCallCounter(context.query(time=True))
     make, release = context.vertex_array, context.release
 
     def release_for_good() -> None:

@@ -9,8 +9,6 @@ GPU_STAGES = (
     "output",
 )  # fmt: skip
 NOTHING = nullcontext()
-
-
 UNKNOWN_S = 4.2  # drivers count nanoseconds in 32 bits: longer times mean nothing
 
 
@@ -23,7 +21,7 @@ class GpuTimer:
     def __init__(self, context: Any) -> None:
         self.on = False
         self._context = context
-        self._whole = context.query(time=True)
+        self._whole = context.extra.picture_query
         self._drawn = False  # a picture is measured as a whole, and not read yet
         self._queries: list[Any] = []
         self._names: list[str] = []  # of the queries since the last call of `seconds`

@@ -60,8 +60,8 @@ def test_it_measures_nothing_while_it_is_off(context):
 def test_the_next_picture_waits_for_the_one_before_and_knows_its_time(timed, make_packet):
     timed.timer.on = False
     packet = make_packet([], size=SIZE)
-    timed.draw(packet)
-    timed.draw(packet)
+    for _ in range(3):  # llvmpipe does not know the time of the first
+        timed.draw(packet)
     assert 0.0 < timed.gpu_s < 4.2
     assert timed.waited_s >= 0.0
     assert timed.timer.wait() > 0.0
