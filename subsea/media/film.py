@@ -163,7 +163,7 @@ def _sound_of(options: TourFilmOptions, kind: str) -> FilmSound | None:
     layout = layout_of(options.sound_layout)
     wanted = options.audio is not None or options.audio_stems is not None
     if wanted or (kind == "film" and not options.mute):
-        return FilmSound(layout, options.start, SoundLevels())
+        return FilmSound(layout, options.start, SoundLevels(), files=wanted)
     return None
 
 

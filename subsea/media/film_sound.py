@@ -10,7 +10,8 @@ from subsea.core.atomic_io import check_folder
 from subsea.core.file_kinds import SOUND, check_result
 from subsea.sound.listening import listener_of
 from subsea.sound.mixer import Mixer, SoundLevels
-from subsea.sound.soundtrack import Soundtrack, stems, write_wav
+from subsea.sound.moment import GROUPS, Sources, hear, sources_of
+from subsea.sound.soundtrack import write_wav
 from subsea.sound.space import BLOCK, RATE, Layout
 from subsea.world.world import World
 
@@ -19,58 +20,67 @@ Reader = Callable[[float], Array]
 
 
 class FilmSound:
-    """Records a dive for films that begin `start_s` seconds after it."""
+    """Mixes a dive for films that begin `start_s` seconds after it.
 
-    def __init__(self, layout: Layout, start_s: float, levels: SoundLevels) -> None:
+    Samples are kept until all readers have taken them. With `files` all are kept for `whole`, and
+    those of each group for `stems`.
+    """
+
+    def __init__(
+        self, layout: Layout, start_s: float, levels: SoundLevels, files: bool = False
+    ) -> None:
         self.layout = layout
-        self.track = Soundtrack(layout)
-        self._mixer, self._levels = Mixer(layout), levels
-        self._begin = round(start_s * RATE)
-        self._blocks: list[Array] = []  # of each tick since the dive began
+        self._mixer, self._levels, self._files = Mixer(layout), levels, files
+        self._sources: Sources | None = None
+        self._skipped = -round(start_s * RATE)  # samples so far since the film's beginning
+        self._readers: list[list[Array]] = []  # samples that each has not taken
+        self._whole: list[Array] = []
+        self._stems: list[Array] = []
 
     def listen(self, world: World, fish: int | None = None) -> None:
         """Add the tick that the world has just made, heard from the submarine, or from a fish."""
-        moment = self.track.listen(world, listener_of(world, fish))
-        silence = np.zeros((BLOCK, self.layout.channels), np.float32)
-        self._blocks += [silence] * (moment.tick - 1 - len(self._blocks))
-        self._blocks.append(self._mixer.mix(moment, self._levels))
+        self._sources = self._sources or sources_of(world)
+        moment = hear(world, listener_of(world, fish), self._sources)
+        stems = self._mixer.stems(moment)
+        block = self._mixer.blend(stems, self._levels)
+        first = max(-self._skipped, 0)
+        self._skipped += BLOCK
+        if first >= BLOCK:  # before the film
+            return
+        for pending in self._readers:
+            pending.append(block[first:])
+        if self._files:
+            self._whole.append(block[first:])
+            self._stems.append(stems[:, first:].astype(np.float32))
 
     def reader(self) -> Reader:
-        """A reader from the beginning of the film."""
-        position = self._begin
+        """A reader from the beginning of the film, made before anything is heard."""
+        pending: list[Array] = []
+        self._readers.append(pending)
+        taken = 0
 
         def read(until_s: float) -> Array:
-            nonlocal position
-            begin, end = position, min(self._begin + round(until_s * RATE), self._end)
-            position = max(begin, end)
-            return self._cut(begin, position)
+            nonlocal taken
+            samples = self._joined(pending)
+            found = samples[: max(round(until_s * RATE) - taken, 0)]
+            taken += len(found)
+            pending[:] = [samples[len(found) :]]
+            return found
 
         return read
 
-    @property
-    def _end(self) -> int:
-        return len(self._blocks) * BLOCK
-
     def whole(self, seconds: float) -> Array:
         """All samples (n, c) of a film of this length."""
-        return self.reader()(seconds)
+        return self._joined(self._whole)[: round(seconds * RATE)]
 
     def stems(self, seconds: float) -> dict[str, Array]:
         """The samples (n, c) of each group of a film of this length, at full volume."""
-        first = self.track.moments[0].tick - 1 if self.track.moments else 0
-        begin = self._begin - first * BLOCK
-        return {
-            name: samples[max(begin, 0) : begin + round(seconds * RATE)]
-            for name, samples in stems(self.track.moments, self.layout).items()
-        }
+        nothing = np.zeros((len(GROUPS), 0, self.layout.channels), np.float32)
+        parts = np.concatenate([nothing, *self._stems], axis=1)[:, : round(seconds * RATE)]
+        return dict(zip(GROUPS, parts, strict=True))
 
-    def _cut(self, begin: int, end: int) -> Array:
-        """Samples of the dive from one index to another."""
-        if end <= begin:
-            return np.zeros((0, self.layout.channels), np.float32)
-        first = begin // BLOCK
-        part = np.concatenate(self._blocks[first : -(-end // BLOCK)])
-        return part[begin - first * BLOCK : end - first * BLOCK]
+    def _joined(self, blocks: list[Array]) -> Array:
+        return np.concatenate([np.zeros((0, self.layout.channels), np.float32), *blocks])
 
 
 def check_sound_files(audio: Path | None, stems: Path | None, force: bool) -> None:

@@ -1,4 +1,4 @@
-"""Where one listens in a world: in the submarine, or as a fish."""
+"""Listeners in a world: the pilot of the submarine, or a fish."""
 
 import numpy as np
 

@@ -63,7 +63,7 @@ class Mixer:
         self._end = 0  # of what is left in it of earlier events, samples
         self._states = np.zeros((len(BEDS), STATES))
         self._before: tuple[Array, Array] | None = None  # beds and their gains
-        self._gains: Array = np.ones(len(GROUPS))
+        self._gains: Array | None = None  # of the last tick
 
     def stems(self, moment: Moment) -> Array:
         """The samples (3, BLOCK, c) of each of the GROUPS in a tick, at full volume."""
@@ -82,10 +82,13 @@ class Mixer:
         return out
 
     def mix(self, moment: Moment, levels: SoundLevels) -> Array:
-        """The samples (BLOCK, c) float32 of a tick, in [-1, 1]; volumes change without a click."""
+        """The samples (BLOCK, c) float32 of a tick, in [-1, 1]."""
+        return self.blend(self.stems(moment), levels)
+
+    def blend(self, stems: Array, levels: SoundLevels) -> Array:
+        """As `mix`, from the `stems` of the tick; volumes change without a click."""
         gains = levels.gains
-        before = gains if self._before is None else self._gains
-        stems = self.stems(moment)
+        before = gains if self._gains is None else self._gains
         ramp = before + RAMP[:, None] * (gains - before)
         self._gains = gains
         whole = np.einsum("gnc,ng->nc", stems, ramp)
