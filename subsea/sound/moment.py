@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
+from subsea.habitat.vents import SLOWEST, departures
 from subsea.sound.space import METRE, Listener, doppler, fading, toward
 from subsea.sound.voices import (
     BUBBLE,
@@ -192,27 +194,30 @@ def _poisson(expected: float, share: float) -> int:
 
 
 def _bubbles(world: World, listener: Listener, vents: Array) -> list[Row]:
-    """Bubbles that leave the vents, at the moments at which they are drawn."""
+    """Bubbles that leave the vents."""
     rows = []
-    end = world.state.tick * TICK_S
-    burst = 9.0
+    begin, end = (world.state.tick - 1) * TICK_S, world.state.tick * TICK_S
     for number, (x, y, z, rate, size) in enumerate(vents):
         place = (x, y, z)
         if math.dist(place, listener.place) > EARSHOT_CM:
             continue
-        about = int((end - 0.37 * number) * rate)
-        for j in range(max(about - 4, 0), about + 5):
-            moment = (j + 0.85 * burst / math.tau * math.sin(math.tau * j / burst)) / rate
-            since = moment + 0.37 * number - (end - TICK_S)
-            if not 0.0 <= since < TICK_S:
-                continue
-            key = 5000 + 1000 * number + j % 1000
+        moments, period = _departures(-z, rate, size, number)
+        # A slot's first bubble leaves at its moment, and each next one a period later.
+        last = moments + period * np.floor((end - moments) / period)
+        last = np.where(last >= end, last - period, last)
+        since = last - begin
+        for slot in np.flatnonzero((last >= begin) & (last >= moments)).tolist():
+            key = 5000 + 1000 * number + slot % 1000
             row = list(_event(world, listener, BUBBLE, place, STILL, key))
-            radius = 0.5 * size * (0.22 + 0.78 * uniform(world.state.seed, key, j, SIZE))
-            row[1], row[7] = since / TICK_S, minnaert_hz(radius, max(-z, 0.0))
+            share = uniform(world.state.seed, key, world.state.tick, SIZE)
+            radius = 0.5 * size * (SLOWEST + (1.0 - SLOWEST) * share)
+            row[1], row[7] = float(since[slot]) / TICK_S, minnaert_hz(radius, max(-z, 0.0))
             row[2] *= min(radius / 0.3, 1.5)
             rows.append(tuple(row))
     return rows
+
+
+_departures = cache(departures)
 
 
 def _acting(world: World, away: Array) -> list[tuple[int, Ints]]:

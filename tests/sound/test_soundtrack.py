@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.rendering.sea.bubbles import slots
 from subsea.sound.mixer import Mixer, SoundLevels, rounded
 from subsea.sound.moment import (
     BED_COLUMNS,
@@ -220,3 +221,19 @@ def test_a_wav_file(tmp_path):
         assert (file.getnchannels(), file.getframerate(), file.getnframes()) == (2, RATE, 2)
         words = np.frombuffer(file.readframes(2), "<i2").reshape(2, 2)
     assert words == pytest.approx(np.array([[0, 32767], [-32767, 16384]]), abs=1)
+
+
+def test_each_bubble_is_heard_when_it_leaves_as_drawn(heard):
+    world, _ = heard
+    foot, rate, size = (200.0, 50.0, -400.0), 6.0, 1.0
+    around = Sources(np.zeros((0, 4)), np.array([[*foot, rate, size]]))
+    tick, times = world.state.tick, []
+    for world.state.tick in range(1, 1200):
+        found = hear(world, ears(), around).events
+        begin = (world.state.tick - 1) * 0.033
+        times += (begin + 0.033 * found[found[:, 0] == BUBBLE, 1]).tolist()
+    world.state.tick = tick
+    drawn = slots(foot, rate, size, 0).astype(float)
+    expected = [t for m, p in drawn[:, 4:6] for t in np.arange(m, 1199 * 0.033, p) if t >= 0.0]
+    assert len(times) > 200
+    assert np.sort(times) == pytest.approx(np.sort(expected), abs=1e-4)

@@ -9,13 +9,13 @@ from subsea.core.arrays import Array, Bools
 from subsea.core.kernels import kernel
 from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
+from subsea.habitat.vents import departures
 from subsea.rendering.gl.id_buffer import BUBBLES
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.view.culling import IN_SIGHT
 
-SLOWEST = 0.22  # least diameter over a vent's largest, as in `bubbles.vert`
 STREAM_CM = 60.0  # half width of a stream without current
 
 
@@ -69,29 +69,20 @@ class BubbleRenderer(GpuOwner):
         return np.array(ends, np.float64).reshape(-1, 2, 3)
 
 
-def terminal_speed(diameter: Array | float) -> Array:
-    """Terminal speed in cm/s of bubbles with a diameter in cm (Mendelson 1967)."""
-    wave = np.sqrt(154.0 / np.asarray(diameter) + 495.0 * np.asarray(diameter))
-    return np.asarray(np.minimum(wave, 280.0 * np.asarray(diameter)))
-
-
 def slots(foot: tuple[float, float, float], rate: float, size: float, number: int) -> Array:
     """Instances (n, 8) float32 of a vent at `foot`, cm, that emits `rate` bubbles a second.
 
     The largest is `size` cm across. There are as many slots as bubbles that rise at one time;
     each is reused after the time that the slowest bubble needs. Bubbles leave in bursts.
     """
-    diameters = size * np.linspace(SLOWEST, 1.0, 50)
-    slowest_s = -foot[2] / float(terminal_speed(diameters).min()) + 1.0
-    count = int(np.ceil(rate * slowest_s))
+    moments, period = departures(-foot[2], rate, size, number)
+    count = len(moments)
     k = np.arange(count)
-    burst = 9.0
-    moment = (k + 0.85 * burst / (2 * np.pi) * np.sin(2 * np.pi * k / burst)) / rate
     out = np.empty((count, 8), np.float32)
     out[:, :3] = foot
     out[:, 3] = size
-    out[:, 4] = moment + 0.37 * number
-    out[:, 5] = count / rate
+    out[:, 4] = moments
+    out[:, 5] = period
     out[:, 6] = k % 1000 + 0.1 * number
     out[:, 7] = 2.4 * number
     return out
