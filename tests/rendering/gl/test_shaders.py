@@ -8,11 +8,11 @@ import pytest
 
 from subsea.core.resources import resource_names
 from subsea.frame import in_sight
-from subsea.habitat import seaweed, stone_shade
+from subsea.habitat import seaweed, stone_shade, vents
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.seaweed import FRONDS
-from subsea.rendering.sea import bubbles, sand
+from subsea.rendering.sea import sand
 from subsea.scenario import schema
 
 
@@ -99,7 +99,7 @@ def test_textures_are_read_with_the_spans_with_which_they_were_written():
 
 def test_bubbles_are_no_slower_than_their_slots_expect():
     ((least, more),) = numbers("bubbles.vert", r"a_vent\.w \* \( # \+ # \* chance")
-    assert (least, least + more) == (bubbles.SLOWEST, 1.0)
+    assert (least, least + more) == (vents.SLOWEST, 1.0)
 
 
 def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
