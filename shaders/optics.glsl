@@ -1,35 +1,35 @@
-// Light in water: what every shader of the scene shares.
+// Light in water: what every shader of the scene shares. `daylight.py` computes it for the water
+// and the hour of a scenario and the depth of the eye.
 uniform vec3 u_eye;          // cm
-uniform vec3 u_fog;          // radiance of the far water, seen level
-uniform float u_extinction;  // 1/cm
+uniform float u_extinction;  // 1/cm, of green light along a view ray
+uniform vec3 u_along;        // 1/cm, of each colour
+uniform vec3 u_down;         // 1/cm, of daylight with depth
+uniform vec3 u_balance;      // the eye's, for light of each colour
+uniform vec3 u_sun;          // toward the sun, below the surface
+uniform vec3 u_across;       // axes across its rays
+uniform vec3 u_aside;
+uniform vec3 u_sunlight;     // of a surface that faces it, at no depth
+uniform vec3 u_skylight;
+uniform vec3 u_sandlight;    // what the sand sends back up
+uniform vec3 u_far;          // radiance of the far water, seen level
+uniform vec3 u_rise;         // the same over it, seen from below ...
+uniform vec3 u_sink;         // ... and from above
+uniform vec3 u_broad;        // scattered forward about the sun: a broad glow
+uniform vec3 u_narrow;       // and a narrow one
 uniform float u_time;        // s
 uniform sampler2D u_caustics;  // of short waves near below them, of long ones far below
 uniform sampler2D u_noise;
 uniform sampler2D u_shafts;  // about the sun: turn by cosine; see shafts.frag
 
-const vec3 SUN = vec3(0.28, 0.17, 0.945);  // toward the sun, below the surface
-const vec3 SUNLIGHT = vec3(5.3, 4.2, 3.6);
-const vec3 SKYLIGHT = vec3(0.50, 0.76, 0.95);
-// What the sand sends back up.
-const vec3 SANDLIGHT = vec3(0.32, 0.36, 0.36);
-// Water takes red light first: 1/cm along the light's way down (Jerlov's clear coastal water) and
-// shares of u_extinction along the view.
-const vec3 ABSORPTION = vec3(0.0020, 0.00080, 0.00042);
-const vec3 HAZE = vec3(1.25, 1.0, 0.84);
-// An eye takes the light about it for white, but ever less so the deeper it is.
-const vec3 ADAPTED = vec3(1.10, 0.60, 0.45);
-const float ADAPTS_TO = 1000.0;  // cm, half of what is lost there is made up for
+#define SUN u_sun
+#define SUNLIGHT u_sunlight
+#define SKYLIGHT u_skylight
+#define SANDLIGHT u_sandlight
 const float EXPOSURE = 0.62;  // of everything that is lit
-// Depth less what the eye makes up for, cm, where the scenario's fog is seen level: at 3.5 m.
-const vec3 LEVEL = vec3(65.0, 195.0, 233.0);
-
-// Axes across the sun's rays.
-const vec3 ACROSS = vec3(0.9588, 0.0, -0.2841);
-const vec3 ASIDE = vec3(-0.0483, 0.9856, -0.1630);
 
 // Daylight at a depth (z ≤ 0), as shares of that at the surface, to an eye at its own depth.
 vec3 daylight(float z) {
-    return exp(ABSORPTION * (z - ADAPTED * u_eye.z / (1.0 - u_eye.z / ADAPTS_TO)));
+    return u_balance * exp(u_down * z);
 }
 
 // Radiance of endless water in a direction: bright above, dark and blue below, and light that is
@@ -38,19 +38,18 @@ vec3 water_radiance(vec3 direction) {
     float up = max(direction.z, 0.0), down = max(-direction.z, 0.0);
     float level = (1.0 + up * (1.3 + 0.5 * up)) / (1.0 + down * (1.5 + 3.0 * down));
     level *= 1.0 + 0.9 * dot(direction.xy, SUN.xy);
-    vec3 tint = mix(vec3(1.0), vec3(1.7, 1.2, 1.0), up * up) * mix(vec3(1.0), vec3(0.55, 0.72, 1.0), down);
+    vec3 tint = mix(vec3(1.0), u_rise, up * up) * mix(vec3(1.0), u_sink, down);
     float glow = max(dot(direction, SUN), 0.0);
     glow *= glow;
     float narrow = glow * glow;
     narrow *= narrow;
     narrow *= narrow;
-    vec3 about_sun = vec3(0.02, 0.08, 0.11) * glow * glow + vec3(0.22, 0.45, 0.50) * narrow;
-    return (0.75 * u_fog * level * tint + about_sun) * daylight(u_eye.z) * exp(ABSORPTION * LEVEL);
+    return u_far * level * tint + u_broad * glow * glow + u_narrow * narrow;
 }
 
 // Shafts of light beside the view, mean about 0, from the map of this view.
 float shafts(vec3 direction) {
-    float turn = atan(dot(direction, ASIDE), dot(direction, ACROSS)) / 6.2831853;
+    float turn = atan(dot(direction, u_aside), dot(direction, u_across)) / 6.2831853;
     return textureLod(u_shafts, vec2(turn, 0.5 - 0.5 * dot(direction, SUN)), 0.0).r;
 }
 
@@ -60,7 +59,7 @@ vec3 open_water(vec3 direction) {
 
 // The share of a colour that `distance` cm of water let through.
 vec3 clearness(float distance) {
-    return exp(-u_extinction * HAZE * distance);
+    return exp(-u_along * distance);
 }
 
 // Sunlight that reaches a depth (z ≤ 0).

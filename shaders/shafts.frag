@@ -15,7 +15,7 @@ const float TEXEL = TILE / 256.0;
 void main() {
     float turn = 6.2831853 * v_place.x, toward = 1.0 - 2.0 * v_place.y;
     float aside = sqrt(max(1.0 - toward * toward, 1e-4));
-    vec3 across = ACROSS * cos(turn) + ASIDE * sin(turn);
+    vec3 across = u_across * cos(turn) + u_aside * sin(turn);
     vec3 direction = SUN * toward + aside * across;
     vec2 way = across.xy - SUN.xy / SUN.z * across.z;  // of the place of entry, as one looks aside
     float ratio = pow(3.0 / (u_extinction * NEAREST), 1.0 / float(u_samples));

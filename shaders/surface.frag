@@ -12,10 +12,10 @@ flat in vec3 v_level;
 flat in vec3 v_deep;
 flat in vec3 v_sand;
 flat in vec3 v_sun;
+flat in vec3 v_sun_in_air;
 
 const float WATER_INDEX = 1.33;
 const float CRITICAL = 0.6593;  // cosine of the steepest angle at which all light is mirrored
-const vec3 SUN_IN_AIR = normalize(vec3(1.33 * SUN.xy, 0.9));
 const vec3 ZENITH = vec3(0.16, 0.48, 0.90), HORIZON = vec3(0.80, 1.15, 1.30);
 
 // Adds waves of some deviation of slope; the third component gathers the variance not resolved.
@@ -46,7 +46,7 @@ void main() {
     // Each crest is a lens: one slope of a ripple gathers more of the sky than the other.
     vec3 sky = mix(HORIZON, ZENITH, high) * (1.0 + 2.2 * dot(waves.xy, vec2(0.83, 0.56)));
     float width = 0.0006 + 0.25 * waves.z;
-    float off = max(1.0 - dot(beyond, SUN_IN_AIR), 0.0);
+    float off = max(1.0 - dot(beyond, v_sun_in_air), 0.0);
     sky += vec3(1.0, 0.94, 0.82) * (120.0 * 0.0006 / width * exp(-off / width) + 2.2 * exp(-off * 45.0));
 
     float within = smoothstep(CRITICAL - 0.01 - 1.5 * spread, CRITICAL + 0.07 + 1.5 * spread, facing);

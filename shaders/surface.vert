@@ -10,6 +10,7 @@ out float v_share;
 flat out vec3 v_level;  // of the water that the surface mirrors
 flat out vec3 v_deep;
 flat out vec3 v_sand;
+flat out vec3 v_sun_in_air;
 flat out vec3 v_sun;  // what has come down to the eye of it, but for what is scattered aside
 
 const vec3 SAND = vec3(0.58, 0.47, 0.31);
@@ -25,7 +26,9 @@ void main() {
 #endif
     v_level = water_radiance(vec3(1.0, 0.0, 0.0));
     v_deep = water_radiance(vec3(0.0, 0.0, -1.0));
-    v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor) * exp(u_extinction * (u_floor + u_eye.z) * (HAZE - 1.0));
+    v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor) * exp((u_along - u_extinction) * (u_floor + u_eye.z));
+    vec2 flat_sun = 1.33 * SUN.xy;
+    v_sun_in_air = vec3(flat_sun, sqrt(max(1.0 - dot(flat_sun, flat_sun), 1e-4)));
     v_sun = daylight(u_eye.z);
     gl_Position = u_view_projection * vec4(v_world, 1.0);
 }

@@ -58,8 +58,8 @@ def _scenery() -> None:
     from subsea.rendering.sea.seabed import surroundings
 
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
-    spheres = bounding_spheres(pieces(*sand, pillars, ROCK))
-    surroundings(*sand, pillars, ROCK)
+    spheres = bounding_spheres(pieces(*sand, pillars, ROCK, 12.0))
+    surroundings(*sand, pillars, ROCK, 12.0)
     world = create_world(load_scenario(SCENARIO)[0], fish=FISHES)
     packet = pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
     spots = np.zeros((1, SHADOW_COLUMNS), np.float32)

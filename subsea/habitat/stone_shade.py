@@ -10,7 +10,8 @@ from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, dot, plus, times, vector
 from subsea.habitat.formations import rough_distance
 
-SUN = (0.28, 0.17, 0.945)  # toward it, below the surface, as in `optics.glsl`
+SUN = (0.28, 0.17, 0.945)  # toward it at noon, below the surface
+WATER_INDEX = 1.33
 # Directions of the upper half of the sky, even in the light that they give to level ground.
 SKY = np.array(
     [(0.0, 0.0, 1.0)]
@@ -26,6 +27,22 @@ class Shade(NamedTuple):
     corner: Array  # (3,) cm
     cell: float  # cm
     reach: float  # cm, beyond which it blocks little of the sky's light
+
+
+def sun_at(hour: float) -> tuple[Vector, float]:
+    """Direction toward the sun below the surface, and the sine of its height above it.
+
+    In the air the sun moves on a great circle, from the horizon at 6 through noon to that at 18.
+    """
+    flat = math.hypot(SUN[0], SUN[1])
+    aside = WATER_INDEX * flat  # Snell's law
+    high = math.sqrt(1.0 - aside**2)
+    turn = math.pi * (hour - 6.0) / 12.0
+    along, across = math.sin(turn) * aside, math.cos(turn)
+    ax, ay = SUN[0] / flat, SUN[1] / flat
+    x = (along * ax + across * ay) / WATER_INDEX
+    y = (along * ay - across * ax) / WATER_INDEX
+    return (x, y, math.sqrt(1.0 - x * x - y * y)), math.sin(turn) * high
 
 
 def box_of(blocks: Array) -> tuple[Array, Array]:

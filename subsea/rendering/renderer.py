@@ -71,7 +71,8 @@ class Renderer(GpuOwner):
         self.timer = GpuTimer(context)
         # numpy and compiled kernels release the GIL, so they run beside the calls of OpenGL.
         with ThreadPoolExecutor() as pool:
-            solids = scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks
+            bed = scene.terrain, scene.terrain_half_width_cm
+            solids = *bed, scene.pillars, scene.rocks, scene.water.hour
             stone = pool.submit(lambda: cached(pieces, *solids))
             ground = pool.submit(lambda: cached(surroundings, *solids))
             growths = pool.submit(bake, scene.reef)

@@ -6,6 +6,7 @@ import msgspec
 
 from subsea.fish.species import BodyLength
 from subsea.scenario.directions import MAX_DIRECTIONS, Coordinate, Direction, Flow, Habit
+from subsea.scenario.water_types import JERLOV, WaterType, far_colour
 
 MAX_FISHES = 100_000
 # Each has two rows in a texture; OpenGL drivers limit its height to 16384 or less.
@@ -46,14 +47,30 @@ class Bounds(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Appearance and motion of the water."""
 
-    fog: Colour  # linear RGB of the far water, seen level
-    visibility_cm: Annotated[
-        float, msgspec.Meta(ge=50, le=1e5)
-    ]  # distance at which contrast falls to 2%
+    # Jerlov's optical type. `fog` and `visibility_cm` replace what follows from it; one of both
+    # ways must say how the water looks.
+    type: WaterType | None = None
+    hour: Annotated[float, msgspec.Meta(ge=6, le=18)] = 12.0  # of the day; the sun is up 6 to 18
+    fog: Colour | None = None  # linear RGB of the far water, seen level
+    # Distance at which contrast falls to 2%; 0: that of the type.
+    visibility_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)] = 0.0
     current_cm_s: tuple[Flow, Flow] = (0.0, 0.0)  # uniform flow along x and y
     plankton: Annotated[int, msgspec.Meta(ge=0, le=100000)] = 0
     temperature_c: tuple[Celsius, Celsius] = (27.0, 21.0)  # at the surface and at `depth_cm`
     light_depth_cm: Positive = 700.0  # depth at which light falls to 1/e
+
+    def __post_init__(self) -> None:
+        """Take the visibility from the type; refuse water of unknown look."""
+        if self.type is None and (self.fog is None or not self.visibility_cm):
+            missing = "fog" if self.fog is None else "visibility_cm"
+            raise ValueError(f'expected `{missing}`, or a `type` of water such as "II"')
+        if self.type is not None and not self.visibility_cm:
+            msgspec.structs.force_setattr(self, "visibility_cm", JERLOV[self.type].visibility_cm)
+
+    @property
+    def far(self) -> Colour:
+        """Colour of the far water: `fog`, or that of the type."""
+        return far_colour(self.type or "II") if self.fog is None else self.fog
 
 
 class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

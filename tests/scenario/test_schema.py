@@ -12,6 +12,8 @@ from subsea.frame.packet import make_scene, pack
 from subsea.geometry.height_field import height_at
 from subsea.habitat.clearance import clearances
 from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Water
+from subsea.scenario.water_types import JERLOV, far_colour
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.build import create_world
@@ -91,6 +93,11 @@ def test_shipped_scenarios_are_valid(name):
         (("[16.0, 23.0]", "[0.001, 23.0]"), ["fish[0].size_cm"]),
         (("dune_length_cm = 620.0", "dune_length_cm = 0.001"), ["terrain.dune_length_cm"]),
         (("number = 33", "number = 99999"), ["100026 fishes in all"]),
+        (('type = "IB"', 'type = "2C"'), ["water.type", "'2C'"]),
+        (('type = "IB"', 'type = "IB"\nhour = 19'), ["water.hour", "at most 18"]),
+        (('type = "IB"', 'type = "IB"\nhour = 5.5'), ["water.hour", "at least 6"]),
+        (('type = "IB"', "fog = [0.0, 0.1]"), ["water.fog"]),
+        (('type = "IB"', ""), ["`water`", "expected `fog`, or a `type` of water"]),
     ],
 )
 def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
@@ -338,3 +345,20 @@ def test_a_school_follows_a_leader_if_the_scenario_says_so(tmp_path, keys, led):
     minds = world_of(tmp_path, BARE.replace(place, place + keys)).state.minds
     assert minds.led[:33].all() == led
     assert not minds.led[33:].any()
+
+
+def test_water_looks_as_its_type_unless_the_scenario_says_otherwise():
+    plain = Water(type="1C")
+    assert plain.visibility_cm == JERLOV["1C"].visibility_cm
+    assert plain.far == far_colour("1C")
+    own = Water(type="1C", fog=(0.0, 0.1, 0.2), visibility_cm=900.0)
+    assert (own.far, own.visibility_cm) == ((0.0, 0.1, 0.2), 900.0)
+
+
+def test_distant_water_is_blue_offshore_and_green_at_the_coast():
+    for name in ("I", "IB", "II", "III"):
+        red, green, blue = far_colour(name)
+        assert red < green < blue
+    for name in ("1C", "3C", "5C", "9C"):
+        red, green, blue = far_colour(name)
+        assert green > max(red, blue)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from subsea.frame.packet import Packet
+from subsea.rendering.output.daylight import light_uniforms
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
 
@@ -12,7 +13,6 @@ SHAFTS_UNIT = 15  # texture unit that all shaders read
 # Period of the shaders' time; waves and snow jump when it ends. Their float32 resolves 1 ms up to
 # here, but only 8 ms after a day, and waves would jerk.
 TIDE_S = 4 * 3600.0
-CONTRAST_LEFT = 0.02  # at the visibility of a scenario
 
 
 def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
@@ -20,21 +20,23 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
     rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
     matrices = rows.transpose(0, 2, 1).tobytes()  # in OpenGL's column-major order
-    return {
-        "u_view": matrices[:64],
-        "u_projection": matrices[64:128],
-        "u_view_projection": matrices[128:192],
-        "u_inverse": matrices[192:],
-        "u_eye": tuple(float(x) for x in view.eye),
-        "u_size": (float(view.viewport[2]), float(view.viewport[3])),
-        "u_without": float(view.without),
-        "u_time": packet.time_s % TIDE_S,
-        "u_fog": water.fog,
-        "u_extinction": -np.log(CONTRAST_LEFT) / water.visibility_cm,
-        "u_caustics": 1,
-        "u_noise": 2,
-        "u_shafts": SHAFTS_UNIT,
-    } | _lamps(packet)
+    return (
+        {
+            "u_view": matrices[:64],
+            "u_projection": matrices[64:128],
+            "u_view_projection": matrices[128:192],
+            "u_inverse": matrices[192:],
+            "u_eye": tuple(float(x) for x in view.eye),
+            "u_size": (float(view.viewport[2]), float(view.viewport[3])),
+            "u_without": float(view.without),
+            "u_time": packet.time_s % TIDE_S,
+            "u_caustics": 1,
+            "u_noise": 2,
+            "u_shafts": SHAFTS_UNIT,
+        }
+        | light_uniforms(water, view.eye)
+        | _lamps(packet)
+    )
 
 
 def _lamps(packet: Packet) -> dict[str, Any]:

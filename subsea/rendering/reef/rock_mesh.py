@@ -11,7 +11,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
-from subsea.geometry.vector import vector
+from subsea.geometry.vector import Vector, vector
 from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
 from subsea.habitat.formations import (
     RELIEF_CM,
@@ -42,15 +42,15 @@ COLUMNS = 13
 SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
 
 
-def shapes(formations: list[Array], floor: Floor) -> list[list[StaticMesh]]:
-    """The levels of each formation, finest first."""
+def shapes(formations: list[Array], floor: Floor, sun: Vector = SUN) -> list[list[StaticMesh]]:
+    """The levels of each formation, finest first; `sun` is the direction toward the sun."""
     # Kernels and numpy release the GIL.
     with ThreadPoolExecutor() as pool:
         shades = list(pool.map(shade_of, formations))
 
         def levels(number: int) -> list[StaticMesh]:
             near = [shades[k] for k in _neighbours(formations, number)]
-            return _levels(formations[number], near, floor)
+            return _levels(formations[number], near, floor, sun)
 
         shaped = list(pool.map(levels, range(len(formations))))
     # A stone deep in the sand has no triangles.
@@ -100,12 +100,13 @@ def _neighbours(formations: list[Array], number: int) -> list[int]:
     return found
 
 
-def _levels(blocks: Array, near: list[Shade], floor: Floor) -> list[StaticMesh]:
+def _levels(blocks: Array, near: list[Shade], floor: Floor, sun: Vector) -> list[StaticMesh]:
     """The levels of a formation from one field: every sample, every second, and so on."""
     field, corner, cell = sampled(blocks, floor)
     levels: list[StaticMesh] = []
     for k in range(LEVELS):
-        shape = _shape(field[:: 2**k, :: 2**k, :: 2**k], corner, cell * 2**k, blocks, near, floor)
+        part = field[:: 2**k, :: 2**k, :: 2**k]
+        shape = _shape(part, corner, cell * 2**k, blocks, near, floor, sun)
         # A thin stone may fall between coarse samples.
         levels.append(levels[-1] if levels and not len(shape.triangles) else shape)
     return levels
@@ -128,8 +129,9 @@ def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
 
 
 def _shape(
-    field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor
-) -> StaticMesh:
+    field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor,
+    sun: Vector,
+) -> StaticMesh:  # fmt: skip
     cells, triangles = surface_net(field)
     # Vertices of coarse levels move onto the surface, but stay in their cells.
     start = corner + cell * cells
@@ -143,7 +145,7 @@ def _shape(
     vertices[:, SKY : SUNNY + 1] = 1.0
     for shade in near:
         vertices[:, SKY] *= openness(shade, place, normal)
-        _sun(shade, place, normal, vertices)
+        _sun(shade, place, normal, sun, vertices)
     vertices[:, ABOVE] = place[:, 2] - floor(place[:, 0], place[:, 1])
     shown = vertices[:, ABOVE] > -BURIED_CM
     return StaticMesh(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
@@ -183,13 +185,13 @@ def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int
 
 
 @kernel
-def _sun(shade: Shade, place: Array, normal: Array, out: Array) -> None:
+def _sun(shade: Shade, place: Array, normal: Array, sun: Vector, out: Array) -> None:
     """Multiply the sunlight by what a formation lets through."""
     for i in range(len(place)):
         x, y, z = place[i]
         n = vector(normal[i])
         away = (x + 4.0 * n[0], y + 4.0 * n[1], z + 4.0 * n[2])
-        out[i, 7] *= passes(shade, away, SUN, SUN_WIDE)
+        out[i, 7] *= passes(shade, away, sun, SUN_WIDE)
 
 
 @kernel

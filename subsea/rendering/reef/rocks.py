@@ -12,6 +12,7 @@ from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import first_of_formation, formations
+from subsea.habitat.stone_shade import sun_at
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
 from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.owner import GpuOwner
@@ -28,12 +29,15 @@ LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are use
 
 
 def pieces(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float
 ) -> list[list[StaticMesh]]:
-    """The formations of a `RenderScene` in pieces: the levels of each piece, finest first."""
+    """The formations of a `RenderScene` in pieces: the levels of each piece, finest first.
+
+    `hour` tells where the sun is.
+    """
     floor = partial(drawn_height, terrain, half_width_cm)
     found = formations(pillars, rocks)
-    return [piece for levels in shapes(found, floor) for piece in cut(levels)]
+    return [piece for levels in shapes(found, floor, sun_at(hour)[0]) for piece in cut(levels)]
 
 
 def object_ids(pillars: Array, rocks: Array, places: Array) -> Array:

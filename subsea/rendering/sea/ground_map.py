@@ -10,6 +10,7 @@ import numpy as np
 from subsea.core.arrays import Array, Bytes
 from subsea.core.kernels import kernel
 from subsea.geometry.noise import fractal
+from subsea.geometry.vector import Vector
 from subsea.habitat.stone_shade import (
     SUN,
     Shade,
@@ -37,8 +38,11 @@ class GroundMap(NamedTuple):
     size: Array  # (2,) cm
 
 
-def ground_map(formations: list[Array], floor: Floor) -> GroundMap:
-    """The map of formations, which are arrays of blocks (`habitat.formations`)."""
+def ground_map(formations: list[Array], floor: Floor, sun: Vector = SUN) -> GroundMap:
+    """The map of formations, which are arrays of blocks (`habitat.formations`).
+
+    `sun` is the direction toward the sun, below the surface.
+    """
     if not formations:
         return GroundMap(np.full((1, 1, 4), (255, 255, 0, 255), np.uint8), np.zeros(2), np.ones(2))
     boxes = [np.array(box_of(blocks))[:, :2] for blocks in formations]
@@ -61,7 +65,7 @@ def ground_map(formations: list[Array], floor: Floor) -> GroundMap:
         places = np.stack([across, down, floor(across, down)], axis=-1).reshape(-1, 3)
         gap = np.maximum(np.maximum(box[0] - places[:, :2], places[:, :2] - box[1]), 0.0)
         fade = np.clip(2.0 - 2.1 * np.hypot(*gap.T) / REACH_CM, 0.0, 1.0)
-        return part, _light(shade_of(blocks), places, fade).reshape(*across.shape, 3)
+        return part, _light(shade_of(blocks), places, fade, sun).reshape(*across.shape, 3)
 
     with ThreadPoolExecutor() as pool:
         for part, found in pool.map(around, formations):
@@ -82,7 +86,7 @@ def upload(context: Any, ground: GroundMap) -> Any:
 
 
 @kernel
-def _light(shade: Shade, places: Array, fade: Array) -> Array:
+def _light(shade: Shade, places: Array, fade: Array, sun: Vector) -> Array:
     """Sun, sky and rubble (n, 3) at points on the sand (n, 3); `fade` (n,) weighs the effect."""
     out = np.empty((len(places), 3))
     for i in range(len(places)):
@@ -91,9 +95,9 @@ def _light(shade: Shade, places: Array, fade: Array) -> Array:
         out[i, 0], out[i, 1], out[i, 2] = 1.0, 1.0, 0.0
         if fade[i] == 0.0:
             continue
-        sun = passes(shade, (x, y, z + 1.0), SUN, SUN_WIDE)
+        sunny = passes(shade, (x, y, z + 1.0), sun, SUN_WIDE)
         sky = openness(shade, places[i : i + 1], UP)[0]
-        out[i, 0] = 1.0 - fade[i] * (1.0 - sun)
+        out[i, 0] = 1.0 - fade[i] * (1.0 - sunny)
         out[i, 1] = 1.0 - fade[i] * (1.0 - sky)
         patch = fractal(x / 80.0, y / 80.0, 3.3, 3)
         rubble = np.exp(-max(gap - 8.0, 0.0) / RUBBLE_CM) * (0.9 + 1.1 * patch)

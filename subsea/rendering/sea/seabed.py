@@ -8,6 +8,7 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
 from subsea.habitat.formations import formations
+from subsea.habitat.stone_shade import sun_at
 from subsea.rendering.gl.id_buffer import SEABED
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
@@ -64,11 +65,11 @@ class SeabedRenderer(GpuOwner):
 
 
 def surroundings(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float
 ) -> ground_map.GroundMap:
-    """The ground map of the stones of a `RenderScene`."""
+    """The ground map of the stones of a `RenderScene` at an hour."""
     floor = partial(drawn_height, terrain, half_width_cm)
-    return ground_map.ground_map(formations(pillars, rocks), floor)
+    return ground_map.ground_map(formations(pillars, rocks), floor, sun_at(hour)[0])
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:

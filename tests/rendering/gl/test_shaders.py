@@ -8,7 +8,7 @@ import pytest
 
 from subsea.core.resources import resource_names
 from subsea.frame import in_sight
-from subsea.habitat import seaweed, stone_shade, vents
+from subsea.habitat import seaweed, vents
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.seaweed import FRONDS
@@ -72,11 +72,6 @@ def numbers(name, pattern):
     found = re.findall(pattern.replace(" ", r"\s*").replace("#", r"(-?\d+\.?\d*)"), text)
     assert found, f"{name}: {pattern}"
     return np.array(found, float).reshape(len(found), -1)
-
-
-def test_shaders_and_python_mean_the_same_sun():
-    (sun,) = numbers("optics.glsl", r"SUN = vec3\( # , # , # \)")
-    np.testing.assert_array_equal(sun, stone_shade.SUN)
 
 
 def test_shader_and_vertices_agree_on_the_sway_of_corals():

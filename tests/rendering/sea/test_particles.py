@@ -5,11 +5,14 @@ import pytest
 
 from subsea.habitat.stone_shade import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
+from subsea.rendering.output.daylight import light_uniforms
 from subsea.rendering.sea.particles import SNOW_BOX_CM, SNOW_LOOK
+from subsea.scenario.schema import Water
 from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
 
 NUMBER = 3000
+WATER = Water(fog=(0.01, 0.1, 0.2), visibility_cm=1300.0)
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +31,7 @@ def specks(context):
         (view,) = views_for("mono", (320, 180), pose_from_angles(np.array(eye), 0.4, 0.2))
         values = {
             "u_eye": eye,
-            "u_fog": (0.01, 0.1, 0.2),
-            "u_extinction": 0.003,
+            **light_uniforms(WATER, eye),
             "u_time": 5.0,
             "u_projection": view.projection.T.astype("f4").tobytes(),
             "u_view_projection": (view.projection @ view.view).T.astype("f4").tobytes(),

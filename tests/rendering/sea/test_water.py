@@ -8,9 +8,14 @@ import pytest
 from subsea.habitat.stone_shade import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.gl.textures import near_and_far, repeating
+from subsea.rendering.output.daylight import WIDE, daylight, light_uniforms
 from subsea.rendering.output.quality import PRESETS
+from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.sea.water import disc, grid
+from subsea.scenario.schema import Water
+from subsea.scenario.water_types import JERLOV, attenuation
 
+PLAIN_WATER = Water(fog=(0.01, 0.1, 0.2), visibility_cm=1500.0)
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)
 
 
@@ -113,7 +118,7 @@ def optics(context):
     light = repeating(context, near_and_far, 1)
     target = context.simple_framebuffer((4, 4))
 
-    def optics(expression, places, **uniforms):
+    def optics(expression, places, water=PLAIN_WATER, **uniforms):
         main = f"in vec3 p; out vec3 v; void main() {{ v = vec3({expression}); }}\n"
         compiled = context.program(vertex_shader=source("optics.glsl") + main, varyings=["v"])
         given = context.buffer(np.asarray(places, "f4").tobytes())
@@ -121,13 +126,8 @@ def optics(context):
         array = context.vertex_array(compiled, [(given, "3f4", "p")])
         target.use()
         light.use(1)
-        sea = {
-            "u_eye": (0.0, 0.0, -300.0),
-            "u_fog": (0.01, 0.1, 0.2),
-            "u_extinction": 0.0026,
-            "u_caustics": 1,
-            "u_time": 3.0,
-        }
+        eye = uniforms.get("u_eye", (0.0, 0.0, -300.0))
+        sea = {"u_eye": eye, "u_caustics": 1, "u_time": 3.0} | light_uniforms(water, eye)
         set_uniforms(compiled, **(sea | uniforms))
         array.transform(out, vertices=len(places))
         values = np.frombuffer(out.read(), np.float32).reshape(-1, 3).astype(float)
@@ -190,7 +190,7 @@ def test_colours_near_the_eye_are_true_on_a_reef_and_blue_in_the_deep(optics):
 
 
 def test_reds_are_kept_near_and_the_visibility_is_where_two_percent_of_contrast_is_left(optics):
-    near, far = optics("clearness(p.x)", [(250.0, 0, 0), (1500.0, 0, 0)], u_extinction=0.002608)
+    near, far = optics("clearness(p.x)", [(250.0, 0, 0), (1500.0, 0, 0)])
     assert near[0] > 0.4
     assert near[0] / near[2] > 0.7
     assert far[1] == pytest.approx(0.02, abs=0.001)
@@ -205,3 +205,54 @@ def test_the_water_is_brightest_about_the_sun_and_darkest_below(optics):
     assert toward > 2.0 * level
     assert level > 1.3 * away
     assert away > 1.5 * down
+
+
+@pytest.mark.parametrize("name", JERLOV)
+def test_daylight_falls_with_depth_as_jerlov_measured_it(optics, name):
+    """Green and blue as in the table, red between those of 550 and 650 nm."""
+    water, places = Water(type=name), [(0.0, 0.0, -500.0), (0.0, 0.0, -600.0)]
+    high, low = optics("daylight(p.z)", places, water=water)
+    red, green, blue = -np.log(low / high)  # over a metre
+    kd = JERLOV[name].kd
+    np.testing.assert_allclose((green, blue), kd[1:], rtol=1e-4)
+    assert kd[1] < red < kd[0]
+    np.testing.assert_allclose((red, green, blue), 100.0 * np.array(attenuation(name)), rtol=1e-4)
+
+
+def test_near_things_are_warm_and_far_ones_have_the_colour_of_their_water(optics):
+    for name, clearest in (("I", 2), ("II", 2), ("5C", 1), ("9C", 1)):
+        water = Water(type=name)
+        far = optics("clearness(p.x)", [(water.visibility_cm, 0, 0)], water=water)[0]
+        assert far[1] == pytest.approx(0.02, abs=0.001)
+        assert far.argmax() == clearest
+        assert np.argmax(water.far) == clearest
+        near = optics("clearness(p.x)", [(0.1 * water.visibility_cm, 0, 0)], water=water)[0]
+        assert near.min() > 3.0 * far.max()
+
+
+def test_pictures_of_one_eye_have_one_exposure(make_packet, scene):
+    """Whatever the screen, its direction and its size."""
+    size, eye = (320, 180), (30.0, -40.0, -420.0)
+    found = []
+    for heading, pitch in ((0.0, 0.0), (2.0, 0.7), (4.0, -0.9)):
+        packet = make_packet([], eye=eye, heading=heading, pitch=pitch, size=size)
+        found.append(uniforms_of(packet, packet.views[0], scene.water))
+    for name in light_uniforms(scene.water, eye):
+        assert found[0][name] == found[1][name] == found[2][name], name
+
+
+def test_the_pupil_opens_in_the_dark_a_little():
+    for dim in (Water(type="II", hour=17.0), Water(type="5C")):
+        assert 1.2 < daylight(dim).pupil(350.0) <= WIDE
+    clear = daylight(PLAIN_WATER)
+    assert clear.pupil(350.0) == pytest.approx(1.0)
+    # Deep places stay darker all the same.
+    light = [clear.at(depth)[1] * clear.pupil(depth) for depth in (100.0, 350.0, 1000.0, 2500.0)]
+    assert (np.diff(light) < 0.0).all()
+
+
+def test_light_is_dimmer_and_redder_in_the_evening():
+    noon, late = (daylight(Water(type="II", hour=hour)) for hour in (12.0, 17.0))
+    assert (late.sunlight < 0.6 * noon.sunlight).all()
+    assert late.sunlight[0] / late.sunlight[2] > 1.3 * noon.sunlight[0] / noon.sunlight[2]
+    assert (late.far < 0.6 * noon.far).all()
