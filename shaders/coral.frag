@@ -1,5 +1,8 @@
 #include "optics.glsl"
 #include "show.glsl"
+#ifdef FADING
+#include "fades.glsl"
+#endif
 
 uniform sampler2D u_grain;  // ridges, polyps, pores
 
@@ -13,6 +16,9 @@ in vec3 v_clear;
 in vec3 v_veil;
 
 void main() {
+#ifdef FADING
+    if (faded(u_fade)) discard;
+#endif
     float height = dot(v_grain.xyz, texture(u_grain, v_along).rgb);
     vec3 normal = normalize(v_normal);
     // Which way on the grain the sun is: what rises toward it is darker.

@@ -1,6 +1,9 @@
 // Sand: ripple marks in two directions, grain, litter, and rubble about what stands on it.
 #include "optics.glsl"
 #include "show.glsl"
+#ifdef FADING
+#include "fades.glsl"
+#endif
 
 uniform sampler2D u_ground;   // share of the sun, of the sky, of rubble
 uniform sampler2D u_ripples;  // slopes, height, grain
@@ -22,6 +25,9 @@ const vec3 PINK = vec3(0.46, 0.20, 0.22);
 const mat2 TURNED = mat2(0.80, 0.60, -0.60, 0.80);
 
 void main() {
+#ifdef FADING
+    if (faded(u_fade)) discard;
+#endif
     vec2 p = v_world.xy;
     vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
     // Crests wind, and lie down in places.

@@ -1,6 +1,9 @@
 // Stone under water: little of it is bare, most is a crust of what grows on it.
 #include "optics.glsl"
 #include "show.glsl"
+#ifdef FADING
+#include "fades.glsl"
+#endif
 
 uniform sampler2D u_relief;  // height, its slopes, polyps
 
@@ -22,6 +25,9 @@ const vec3 SPONGE = vec3(0.86, 0.33, 0.06);
 const vec3 LEMON = vec3(0.78, 0.62, 0.12);
 
 void main() {
+#ifdef FADING
+    if (faded(u_fade)) discard;
+#endif
     vec3 normal = normalize(v_normal);
     vec3 share = normal * normal;
     share *= share;

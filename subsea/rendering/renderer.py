@@ -144,7 +144,7 @@ class Renderer(GpuOwner):
         Call it for packets that are not drawn, so that later pictures do not depend on that.
         """
         self._rocks.choose(packet, self.quality.detail)
-        self._coral.choose(packet.views, self.quality.detail, self.quality.growth)
+        self._coral.choose(packet, self.quality.detail, self.quality.growth)
         self._seabed.choose(packet, self.quality.detail)
 
     @contextmanager

@@ -1,4 +1,4 @@
-"""Programs with variants that are compiled on demand: for object ids, and for lamps."""
+"""Programs with variants that are compiled on demand: for object ids, lamps, fades, close-ups."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,24 +13,38 @@ class ProgramVariants(GpuOwner):
     """A program, its variants, and the vertex arrays that any of them draws."""
 
     def __init__(
-        self, context: Any, name: str, ids: int | Callable[[], Array] | None = None
+        self,
+        context: Any,
+        name: str,
+        ids: int | Callable[[], Array] | None = None,
+        first: tuple[str, ...] = (),
     ) -> None:
-        """Compile `shaders/NAME`; `ids` is a kind, or returns the object id of each vertex."""
+        """Compile `shaders/NAME`; `ids` is a kind, or returns the object id of each vertex.
+
+        `first` are the defines of the variant that is compiled at once.
+        """
         super().__init__()
-        self.context, self._name, self._ids = context, name, ids
-        self._programs: dict[tuple[str, ...], Any] = {(): self.own(program(context, name))}
+        self.context, self._name, self._ids, self._first = context, name, ids, first
+        compiled = self.own(program(context, name, **dict.fromkeys(first, 1)))
+        self._programs: dict[tuple[str, ...], Any] = {first: compiled}
         self._contents: dict[Any, tuple[Any, Any]] = {}
         self._arrays: dict[Any, Any] = {}
 
     def array(self, content: list[Any], indices: Any = None) -> Any:
-        """Make a vertex array of the plain program; arguments as in moderngl."""
-        array = self.own(self.context.vertex_array(self._programs[()], content, indices))
+        """Make a vertex array of the first program; arguments as in moderngl."""
+        array = self.own(self.context.vertex_array(self._programs[self._first], content, indices))
         self._contents[array] = content, indices
         return array
 
-    def ready(self, array: Any, as_ids: bool, **uniforms: Any) -> Any:
-        """Return `array`, or its twin for the variant needed, with these uniforms set."""
-        if defines := required_defines(uniforms, as_ids):
+    def ready(
+        self, array: Any, as_ids: bool, wants: tuple[str, ...] = (), /, **uniforms: Any
+    ) -> Any:
+        """Return `array`, or its twin for the variant needed, with these uniforms set.
+
+        `wants` are defines beside those that the uniforms require.
+        """
+        defines = wants + required_defines(uniforms, as_ids)
+        if defines != self._first:
             array = self._twin(array, defines)
             if isinstance(self._ids, int):
                 uniforms["u_object_id"] = object_id(self._ids)

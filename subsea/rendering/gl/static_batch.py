@@ -1,7 +1,7 @@
 """Static geometry in one vertex buffer: each view draws the visible items in one call."""
 
 from collections.abc import Callable, Sequence
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 import moderngl
@@ -9,17 +9,25 @@ import numpy as np
 
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
+from subsea.rendering.gl.level_fades import (
+    OUT_OF_SIGHT,
+    LevelState,
+    empty_levels,
+    fade_groups,
+    next_levels,
+    under_way,
+)
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.view.camera import View
 from subsea.view.culling import ViewArrays, eye_distance, in_frustum, view_arrays
 
-OUT_OF_SIGHT = -1  # instead of a level
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
 LEAST_PX = 3.0  # smaller items are not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
 INDIRECT = "GL_ARB_multi_draw_indirect"  # of OpenGL 4.3, and of many drivers of 3.3
 COMMAND_BYTES = 20
+FADING = ("FADING",)  # variant of a program that draws a share of the pixels
 
 
 class StaticMesh(NamedTuple):
@@ -81,10 +89,10 @@ class StaticBatch(GpuOwner):
         self._ranges = _ranges(items, len(thresholds_px) + 1, flat, lists)
         spheres = bounding_spheres(items) if spheres is None else spheres
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
-        self._level = np.full(len(items), OUT_OF_SIGHT)
+        self._state = empty_levels(len(items))
         self._seen = np.zeros((0, len(items)), np.bool_)
-        self._sizes: list[int] = []  # triangles of each view
-        self._starts = [0]  # of the commands of each view, or of its triangles, and the end
+        # Calls of each view: first command, or triangle; their number; triangles; share to draw.
+        self._calls: list[list[tuple[int, int, int, float]]] = []
         item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
         self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
         self._array: Any = None
@@ -106,55 +114,72 @@ class StaticBatch(GpuOwner):
         self._array = programs.array(content, self._indices)
 
     def choose(
-        self, views: Sequence[View], detail: float = 1.0, shown: Bools | None = None
+        self,
+        views: Sequence[View],
+        time_s: float = 0.0,
+        detail: float = 1.0,
+        shown: Bools | None = None,
     ) -> None:
         """Choose the items that each view draws, and a level for each that all views share.
 
-        `detail` is a factor on the pixels that an item covers; infinite draws every item at its
-        finest level. `shown` (k,) leaves items out.
+        Changes of level fade from picture to picture, which are at `time_s` of the world. `detail`
+        is a factor on the pixels that an item covers; infinite draws every item at its finest
+        level. `shown` (k,) leaves items out.
         """
         if self._array is None:
             return
-        spheres = self._centres, self._radii
+        spheres, before = (self._centres, self._radii), self._state
         level, seen = levels_in_sight(
-            spheres, views, self._reach, detail, self._thresholds, self._level
+            spheres, views, self._reach, detail, self._thresholds, before.level
         )
         if shown is not None:
             level[~shown] = OUT_OF_SIGHT
         seen &= level != OUT_OF_SIGHT
-        if np.array_equal(level, self._level) and np.array_equal(seen, self._seen):
+        state = self._state = next_levels(level, before, time_s)
+        fades = under_way(state).any() or under_way(before).any()
+        same = np.array_equal(state.level, before.level) and np.array_equal(seen, self._seen)
+        if same and not fades:
             return
-        self._level, self._seen = level, seen
+        self._seen = seen
         # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
-        drawn, ranges = [], []
+        groups = []
         for row, view in zip(seen, views, strict=True):
             own = np.flatnonzero(row)
             away = self._centres[own] - view.eye
             near = np.sqrt(np.einsum("ij,ij->i", away, away)) - self._radii[own]
-            drawn.append(own[np.argsort(near)])
-            ranges.append(self._ranges[drawn[-1], level[drawn[-1]]])
+            groups.append(fade_groups(own[np.argsort(near)], state))
+        every = [group for those in groups for group in those]
+        items, chosen = (np.concatenate([group[k] for group in every]) for k in (0, 1))
         if self._waiting:
-            self._make(np.concatenate(drawn), level)
-        self._sizes = [int((own[:, 1] - own[:, 0]).sum()) for own in ranges]
-        self._starts = [0, *accumulate(map(len, ranges) if self._indirect else self._sizes)]
-        if sum(self._sizes) and self._indirect:
-            replace_data(self._commands, commands(np.concatenate(ranges)))
-        elif sum(self._sizes):
-            replace_data(self._indices, gather(self._triangles, np.concatenate(ranges)))
+            self._make(items, chosen)
+        ranges = self._ranges[items, chosen]
+        ends = np.cumsum([0, *(ranges[:, 1] - ranges[:, 0])])
+        if len(ranges) and self._indirect:
+            replace_data(self._commands, commands(ranges))
+        elif ends[-1]:
+            replace_data(self._indices, gather(self._triangles, ranges))
+        bounds = [0, *accumulate(len(group.items) for group in every)]
+        calls = []
+        for first, end, group in zip(bounds[:-1], bounds[1:], every, strict=True):
+            triangles = int(ends[end] - ends[first])
+            drawn = (first, end - first) if self._indirect else (int(ends[first]), triangles)
+            calls.append((*drawn, triangles, group.share))
+        split = [0, *accumulate(map(len, groups))]
+        self._calls = [calls[i:k] for i, k in pairwise(split)]
 
     def _make(self, items: Ints, level: Ints) -> None:
-        """Upload the meshes of `items` at their levels that are drawn for the first time."""
-        absent = items[self._absent[items, level[items]]]
-        for first in {*self._ranges[absent, level[absent], 2].tolist()}:
+        """Upload the meshes of `items` at these levels that are drawn for the first time."""
+        absent = self._absent[items, level]
+        for first in {*self._ranges[items[absent], level[absent], 2].tolist()}:
             vertices = np.ascontiguousarray(self._waiting.pop(first).vertices, "f4")
             self._vertices.write(vertices, self._stride * first)
             self._absent &= self._ranges[..., 2] != first
 
-    def recall(self, level: Ints | None = None) -> Ints:
-        """Set the levels (k,) that the next choice starts from, None: no item; returns the old."""
-        before = self._level
-        self._level = np.full_like(before, OUT_OF_SIGHT) if level is None else level
-        self._seen = np.zeros((0, len(before)), np.bool_)  # forces new indices
+    def recall(self, state: LevelState | None = None) -> LevelState:
+        """Set the levels that the next choice starts from, None: no item; returns the old."""
+        before = self._state
+        self._state = empty_levels(len(before.level)) if state is None else state
+        self._seen = np.zeros((0, len(before.level)), np.bool_)  # forces new indices
         return before
 
     @property
@@ -162,19 +187,34 @@ class StaticBatch(GpuOwner):
         """The item that each vertex (n,) belongs to."""
         return np.repeat(*self._owners)
 
-    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
-        """Draw the items in view `number`, or their object ids; returns the number of triangles."""
+    def draw(
+        self,
+        number: int,
+        uniforms: dict[str, Any],
+        as_ids: bool = False,
+        wants: tuple[str, ...] = (),
+    ) -> int:
+        """Draw the items in view `number`, or their object ids; returns the number of triangles.
+
+        `wants` are defines of the program. Items at rest take one call, those that fade two for
+        each moment at which a fade began.
+        """
         if self._array is None:
             return 0
-        first, end = self._starts[number : number + 2]
-        if end == first:
-            return 0
-        array = self._programs.ready(self._array, as_ids, **uniforms)
-        if self._indirect:
-            array.render_indirect(self._commands, moderngl.TRIANGLES, end - first, first)
-        else:
-            array.render(moderngl.TRIANGLES, vertices=3 * (end - first), first=3 * first)
-        return self._sizes[number]
+        total = 0
+        for first, count, triangles, share in self._calls[number]:
+            if not triangles:
+                continue
+            fading = FADING if share else ()
+            array = self._programs.ready(
+                self._array, as_ids, wants + fading, **uniforms, u_fade=share
+            )
+            if self._indirect:
+                array.render_indirect(self._commands, moderngl.TRIANGLES, count, first)
+            else:
+                array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
+            total += triangles
+        return total
 
 
 def levels_in_sight(

@@ -1,6 +1,6 @@
 """Drawing corals, sponges and anemones: meshes in place, size and colours of each growth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.disk_cache import cached
+from subsea.frame.packet import Packet
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND, RUBBLE
 from subsea.habitat.stone_shade import SUN
@@ -20,7 +21,6 @@ from subsea.rendering.gl.textures import cell_distance, halves, repeating, tilea
 from subsea.rendering.reef.coral_mesh import CoralMesh, unit
 from subsea.rendering.reef.coral_shapes import LEVELS, forms
 from subsea.state import Reef
-from subsea.view.camera import View
 
 GRAIN_UNIT = 8  # texture unit
 TILE_CM = 32.0  # of the grain
@@ -167,10 +167,11 @@ class CoralRenderer(GpuOwner):
         """State that depends on earlier packets."""
         return self._batch, self._shadows
 
-    def choose(self, views: Sequence[View], detail: float = 1.0, growth: float = 1.0) -> None:
-        """Choose what `views` draw; `growth` is the share of growths to draw."""
-        self._batch.choose(views, detail, self._own <= growth)
-        self._shadows.choose(views, detail, self._shaded <= growth)
+    def choose(self, packet: Packet, detail: float = 1.0, growth: float = 1.0) -> None:
+        """Choose what the views of a packet draw; `growth` is the share of growths to draw."""
+        views, time_s = packet.views, packet.time_s
+        self._batch.choose(views, time_s, detail, self._own <= growth)
+        self._shadows.choose(views, time_s, detail, self._shaded <= growth)
 
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the chosen growths or their object ids; returns the number of triangles."""

@@ -95,7 +95,7 @@ class RockRenderer(GpuOwner):
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Choose what the views of a packet draw."""
         if self._batch:
-            self._batch.choose(packet.views, detail)
+            self._batch.choose(packet.views, packet.time_s, detail)
 
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the chosen pieces or their object ids; returns the number of triangles."""

@@ -55,7 +55,7 @@ class SeabedRenderer(GpuOwner):
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Choose what the views of a packet draw."""
-        self._batch.choose(packet.views, detail)
+        self._batch.choose(packet.views, packet.time_s, detail)
 
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the chosen tiles or their object ids; returns the number of triangles."""

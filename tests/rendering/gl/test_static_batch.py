@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from subsea.core.resources import resource_path
 from subsea.rendering.gl import static_batch
 from subsea.rendering.gl.shaders import set_uniforms
 from subsea.rendering.gl.static_batch import (
@@ -17,6 +18,7 @@ from subsea.rendering.gl.static_batch import (
     levels_in_sight,
 )
 from subsea.view.display_rigs import views_for
+from subsea.view.levels import FADE_S
 from subsea.view.rig import pose_from_angles
 
 SIZE = (64, 64)
@@ -29,7 +31,14 @@ uniform mat4 u_view_projection;
 in vec3 a_position;
 void main() { gl_Position = u_view_projection * vec4(a_position, 1.0); }
 """
-FRAGMENT = "out vec4 f_colour; void main() { f_colour = vec4(1.0); }"
+FRAGMENT = """
+out vec4 f_colour;
+#include "fades.glsl"
+void main() {
+    if (faded(u_fade)) discard;
+    f_colour = vec4(1.0);
+}
+"""
 
 
 def levels(distances, before, views=AHEAD, detail=1.0, radius=10.0, reach=1e9):
@@ -93,7 +102,7 @@ class OneProgram:
         self._array = self.context.vertex_array(self._program, content, indices)
         return self._array
 
-    def ready(self, array, as_ids, **uniforms):
+    def ready(self, array, as_ids, wants=(), **uniforms):
         set_uniforms(self._program, **uniforms)
         return array
 
@@ -107,8 +116,10 @@ def drawn(context, request, monkeypatch):
     if request.param == "triangles":
         monkeypatch.setattr(static_batch, "INDIRECT", "no extension")
     assert (static_batch.INDIRECT in context.extensions) == (request.param == "commands")
+    fades = resource_path("shaders/fades.glsl").read_text(encoding="utf-8")
     program = context.program(
-        vertex_shader="#version 330\n" + VERTEX, fragment_shader="#version 330\n" + FRAGMENT
+        vertex_shader="#version 330\n" + VERTEX,
+        fragment_shader="#version 330\n" + FRAGMENT.replace('#include "fades.glsl"', fades),
     )
     target = context.simple_framebuffer(SIZE)
 
@@ -200,6 +211,40 @@ def test_a_choice_apart_knows_nothing_of_earlier_ones_and_leaves_nothing(drawn):
     assert apart != kept
     batch.release()
     fresh.release()
+
+
+def test_a_change_of_level_fades_and_every_pixel_is_drawn_once(drawn):
+    """A quad that covers the same pixels at each level: both together draw each of them once."""
+    make, draw = drawn
+    batch = make([[quad(100.0, 10.0, n) for n in (8, 4, 1)]])
+    pixels, fine = draw(batch, AHEAD, detail=1.0, time_s=1.0)
+    shares = []
+    for picture in range(12):
+        time_s = 1.0 + 0.04 * (picture + 1)
+        now, triangles = draw(batch, AHEAD, detail=0.3, time_s=time_s)
+        assert now == pixels
+        shares.append(triangles)
+    assert set(shares) == {fine + 2, 2}
+    assert shares[-1] == 2  # within FADE_S
+    assert shares.count(fine + 2) == round(FADE_S / 0.04 + 0.5)
+    # A jump in time, or one of two levels, needs no fade.
+    assert draw(batch, AHEAD, detail=1.0, time_s=9.0) == (pixels, fine)
+    assert draw(batch, AHEAD, detail=0.3, time_s=8.0) == (pixels, 2)
+    batch.release()
+
+
+def test_each_level_has_its_share_of_the_pixels_in_a_fade(drawn):
+    make, draw = drawn
+    nothing = StaticMesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
+    same = quad(100.0, 10.0, 8)
+    batch = make([[same, same, nothing]])
+    whole, _ = draw(batch, AHEAD, time_s=1.0)
+    parts = [draw(batch, AHEAD, detail=0.3, time_s=1.0 + 0.03 * (k + 1))[0] for k in range(12)]
+    assert (np.diff(parts) <= 0).all()
+    assert parts[0] > 0.9 * whole
+    assert parts[-1] == 0
+    assert max(-np.diff(parts)) < 0.2 * whole
+    batch.release()
 
 
 def test_an_empty_batch_draws_nothing(drawn):
