@@ -90,7 +90,7 @@ class Renderer(GpuOwner):
             reach_cm = IN_SIGHT * scene.water.visibility_cm
             sand = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
             self._coral = self.own(
-                CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand)
+                CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand, quality)
             )
             self._seaweed = self.own(SeaweedRenderer(context))
             check()
@@ -132,6 +132,7 @@ class Renderer(GpuOwner):
             self._make_target(self.rig, quality)
         self.quality = quality
         self._particles.adapt(quality)
+        self._coral.adapt(quality)
         self._shafts.adapt(quality)
         self._water.adapt(quality)
         self._resolve.adapt(quality)

@@ -36,6 +36,14 @@ class Quality:
     # True: corals, fishes and the submarine darken the sand beneath.
     shadows: bool = True
 
+    # True: details that show at arm's length, such as polyps of corals and veins of leaves.
+    close_up: bool = True
+
+    @property
+    def close_up_defines(self) -> tuple[str, ...]:
+        """The defines of programs that have a variant for close-ups."""
+        return ("CLOSE_UP",) * self.close_up
+
     @property
     def packing(self) -> PackOptions:
         """The options of `frame.packet.pack` for this quality."""
@@ -43,7 +51,7 @@ class Quality:
 
 
 PRESETS = {
-    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6),
+    "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False),
     "medium": Quality(),
     "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16),
 }

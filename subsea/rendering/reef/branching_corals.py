@@ -19,9 +19,9 @@ def staghorn(rng: Rng, level: int) -> CoralMesh:
     boughs = grow_offshoots(rng, stems, 3, 0.8, 0.35, 0.8, 0.45)
     twigs = grow_offshoots(rng, boughs, 3, 0.75, 0.4, 0.72, 0.3)
     if level == 0:
-        return together(stems, boughs, twigs).tubes(3, 5, True, pale=0.35)
+        return together(stems, boughs, twigs).tubes(4, 8, True, pale=0.45)
     if level == 1:
-        return together(stems, boughs, twigs).tubes(2, 4, False, 1.1, pale=0.35)
+        return together(stems, boughs, twigs).tubes(2, 5, False, 1.1, pale=0.45)
     if level == 2:
         few = twigs.taken(np.arange(0, len(twigs.length), 2))
         return together(boughs, few).tubes(2, 3, False, 1.5, pale=0.2)
@@ -50,9 +50,9 @@ def bush(rng: Rng, level: int) -> CoralMesh:
         thick[:, None] * np.array([0.07, 0.105]), np.zeros(number),
     )  # fmt: skip
     if level == 0:
-        return fingers.tubes(2, 6, True, pale=0.3, dark=0.12)
+        return fingers.tubes(2, 8, True, pale=0.4, dark=0.12)
     if level == 1:
-        return fingers.tubes(2, 4, False, 1.1, pale=0.3, dark=0.12)
+        return fingers.tubes(2, 5, False, 1.1, pale=0.4, dark=0.12)
     few = fingers.taken(np.arange(0, number, 2 if level == 2 else 6))
     return few.tubes(2, 3, False, 1.5 if level == 2 else 2.5, pale=0.25, dark=0.15)
 
@@ -63,7 +63,7 @@ def finger(rng: Rng, level: int) -> CoralMesh:
     knobs = grow_offshoots(rng, stems, 3, 0.7, 0.5, 0.85, 0.4)
     both = together(stems, knobs)
     if level == 0:
-        return both.tubes(3, 6, True, pale=0.1, sway=0.5, dark=0.25)
+        return both.tubes(5, 10, True, pale=0.3, sway=0.5, dark=0.25)
     if level == 1:
         return both.tubes(2, 5, True, pale=0.1, sway=0.5, dark=0.25)
     few = knobs.taken(np.arange(0, len(knobs.length), level))
@@ -89,7 +89,7 @@ def soft(rng: Rng, level: int) -> CoralMesh:
     ).reshape(-1, 3)
     size = rng.uniform(0.042, 0.075, len(heads))
     if level == 0:
-        stem = together(trunk, boughs, twigs).tubes(3, 6, False, sway=0.7, pale=1.5, dark=0.5)
+        stem = together(trunk, boughs, twigs).tubes(3, 7, False, sway=0.7, pale=1.5, dark=0.5)
     else:
         few = boughs.taken(np.arange(0, 11, max(level - 1, 1)))
         sides = 4 if level == 1 else 3
@@ -143,7 +143,9 @@ def fan(rng: Rng, level: int) -> CoralMesh:
     path = np.stack([flat[..., 0], warp, flat[..., 1]], axis=-1)
     radius = rows[:, 4:5] + share[..., 0] * (rows[:, 5:6] - rows[:, 4:5])
     tip = np.clip((path[..., 2] - 0.2) / 1.2, 0.0, 1.0)
-    return tubes(path, radius, 3, tip=tip, light=0.75 + 0.25 * tip, sway=out_share(path))
+    return tubes(
+        path, radius, 4 if level == 0 else 3, tip=tip, light=0.75 + 0.25 * tip, sway=out_share(path)
+    )
 
 
 def rubble(rng: Rng, level: int) -> CoralMesh:

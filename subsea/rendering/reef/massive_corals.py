@@ -9,7 +9,7 @@ from subsea.rendering.reef.coral_mesh import CoralMesh, Rng, bumps, joined, plat
 
 def table(rng: Rng, level: int) -> CoralMesh:
     """Flat plates on a short stem, one above another, with a finely branched rim."""
-    columns = (72, 36, 18, 10)[level]
+    columns = (120, 40, 18, 10)[level]
     parts = []
     for tier in range(1 + int(rng.integers(0, 3))):
         wide = 1.0 if tier == 0 else rng.uniform(0.45, 0.7)
@@ -29,8 +29,8 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     jag[-1] = jag[0]
     jag = (
         1.0
-        + (0.09, 0.03, 0.0, 0.0)[level] * (np.arange(columns + 1) % 2 - 0.5)
-        + 0.07 * (jag - 0.5)
+        + (0.03, 0.02, 0.0, 0.0)[level] * (np.arange(columns + 1) % 2 - 0.5)
+        + 0.045 * (jag - 0.5)
     )
     # Stem up, under the plate outward, round the rim, and inward on the top.
     r = np.array([0.2, 0.13, 0.2, 0.55, 0.96, 1.0, 0.9, 0.5, 0.0])
@@ -53,28 +53,29 @@ def _plate(rng: Rng, level: int, columns: int, wide: float, off: Array, z: float
     mesh = turned(reach, rise + z, light=light[:, None], tip=pale[:, None])
     shift = np.append(off, 0.0) * np.clip(mesh.place[:, 2:] / z, 0.0, 1.0)
     mesh = mesh._replace(place=mesh.place + shift)
-    number = (150, 40, 0, 0)[level]
+    number = (300, 60, 0, 0)[level]
     if not number:
         return mesh
     # Branchlets stand all over the top, closest together at the rim.
     fine = np.random.default_rng(seed)
-    out, way = fine.uniform(0.05, 1.0, number) ** 0.5 * 0.93, fine.uniform(0.0, 2 * np.pi, number)
+    out, way = fine.uniform(0.05, 1.0, number) ** 0.4 * 0.98, fine.uniform(0.0, 2 * np.pi, number)
     rim = wide * np.interp(way, turn, lobes) * out
     x, y = rim * np.cos(way), rim * np.sin(way)
     base = np.stack(
         [x, y, z - 0.015 + tilt[0] * x + tilt[1] * y + 0.1 * rim**2], axis=1
     ) + np.append(off, 0.0)
-    high = fine.uniform(0.05, 0.1, number) * wide**0.5
-    lean = np.stack([0.5 * np.cos(way) * out, 0.5 * np.sin(way) * out, np.ones(number)], axis=1)
+    high = fine.uniform(0.03, 0.075, number) * wide**0.5
+    far = 1.3 * out**3
+    lean = np.stack([far * np.cos(way), far * np.sin(way), np.ones(number)], axis=1)
     path = base[:, None] + np.array([-0.02, 1.0])[:, None] * (high[:, None] * lean)[:, None]
     size = 0.026 * fine.uniform(0.8, 1.3, (number, 1)) * np.array([1.0, 0.0])
-    twigs = tubes(path, size, 3, tip=np.array([0.15, 1.0]), light=np.array([0.7, 1.0]))
+    twigs = tubes(path, size, 3, tip=np.array([0.1, 0.7]), light=np.array([0.7, 1.0]))
     return joined(mesh, twigs)
 
 
 def brain(rng: Rng, level: int) -> CoralMesh:
     """A lumpy dome that overhangs its foot a little; its ridges are texture."""
-    columns, rings = ((26, 13), (16, 8), (10, 5), (7, 4))[level]
+    columns, rings = ((46, 23), (20, 10), (10, 5), (7, 4))[level]
     down = np.linspace(np.radians(112.0), 0.0, rings)[:, None]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     down = down + 0 * turn
@@ -96,7 +97,7 @@ def brain(rng: Rng, level: int) -> CoralMesh:
 
 def lettuce(rng: Rng, level: int) -> CoralMesh:
     """A ruffled plate wound about itself, wider and lower with each turn."""
-    c, r = ((84, 5), (44, 3), (22, 2), (11, 2))[level]
+    c, r = ((130, 8), (52, 4), (22, 2), (11, 2))[level]
     far = np.linspace(0.0, 1.0, c)[None, None, :]
     out = np.linspace(0.0, 1.0, r)[None, :, None]
     turn = far**0.8 * rng.uniform(4.2, 5.2) * np.pi
@@ -116,7 +117,7 @@ def lettuce(rng: Rng, level: int) -> CoralMesh:
 
 def leather(rng: Rng, level: int) -> CoralMesh:
     """A stalk with a cap whose rim is folded."""
-    columns = (48, 28, 14, 8)[level]
+    columns = (72, 32, 14, 8)[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     r = np.array([0.42, 0.3, 0.34, 0.7, 0.98, 1.0, 0.8, 0.45, 0.0])
     h = np.array([0.0, 0.2, 0.42, 0.5, 0.6, 0.68, 0.66, 0.6, 0.55])
@@ -136,7 +137,7 @@ def leather(rng: Rng, level: int) -> CoralMesh:
 
 def mound(rng: Rng, level: int, variant: int = 0) -> CoralMesh:
     """Dead reef: the worn, crusted dome of `habitat.mounds`."""
-    columns, rings = ((30, 12), (18, 8), (11, 5), (7, 4))[level]
+    columns, rings = ((52, 20), (20, 9), (11, 5), (7, 4))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     down = np.linspace(np.radians(118.0), 0.0, rings)[:, None] + 0 * turn
     out = outline(variant, turn) * np.sin(down)

@@ -39,7 +39,7 @@ def _hollow(
 
 def pipes(rng: Rng, level: int) -> CoralMesh:
     """A cluster of tube sponges of different heights that lean apart."""
-    number, rings, sides = 8, (6, 4, 3, 2)[level], (9, 7, 5, 4)[level]
+    number, rings, sides = 8, (7, 5, 3, 2)[level], (14, 8, 5, 4)[level]
     turn = 2.39996 * np.arange(number) + rng.uniform(-0.4, 0.4, number)
     out = 0.17 * np.sqrt(np.arange(number) + 0.2)
     foot = np.stack([out * np.cos(turn), out * np.sin(turn), 0 * turn - 0.05], axis=1)
@@ -61,7 +61,7 @@ def pipes(rng: Rng, level: int) -> CoralMesh:
 
 def barrel(rng: Rng, level: int) -> CoralMesh:
     """A barrel sponge: a ribbed, lopsided vessel with a deep hollow."""
-    columns, rings = ((44, 9), (26, 6), (14, 4), (8, 3))[level]
+    columns, rings = ((66, 12), (30, 7), (14, 4), (8, 3))[level]
     turn = np.linspace(0.0, 2 * np.pi, columns + 1)
     s = np.linspace(0.0, 1.0, rings)[:, None]
     belly = 0.55 + 0.62 * np.sin(np.pi * (0.12 + 0.62 * s)) ** 1.2 - 0.1 * s
@@ -107,7 +107,7 @@ def anemone(rng: Rng, level: int) -> CoralMesh:
     way = unit(
         flat * (0.15 + 1.25 * out[:, None] ** 1.5) + UP * (1.15 - 0.65 * out[:, None]) + ways
     )
-    rings = (5, 4, 3, 2)[level]
+    rings = (6, 4, 3, 2)[level]
     s = np.linspace(0.0, 1.0, rings)[None, :, None]
     path = root[:, None] + length[:, None, None] * (
         s * way[:, None] + s**2 * (sags[:, None] * (0.8 * flat - 0.45 * UP))[:, None]
@@ -118,7 +118,7 @@ def anemone(rng: Rng, level: int) -> CoralMesh:
     path, radius = capped(path, radius) if level == 0 else pointed(path, radius)
     s = np.concatenate([s[0, :, 0], np.ones(path.shape[1] - rings)])
     tip, light = np.clip((s - 0.62) / 0.3, 0.0, 1.0), 0.2 + 0.8 * s**0.8
-    crown = tubes(path, radius, 4 if level == 0 else 3, tip=tip, light=light, sway=s**1.3)
+    crown = tubes(path, radius, 5 if level == 0 else 3, tip=tip, light=light, sway=s**1.3)
     columns = (16, 12, 8, 6)[level]
     r = np.array([0.42, 0.36, 0.5, 0.3, 0.0])[:, None] + np.zeros(columns + 1)
     h = np.array([-0.05, 0.06, 0.19, 0.19, 0.14])[:, None] + np.zeros(columns + 1)

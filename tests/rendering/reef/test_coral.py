@@ -11,13 +11,14 @@ from subsea.habitat.mounds import VARIANTS
 from subsea.habitat.reef import KINDS, MOUND, grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.reef.coral import COLUMNS, LOOKS, bake, grain, shadow
+from subsea.rendering.reef.coral import COLUMNS, bake, shadow
+from subsea.rendering.reef.coral_looks import LOOKS, grain
 from subsea.rendering.reef.coral_shapes import LEVELS, SHAPES, shape
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.scenario.load import load_scenario
 from subsea.state import Reef
 
-MOST = (5000, 2100, 800, 480, 60)  # triangles at each level
+MOST = (9500, 2100, 800, 480, 60)  # triangles at each level
 
 
 def reef_of(*growths, on_rock=False):
