@@ -109,7 +109,7 @@ def _sound() -> None:
 
 def _open_water() -> World:
     """A world whose creation compiles little."""
-    bare = dict.fromkeys(("rock", "outcrop", "arch", "seaweed", "vent", "reef", "tour"), ())
+    bare = dict.fromkeys(("rock", "outcrop", "ridge", "arch", "seaweed", "vent", "reef", "coral", "tour"), ())
     return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES)
 
 

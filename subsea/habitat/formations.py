@@ -9,6 +9,7 @@ infinite.
 """
 
 import math
+from zlib import crc32
 
 import numpy as np
 
@@ -42,12 +43,32 @@ def blocks_of(pillars: Array, rocks: Array) -> Array:
 
 def formations(pillars: Array, rocks: Array) -> list[Array]:
     """The blocks of each formation: solids that overlap, directly or through others."""
+    return [blocks for blocks, _ in numbered_formations(pillars, rocks)]
+
+
+def numbered_formations(pillars: Array, rocks: Array) -> list[tuple[Array, Ints]]:
+    """The blocks of each formation, and their solids: pillars before rocks."""
     blocks = blocks_of(pillars, rocks)
     group = _groups(blocks, _even(48))
-    found = [blocks[group == k] for k in np.unique(group)]
-    for one in found:
+    found = [(blocks[group == k], np.flatnonzero(group == k)) for k in np.unique(group)]
+    for one, _ in found:
         one[:, 10] = one[:, 10].mean()  # equal, or it would jump between blocks
     return found
+
+
+def stone_keys(pillars: Array, rocks: Array) -> Ints:
+    """A seed (k + m,) for what grows on each solid, by its shape, the same wherever it stands.
+
+    Solids of the same shape are counted, so that each has its own.
+    """
+    shapes = [np.round(pillars[:, 2:3], 2), np.round(rocks[:, 3:7], 2)]
+    seen: dict[int, int] = {}
+    keys = []
+    for shape in (row for rows in shapes for row in rows):
+        key = crc32(shape.tobytes())
+        seen[key] = seen.get(key, -1) + 1
+        keys.append((key + 0x9E3779B1 * seen[key]) % 2**32)
+    return np.array(keys, np.int64)
 
 
 def first_of_formation(pillars: Array, rocks: Array) -> Ints:

@@ -8,6 +8,8 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 
 HEIGHT = 0.45
+FOOT = 0.95  # radius of its foot
+RADIUS_CM = 26.0, 68.0  # of the smallest and the largest
 VARIANTS = 3  # forms of each kind of growth
 ROUGH = 0.22  # relief, low enough that no knob is above the summit
 LOBES = 0.12

@@ -20,7 +20,8 @@ WANDER_X, WANDER_Y, WANDER_Z, RETURN_ANGLE, RETURN_SHARE, RETURN_DISTANCE = (
     np.int64(key) for key in (100, 101, 102, 110, 111, 112)
 )
 TRIES = 100  # attempts before a speck is left in a solid
-NOTHING = np.zeros((0, 7))
+HUGE_CM = 120.0  # least half axis of a huge solid
+NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))
 
 
 def scatter(
@@ -29,26 +30,32 @@ def scatter(
     radius: float,
     heights: Array,
     half_width: float,
-    pillars: Array = NOTHING,
-    rocks: Array = NOTHING,
+    pillars: Array = NO_PILLARS,
+    rocks: Array = NO_ROCKS,
 ) -> Array:
     """Places (p, 3) float32, cm: even over the cylinder's area and the water's height.
 
-    None lies in a solid, unless solids fill the sea.
+    None lies in a solid, unless solids fill the sea. Each speck that does tries again with random
+    numbers of its own, so that moving a stone moves only the specks there. Those in a huge solid
+    take them from `rng`, on which the worlds of open water rest since their first record.
     """
+    huge = pillars[pillars[:, 2] >= HUGE_CM], rocks[(rocks[:, 3:6] >= HUGE_CM).all(axis=1)]
     angle = rng.uniform(0, 2 * np.pi, number)
     distance = radius * np.sqrt(rng.uniform(0, 1, number))
     share = rng.uniform(0, 1, number)
     places = np.zeros((number, 3), np.float32)
     for k in range(number):
-        for _ in range(TRIES):
+        for attempt in range(TRIES):
             x, y = distance[k] * np.cos(angle[k]), distance[k] * np.sin(angle[k])
             floor = height_at(heights, half_width, x, y) + CLEARANCE_CM
             places[k] = x, y, floor + share[k] * (-CLEARANCE_CM - floor)
             if is_free(pillars, rocks, vector(places[k])):
                 break
-            angle[k], share[k] = rng.uniform(0, 2 * np.pi), rng.uniform(0, 1)
-            distance[k] = radius * np.sqrt(rng.uniform(0, 1))
+            again = np.random.default_rng([int(share[k] * 2**53), attempt])
+            if not is_free(*huge, vector(places[k])):
+                again = rng
+            angle[k], share[k] = again.uniform(0, 2 * np.pi), again.uniform(0, 1)
+            distance[k] = radius * np.sqrt(again.uniform(0, 1))
     return places
 
 

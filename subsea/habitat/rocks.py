@@ -1,4 +1,4 @@
-"""The rocks of a scenario: single ones, and those that make up outcrops and arches.
+"""The rocks of a scenario: single ones, and those of outcrops, ridges and arches.
 
 All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad.
 """
@@ -8,10 +8,11 @@ from collections.abc import Callable
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario
+from subsea.scenario.schema import Arch, Outcrop, Ridge, Rock, Scenario
 
 Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm
 
+STRIDE = 0.62  # distance of the rocks of a ridge over its width
 GOLDEN = np.pi * (3.0 - 5.0**0.5)  # rad, from one rock of an outcrop to the next
 
 
@@ -19,6 +20,7 @@ def rock_rows(scenario: Scenario, floor: Floor) -> tuple[Array, list[str]]:
     """All rocks (k, 7), and the scenario table that each belongs to."""
     parts = [(f"`rock[{k}]`", single(rock, floor)) for k, rock in enumerate(scenario.rock)]
     parts += [(f"`outcrop[{k}]`", outcrop(one, floor)) for k, one in enumerate(scenario.outcrop)]
+    parts += [(f"`ridge[{k}]`", ridge(one, floor)) for k, one in enumerate(scenario.ridge)]
     parts += [(f"`arch[{k}]`", arch(one, floor)) for k, one in enumerate(scenario.arch)]
     rows = np.concatenate([np.zeros((0, 7))] + [part for _, part in parts])
     return rows, [name for name, part in parts for _ in part]
@@ -56,6 +58,43 @@ def outcrop(one: Outcrop, floor: Floor) -> Array:
     c, s = np.cos(yaw), np.sin(yaw)
     out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
     out[:, 2] += floor(x, y)
+    out[:, 6] += yaw
+    return out
+
+
+def ridge(one: Ridge, floor: Floor) -> Array:
+    """A ridge (k, 7): large rocks along a winding line, others on its crest and at its foot.
+
+    Each stands on the seabed below it. The crest is uneven, and comes down toward both ends.
+    """
+    rng = np.random.default_rng([one.seed, 0x21D6E])
+    wide, high, yaw = one.width_cm, one.height_cm, np.radians(one.yaw_deg)
+    number = max(int(np.ceil(one.length_cm / (STRIDE * wide))), 2)
+    phase = rng.uniform(0, 2 * np.pi, 2)
+    rows = []
+    for along in np.linspace(-0.5, 0.5, number):
+        bend = (
+            0.28 * wide * (np.sin(7.0 * along + phase[0]) + 0.5 * np.sin(17.0 * along + phase[1]))
+        )
+        # The crest of the ridge here.
+        top = high * (1.0 - 0.55 * (2.0 * along) ** 4) * rng.uniform(0.72, 1.0)
+        a, b = wide * rng.uniform((0.48, 0.34), (0.62, 0.44))
+        x = along * (one.length_cm - wide) + 0.08 * wide * rng.normal()
+        rows.append((x, bend, 0.2 * top, a, b, 0.8 * top, rng.uniform(-0.35, 0.35)))
+        # By turns a block on the crest, which may overhang, and boulders at the foot.
+        side = float(rng.choice((-1.0, 1.0)))
+        if len(rows) % 3 == 1:
+            size = wide * rng.uniform((0.24, 0.22, 0.13), (0.36, 0.30, 0.2))
+            size[2] = min(size[2], 0.35 * top)
+            place = x + 0.2 * wide * rng.normal(), bend + side * 0.16 * wide, top - 0.7 * size[2]
+        else:
+            size = wide * rng.uniform((0.16, 0.14, 0.1), (0.3, 0.24, 0.2))
+            place = x + 0.3 * wide * rng.normal(), bend + side * (b + 0.4 * size[1]), 0.3 * size[2]
+        rows.append((*place, *size, rng.uniform(-0.8, 0.8)))
+    out = np.array(rows)
+    c, s = np.cos(yaw), np.sin(yaw)
+    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + one.position_cm
+    out[:, 2] += [floor(x, y) for x, y in out[:, :2]]
     out[:, 6] += yaw
     return out
 

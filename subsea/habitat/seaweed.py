@@ -60,13 +60,18 @@ def plant_seaweed(scenario: Scenario, sea: Sea, reef: Reef, seed: int) -> tuple[
 
 def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Array, Seaweed]:
     """The seaweed of these groups in a sea, and the boxes of its clusters."""
-    rng = np.random.default_rng([seed, 0x5EAEED])
     first: list[int] = [0]
     rows: list[list[float]] = []
+    chance, normal = [np.zeros((0, 3))], [np.zeros((0, 4))]
+    seen: dict[str, int] = {}
     stones = formations(sea.pillars, sea.rocks)
     reef = reef.taken((reef.kind != MOUND) & (reef.kind != RUBBLE))
     for group in groups:
-        for _ in range(group.clusters):
+        # Groups are counted by kind, and each cluster has random numbers of its own, so that what
+        # is added or moved leaves the others as they are.
+        number = seen[group.kind] = seen.get(group.kind, -1) + 1
+        for cluster in range(group.clusters):
+            rng = np.random.default_rng([seed, KINDS.index(group.kind), number, cluster, 0x5EA])
             x, y = _middle(group.position_cm, group.spread_cm, sea, stones, reef, rng)
             vigour = rng.uniform(0.7, 1.1)
             for k in range(group.leaves):
@@ -83,24 +88,26 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
                 kind = KINDS.index(group.kind)
                 rows.append([*here, ground - BURIED_CM, outward, height, width, *colour, kind])
             first.append(len(rows))
+            chance.append(rng.uniform(size=(group.leaves, 3)))
+            normal.append(rng.normal(size=(group.leaves, 4)))
+    one, two, own = np.concatenate(chance).T
+    aside, curl, turn, twist = np.concatenate(normal).T
     table = np.array(rows).reshape(-1, 10)
     n = len(table)
     facing, length = table[:, 3], table[:, 4]
     along = np.linspace(0.0, 1.0, NODES)
-    bent = (facing + rng.normal(0.0, 0.5, n))[:, None] + rng.normal(0.0, 1.2, n)[:, None] * along
+    bent = (facing + 0.5 * aside)[:, None] + 1.2 * curl[:, None] * along
     way = np.stack([np.cos(bent), np.sin(bent), np.zeros((n, NODES))], axis=2)
-    share = (1.0 - along) + 0.35 * np.sin(2 * np.pi * (along + rng.uniform(0, 1, n)[:, None]))
-    lean = (LEAN * rng.uniform(0.3, 1.0, n)[:, None] * share)[:, :, None] * way
+    share = (1.0 - along) + 0.35 * np.sin(2 * np.pi * (along + one[:, None]))
+    lean = (LEAN * (0.3 + 0.7 * two)[:, None] * share)[:, :, None] * way
     lean[..., 2] += 1.0
     lean /= np.linalg.norm(lean, axis=2, keepdims=True)
     rest = SPACING * length[:, None] / (NODES - 1)
     node = np.zeros((n, NODES, 3))
     node[:, 0] = table[:, :3]
     node[:, 1:] = node[:, :1] + np.cumsum(rest[:, :, None] * lean[:, 1:], axis=1)
-    facing = facing + 0.5 * np.pi + rng.normal(0.0, 0.4, n)
-    look = np.column_stack(
-        [table[:, 5], facing, rng.normal(0.0, 1.3, n), rng.uniform(0, 1, n), table[:, 6:9], length]
-    )
+    facing = facing + 0.5 * np.pi + 0.4 * turn
+    look = np.column_stack([table[:, 5], facing, 1.3 * twist, own, table[:, 6:9], length])
     starts = np.array(first, np.int32)
     cell_first, cell_cluster = _cells(node, starts, sea)
     f = np.float32

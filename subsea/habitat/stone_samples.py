@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.habitat.formations import formations, on_the_surface
+from subsea.core.arrays import Array, Bools, Ints
+from subsea.habitat.formations import numbered_formations, on_the_surface, stone_keys
 from subsea.habitat.stone_shade import openness, shade_of
 
 STEM_CM = 700.0  # depth below its top to which a pillar is sampled
@@ -19,45 +19,58 @@ class Samples(NamedTuple):
     place: Array  # (n, 3) cm
     normal: Array  # (n, 3) unit vectors outward, over a stretch of PROBE_CM
     open: Array  # (n,) share of the sky's light that stone lets through, 0 to 1
-    formation: Ints  # (n,) index into `formations`
+    stone: Ints  # (n,) the solid that each belongs to, pillars before rocks
 
 
-def samples(pillars: Array, rocks: Array, per_m2: float, rng: np.random.Generator) -> Samples:
-    """About `per_m2` places for each square metre of stone, even over it, in random order.
+def samples(pillars: Array, rocks: Array, per_m2: float) -> Samples:
+    """About `per_m2` places for each square metre of stone, even over it, stone by stone.
 
     They lie within about 1 cm of the drawn surface, also on undersides and in the ground: the
-    caller drops what is below the seabed or faces the wrong way.
+    caller drops what is below the seabed or faces the wrong way. Each stone is sampled by its own
+    random numbers, so that moving one leaves the others as they are.
     """
-    found = formations(pillars, rocks)
+    found = numbered_formations(pillars, rocks)
     if not found:
         return Samples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64))
-    strewn = [_scattered(blocks, per_m2, rng) for blocks in found]
+    keys = stone_keys(pillars, rocks)
+    strewn = [_scattered(blocks, keys[own], per_m2) for blocks, own in found]
     with ThreadPoolExecutor() as pool:  # kernels release the GIL
-        given = ([part.tobytes() for part in parts] for parts in (found, strewn))
-        all_of = list(pool.map(_on_stone, *given))
-    which = np.repeat(np.arange(len(found)), [len(part[0]) for part in all_of])
-    joined = [*(np.concatenate(part) for part in zip(*all_of, strict=True)), which]
-    order = rng.permutation(len(joined[0]))
-    return Samples(*(part[order] for part in joined))
+        blocks = (part.tobytes() for part, _ in found)
+        places = (np.concatenate(parts).tobytes() for parts in strewn)
+        all_of = list(pool.map(_on_stone, blocks, places))
+    stones = []
+    for (_, own), parts, (kept, *_) in zip(found, strewn, all_of, strict=True):
+        stones.append(np.repeat(own, [len(part) for part in parts])[kept])
+    stone = np.concatenate(stones)
+    place, normal, light = (np.concatenate(part) for part in list(zip(*all_of, strict=True))[1:])
+    order = np.argsort(stone, kind="stable")
+    return Samples(place[order], normal[order], light[order], stone[order])
 
 
-def _scattered(blocks: Array, per_m2: float, rng: np.random.Generator) -> Array:
-    """Places (n, 3) near the surface of a formation."""
-    each = ((_on_pillar if np.isinf(block[5]) else _on_rock, block) for block in blocks)
-    return np.concatenate([on_block(block, per_m2, rng) for on_block, block in each])
+def _scattered(blocks: Array, keys: Ints, per_m2: float) -> list[Array]:
+    """Places (n, 3) near the surface of each block of a formation."""
+    out = []
+    for block, key in zip(blocks, keys.tolist(), strict=True):
+        rng = np.random.default_rng([key, 0x5707])
+        on_block = _on_pillar if np.isinf(block[5]) else _on_rock
+        out.append(on_block(block, per_m2, rng))
+    return out
 
 
 @lru_cache(maxsize=32)
-def _on_stone(blocks: bytes, places: bytes) -> tuple[Array, Array, Array]:
-    """Place, normal and openness of places (n, 3) moved onto a formation of blocks (k, 11).
+def _on_stone(blocks: bytes, places: bytes) -> tuple[Bools, Array, Array, Array]:
+    """Places (n, 3) moved onto a formation of blocks (k, 11).
+
+    Returns a mask of those that reached it, and their place, normal and openness.
 
     Cached, as moving one formation leaves the others as they are.
     """
     stone = np.frombuffer(blocks).reshape(-1, 11).copy()
     strewn = np.frombuffer(places).reshape(-1, 3).copy()
     place, normal, error = on_the_surface(stone, strewn, 4)
-    place, normal = place[error < 2.0], normal[error < 2.0]
-    return place, normal, openness(shade_of(stone), place, normal)
+    there = error < 2.0
+    place, normal = place[there], normal[there]
+    return there, place, normal, openness(shade_of(stone), place, normal)
 
 
 def _on_rock(block: Array, per_m2: float, rng: np.random.Generator) -> Array:

@@ -27,7 +27,8 @@ def make_terrain(scenario: Scenario) -> Array:
     """Heights (n, n) float32, cm, row along y and column along x; mean near -depth_cm.
 
     A sum of waves in random directions, with amplitudes that fall with the wave number, bent by
-    a slower one: long dunes with a steep lee and small ones on top. At most half the depth high.
+    a slower one: long dunes with a steep lee and small ones on top; and a shelf beyond a slope. At
+    most half the depth high.
     """
     return cached(_dunes, scenario.terrain, scenario.bounds)
 
@@ -52,6 +53,10 @@ def _dunes(terrain: Terrain, bounds: Bounds) -> Array:
         patch = np.clip(0.5 + np.sin(0.61 * base * x + 2.0) * np.sin(0.83 * base * y), 0.0, 1.0)
         along = 0.9 * x + 0.45 * y + 0.4 * bend + 25.0 * np.sin(x / 171.0 - y / 233.0)
         heights += 0.5 * SMALL_HIGH_CM * patch * _dune(2 * np.pi / SMALL_CM * along)
+    toward = np.radians(terrain.shelf_deg)
+    away = x * np.cos(toward) + y * np.sin(toward) - terrain.shelf_at_cm
+    risen = np.clip((away + 0.15 * bend) / terrain.slope_cm + 0.5, 0.0, 1.0)
+    heights += terrain.shelf_cm * risen**2 * (3.0 - 2.0 * risen)
     rim = np.clip(np.hypot(x, y) / bounds.radius_cm - 0.75, 0.0, 1.0)
     heights = heights + RIM_CM * rim**2 - bounds.depth_cm
     return np.minimum(heights, -0.5 * bounds.depth_cm).astype(np.float32)

@@ -16,6 +16,11 @@ from subsea.scenario.schema import (
     Scenario,
 )
 
+# Tables with a place.
+PLACED = (
+    "fish", "pillar", "rock", "outcrop", "ridge", "arch", "vent", "reef", "coral", "seaweed",
+)  # fmt: skip
+
 
 def check_scenario(scenario: Scenario) -> None:
     """Raise a UserError with its key for impossible places, names and totals.
@@ -38,7 +43,7 @@ def check_scenario(scenario: Scenario) -> None:
         raise UserError(
             f"`seaweed` has {leaves} leaves, expected at most {MAX_SEAWEED}", key="seaweed"
         )
-    growths = sum(table.number for table in scenario.reef)
+    growths = sum(table.number for table in scenario.reef) + len(scenario.coral)
     if growths > MAX_GROWTHS:
         raise UserError(f"`reef` has {growths} growths, expected at most {MAX_GROWTHS}", key="reef")
     _check_tours(scenario)
@@ -82,7 +87,7 @@ def _places(scenario: Scenario) -> Iterator[tuple[str, tuple[float, ...]]]:
     yield "submarine.position_cm", scenario.submarine.position_cm
     if scenario.hook is not None:
         yield "hook", scenario.hook.bait_cm
-    for name in ("fish", "pillar", "rock", "outcrop", "arch", "vent", "reef", "seaweed"):
+    for name in PLACED:
         for k, one in enumerate(getattr(scenario, name)):
             if one.position_cm is not None:
                 yield f"{name}[{k}].position_cm", one.position_cm

@@ -79,6 +79,12 @@ class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     dune_height_cm: Annotated[float, msgspec.Meta(ge=0, le=400)]
     dune_length_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)]
     seed: Seed = 0
+    # A shelf beyond a slope: its height, how wide the slope is, in which direction it lies, and how
+    # far from the middle of the sea the middle of the slope is.
+    shelf_cm: Annotated[float, msgspec.Meta(ge=0, le=2500)] = 0.0
+    slope_cm: Annotated[float, msgspec.Meta(ge=50, le=1e5)] = 400.0
+    shelf_deg: Coordinate = 0.0
+    shelf_at_cm: Coordinate = 0.0
 
 
 class Shoal(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -151,6 +157,17 @@ class Arch(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     seed: Seed = 0
 
 
+class Ridge(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A long, winding ridge of overlapping rocks: a spur of a reef, or a wall."""
+
+    position_cm: tuple[Coordinate, Coordinate]  # of its middle
+    length_cm: Annotated[float, msgspec.Meta(ge=100, le=10000)]
+    width_cm: Annotated[float, msgspec.Meta(ge=40, le=1000)]  # at the foot
+    height_cm: Annotated[float, msgspec.Meta(ge=20, le=1000)]  # above the seabed, at its highest
+    yaw_deg: Coordinate = 0.0  # of its length
+    seed: Seed = 0
+
+
 class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A baited hook that descends on a line (Tu §10.1)."""
 
@@ -192,9 +209,8 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     position_cm: tuple[Coordinate, Coordinate] | None = None  # None: all over the sea
     spread_cm: Positive = 200.0  # maximum distance from it
-    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = (
-        100  # maximum; fewer if they do not fit
-    )
+    # So many where stone covers as much as the ground around, fewer where they do not fit.
+    number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = 100
     kinds: dict[GrowthKind, Weight] = {}  # weights; empty: all kinds that suit the ground
     size: Annotated[float, msgspec.Meta(ge=0.3, le=3)] = 1.0  # factor on the usual sizes
     rock: Share = 0.65  # share on rocks and pillars, if there are any
@@ -204,6 +220,16 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         """Refuse weights that are all 0."""
         if self.kinds and not any(self.kinds.values()):
             raise ValueError("`kinds` must give a weight above 0 to one of them")
+
+
+class CoralTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A single coral, sponge or anemone that stays where it is put, on the sand or on stone."""
+
+    kind: GrowthKind
+    position_cm: tuple[Coordinate, Coordinate]
+    size_cm: Annotated[float, msgspec.Meta(ge=3, le=200)] = 25.0  # radius
+    yaw_deg: Coordinate = 0.0
+    seed: Seed = 0  # of its form and colours
 
 
 class Start(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -312,11 +338,13 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     pillar: Annotated[list[Pillar], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     rock: Annotated[list[Rock], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     outcrop: Annotated[list[Outcrop], msgspec.Meta(max_length=MAX_SOLIDS)] = []
+    ridge: Annotated[list[Ridge], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     arch: Annotated[list[Arch], msgspec.Meta(max_length=MAX_SOLIDS)] = []
     hook: Hook | None = None
     seaweed: list[SeaweedTable] = []
     vent: Annotated[list[Vent], msgspec.Meta(max_length=MAX_VENTS)] = []
     reef: list[ReefTable] = []
+    coral: Annotated[list[CoralTable], msgspec.Meta(max_length=MAX_GROWTHS)] = []
     tour: list[TourTable] = []
     direction: Annotated[list[Direction], msgspec.Meta(max_length=MAX_DIRECTIONS)] = []
     nature: NatureTable = NatureTable()

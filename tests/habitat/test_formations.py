@@ -12,6 +12,7 @@ from subsea.habitat.formations import (
     blocks_of,
     drawn_distance,
     formations,
+    numbered_formations,
     outward,
     plain_distance,
     rough_distance,
@@ -72,14 +73,18 @@ def test_blocks_go_over_into_each_other_without_a_crease():
 
 def test_samples_lie_on_stone_with_their_normals_outward():
     rocks = np.concatenate([rock(), rock(x=90.0, z=-470.0), rock(x=700.0, a=40.0, b=40.0, c=40.0)])
-    found = samples(PILLAR, rocks, 20.0, np.random.default_rng(2))
+    found = samples(PILLAR, rocks, 20.0)
     stones = formations(PILLAR, rocks)
     assert len(found.place) > 100
-    assert {*found.formation} == set(range(len(stones)))
+    assert {*found.stone} == set(range(1 + len(rocks)))
+    formation = [
+        next(k for k, (_, own) in enumerate(numbered_formations(PILLAR, rocks)) if stone in own)
+        for stone in found.stone
+    ]
     gaps = np.array(
         [
             [drawn_distance(stones[k], tuple(p + step * n)) for step in (0.0, 3.0)]
-            for p, n, k in zip(found.place, found.normal, found.formation, strict=True)
+            for p, n, k in zip(found.place, found.normal, formation, strict=True)
         ]
     )
     assert np.abs(gaps[:, 0]).max() < 2.0
@@ -91,10 +96,10 @@ def test_samples_lie_on_stone_with_their_normals_outward():
 def test_samples_are_even():
     """A small sphere and a large one have places in proportion to their surface."""
     rocks = np.concatenate([rock(a=40, b=40, c=40), rock(x=500.0, a=120, b=120, c=120)])
-    found = samples(NO_PILLARS, rocks, 60.0, np.random.default_rng(3))
+    found = samples(NO_PILLARS, rocks, 60.0)
     stones = formations(NO_PILLARS, rocks)
     areas = np.array([4 * np.pi * (s[0, 3] - s[0, 8] - 0.4 * s[0, 9]) ** 2 / 1e4 for s in stones])
-    np.testing.assert_allclose(np.bincount(found.formation) / areas / 60.0, 1.0, atol=0.5)
+    np.testing.assert_allclose(np.bincount(found.stone) / areas / 60.0, 1.0, atol=0.5)
 
 
 def test_a_roof_takes_the_light():
@@ -128,7 +133,7 @@ def test_the_grid_for_light_has_the_distances():
 
 
 def test_samples_of_a_pillar_are_all_over_its_stem():
-    found = samples(PILLAR, NO_ROCKS, 20.0, np.random.default_rng(5))
+    found = samples(PILLAR, NO_ROCKS, 20.0)
     depth = PILLAR[0, 3] - found.place[:, 2]
     counts, _ = np.histogram(depth, np.linspace(60.0, 660.0, 7))
     assert counts.min() > 0.6 * counts.mean()

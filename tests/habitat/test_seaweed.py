@@ -124,10 +124,10 @@ def test_a_passing_fish_pushes_the_near_leaves_along_and_leaves_the_others_alone
     beds = [make_bed(near, far) for _ in range(2)]
     fishes = empty(Fishes, n=1)
     fishes.length[:] = 30.0
-    x, y, _ = beds[0][1].node[:6].mean(axis=(0, 1))
+    x, y, z = beds[0][1].node[0, 4]  # it swims into a leaf
     fishes.velocity[0] = 40.0, 0.0, 0.0
     for tick in range(30):
-        fishes.position[0] = x - 20.0 + 40.0 * DT * tick, y, -250.0
+        fishes.position[0] = x - 40.0 + 40.0 * DT * tick, y, z
         _pass(beds[0], fishes)
         _pass(beds[1])
     pushed = beds[0][1].node - beds[1][1].node
