@@ -109,7 +109,8 @@ def _sound() -> None:
 
 def _open_water() -> World:
     """A world whose creation compiles little."""
-    bare = dict.fromkeys(("rock", "outcrop", "ridge", "arch", "seaweed", "vent", "reef", "coral", "tour"), ())
+    names = "rock", "outcrop", "ridge", "arch", "seaweed", "vent", "reef", "coral", "tour"
+    bare = dict.fromkeys(names, ())
     return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES)
 
 

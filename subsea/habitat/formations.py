@@ -50,7 +50,9 @@ def numbered_formations(pillars: Array, rocks: Array) -> list[tuple[Array, Ints]
     """The blocks of each formation, and their solids: pillars before rocks."""
     blocks = blocks_of(pillars, rocks)
     group = _groups(blocks, _even(48))
-    found = [(blocks[group == k], np.flatnonzero(group == k)) for k in np.unique(group)]
+    found: list[tuple[Array, Ints]] = [
+        (blocks[group == k], np.flatnonzero(group == k)) for k in np.unique(group)
+    ]
     for one, _ in found:
         one[:, 10] = one[:, 10].mean()  # equal, or it would jump between blocks
     return found

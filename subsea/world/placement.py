@@ -23,10 +23,12 @@ from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import renumbered
 from subsea.scenario.schema import (
     Arch,
+    CoralTable,
     Hook,
     Outcrop,
     Pillar,
     ReefTable,
+    Ridge,
     Rock,
     Scenario,
     SeaweedTable,
@@ -35,12 +37,14 @@ from subsea.scenario.schema import (
 )
 from subsea.state import HULL_CM, Sea
 from subsea.world.checks import check_world
+from subsea.world.outlines import SIDES, circle, ellipses
 
 Place = tuple[float, float, float]  # x, y, z in cm
 
 KINDS = {
     "fish": "a school", "pillar": "a pillar", "rock": "a rock", "outcrop": "a knoll",
-    "arch": "an arch", "seaweed": "seaweed", "reef": "a reef", "vent": "a vent of bubbles",
+    "ridge": "a ridge", "arch": "an arch", "seaweed": "seaweed", "reef": "a reef",
+    "coral": "a single coral", "vent": "a vent of bubbles",
     "hook": "the hook", "submarine": "where the submarine starts",
 }  # fmt: skip
 """Tables of a scenario with a place, and their display names."""
@@ -49,7 +53,6 @@ FREE = ("fish", "hook", "submarine")  # suspended in the water; all others stand
 SINGLE = ("hook", "submarine")  # at most one of these
 KNOB_CM = 18.0  # radius of the handle of things without a body
 GROUPS_ABOVE_CM = 25.0  # height of the handles of plants over the seabed
-SIDES = 32  # segments of a circle
 AHEAD_CM = 420.0  # greatest distance of a new thing
 NEW_ABOVE_CM = 90.0  # height over the seabed of a new thing that is suspended
 
@@ -80,18 +83,19 @@ def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
         *_each("fish", scenario.fish, sea, lambda one: one.spread_cm),
         *_each("seaweed", scenario.seaweed, sea, lambda one: one.spread_cm),
         *_each("reef", scenario.reef, sea, lambda one: one.spread_cm),
+        *_each("coral", scenario.coral, sea, lambda one: one.size_cm),
         *_each("vent", scenario.vent, sea, lambda one: KNOB_CM),
     ]
     if scenario.hook is not None:
         out.append(_handle("hook", 0, scenario.hook.bait_cm, KNOB_CM, sea))
-    for kind in ("rock", "outcrop", "arch"):
+    for kind in ("rock", "outcrop", "ridge", "arch"):
         for k, one in enumerate(getattr(scenario, kind)):
             body = rows[[name == f"`{kind}[{k}]`" for name in names]]
-            out.append(Handle(kind, k, _foot(one, sea), body, _ellipses(body)))
+            out.append(Handle(kind, k, _foot(one, sea), body, ellipses(body)))
     for k, pillar in enumerate(scenario.pillar):
         x, y, z = foot = _foot(pillar, sea)
         top = z + pillar.height_cm
-        rings = [_circle((x, y, height), pillar.radius_cm) for height in (z, top)]
+        rings = [circle((x, y, height), pillar.radius_cm) for height in (z, top)]
         posts = np.stack([ring[:: SIDES // 4, 0] for ring in rings], axis=1)
         body = np.array([[x, y, pillar.radius_cm, top]])
         out.append(Handle("pillar", k, foot, body, np.concatenate([*rings, posts])))
@@ -158,12 +162,14 @@ def moved(scenario: Scenario, handle: Handle, place: Place) -> Scenario:
 SIZES = {
     "fish": ("spread_cm",), "seaweed": ("spread_cm",), "reef": ("spread_cm",), "vent": ("size_cm",),
     "pillar": ("radius_cm", "height_cm"), "rock": ("size_cm",), "outcrop": ("size_cm",),
+    "ridge": ("length_cm", "width_cm", "height_cm"), "coral": ("size_cm",),
     "arch": ("span_cm", "height_cm", "thickness_cm"),
 }  # fmt: skip
 """Keys of each kind that scale with its size."""
 
-TURNS = {"fish": "heading_deg", "submarine": "heading_deg", "rock": "yaw_deg",
-         "outcrop": "yaw_deg", "arch": "yaw_deg"}  # fmt: skip
+TURNS = dict.fromkeys(("fish", "submarine"), "heading_deg") | dict.fromkeys(
+    ("rock", "outcrop", "ridge", "arch", "coral"), "yaw_deg"
+)
 """Key of each kind for its direction."""
 
 
@@ -194,7 +200,7 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """Scale the height of a thing on the seabed within its limits."""
     one = table_of(scenario, handle.kind, handle.number)
-    if handle.kind in ("pillar", "arch", "seaweed"):
+    if handle.kind in ("pillar", "ridge", "arch", "seaweed"):
         high = _clamped(type(one), "height_cm", factor * one.height_cm)
         return _with(scenario, handle, height_cm=high)
     if handle.kind in ("rock", "outcrop"):
@@ -229,9 +235,13 @@ def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
         "pillar": Pillar(position_cm=on, radius_cm=25.0, height_cm=150.0),
         "rock": Rock(position_cm=on, size_cm=(45.0, 35.0, 30.0)),
         "outcrop": Outcrop(position_cm=on, size_cm=(120.0, 90.0, 80.0), seed=number),
+        "ridge": Ridge(
+            position_cm=on, length_cm=500.0, width_cm=130.0, height_cm=120.0, seed=number
+        ),
         "arch": Arch(position_cm=on, span_cm=350.0, height_cm=250.0, seed=number),
         "seaweed": SeaweedTable(position_cm=on, spread_cm=60.0, clusters=4),
         "reef": ReefTable(position_cm=on, spread_cm=120.0, number=40, seed=number),
+        "coral": CoralTable(kind="staghorn", position_cm=on, seed=number),
         "vent": Vent(position_cm=on),
         "hook": Hook(position_cm=on, depth_cm=-high),
     }
@@ -363,32 +373,10 @@ def _handle(kind: str, index: int, place: Place, reach: float, sea: Sea) -> Hand
     x, y, z = place
     middle = place if kind in FREE else (x, y, z + GROUPS_ABOVE_CM)
     knob = np.array([[*middle, KNOB_CM, KNOB_CM, KNOB_CM, 0.0]])
-    circle = _circle(place, reach)
+    ring = circle(place, reach)
     if kind not in FREE:
-        for corner in circle.reshape(-1, 3):
+        for corner in ring.reshape(-1, 3):
             corner[2] = _floor(sea, corner[0], corner[1]) + 2.0
     line = [[place, middle]] if kind not in FREE else [[(x, y, 0.0), place]] * (kind == "hook")
     lines = np.array(line, np.float64).reshape(-1, 2, 3)
-    return Handle(kind, index, place, knob, np.concatenate([circle, _ellipses(knob), lines]))
-
-
-def _circle(middle: Place, radius: float) -> Array:
-    """Lines (SIDES, 2, 3) of a horizontal circle."""
-    turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
-    flat = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)], axis=1)
-    points = np.array(middle) + radius * flat
-    return np.stack([points[:-1], points[1:]], axis=1)
-
-
-def _ellipses(rows: Array) -> Array:
-    """Lines (3 k SIDES, 2, 3): three principal ellipses of each ellipsoid."""
-    turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
-    c, s, o = np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)
-    unit = np.stack([np.stack(axes, axis=1) for axes in ((c, s, o), (c, o, s), (o, c, s))])
-    out = []
-    for x, y, z, *half, yaw in rows:
-        across = np.array([[np.cos(yaw), np.sin(yaw), 0.0], [-np.sin(yaw), np.cos(yaw), 0.0],
-                           [0.0, 0.0, 1.0]])  # fmt: skip
-        points = (unit * half) @ across + (x, y, z)
-        out.append(np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 3))
-    return np.concatenate(out) if out else np.zeros((0, 2, 3))
+    return Handle(kind, index, place, knob, np.concatenate([ring, ellipses(knob), lines]))
