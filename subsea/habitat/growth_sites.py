@@ -91,6 +91,7 @@ def rock_spots(sea: Sea) -> Spots:
     place, normal = found.place, found.normal
     fit = (normal[:, 2] > STEEPEST) & (place[:, 2] < -ROOM_CM) & (found.open > 0.08)
     fit &= place[:, 2] > heights_at(sea.heights, sea.half_width, place[:, :2]) + FOOT_CM
+    fit &= np.hypot(place[:, 0], place[:, 1]) < 0.95 * sea.radius
     # Small stones bear small growths.
     sizes = np.concatenate([sea.pillars[:, 2], sea.rocks[:, 3:6].min(axis=1)])
     stone = found.stone[fit]

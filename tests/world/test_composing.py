@@ -47,9 +47,9 @@ def test_a_pebble_that_moves_leaves_the_bay_as_it_is(bay, number):
     assert roots[0].sum() > 40
     np.testing.assert_array_equal(weeds[0].node[roots[0]], weeds[1].node[roots[1]])
     np.testing.assert_array_equal(weeds[0].look[roots[0]], weeds[1].look[roots[1]])
-    # Near it most stays too, on sand that its moat has lowered a little.
+    # Near it most stays too, but for the stones that it touches.
     grown = [{*map(tuple, reef.place[:, :2].round(1).tolist())} for reef in (old, new)]
-    assert len(grown[0] & grown[1]) > 0.98 * len(old.place)
+    assert len(grown[0] & grown[1]) > 0.93 * len(old.place)
     for name in ("position", "orientation", "length", "identity"):
         starts = [getattr(state.fishes, name) for state in (bay.state, world.state)]
         np.testing.assert_array_equal(*starts, err_msg=name)
