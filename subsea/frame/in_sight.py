@@ -15,8 +15,9 @@ LEAF_NODES = 8
 LEAF_TEXELS = LEAF_NODES + 2  # width, facing, twist, own number; colour, length
 LEAF_NEAR_PX = 260.0  # below this a leaf is drawn coarsely ...
 LEAF_LEAST_PX = 7.0  # ... and below this not at all
+LEAF_FULL = 1.5  # times either of both, it has all that comes with it
 LEAF_MOST_CM = 150.0  # largest size of a cluster that counts
-BLADE = 9.0  # length of the longest blade of kelp over its width, as in `seaweed.vert`
+BLADE = 16.0  # length of the longest frond of kelp over its width, as in `seaweed.vert`
 KELP = SEAWEED_KINDS.index("kelp")
 ROOM_CM = 10.0  # leaves are wider than their chains, and leave their boxes between ticks
 GOLDEN = 0.6180339887  # its multiples modulo 1 fill [0, 1) evenly
@@ -68,18 +69,19 @@ def plankton_in_sight(
 @kernel
 def leaves_in_sight(
     boxes: Array, seaweed: Seaweed, views: ViewArrays, limits: LeafLimits
-) -> tuple[Ints, int, Bools]:
+) -> tuple[Ints, int, Bools, Array]:
     """Leaves (k,) of clusters in sight, fine ones first; the number of fine ones.
 
-    `boxes` (c, 6) hold the clusters. The last result says which of the leaves (v, k) each view
-    sees.
+    `boxes` (c, 6) hold the clusters. The third result says which of the leaves (v, k) each view
+    sees, the last what each leaf (k,) lacks: 0 to 1 of the detail of fine ones, 1 to 2 of its size.
     """
     number = len(views[1])
     level = np.zeros(len(boxes), np.uint8)
     seen = np.zeros((number, len(boxes)), np.bool_)
+    lacking = np.zeros(len(boxes), np.float32)
     fine, coarse = 0, 0
     for c in range(len(boxes)):
-        level[c] = _level_of_cluster(boxes, seaweed, views, limits, c, seen)
+        level[c], lacking[c] = _level_of_cluster(boxes, seaweed, views, limits, c, seen)
         leaves = seaweed.first[c + 1] - seaweed.first[c]
         if level[c] == FINE:
             fine += leaves
@@ -87,24 +89,25 @@ def leaves_in_sight(
             coarse += leaves
     order = np.empty(fine + coarse, np.int64)
     leaf_seen = np.empty((number, fine + coarse), np.bool_)
+    leaf_lacking = np.empty(fine + coarse, np.float32)
     place = 0
     for part in (FINE, COARSE):
         for c in range(len(boxes)):
             if level[c] != part:
                 continue
             for leaf in range(seaweed.first[c], seaweed.first[c + 1]):
-                order[place] = leaf
+                order[place], leaf_lacking[place] = leaf, lacking[c]
                 for v in range(number):
                     leaf_seen[v, place] = seen[v, c]
                 place += 1
-    return order, fine, leaf_seen
+    return order, fine, leaf_seen, leaf_lacking
 
 
 @kernel
 def _level_of_cluster(
     boxes: Array, seaweed: Seaweed, views: ViewArrays, limits: LeafLimits, c: int, seen: Bools
-) -> int:
-    """How finely cluster `c` is drawn; sets seen[:, c]."""
+) -> tuple[int, float]:
+    """How finely cluster `c` is drawn, and what it lacks; sets seen[:, c]."""
     two = np.float32(2.0)
     x, y, z = (
         (boxes[c, 0] + boxes[c, 3]) / two,
@@ -132,15 +135,25 @@ def _level_of_cluster(
             pixels = max(pixels, np.float32(covers / max(distance, 1.0) * views[2][v]))
     pixels *= np.float32(limits.detail)
     if not c * GOLDEN % 1.0 < limits.growth or pixels < 0.0:
-        return 0
-    if not limits.lod or pixels > LEAF_NEAR_PX:
-        return FINE
-    return COARSE if pixels > LEAF_LEAST_PX else 0
+        return 0, 0.0
+    if not limits.lod:
+        return FINE, 0.0
+    if pixels > LEAF_NEAR_PX:
+        return FINE, _lacking(pixels, LEAF_NEAR_PX)
+    return (COARSE if pixels > LEAF_LEAST_PX else 0), 1.0 + _lacking(pixels, LEAF_LEAST_PX)
 
 
 @kernel
-def leaf_texels(seaweed: Seaweed, order: Ints, alpha: float) -> Array:
-    """Texels of the leaves `order`, `alpha` of the way from the last tick to the current one."""
+def _lacking(pixels: float, least: float) -> float:
+    return float(min(max((LEAF_FULL - pixels / least) / (LEAF_FULL - 1.0), 0.0), 1.0))
+
+
+@kernel
+def leaf_texels(seaweed: Seaweed, order: Ints, lacking: Array, alpha: float) -> Array:
+    """Texels of the leaves `order`, `alpha` of the way from the last tick to the current one.
+
+    `lacking` (k,) is as of `leaves_in_sight`.
+    """
     out = np.zeros((len(order), LEAF_TEXELS, 4), np.float32)
     share = np.float32(alpha)
     for k in range(len(order)):
@@ -150,6 +163,7 @@ def leaf_texels(seaweed: Seaweed, order: Ints, alpha: float) -> Array:
                 before = seaweed.previous[leaf, node, axis]
                 out[k, node, axis] = before + share * (seaweed.node[leaf, node, axis] - before)
         out[k, 0, 3] = seaweed.kind[leaf]
+        out[k, 1, 3] = lacking[k]
         for column in range(8):
             out[k, LEAF_NODES + column // 4, column % 4] = seaweed.look[leaf, column]
     return out

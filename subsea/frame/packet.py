@@ -204,7 +204,7 @@ def pack(
     culled = time.perf_counter()
     state = world.state
     limits = LeafLimits(reach, options.detail, options.growth, options.culling, options.lod)
-    leaves, fine_leaves, leaves_seen = leaves_in_sight(
+    leaves, fine_leaves, leaves_seen, lacking = leaves_in_sight(
         state.sea.seaweed, state.seaweed, arrays, limits
     )
     specks, bounds = plankton_in_sight(
@@ -237,7 +237,7 @@ def pack(
         vessel=pilot.eye,
         hook=_hook(world.state.sea, alpha),
         bait=bool(world.state.sea.catch[0] in (SINKING, HANGING)),
-        leaves=leaf_texels(state.seaweed, leaves, alpha),
+        leaves=leaf_texels(state.seaweed, leaves, lacking, alpha),
         fine_leaves=fine_leaves,
         leaves_seen=leaves_seen,
         lines=lines,

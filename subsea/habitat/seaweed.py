@@ -40,8 +40,8 @@ SETTLING = 240  # ticks in still water before the first
 WIDTH = 0.075  # of a broad leaf, over its length
 WIDTH_CM = {"kelp": 8.0, "grass": 2.6, "red": 2.4}  # of a blade
 COLOURS = {  # linear RGB
-    "ribbon": (0.14, 0.155, 0.03), "kelp": (0.125, 0.105, 0.022), "grass": (0.10, 0.17, 0.035),
-    "red": (0.22, 0.035, 0.045),
+    "ribbon": (0.125, 0.130, 0.032), "kelp": (0.105, 0.090, 0.026), "grass": (0.085, 0.125, 0.035),
+    "red": (0.155, 0.035, 0.042),
 }  # fmt: skip
 TUFT_CM = 9.0  # how far the roots of a cluster stand apart
 LEAN = 1.0  # how far leaves bend out of their cluster, at the root

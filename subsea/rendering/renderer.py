@@ -92,7 +92,7 @@ class Renderer(GpuOwner):
             self._coral = self.own(
                 CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand, quality)
             )
-            self._seaweed = self.own(SeaweedRenderer(context))
+            self._seaweed = self.own(SeaweedRenderer(context, quality))
             check()
             self._fishes = self.own(FishRenderer(context, scene))
         self._hook = self.own(HookRenderer(context))
@@ -133,6 +133,7 @@ class Renderer(GpuOwner):
         self.quality = quality
         self._particles.adapt(quality)
         self._coral.adapt(quality)
+        self._seaweed.adapt(quality)
         self._shafts.adapt(quality)
         self._water.adapt(quality)
         self._resolve.adapt(quality)

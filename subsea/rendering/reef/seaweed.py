@@ -12,41 +12,56 @@ from subsea.frame.packet import Packet
 from subsea.rendering.gl.id_buffer import SEAWEED
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.output.quality import Quality
 
 LEAVES_UNIT = 5  # texture unit
-FINE, COARSE = (13, 3), (7, 2)  # vertices along and across a leaf
+LUSH, FINE, COARSE = (19, 5), (13, 3), (7, 2)  # vertices along and across a leaf
 
-# Numbers of the fronds drawn on a chain of each kind: near, far.
+# Numbers of the fronds drawn on a chain of each kind: near for close-ups, near, far. Those of kelp
+# are stipes, their blades, and the fronds of the canopy.
+KELP_STIPES, KELP_BLADES, KELP_CANOPY = range(3), range(3, 51), range(51, 59)
 FRONDS = {
-    "ribbon": ([0], [0]),
-    "kelp": ([*range(25)], [0, *range(1, 25, 2)]),
-    "grass": ([*range(7)], [0, 2, 4]),
-    "red": ([*range(12)], [0, *range(1, 12, 2)]),
+    "ribbon": ([0], [0], [0]),
+    "kelp": (
+        [*KELP_STIPES, *KELP_BLADES, *KELP_CANOPY],
+        # Blades grow on the stipe with their number modulo 3.
+        [0, 1, *KELP_BLADES[::3], *KELP_BLADES[1::16], *KELP_CANOPY[::2]],
+        [0, *KELP_BLADES[::6], *KELP_BLADES[3::12], *KELP_CANOPY[::4]],
+    ),
+    "grass": ([*range(10)], [*range(7)], [0, 2, 4]),
+    "red": ([*range(16)], [*range(12)], [0, *range(1, 12, 2)]),
 }
 
-# The same for kernels, near and far: a row (fronds) for each kind, which ends with -1.
-FRONDS_AT = [
-    np.array([[*own[level], *[-1] * (26 - len(own[level]))] for own in FRONDS.values()])
-    for level in range(2)
-]
+
+def _table(level: int) -> Ints:
+    """For kernels: a row for each kind of the fronds at a level and 1 if far ones lack them."""
+    most = max(len(own[level]) for own in FRONDS.values()) + 1
+    table = np.full((len(FRONDS), most, 2), -1)
+    for row, own in zip(table, FRONDS.values(), strict=True):
+        row[: len(own[level])] = [(k, k not in own[2]) for k in own[level]]
+    return table
+
+
+FRONDS_AT = [_table(level) for level in range(3)]
 
 
 class SeaweedRenderer(GpuOwner):
-    """Draws fronds as instances of two ribbons; a texture holds the leaves, a row each."""
+    """Draws fronds as instances of ribbons; a texture holds the leaves, a row each."""
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Any, quality: Quality) -> None:
         super().__init__()
         self._context = context
-        self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED))
+        self.adapt(quality)
+        self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED, self._wants))
         self._ribbons = []
-        for size in (FINE, COARSE):
+        for size in (LUSH, FINE, COARSE):
             mesh = ribbon(*size)
             places, triangles = self.own_buffers(context, *mesh)
-            fronds = self.own(context.buffer(reserve=8, dynamic=True))
-            layout = [(places, "2f4", "a_place"), (fronds, "2f4/i", "a_frond")]
+            fronds = self.own(context.buffer(reserve=12, dynamic=True))
+            layout = [(places, "2f4", "a_place"), (fronds, "3f4/i", "a_frond")]
             array = self._programs.array(layout, triangles)
             self._ribbons.append((array, len(mesh[1]), fronds))
-        self._starts = [[0], [0]]  # of the fronds of each view, and the end
+        self._starts = [[0], [0], [0]]  # of the fronds of each view, and the end
         self._sized = self.own(GpuOwner())
         self._reserve(64)
 
@@ -55,6 +70,11 @@ class SeaweedRenderer(GpuOwner):
         self._sized.release()
         self._leaves = self._sized.own(self._context.texture((LEAF_TEXELS, rows), 4, dtype="f4"))
         self._leaves.filter = moderngl.NEAREST, moderngl.NEAREST
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from now on."""
+        self._wants = quality.close_up_defines
+        self._lush = quality.close_up
 
     def upload(self, packet: Packet) -> None:
         """Upload the leaves in sight, and the fronds on them."""
@@ -67,7 +87,8 @@ class SeaweedRenderer(GpuOwner):
         seen = packet.leaves_seen
         if seen is None:
             seen = np.ones((len(packet.views), number), np.bool_)
-        ends = (0, packet.fine_leaves), (packet.fine_leaves, number)
+        near, far = (0, packet.fine_leaves), (packet.fine_leaves, number)
+        ends = (near, (0, 0), far) if self._lush else ((0, 0), near, far)
         for level, (first, end) in enumerate(ends):
             fronds, starts = fronds_of(packet.leaves, seen, first, end, FRONDS_AT[level])
             self._starts[level] = starts.tolist()
@@ -83,9 +104,10 @@ class SeaweedRenderer(GpuOwner):
         for (array, triangles, fronds), starts in zip(self._ribbons, self._starts, strict=True):
             first, end = starts[number : number + 2]
             if end > first:
-                array = self._programs.ready(array, as_ids, u_leaves=LEAVES_UNIT, **uniforms)
+                wants = () if as_ids else self._wants
+                array = self._programs.ready(array, as_ids, wants, u_leaves=LEAVES_UNIT, **uniforms)
                 at = array.program["a_frond"].location
-                array.bind(at, "f", fronds, "2f4", 8 * first, 8, 1)
+                array.bind(at, "f", fronds, "3f4", 12 * first, 12, 1)
                 array.render(moderngl.TRIANGLES, instances=end - first)
                 total += triangles * (end - first)
         return total
@@ -93,13 +115,15 @@ class SeaweedRenderer(GpuOwner):
 
 @kernel
 def fronds_of(leaves: Array, seen: Bools, first: int, end: int, fronds: Ints) -> tuple[Array, Ints]:
-    """Leaf and number (m, 2) float32 of the fronds that each view sees, and the bounds of views.
+    """Fronds (m, 3) float32 that each view sees, and the bounds of views.
+
+    A frond is its leaf, its number, and 1 if it is drawn only near.
 
     They grow on the `leaves` from `first` to `end` that a view has `seen` (v, k), kind by kind.
     `fronds` is one of FRONDS_AT.
     """
-    views, kinds, most = len(seen), *fronds.shape
-    out = np.empty((views * max(end - first, 0) * most, 2), np.float32)
+    views, kinds, most, _ = len(seen), *fronds.shape
+    out = np.empty((views * max(end - first, 0) * most, 3), np.float32)
     bounds = np.zeros(views + 1, np.int64)
     place = 0
     for v in range(views):
@@ -107,10 +131,11 @@ def fronds_of(leaves: Array, seen: Bools, first: int, end: int, fronds: Ints) ->
             for k in range(first, end):
                 if not seen[v, k] or leaves[k, 0, 3] != kind:
                     continue
-                for number in fronds[kind]:
-                    if number < 0:
+                for i in range(most):
+                    if fronds[kind, i, 0] < 0:
                         break
-                    out[place, 0], out[place, 1] = k, number
+                    out[place, 0] = k
+                    out[place, 1], out[place, 2] = fronds[kind, i, 0], fronds[kind, i, 1]
                     place += 1
         bounds[v + 1] = place
     return out[:place], bounds

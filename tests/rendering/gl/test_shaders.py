@@ -11,7 +11,7 @@ from subsea.frame import in_sight
 from subsea.habitat import seaweed, vents
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
-from subsea.rendering.reef.seaweed import FRONDS
+from subsea.rendering.reef.seaweed import FRONDS, KELP_BLADES, KELP_CANOPY, KELP_STIPES
 from subsea.rendering.sea import sand
 from subsea.scenario import schema
 
@@ -103,10 +103,13 @@ def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
     assert seaweed.KINDS == names == tuple(FRONDS) == ("ribbon", "kelp", "grass", "red")
     np.testing.assert_array_equal(kinds, [range(len(names))])
     assert numbers("seaweed.vert", "LAST = # ;") == in_sight.LEAF_NODES - 1 == seaweed.NODES - 1
-    ((blades, branches),) = numbers("seaweed.vert", "BLADES = # , BRANCHES = # ;")
-    # Besides the stem, which is number 0.
-    assert (blades, branches) == (max(FRONDS["kelp"][0]), max(FRONDS["red"][0]))
-    ((short, more),) = numbers(
-        "seaweed.vert", r"length_cm = kelp \? look\.x \* \( # \+ # \* own \)"
+    ((stipes, blades, canopy, branches),) = numbers(
+        "seaweed.vert", "STIPES = # , BLADES = # , CANOPY = # , BRANCHES = # ;"
     )
+    assert [stipes, blades, canopy] == [len(own) for own in (KELP_STIPES, KELP_BLADES, KELP_CANOPY)]
+    assert FRONDS["kelp"][0] == [*range(int(stipes + blades + canopy))]
+    assert branches == max(FRONDS["red"][0])  # besides the stem, which is number 0
+    for own in FRONDS.values():  # a frond never vanishes from one level to the next
+        assert set(own[0]) >= set(own[1]) >= set(own[2])
+    ((short, more),) = numbers("seaweed.vert", r"CANOPY_LENGTH = vec2\( # , # \) ;")
     assert short + more == in_sight.BLADE

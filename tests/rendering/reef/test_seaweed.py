@@ -8,9 +8,14 @@ import pytest
 
 from subsea.frame.in_sight import LEAF_NODES, LEAF_TEXELS
 from subsea.habitat.seaweed import KINDS
-from subsea.rendering.reef.seaweed import COARSE, FINE, FRONDS, ribbon
+from subsea.rendering.gl.id_buffer import SEAWEED
+from subsea.rendering.output.quality import Quality
+from subsea.rendering.reef.seaweed import COARSE, FINE, FRONDS, LUSH, ribbon
 
-FINE_TRIANGLES, COARSE_TRIANGLES = (2 * (a - 1) * (b - 1) for a, b in (FINE, COARSE))
+LUSH_TRIANGLES, FINE_TRIANGLES, COARSE_TRIANGLES = (
+    2 * (a - 1) * (b - 1) for a, b in (LUSH, FINE, COARSE)
+)
+PLAIN = Quality(close_up=False)
 NO_LEAVES = np.zeros((0, LEAF_TEXELS, 4))
 
 
@@ -57,12 +62,12 @@ def test_near_leaves_are_fine_and_far_ones_coarse_in_the_same_place(standing, be
     masks = []
     for fine in (len(bed), 0):
         picture, number = standing(bed, fine)
-        assert number - triangles == (FINE_TRIANGLES if fine else COARSE_TRIANGLES) * len(bed)
+        assert number - triangles == (LUSH_TRIANGLES if fine else COARSE_TRIANGLES) * len(bed)
         masks.append(np.abs(picture - bare).max(axis=2) > 25)
     assert masks[0].mean() > 0.03
     assert (masks[0] & masks[1]).sum() > 0.7 * (masks[0] | masks[1]).sum()
     _, mixed = standing(bed, 6)
-    assert mixed - triangles == 6 * FINE_TRIANGLES + (len(bed) - 6) * COARSE_TRIANGLES
+    assert mixed - triangles == 6 * LUSH_TRIANGLES + (len(bed) - 6) * COARSE_TRIANGLES
 
 
 def test_a_leaf_is_where_its_chain_is(standing):
@@ -101,13 +106,60 @@ def _of_kind(bed, kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_has_its_fronds_near_and_far(standing, bed, kind):
-    leaves = _of_kind(bed, kind)
-    bare, triangles = standing()
-    for level, (fine, each) in enumerate(((len(bed), FINE_TRIANGLES), (0, COARSE_TRIANGLES))):
-        picture, number = standing(leaves, fine)
+@pytest.mark.parametrize("close_up", [True, False])
+def test_every_kind_has_its_fronds_near_and_far(counted, make_packet, bed, kind, close_up):
+    quality, packet = Quality(close_up=close_up), make_packet([], eye=(0, 0, -235))
+    bare, triangles = counted(packet, quality=quality)
+    near = (0, LUSH_TRIANGLES) if close_up else (1, FINE_TRIANGLES)
+    for fine, (level, each) in ((len(bed), near), (0, (2, COARSE_TRIANGLES))):
+        standing = replace(packet, leaves=_of_kind(bed, kind), fine_leaves=fine)
+        picture, number = counted(standing, quality=quality)
         assert number - triangles == each * len(bed) * len(FRONDS[kind][level])
         assert (np.abs(picture - bare).max(axis=2) > 20).mean() > 0.01
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_change_of_level_does_not_show(standing, bed, kind):
+    """Fine leaves that lack all of their detail cover what coarse ones cover."""
+    leaves = _of_kind(bed, kind)
+    bare = standing()[0]
+
+    def mask(lacks, fine):
+        lacking = leaves.copy()
+        lacking[:, 1, 3] = lacks
+        return np.abs(standing(lacking, fine)[0] - bare).max(axis=2) > 20
+
+    whole, turned, coarse, gone = mask(0, 18), mask(1, 18), mask(1, 0), mask(2, 0)
+    assert (turned != coarse).mean() < 0.15 * (turned != whole).mean() + 0.002
+    between = [mask(share, 18).sum() for share in np.linspace(0.0, 1.0, 6)]
+    assert np.abs(np.diff(between)).max() < 0.4 * max(between)
+    assert not gone.any()
+
+
+@pytest.mark.parametrize(("depth", "reaches"), [(40.0, True), (170.0, False)])
+def test_kelp_whose_tip_is_near_the_surface_has_a_canopy(
+    make_renderer, make_packet, depth, reaches
+):
+    """Fronds float within a hand's breadth of the surface, and do not pierce it."""
+    tall = leaf((0.0, 300.0, -depth - 400.0), 400.0, bend=60.0, width=8.0)
+    tall[0, 3] = KINDS.index("kelp")
+    packet = make_packet([], eye=(0, 0, -60.0), pitch=0.15, size=(320, 180))
+    packet = replace(packet, leaves=tall[None], fine_leaves=1)
+    renderer = make_renderer((320, 180))
+    renderer.draw(packet)
+    maps = renderer.id_maps(packet)
+    rows, columns = np.nonzero(maps.kind == SEAWEED)
+    view = packet.views[0]
+    inverse = np.linalg.inv((view.projection @ view.view).astype(np.float64))
+    clip = np.stack(
+        [(columns + 0.5) / 160.0 - 1.0, 1.0 - (rows + 0.5) / 90.0, 0 * rows, 1 + 0 * rows], axis=1
+    )
+    far = clip @ inverse.T
+    ray = far[:, :3] / far[:, 3:] - view.eye
+    forward = -view.view[2, :3].astype(np.float64)
+    height = view.eye[2] + maps.depth[rows, columns] * ray[:, 2] / (ray @ forward)
+    assert (height.max() > -15.0) == reaches
+    assert height.max() < 0.0
 
 
 def test_kinds_differ(standing, bed):
