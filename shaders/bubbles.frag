@@ -1,9 +1,7 @@
-// Air in water: past the critical angle its skin mirrors everything, a silvery rim about a centre
-// that shows the water behind it, darker.
+// Air in water. Past the critical angle its skin mirrors everything: a silvery rim. Within it one
+// sees through, as through a lens that spreads: all that is behind, small and bent outward.
 #include "optics.glsl"
 #include "show.glsl"
-
-uniform mat4 u_view;
 
 in vec2 v_corner;
 in vec3 v_world;
@@ -11,28 +9,54 @@ in vec3 v_veil;
 in vec3 v_clear;
 in float v_strength;
 in float v_small;
+flat in vec3 v_right;
+flat in vec3 v_up;
+flat in vec4 v_shape;
+
+const float INDEX = 1.33;  // of water over air
+const float WINDOW = 0.66;  // upward component beyond which Snell's window shows the sky
+
+// Radiance that comes from a direction, with the sky and its sun above, sand below.
+vec3 seen_along(vec3 way, vec3 sun) {
+    vec3 light = water_radiance(way) * (1.0 - 0.35 * smoothstep(0.2, 0.9, -way.z));
+    light += 0.24 * sun * smoothstep(WINDOW - 0.1, WINDOW + 0.12, way.z);
+    return light + 0.035 * sun * smoothstep(0.25, 0.8, -way.z);
+}
 
 void main() {
-    float square = dot(v_corner, v_corner);
+    // The lower side of a cap is flat; ripples run around.
+    vec2 at = v_corner;
+    if (at.y < 0.0) at.y *= 1.0 + v_shape.x;
+    float two = at.x * at.x - at.y * at.y, three = at.x * (at.x * at.x - 3.0 * at.y * at.y);
+    float far = dot(at, at);
+    far *= 1.0 + 2.0 * (v_shape.y * two + v_shape.z * three) / max(far, 0.05);
     // A small one fades from its middle, lest its few pixels are taken for edges to be smoothed.
-    float soft = max(1.0 - square, 0.0);
-    float inside = mix(1.0 - smoothstep(0.80, 1.0, square), soft * soft, v_small);
+    float soft = max(1.0 - far, 0.0);
+    float edge = clamp(2.5 / max(v_shape.w, 1.0), 0.06, 0.9);
+    float inside = mix(smoothstep(0.0, edge, soft), soft * soft, v_small);
+    far = min(far, 1.0);
     vec3 ray = normalize(v_world - u_eye);
-    vec3 right = vec3(u_view[0][0], u_view[1][0], u_view[2][0]);
-    vec3 up = vec3(u_view[0][1], u_view[1][1], u_view[2][1]);
-    vec3 normal = v_corner.x * right + v_corner.y * up - sqrt(max(1.0 - square, 0.0)) * ray;
-    normal = normalize(normal);  // beside the middle of the picture they are not at right angles
+    vec3 outward = at.x * v_right + at.y * v_up;
+    vec3 normal = normalize(outward - sqrt(max(1.0 - far, 0.0)) * ray);
     vec3 mirrored = reflect(ray, normal);
     vec3 sun = sunlight_at(v_world.z) + lamplight_at(v_world);
-    // Mirrored from above it is the sky in Snell's window.
-    vec3 light = water_radiance(mirrored);
-    light += 0.22 * sun * smoothstep(0.55, 0.80, mirrored.z);
-    light += 1.5 * sun * pow(max(dot(mirrored, SUN), 0.0), 60.0);
-    // What the sun sends through it lights its lower edge.
-    light += 0.35 * sun * pow(max(dot(normal, -SUN), 0.0), 6.0) * square;
-    light = mix(light, 1.3 * water_radiance(ray) + 0.26 * sun, v_small);
-    float rim = mix(smoothstep(0.30, 0.62, square), 0.55, v_small);
-    float alpha = mix(0.30, 0.95, rim);
-    vec3 colour = mix(0.45 * light, light, rim);
-    show(vec4(colour * v_clear + v_veil, alpha * inside * v_strength));
+
+    // Refracted in and out, a ray that passes at a share r of the radius turns by twice the angle
+    // between its ways in water and in air; beyond 1/INDEX it cannot enter.
+    float r = sqrt(far), in_air = min(INDEX * r, 0.999);
+    float turn = 2.0 * (asin(in_air) - asin(min(r, 1.0 / INDEX)));
+    vec3 through = normalize(ray * cos(turn) + outward / max(r, 1e-3) * sin(turn));
+    float whole = smoothstep(0.60, 1.0, INDEX * r);  // Fresnel
+    whole = mix(0.04 + 0.96 * whole * whole * whole, 0.5, v_small);
+    vec3 mirror = seen_along(mirrored, sun);
+    vec3 lens = 0.8 * seen_along(through, sun);
+    // The sun in its skin, and again where the far side gathers it.
+    float glint = pow(max(dot(mirrored, SUN), 0.0), 90.0);
+    float again = pow(max(dot(normalize(normal + 0.25 * ray), -SUN), 0.0), 14.0);
+    mirror += (1.4 * glint + 0.5 * again * far) * sun;
+    vec3 light = mix(lens, mirror, whole);
+    light = mix(light, 1.2 * water_radiance(ray) + 0.2 * sun, v_small);
+    float alpha = mix(mix(0.28, 0.88, whole), 0.6, v_small);
+    alpha = max(alpha, min(glint + again * far, 0.8) * (1.0 - v_small));
+    show(vec4(light * v_clear + v_veil, alpha * inside * v_strength));
 }

@@ -11,14 +11,18 @@ uniform mat4 u_projection;
 uniform vec2 u_size;     // pixels of the viewport
 uniform vec2 u_current;  // cm/s
 
-out vec2 v_corner;
+out vec2 v_corner;  // in radii, beyond the outline at the corners
 out vec3 v_world;  // of the bubble's middle
 out vec3 v_veil;
 out vec3 v_clear;
 out float v_strength;
 out float v_small;  // 1: too small for a rim
+flat out vec3 v_right;  // its level axis on the picture
+flat out vec3 v_up;
+flat out vec4 v_shape;  // how far its lower side is flat; ripples of its outline: two waves, three; radius, pixels
 
 const float AIR = 1030.0;  // cm of water that weigh as much as the atmosphere
+const float ROOM = 1.25;  // about the outline, for ripples
 const float GATHERING = 0.25;  // s, until it is fast
 
 // Terminal speed of a bubble (Mendelson 1967), cm/s; those below a millimetre are slower.
@@ -57,19 +61,34 @@ void main() {
     // One smaller than a pixel or two keeps the light that it sends but not its size.
     float drawn = max(pixels, 2.2);
     v_strength = min(pixels * pixels / (drawn * drawn) , 1.0) * smoothstep(8.0, 16.0, distance);
-    v_small = 1.0 - smoothstep(1.8, 5.5, pixels);
+    v_small = 1.0 - smoothstep(2.2, 8.0, pixels);
     float radius = 0.5 * diameter * drawn / max(pixels, 1e-4);
     v_strength *= step(z + 0.3 * diameter, 0.0) * smoothstep(0.0, 0.1, age);
-    // Large ones are flat, and quiver.
-    float flat_ = mix(1.0, 0.62, smoothstep(0.3, 1.6, diameter)) + 0.10 * sin(23.0 * age + off);
+    // Those of a few millimetres are flat and tilt as they sway; large ones are caps. All quiver.
+    float oblate = mix(1.0, 0.66, smoothstep(0.25, 0.9, diameter)), cap = smoothstep(1.0, 2.2, diameter);
+    float beat = age * (26.0 / (0.7 + diameter)) + off, quiver = smoothstep(0.25, 1.0, diameter);
+    oblate += 0.09 * quiver * sin(beat);
+    float tilt = 0.35 * quiver * (1.0 - 0.6 * cap) * sin(turn);
     vec3 right = vec3(u_view[0][0], u_view[1][0], u_view[2][0]);
     vec3 up = vec3(u_view[0][1], u_view[1][1], u_view[2][1]);
-    float level = abs(up.z);
-    vec3 place = middle + radius * (corner.x * right + corner.y * mix(1.0, flat_, level) * up);
+    // Flat along the vertical of the world, however the head is tilted.
+    vec2 high = vec2(right.z, up.z);
+    float level = length(high);
+    high = level > 1e-3 ? high / level : vec2(0.0, 1.0);
+    high = vec2(high.x * cos(tilt) - high.y * sin(tilt), high.x * sin(tilt) + high.y * cos(tilt));
+    vec2 wide = vec2(high.y, -high.x);
+    float flat_ = mix(1.0, oblate, level);
+    v_shape = vec4(0.8 * cap * level, quiver * vec2(0.05 * sin(0.7 * beat + 2.0), 0.05 * sin(1.3 * beat)), pixels);
+    corner *= ROOM;
     v_corner = corner;
+    vec2 off_plane = corner.x * wide / sqrt(flat_) + corner.y * high * flat_ / sqrt(flat_);
+    vec3 place = middle + radius * (off_plane.x * right + off_plane.y * up);
+    v_right = wide.x * right + wide.y * up;
+    v_up = high.x * right + high.y * up;
     v_world = middle;
     v_clear = clearness(distance);
     v_veil = water_radiance(ray / distance) * (1.0 - v_clear);
+    v_strength *= smoothstep(0.02, 0.25, v_clear.g);  // far ones fade
     gl_Position = u_view_projection * vec4(place, 1.0);
     if (v_strength <= 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }

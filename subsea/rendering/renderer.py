@@ -98,7 +98,7 @@ class Renderer(GpuOwner):
         self._hook = self.own(HookRenderer(context))
         check()
         self._bubbles = self.own(BubbleRenderer(context, scene))
-        self._particles = self.own(ParticleRenderer(context, scene))
+        self._particles = self.own(ParticleRenderer(context, scene, quality))
         self._lines = self.own(LineRenderer(context))
         self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth))
         self._sized = self.own(GpuOwner())  # released when the size changes

@@ -14,29 +14,30 @@ from subsea.rendering.output.quality import PRESETS, Quality
 SNOW = max(preset.snow for preset in PRESETS.values())  # most specks in the box about the eye
 SNOW_BOX_CM = 520.0
 SNOW_SINKS_CM_S = 1.5
-SNOW_LOOK = {"u_diameter": 0.55, "u_colour": (0.55, 0.62, 0.62), "u_reach": 250.0}
-PLANKTON_LOOK = {"u_diameter": 1.0, "u_colour": (0.85, 0.88, 0.80), "u_reach": PLANKTON_REACH_CM}
+SNOW_LOOK = {"u_diameter": 0.5, "u_colour": (0.50, 0.55, 0.53), "u_reach": 250.0}
+PLANKTON_LOOK = {"u_diameter": 0.85, "u_colour": (0.75, 0.72, 0.62), "u_reach": PLANKTON_REACH_CM}
 
 
 class ParticleRenderer(GpuOwner):
     """Draws points."""
 
-    def __init__(self, context: Any, scene: RenderScene) -> None:
+    def __init__(self, context: Any, scene: RenderScene, quality: Quality) -> None:
         super().__init__()
+        self.adapt(quality)
         places = np.random.default_rng(0x5A0).uniform(size=(SNOW, 3)).astype("f4")
         snow = self.own(context.buffer(places.tobytes()))
         self._places = self.own(context.buffer(reserve=12))
         self._seen = self.own(context.buffer(reserve=4))
-        self._programs = self.own(ProgramVariants(context, "particles"))
+        self._programs = self.own(ProgramVariants(context, "particles", None, self._wants))
         self._snow = self._programs.array([(snow, "3f4", "a_position")])
         self._plankton = self._programs.array([(self._places, "3f4", "a_position")], self._seen)
         self._current = scene.water.current_cm_s
         self._starts = [0]  # of the plankton of each view, and the end
-        self._specks = SNOW
 
     def adapt(self, quality: Quality) -> None:
-        """Use the amount of snow of this quality, at most SNOW specks."""
+        """Draw in this quality from now on, with at most SNOW specks."""
         self._specks = min(quality.snow, SNOW)
+        self._wants = quality.close_up_defines
 
     def upload(self, packet: Packet) -> None:
         """Upload the plankton of a packet."""
@@ -55,12 +56,12 @@ class ParticleRenderer(GpuOwner):
             "u_drift": (*current, -SNOW_SINKS_CM_S),
             "u_passing": packet.passing_cm_s,
         }
-        snow = self._programs.ready(self._snow, False, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM)
+        ready, wants = self._programs.ready, self._wants
+        snow = ready(self._snow, False, wants, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM)
         snow.render(moderngl.POINTS, vertices=self._specks)
         first, end = self._starts[number : number + 2]
         if end > first:
-            plankton = self._programs.ready(
-                self._plankton, False, **uniforms, **PLANKTON_LOOK, u_box=0.0
-            )
+            looks = uniforms | PLANKTON_LOOK
+            plankton = ready(self._plankton, False, wants, **looks, u_box=0.0)
             plankton.render(moderngl.POINTS, vertices=end - first, first=first)
         return 0

@@ -6,7 +6,7 @@ import pytest
 from subsea.habitat.stone_shade import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.output.daylight import light_uniforms
-from subsea.rendering.sea.particles import SNOW_BOX_CM, SNOW_LOOK
+from subsea.rendering.sea.particles import PLANKTON_LOOK, SNOW_BOX_CM, SNOW_LOOK
 from subsea.scenario.schema import Water
 from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
@@ -48,6 +48,43 @@ def specks(context):
         return records[:, :4], records[:, 4:6], records[:, 6:]
 
     yield specks
+    for held in (array, out, given, target, compiled):
+        held.release()
+
+
+@pytest.mark.parametrize("defines", [{}, {"CLOSE_UP": 1}])
+def test_no_speck_is_a_large_disc_and_none_is_a_square(context, defines):
+    """However near the eye, at any resolution; one of a few pixels has room for a round shape."""
+    compiled = context.program(
+        vertex_shader=source("particles.vert", **defines),
+        varyings=["v_colour", "v_radius", "gl_PointSize"],
+    )
+    places = np.random.default_rng(3).uniform(-60.0, 60.0, size=(NUMBER, 3)).astype("f4")
+    places[:, 2] -= 300.0
+    given = context.buffer(places.tobytes())
+    out = context.buffer(reserve=24 * NUMBER)
+    array = context.vertex_array(compiled, [(given, "3f4", "a_position")])
+    (view,) = views_for("mono", (3840, 2160), pose_from_angles(np.array([0, 0, -300.0]), 0.4, 0.2))
+    values = {
+        "u_eye": (0.0, 0.0, -300.0),
+        **light_uniforms(WATER, (0.0, 0.0, -300.0)),
+        "u_projection": view.projection.T.astype("f4").tobytes(),
+        "u_view_projection": (view.projection @ view.view).T.astype("f4").tobytes(),
+        "u_size": (3840.0, 2160.0),
+        **PLANKTON_LOOK,
+    }
+    set_uniforms(compiled, **values)
+    target = context.simple_framebuffer((4, 4))
+    target.use()
+    array.transform(out, vertices=NUMBER)
+    records = np.frombuffer(out.read(), np.float32).reshape(NUMBER, 6).astype(float)
+    away = np.linalg.norm(places - (0.0, 0.0, -300.0), axis=1)
+    seen = records[:, 3] > 0.0
+    size, wide = records[:, 5], records[:, 4] * records[:, 5]
+    assert size[seen].max() <= 40.0
+    assert wide[seen].max() <= 20.01
+    assert wide[seen].min() >= 2.99
+    assert not seen[away < 11.9].any()
     for held in (array, out, given, target, compiled):
         held.release()
 
