@@ -259,9 +259,9 @@ def _grade(own: Array, bursts: bool, now: int, speed: float) -> int:
     for grade in (SLOW, MEDIUM, FAST, BURST):
         if grade == BURST and (goal <= HURRIED * own[FAST] or not bursts):
             continue
-        gap = abs(math.log(goal / own[grade]))
+        ratio = max(goal / own[grade], own[grade] / goal)
         if grade == now or (grade == MEDIUM and blends(now)):
-            gap -= math.log(GRADE_MARGIN)
-        if gap < least:
-            best, least = grade, gap
+            ratio /= GRADE_MARGIN
+        if ratio < least:
+            best, least = grade, ratio
     return best

@@ -70,12 +70,15 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
             else:
                 sweep, lift = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase), 0.0
             sweep = held + (1.0 - burst) * sweep + (lean if side == 0 else -lean)
-            middle, reach = ROW_RAD
-            rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
-            if fishes.flaps[i]:
-                rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
-            fins[SWEEP_LEFT + side] = sweep + rows * (rowing - sweep)
-            fins[LIFT_LEFT + side] = lift + rows * (raised - lift)
+            if rows > 0.0:
+                middle, reach = ROW_RAD
+                rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
+                if fishes.flaps[i]:
+                    rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
+                sweep += rows * (rowing - sweep)
+                lift += rows * (raised - lift)
+            fins[SWEEP_LEFT + side] = sweep
+            fins[LIFT_LEFT + side] = lift
 
         panting = max(effort, speed)
         breath = (
