@@ -24,7 +24,8 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
-PICTURE = "the first picture"
+PICTURE = "the first picture of a moving sea"
+AT_REST = "the sea is shown at rest"
 
 
 def child(scenario: str, begin: float) -> None:
@@ -78,6 +79,9 @@ def opened(checkout: Path, scenario: str, **places: str) -> dict[str, tuple[floa
         else:
             done[now] = tuple(times)
             now = what
+    woken = next(k for k, (what, *_) in enumerate(marks) if what == "waking the fishes")
+    if marks[woken + 1][0] == "shown":  # not before there was a picture of the sea at rest
+        done[AT_REST] = tuple(marks[woken + 1][1:])
     done[PICTURE] = tuple(marks[last + 2][1:])  # after the window and the last message
     return done
 

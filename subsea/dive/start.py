@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from subsea.rendering.renderer import Renderer
 
 Say = Callable[[str], None]
+WAKING = "waking the fishes"  # line on the progress
 
 
 def start_world(
@@ -53,10 +54,15 @@ def ready_world(
     """
     warm_up(tell)
     world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
-    tell("waking the fishes")
+    tell(WAKING)
+    wake(world)
+    return world
+
+
+def wake(world: World) -> None:
+    """Make the first tick and packet of a world, which load its kernels."""
     step(world, NEUTRAL)
     pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
-    return world
 
 
 @contextmanager

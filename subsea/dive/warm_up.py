@@ -11,15 +11,18 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from queue import Empty, SimpleQueue
 
 import numba
 import numpy as np
 from msgspec.structs import replace
 
 from subsea.behavior.table import run_routine
+from subsea.core.background import CancelledByUserError
 from subsea.core.disk_cache import cache_folder
 from subsea.core.own_files import make_own_folder
 from subsea.core.processors import cores
@@ -115,38 +118,82 @@ def _open_water() -> World:
 
 
 JOBS: dict[str, Callable[[], None]] = {
-    "routines": _routines,
     "scenery": _scenery,
+    "routines": _routines,
     "motion": _motion,
     "decisions": _decisions,
     "sound": _sound,
 }
-"""The parts of a dive, in the order of their start: the slowest to compile first."""
+"""The parts of a dive, in the order of their start: the first picture, then the slowest."""
+FIRST = "scenery"
 
 
 def warm_up(
     tell: Callable[[str], None] = lambda message: None,
     check: Callable[[], None] = lambda: None,
     processes: int | None = None,
+    first: Callable[[], None] = lambda: None,
 ) -> None:
     """Compile all kernels of a dive that are not cached yet, in parallel `processes`.
 
     None: one for each core. Does nothing with a single process, which would gain no time, or if
     nothing can be cached. `tell` gets lines on the progress; `check` is called meanwhile and may
-    raise, which ends the processes.
+    raise, which ends the processes; `first` is called once what draws a world is compiled.
     """
     marker = _marker()
     if marker.exists():
         return
     processes = cores() if processes is None else processes
     if processes > 1 and _can_write(marker.parent):
-        with _one_at_a_time(tell), suppress(OSError):  # no more processes may be started
-            if marker.exists() or _run_all(min(processes, len(JOBS)), tell, check):
+        with _one_at_a_time(tell, check), suppress(OSError):  # no more processes may be started
+            if marker.exists() or _run_all(min(processes, len(JOBS)), tell, check, first):
                 for old in marker.parent.glob("warm-*"):
                     old.unlink(missing_ok=True)
                 marker.touch()
                 return
     tell("compiling the fishes' code (a minute or more)")
+
+
+class WarmUp:
+    """Compile kernels in a thread, so that a world is seen before its fishes can move."""
+
+    def __init__(self) -> None:
+        """Start to compile."""
+        self._lines: SimpleQueue[str] = SimpleQueue()
+        self._fault: BaseException | None = None
+        self._first, self._cancelled = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
+        self._thread.start()
+
+    def wait_for_first(self, tell: Callable[[str], None]) -> None:
+        """Wait until a world can be created and drawn; `tell` gets lines on the progress."""
+        self._wait(self._first.is_set, tell)
+
+    def wait(self, tell: Callable[[str], None]) -> None:
+        """Wait until a world can be stepped."""
+        self._wait(lambda: not self._thread.is_alive(), tell)
+
+    def cancel(self) -> None:
+        """End the processes; what they have not compiled is compiled when it is called."""
+        self._cancelled.set()
+
+    def _wait(self, done: Callable[[], bool], tell: Callable[[str], None]) -> None:
+        while not done() or not self._lines.empty():
+            with suppress(Empty):
+                tell(self._lines.get(timeout=POLL_S))
+        if self._fault:
+            raise self._fault
+
+    def _run(self) -> None:
+        try:
+            warm_up(self._lines.put, self._check, first=self._first.set)
+        except BaseException as fault:
+            self._fault = fault
+        self._first.set()
+
+    def _check(self) -> None:
+        if self._cancelled.is_set():
+            raise CancelledByUserError
 
 
 def _marker() -> Path:
@@ -170,7 +217,7 @@ def _can_write(place: Path) -> bool:
 
 
 @contextmanager
-def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
+def _one_at_a_time(tell: Callable[[str], None], check: Callable[[], None]) -> Iterator[None]:
     """Wait while another start compiles. Without file locks (Windows) both compile."""
     with ExitStack() as stack:
         with suppress(ImportError, OSError):
@@ -180,31 +227,49 @@ def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
             make_own_folder(place)
             lock = os.open(place / "compiling", os.O_RDWR | os.O_CREAT | os.O_NONBLOCK)
             stack.callback(os.close, lock)
-            try:
-                flock(lock, LOCK_EX | LOCK_NB)
-            except BlockingIOError:
-                tell("waiting for another dive, which compiles the fishes' code")
-                flock(lock, LOCK_EX)
+            told = False
+            while not _locks(lambda: flock(lock, LOCK_EX | LOCK_NB)):
+                if not told:
+                    tell("waiting for another dive, which compiles the fishes' code")
+                told = True
+                check()
+                time.sleep(POLL_S)
         yield
 
 
-def _run_all(processes: int, tell: Callable[[str], None], check: Callable[[], None]) -> bool:
+def _locks(lock: Callable[[], None]) -> bool:
+    """Whether `lock` could lock its file."""
+    try:
+        lock()
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _run_all(
+    processes: int,
+    tell: Callable[[str], None],
+    check: Callable[[], None],
+    first: Callable[[], None],
+) -> bool:
     """Run all jobs, some at a time; return whether all succeeded. An exception ends them."""
     waiting = list(JOBS)
-    running: list[subprocess.Popen[bytes]] = []
+    running: dict[subprocess.Popen[bytes], str] = {}
     done = 0
     with ExitStack() as stack:
         tell(f"compiling the fishes' code, once: 0 of {len(JOBS)} parts")
         while waiting or running:
             while waiting and len(running) < processes:
-                running.append(_start(waiting.pop(0), stack))
+                job = waiting.pop(0)
+                running[_start(job, stack)] = job
             with suppress(subprocess.TimeoutExpired):
-                running[0].wait(POLL_S)
+                next(iter(running)).wait(POLL_S)
             check()
             for worker in [worker for worker in running if worker.poll() is not None]:
-                running.remove(worker)
                 if worker.returncode:
                     return False
+                if running.pop(worker) == FIRST:
+                    first()
                 done += 1
                 tell(f"compiling the fishes' code, once: {done} of {len(JOBS)} parts")
     return True

@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from subsea.core.background import CancelledByUserError, run_in_background
+from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
@@ -18,7 +18,6 @@ from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
 from subsea.dive.settings import kiosk_settings
-from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.media.screenshots import ScreenCapture, pictures_folder
@@ -31,12 +30,14 @@ from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
+from subsea.ui.loading import Loader
 from subsea.ui.menu import Menu
 from subsea.ui.monitors import Installation, Screen
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
+from subsea.view.display_rigs import cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
@@ -143,7 +144,7 @@ class Dive:
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self._picture_wanted = False
         self.records_text = settings.pictures.instruments  # in pictures and films
-        self._loading = True
+        self._loading, self._loader = True, Loader(self._wait)
         self._seen_tick = 0  # when the ridden fish last saw the light
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
@@ -166,7 +167,7 @@ class Dive:
             self.text = TextLayer(self, settings, self.menu, self.inspector)
             self._kiosk = Kiosk(self.window_set.windows) if options.kiosk else None
             start = self.scenario, self.source, options.seed
-            self.world = self._create(*start)
+            self.world = self._loader.create(*start)
             self._wait("starting OpenGL")
             self._of_world = ExitStack()  # closed when the world is replaced
             undo.callback(lambda: self._of_world.close())
@@ -232,7 +233,7 @@ class Dive:
                 world = create_world(scenario, seed, source=str(source))
                 migrate(before, world)
             else:
-                world = self._create(scenario, source, seed)
+                world = self._loader.create(scenario, source, seed)
         except UserError as fault:
             self.note(str(fault))
             return False
@@ -309,17 +310,15 @@ class Dive:
         self.inspector.end_frame()
 
     def show_message(self, text: str) -> None:
-        """Fill the pilot's window with one line of text."""
-        self.text.message(text)
+        """Fill the pilot's window with one line of text, or write it under a world at rest."""
+        if self._loader.at_rest:
+            self.picture.draw(clear=False, chosen=None)
+        self.text.message(text, fill=not self._loader.at_rest)
         self.window_set.present()
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""
         self._undo.close()
-
-    def _create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
-        """The world of a scenario after its first tick; events are handled meanwhile."""
-        return run_in_background(lambda log: ready_world(scenario, source, seed, log), self._wait)
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
@@ -329,11 +328,13 @@ class Dive:
         `check` is called while loading, and may raise.
         """
         with ExitStack() as undo:
-            # Nodes may call from here on, while the scene is loaded.
-            self.tick_source = self._make_ticks(world, self.pilot)
-            undo.callback(self._close_ticks)
             self.picture.open_world(world, check)
             undo.callback(self.picture.close_world)
+            if world.state.tick == 0:
+                self.picture.eye = cockpit(world.state.submarine, 1.0)
+                self._loader.wake(world)
+            self.tick_source = self._make_ticks(world, self.pilot)
+            undo.callback(self._close_ticks)
             self.tick_source.resume(check)
             if tour is not None:
                 # Before other computers join: a tour puts the submarine at its beginning.

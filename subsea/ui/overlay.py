@@ -78,7 +78,7 @@ class Overlay:
         note = self.note_text if self._note_s > 0.0 else ""
         words = "   ".join(filter(None, (circumstances, note)))
         if words:
-            foot = self._line(unbroken(words), size, foot)
+            foot = draw_line(unbroken(words), size, foot)
         if self.help_opacity > 0.0 and self._full:
             draw_help(self.help, self.help_opacity, foot)
         elif self.help_opacity > 0.0:
@@ -91,17 +91,18 @@ class Overlay:
         step = dt / FADE_S if self._shown else -dt / FADE_S
         self.help_opacity = min(max(self.help_opacity + step, 0.0), 1.0)
 
-    def _line(self, text: str, size: Any, foot: float) -> float:
-        """Draw wrapped text that ends at `foot`; returns its upper edge less a gap."""
-        line, font = imgui.get_font_size(), imgui.get_font()
-        room = size.x - 2.4 * line
-        box = imgui.calc_text_size(text, wrap_width=room)
-        x, y = 1.2 * line, foot - box.y
-        draw_backing((x, y), (x + box.x, foot), line)
-        canvas = imgui.get_background_draw_list()
-        for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK))):
-            canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
-        return y - 0.6 * line
+
+def draw_line(text: str, size: Any, foot: float) -> float:
+    """Draw wrapped text that ends at `foot` of a window; returns its upper edge less a gap."""
+    line, font = imgui.get_font_size(), imgui.get_font()
+    room = size.x - 2.4 * line
+    box = imgui.calc_text_size(text, wrap_width=room)
+    x, y = 1.2 * line, foot - box.y
+    draw_backing((x, y), (x + box.x, foot), line)
+    canvas = imgui.get_background_draw_list()
+    for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK))):
+        canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
+    return y - 0.6 * line
 
 
 def unbroken(text: str) -> str:

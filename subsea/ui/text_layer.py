@@ -16,6 +16,7 @@ from subsea.ui.hud import instrument_reading
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
+from subsea.ui.overlay import draw_line
 from subsea.ui.sea_edge import draw_sea_edge, edge_reading
 from subsea.view.unproject import FrontView
 
@@ -70,10 +71,14 @@ class TextLayer:
             _draw_film_mark(dive.shots.seconds)
         dive.gui.end()
 
-    def message(self, text: str) -> None:
-        """Fill the window with one line of text."""
+    def message(self, text: str, fill: bool = True) -> None:
+        """Fill the window with one line of text, or write it at the foot of the picture."""
         self._begin()
-        fill_with_text(text)
+        if fill:
+            fill_with_text(text)
+        else:
+            size, line = imgui.get_io().display_size, imgui.get_font_size()
+            draw_line(text, size, size.y - 1.2 * line)
         self._dive.gui.end()
 
     @property
