@@ -238,7 +238,7 @@ def _one_at_a_time(tell: Callable[[str], None], check: Callable[[], None]) -> It
 
 
 def _locks(lock: Callable[[], None]) -> bool:
-    """Whether `lock` could lock its file."""
+    """True if `lock` could lock its file."""
     try:
         lock()
     except BlockingIOError:

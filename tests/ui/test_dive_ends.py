@@ -52,10 +52,12 @@ def test_the_last_picture_says_that_it_closes(display, monkeypatch, tmp_path):
         shown.append(User.screen(running))
         close(running)
 
-    def pressed(self, *rest):
-        drawn.append(draw(self, *rest))
-        User.do("key", "x")
-        time.sleep(0.3)
+    def pressed(self, clear, chosen):
+        draw(self, clear, chosen)
+        if self._world.state.tick > 0:  # not at rest
+            drawn.append(self.alpha)
+            User.do("key", "x")
+            time.sleep(0.3)
 
     monkeypatch.setattr(Dive, "close", closed)
     monkeypatch.setattr(ScenePicture, "draw", pressed)
