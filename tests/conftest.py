@@ -107,6 +107,22 @@ def nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         yield
 
 
+@pytest.fixture(scope="session")
+def known_turns() -> Iterator[None]:
+    """Recordings of shipped fishes do not search again for the couples of their turns.
+
+    Nor for transitions that they found before.
+    """
+    from capture.recording import manoeuvres
+    from subsea.repertoire import files
+    from tests.support.recording import known_turn, planner
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(manoeuvres, "_left_turn", known_turn)
+        patch.setattr(files, "plan_transitions", planner())
+        yield
+
+
 TICK_S = 0.033
 LENGTH = 20.0
 STATIONS = np.array([0.0, 2.0, 5.0, 10.0, 14.7, 17.8, 20.0])

@@ -25,7 +25,7 @@ WRITERS = {
                 Image.open),
     "report": (["soak", "--minutes", "0.01", "--fish", "2", "--no-draw", "--json"], "out.json",
                lambda path: json.loads(path.read_text())),
-    "repertoire": (["record", "clownfish", "--out"], "clownfish.h5", h5py.File),
+    "repertoire": (["record", "spotted_eagle_ray", "--out"], "spotted_eagle_ray.h5", h5py.File),
 }  # fmt: skip
 
 

@@ -1,8 +1,11 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from capture.recording.manoeuvres import TURNS
 from capture.recording.record import Recorded, assemble, record_segment, segments_of
+from capture.recording.resume import save_segment
 from subsea.fish.species import Species, load_species
 from subsea.repertoire import Repertoire, write_repertoire
 
@@ -10,7 +13,7 @@ NAMES = ["emperor_angelfish", "fusilier"]
 
 
 @pytest.fixture(scope="session")
-def segments() -> dict[str, dict[str, Recorded]]:
+def segments(known_turns: None) -> dict[str, dict[str, Recorded]]:
     """The recorded segments of each species."""
     every = {name: load_species(name) for name in NAMES}
     return {
@@ -22,6 +25,19 @@ def segments() -> dict[str, dict[str, Recorded]]:
 @pytest.fixture(scope="session")
 def repertoires(segments: dict[str, dict[str, Recorded]]) -> dict[str, Repertoire]:
     return {name: assemble(name, load_species(name), found) for name, found in segments.items()}
+
+
+@pytest.fixture
+def save_turns(segments: dict[str, dict[str, Recorded]]) -> Callable[[str, Path], int]:
+    """Leave what an interrupted recording left: the turns, which are long to search."""
+
+    def save(name: str, folder: Path) -> int:
+        turns = [turn for left in TURNS for turn in (left, left.replace("_left_", "_right_"))]
+        for turn in turns:
+            save_segment(folder, name, load_species(name), turn, segments[name][turn])
+        return len(turns)
+
+    return save
 
 
 @pytest.fixture(scope="session", params=NAMES)

@@ -94,6 +94,7 @@ SHORT = {
     "subsea dive": "--seconds 0.1",
     "subsea film": "--seconds 0.05 --quality low",
     "subsea simulate": "--ticks 4",
+    "subsea sweep": "--jobs 1",
     "subsea benchmark": "--frames 1",
     "subsea soak": "--minutes 0.01",
     "subsea-capture learn": "--budget 2 --only swim",
@@ -350,7 +351,7 @@ def shortened(words):
     if "--paper" in words:
         short = []
     if program == "subsea-capture":
-        if words[1:3] == ["plot", "fusilier"]:
+        if name == "plot" and len(words) > 2:  # a page of each segment takes a minute
             words = [*words[:2], "few.h5", *words[3:]]
         if words[1:3] == ["learn", "fusilier"] or ("--out" in words[:-1] and name == "learn"):
             short += ["--out", "learned.toml"]
@@ -445,7 +446,7 @@ def script(words):
 
 
 @pytest.fixture(scope="module")
-def workshop(display, tmp_path_factory, known_repertoire):
+def workshop(display, tmp_path_factory, known_repertoire, known_turns):
     folder = tmp_path_factory.mktemp("workshop")
     home = folder / "home"
     home.mkdir()

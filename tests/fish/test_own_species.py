@@ -1,13 +1,12 @@
 """The user's own species, beside the shipped ones."""
 
 import shutil
-import subprocess
-import sys
 
 import h5py
 import pytest
 
 from capture.cli import main as capture_cli
+from capture.recording import workers
 from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.core.resources import ROOT, own_path, resource_path
@@ -23,8 +22,9 @@ from subsea.fish.species import (
 )
 from subsea.scenario.load import load_scenario, own_scenarios
 from subsea.world.inventory import counts
+from tests.support.recording import each_once
 
-ANGEL = resource_path("assets/species/emperor_angelfish.toml")
+WRASSE = resource_path("assets/species/moon_wrasse.toml")
 
 
 @pytest.fixture(autouse=True)
@@ -32,7 +32,7 @@ def home(tmp_path, monkeypatch):
     """A user's folder with a valid species and a damaged one."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     own_species().mkdir(parents=True)
-    text = ANGEL.read_text().replace('name = "Emperor angelfish"', 'name = "Moorish jewel"', 1)
+    text = WRASSE.read_text().replace('name = "Moon wrasse"', 'name = "Moorish jewel"', 1)
     own_species_file("jewel").write_text(text)
     own_species_file("torn").write_text("[")
     return tmp_path
@@ -108,7 +108,7 @@ def test_a_damaged_species_does_not_affect_others(home, checkout, capsys):
     assert any(line.startswith("ok") and "fish fusilier" in line for line in lines)
 
 
-def test_from_a_copied_file_to_a_fish_in_a_sea(home, capsys):
+def test_from_a_copied_file_to_a_fish_in_a_sea(home, known_turns, capsys):
     shipped = {path: path.stat().st_mtime_ns for path in (ROOT / "repertoires").iterdir()}
     sea = ["simulate", "--ticks", "3", "--set", "fish.0.species=jewel", "--set", "fish.0.number=2"]
     out = home / "run.h5"
@@ -119,8 +119,8 @@ def test_from_a_copied_file_to_a_fish_in_a_sea(home, capsys):
     path = own_path("repertoires") / "jewel.h5"
     assert code == 0 and printed == f"{path}\n"
     assert captured(capsys, "record", "jewel") == (0, f"{path}: up to date\n", "")
-    # As the file is that of the angelfish, so is the motion, to the last bit.
-    with h5py.File(path) as mine, h5py.File(ROOT / "repertoires/emperor_angelfish.h5") as theirs:
+    # As the file is that of the wrasse, so is the motion, to the last bit.
+    with h5py.File(path) as mine, h5py.File(ROOT / "repertoires/moon_wrasse.h5") as theirs:
         assert mine.attrs["species"] == b"jewel"
         for name, segment in theirs["segments"].items():
             assert (mine[f"segments/{name}/nodes"][()] == segment["nodes"][()]).all()
@@ -142,32 +142,33 @@ def test_from_a_copied_file_to_a_fish_in_a_sea(home, capsys):
 
 
 def test_one_recording_of_a_shipped_and_an_own_one_and_names_for_every_command(
-    home, checkout, capsys
+    home, checkout, capsys, monkeypatch
 ):
-    (checkout / "ribbon_eel.h5").unlink()
-    (own_species() / "snake.toml").write_text(species_file("ribbon_eel").read_text())
-    out = home / "elsewhere"
-    code, printed, _ = captured(capsys, "record", "snake", "ribbon_eel", "--out", str(out))
-    assert code == 0 and printed.splitlines() == [f"{out}/snake.h5", f"{out}/ribbon_eel.h5"]
-    assert not repertoire_file("snake").exists()
-    code, printed, _ = captured(capsys, "record", "snake", "ribbon_eel")
-    assert printed.splitlines() == [f"{repertoire_file('snake')}", f"{checkout}/ribbon_eel.h5"]
-    assert captured(capsys, "inspect", "snake")[1].startswith(f"{repertoire_file('snake')}: snake")
-    assert captured(capsys, "plot", "snak", "--out", str(out))[0] == 2
+    monkeypatch.setattr(workers, "record_segment", each_once({}))
+    (checkout / "spotted_eagle_ray.h5").unlink()
+    (own_species() / "devil.toml").write_text(species_file("spotted_eagle_ray").read_text())
+    both, out = ("devil", "spotted_eagle_ray"), home / "elsewhere"
+    code, printed, _ = captured(capsys, "record", *both, "--out", str(out))
+    assert code == 0 and printed.splitlines() == [f"{out}/{name}.h5" for name in both]
+    assert not repertoire_file("devil").exists()
+    code, printed, _ = captured(capsys, "record", *both)
+    assert printed.splitlines() == [
+        f"{repertoire_file('devil')}",
+        f"{checkout}/spotted_eagle_ray.h5",
+    ]
+    assert captured(capsys, "inspect", "devil")[1].startswith(f"{repertoire_file('devil')}: devil")
+    assert captured(capsys, "plot", "devi", "--out", str(out))[0] == 2
     mesh = home / "box.obj"
     mesh.write_text("v 1 0 0\nv -1 0 0\nv 0 1 0\nf 1 2 3\n")
-    arguments = ["mesh", "snake", str(mesh), "--fit", "--out", str(out / "frames")]
+    arguments = ["mesh", "devil", str(mesh), "--fit", "--out", str(out / "frames")]
     assert captured(capsys, *arguments)[0] == 0
     assert (out / "frames/box_swim_fast_0000.obj").exists()
 
 
-def test_learning_writes_into_its_own_file(home):
+def test_learning_writes_into_its_own_file(home, capsys):
     """Whatever is found, only the user's file may change."""
-    before = ANGEL.read_bytes()
-    command = ["learn", "jewel", "--only", "swim", "--budget", "2"]
-    done = subprocess.run(
-        [sys.executable, "-m", "capture", *command], capture_output=True, text=True, timeout=250
-    )
-    assert done.returncode in (0, 1), done.stderr
-    assert str(own_species_file("jewel")) in done.stdout
-    assert ANGEL.read_bytes() == before
+    before = WRASSE.read_bytes()
+    code, printed, err = captured(capsys, "learn", "jewel", "--only", "swim", "--budget", "2")
+    assert code in (0, 1), err
+    assert str(own_species_file("jewel")) in printed
+    assert WRASSE.read_bytes() == before

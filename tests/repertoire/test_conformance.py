@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from capture.inspection.simulated import replay
+from capture.recording.manoeuvres import TURNS
 from capture.recording.record import (
     motion_from_provenance,
     record_segment,
@@ -17,7 +18,7 @@ from capture.recording.record import (
 )
 from capture.recording.resume import is_up_to_date
 from capture.recording.segment import heading_change
-from capture.recording.trial import Trial
+from capture.recording.trial import Trial, deformation
 from subsea.biomechanics.body import UNITS, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.simulation import BodyState, simulate
@@ -28,6 +29,9 @@ from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment, read_repertoire
 from subsea.repertoire.schema import ACYCLIC
+from tests.support.recording import search
+
+pytestmark = pytest.mark.usefixtures("known_turns")
 
 SPECIES = species_names()
 SWIMS = ("swim_slow", "swim_medium", "swim_fast")
@@ -187,6 +191,16 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
             )
         if plan.muscles:
             assert repertoire.provenance["warm_up_beats"][name] == beats
+
+
+@pytest.mark.parametrize("turn", TURNS)
+def test_the_search_for_a_turn_finds_that_of_the_file(turn):
+    """Of one fish that is quickly searched; the code that searches is part of every file."""
+    repertoire = repertoire_of("hardyhead_silverside")
+    found = search(motion_from_provenance(repertoire.provenance), turn)
+    assert found.couple == pytest.approx(repertoire.provenance["couples"].get(turn, 0.0), abs=1e-6)
+    seen, length = deformation(found.frames)[1:], repertoire.body_length_cm
+    np.testing.assert_allclose(repertoire.segments[turn].nodes, seen, atol=1e-6 * length)
 
 
 @cache

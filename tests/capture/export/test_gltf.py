@@ -19,6 +19,8 @@ from capture.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_s
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
 BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root
+# The widest motions; of BAKED all are fitted, which takes ten times as long.
+WIDEST = "swim_fast", "swim_burst", "turn_left_sharp", "cstart_left_wide", "swim_stop"
 EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
 Exported = tuple[Model, list[Clip], Skeleton]
 
@@ -27,6 +29,8 @@ Exported = tuple[Model, list[Clip], Skeleton]
 def fitted(known: str) -> Exported:
     """A species at the coarsest level, which has few vertices to fit."""
     model, clips = make_clips(known, 3)
+    if known not in BAKED:
+        clips = [clip for clip in clips if clip.name in WIDEST]
     return model, clips, fit_skeleton(model, clips)
 
 

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,6 +27,9 @@ from subsea.core.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import Repertoire, write_repertoire
 from subsea.repertoire.schema import FORMAT
+from tests.support.recording import each_once
+
+pytestmark = pytest.mark.usefixtures("known_turns")
 
 NAMES = ["emperor_angelfish", "fusilier"]
 EACH, OTHERS = (segments_of(load_species(name)) for name in reversed(NAMES))
@@ -68,13 +71,11 @@ def known(segments: dict[str, dict[str, workers.Recorded]]) -> dict[str, workers
 def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, workers.Recorded]) -> list[str]:
     """The segments that are swum, in their order; each is simulated once for all tests."""
     names: list[str] = []
+    record = each_once(known)
 
     def swim(species: Species, segment: str) -> workers.Recorded:
         names.append(segment)
-        key = f"{segment} of {species}"
-        if key not in known:
-            known[key] = record_segment(species, segment)
-        return known[key]
+        return record(species, segment)
 
     monkeypatch.setattr(workers, "record_segment", swim)
     return names
@@ -150,8 +151,9 @@ def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
 
 
 def test_neither_two_processes_nor_a_crash_of_one_change_the_files(
-    whole: Path, tmp_path: Path
+    whole: Path, tmp_path: Path, save_turns: Callable[[str, Path], int]
 ) -> None:
+    saved = [save_turns(name, tmp_path) for name in NAMES]
     killed: list[int] = []
     told: list[tuple[str, int]] = []
 
@@ -169,9 +171,9 @@ def test_neither_two_processes_nor_a_crash_of_one_change_the_files(
     assert recorded == NAMES
     assert len(killed) == 1
     assert_same(tmp_path, whole)
-    for name in NAMES:
+    for name, first in zip(NAMES, saved, strict=True):
         counts = [count for which, count in told if which == name]
-        assert counts == list(range(len(segments_of(load_species(name))) + 1))
+        assert counts == list(range(first, len(segments_of(load_species(name))) + 1))
 
 
 def test_repeated_crashes_are_an_error_of_one_line(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -74,13 +74,17 @@ def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 def test_a_worker_that_is_killed_midway_loses_nothing(
-    dask: Cluster, repertoires: dict[str, Repertoire], tmp_path: Path
+    dask: Cluster,
+    repertoires: dict[str, Repertoire],
+    tmp_path: Path,
+    save_turns: Callable[[str, Path], int],
 ) -> None:
+    saved = sum(save_turns(name, tmp_path) for name in NAMES)
     done: dict[str, int] = {}
 
     def tell(name: str, segments: int) -> None:
         done[name] = segments
-        if sum(done.values()) == 3:
+        if sum(done.values()) == saved + 3:
             dask.workers[0].kill()
 
     assert (

@@ -70,11 +70,11 @@ def species(window):
 
 
 def wait(window, true, seconds):
-    """Run frames until other processes make a condition true."""
+    """Run frames, few lest those take its time, until another process makes a condition true."""
     end = time.monotonic() + seconds
     while not true() and time.monotonic() < end:
         window.frame(0.05)
-        time.sleep(0.05)
+        time.sleep(0.3)
     assert true(), window.message
 
 

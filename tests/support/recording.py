@@ -1,0 +1,98 @@
+"""Recordings that cost less: each segment once, and turns without the search that found them."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+
+from capture.recording import manoeuvres
+from capture.recording.record import Recorded, record_segment
+from capture.recording.resume import is_up_to_date
+from capture.recording.trial import Trial, deformation
+from subsea.biomechanics.body_plan import Muscles
+from subsea.core.resources import resource_path
+from subsea.fish.species import Species, load_species, shipped_species
+from subsea.repertoire import Repertoire, Segment, read_repertoire
+from subsea.repertoire.transitions import Transitions, plan_transitions
+
+SAME_BL = 1e-6  # distance of nodes in the same turn of another processor, body lengths
+search, attempt = manoeuvres._left_turn, manoeuvres._with_couple
+
+
+class Found(Exception):  # noqa: N818
+    """The turn of the file."""
+
+
+@cache
+def shipped_motion(motion: Muscles) -> Repertoire | None:
+    """The repertoire that is shipped for a fish, if this code recorded it."""
+    folder = resource_path("repertoires")
+    for name in shipped_species():
+        species = load_species(name)
+        if species.muscles == motion and is_up_to_date(folder, name, species):
+            return read_repertoire(folder / f"{name}.h5")
+    return None
+
+
+@cache
+def known_turn(motion: Muscles, left: str) -> Trial:
+    """The turn that the search finds, to the last bit: only the couple of the file is tried.
+
+    It is searched for a fish that is not shipped, or after a change of the code that records.
+    """
+    shipped = shipped_motion(motion)
+    if shipped is None:
+        return search(motion, left)
+    nodes, couple = shipped.segments[left].nodes, shipped.provenance["couples"].get(left, 0.0)
+
+    def tried(fish: manoeuvres.Turner, *how: object) -> Trial:
+        trial = attempt(fish, *how)
+        seen = deformation(trial.frames[1:])
+        if (
+            len(seen) == len(nodes)
+            and np.abs(seen - nodes).max() < SAME_BL * shipped.body_length_cm
+        ):
+            raise Found(trial._replace(couple=couple))
+        return trial
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(manoeuvres, "COUPLES", (couple,))
+        patch.setattr(manoeuvres, "TOLERANCE_DEG", np.inf)  # no couple nearer to the angle
+        patch.setattr(manoeuvres, "CLOSE_DEG", -np.inf)  # nor the first one that is near
+        patch.setattr(manoeuvres, "_with_couple", tried)
+        try:
+            search.__wrapped__(motion, left)
+        except Found as found:
+            return found.args[0]
+    return search(motion, left)
+
+
+@cache
+def planner() -> Callable[[list[Segment]], Transitions]:
+    """Plan the transitions between the same segments once."""
+    known: dict[tuple[bytes, ...], Transitions] = {}
+
+    def plan(segments: list[Segment]) -> Transitions:
+        parts = (
+            (one.grade.encode(), one.nodes, one.increment_translation, one.increment_rotation)
+            for one in segments
+        )
+        key = tuple(bytes(part) for one in parts for part in one)
+        if key not in known:
+            known[key] = plan_transitions(segments)
+        return known[key]
+
+    return plan
+
+
+def each_once(known: dict[str, Recorded]) -> Callable[[Species, str], Recorded]:
+    """Record segments in place of `record_segment`; what was recorded is known from then on."""
+
+    def record(species: Species, segment: str) -> Recorded:
+        key = f"{segment} of {species}"
+        if key not in known:
+            known[key] = record_segment(species, segment)
+        return known[key]
+
+    return record
