@@ -61,7 +61,7 @@ def test_a_school_passes_pillars_and_is_together_again(tmp_path):
         found = measure(read_record(out))
         sea, (school,) = found["sea"], found["schools"]
         assert sea["least_clearance_from"] == "pillar"
-        assert 0.0 < sea["least_clearance_cm"] < 30.0  # it meets one, and no fish touches it
+        assert 0.0 < sea["least_clearance_cm"] < 60.0  # it meets one, and no fish touches it
         assert sea["out_of_bounds_or_inside"] == 0
         for split in school["each_split"]:
             assert split["rejoined"] and split["lasted_s"] <= longest
