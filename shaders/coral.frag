@@ -43,6 +43,7 @@ void main() {
     vec2 sunward = toward_x * dFdx(v_along) + toward_y * dFdy(v_along);
     sunward *= 0.007 * inversesqrt(dot(sunward, sunward) + 1e-12);
     float rise = dot(v_grain.xyz, texture(u_grain, v_along + sunward).rgb) - height;
+    vec3 sun = v_sun * sunny(v_world + 1.5 * normal);
     // Valleys between ridges are a shade of their own.
     vec3 colour = v_colour.rgb * clamp(1.0 + vec3(0.58, 0.46, 0.62) * height, 0.25, 1.6);
     float open = v_grain.a * clamp(1.0 + 0.5 * height, 0.4, 1.2);
@@ -56,17 +57,17 @@ void main() {
     colour *= clamp(1.0 + vec3(0.28, 0.25, 0.22) * relief, 0.3, 1.5);
     open *= clamp(1.0 + 0.3 * relief, 0.5, 1.15);
 #endif
-    vec3 light = light_from(v_sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world, normal, 0.25) * open;
+    vec3 light = light_from(sun * clamp(1.0 - 1.6 * rise, 0.2, 2.0), v_world, normal, 0.25) * open;
     // Thin parts and tips glow with the light from behind.
     float behind = max(dot(view, SUN), 0.0);
-    light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * v_sun;
+    light += v_colour.a * (0.16 + 0.5 * behind * behind) * open * sun;
     vec3 lit = colour * light;
 #ifdef CLOSE_UP
     // Living skin is wet, and a fuzz of tentacles catches light at its outline.
     float rim = 1.0 - clamp(-dot(normal, view), 0.0, 1.0);
     float mirror = max(dot(normal, normalize(SUN - view)), 0.0);
     mirror *= mirror; mirror *= mirror; mirror *= mirror; mirror *= mirror;
-    lit += open * (0.05 * mirror * mirror + 0.25 * rim * rim * rim * v_colour.rgb) * v_sun;
+    lit += open * (0.05 * mirror * mirror + 0.25 * rim * rim * rim * v_colour.rgb) * sun;
 #endif
     show(vec4(EXPOSURE * lit * v_clear + v_veil, 1.0));
 }

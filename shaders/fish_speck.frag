@@ -1,4 +1,7 @@
 // As `fishes.frag` shades, without what is too small to see.
+#ifdef CAST
+void main() {}
+#else
 #include "fades.glsl"
 #include "skin.glsl"
 #include "show.glsl"
@@ -23,3 +26,4 @@ void main() {
     vec3 light = (v_sky + v_sun * max(v_facing, 0.0)) * (1.0 - 0.6 * silver);
     show(vec4(colour * light + silver * (0.4 + colour) * v_around + v_veil, skin.a));
 }
+#endif

@@ -96,7 +96,7 @@ void main() {
 
     // What is bright and without colour is silver.
     float silver = coat.z * (1.0 - web) * (1.0 - inside) * smoothstep(0.05, 0.5, min(skin.r, min(skin.g, skin.b)));
-    vec3 sun = sunlight_at(v_world.z) * caustics_at(v_world);
+    vec3 sun = sunlight_at(v_world.z) * (caustics_at(v_world) * sunny(v_world));
     vec3 light = light_from(sun, v_world, normal, 0.25);
     // What is thin glows with the light that falls on its other side.
     float clear = max(web * (0.8 - 0.4 * skin.a), 2.0 * (1.0 - skin.a));

@@ -90,6 +90,7 @@ float caustics_at(vec3 p) {
 }
 
 #include "lamps.glsl"
+#include "shadows.glsl"
 
 // Light on a surface: the given sun from above, sky from above, sand from below, lamps.
 vec3 light_from(vec3 sun, vec3 p, vec3 normal, float wrap) {
@@ -99,5 +100,5 @@ vec3 light_from(vec3 sun, vec3 p, vec3 normal, float wrap) {
 }
 
 vec3 light_on(vec3 p, vec3 normal, float wrap) {
-    return light_from(sunlight_at(p.z) * caustics_at(p), p, normal, wrap);
+    return light_from(sunlight_at(p.z) * (caustics_at(p) * sunny(p)), p, normal, wrap);
 }

@@ -57,7 +57,8 @@ void main() {
     vec2 slope = v_slope + 0.46 * marks + (7.0 * bits.xy - 3.5) * (0.22 * lies);
     vec3 normal = normalize(vec3(-slope, 1.0));
     // Water scatters so much light forward that no shadow is black.
-    float lit = caustics_at(v_world) * ground.x + 0.27 * (1.0 - ground.x);
+    float open = min(ground.x, unshaded(v_world));
+    float lit = caustics_at(v_world) * open + 0.27 * (1.0 - open);
     vec3 light = SUNLIGHT * (lit * max(dot(normal, SUN), 0.0));
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * ground.y;
 #ifdef LIT

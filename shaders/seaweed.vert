@@ -187,7 +187,7 @@ void main() {
     v_place = vec4(t, within.y, own, high);
     v_colour = colour;
     v_rib = rib;
-    v_sun = sunlight_at(place.z) * caustics_at(place);
+    v_sun = sunlight_at(place.z) * (caustics_at(place) * sunny(place));
     vec3 ray = v_world - u_eye;
     float distance = length(ray);
     v_clear = strength * clearness(distance);

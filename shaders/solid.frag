@@ -62,7 +62,7 @@ void main() {
     stone = mix(stone, living * (0.55 + 0.8 * polyps), orange);
 
     stone *= clamp(0.85 + 0.5 * height, 0.3, 1.2);
-    vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25);
+    vec3 light = SUNLIGHT * (max(dot(normal, SUN) + 0.25, 0.0) * v_light.y / 1.25 * sunny(v_world + 6.0 * normalize(v_normal)));
     light += mix(SANDLIGHT, SKYLIGHT, 0.5 + 0.5 * normal.z) * v_light.x;
 #ifdef LIT
     light += lamplight_on(v_world, normal, 0.1) / daylight(v_world.z);  // as that is in `v_clear`

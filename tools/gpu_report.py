@@ -28,7 +28,7 @@ from typing import Any
 HERE = Path(__file__).resolve().parent.parent
 SUBSEA = [sys.executable, "-m", "subsea"]
 SIZES = ("1280x720", "1920x1080", "3840x2160")
-PRESETS = ("low", "medium", "high")
+PRESETS = ("low", "medium", "high", "ultra")
 FISH = (60, 1_000, 10_000, 30_000, 100_000)
 LEAST_S = 4.0  # a case is not begun with less time left
 LEAST_PX = 64  # a side of a picture

@@ -27,7 +27,7 @@ PARTS = {  # of the renderer, and the methods that draw them
     "seaweed": ("_seaweed", "draw"), "water and surface": ("_water", "draw"),
     "fishes": ("_fishes", "draw"), "bubbles": ("_bubbles", "draw"),
     "snow and plankton": ("_particles", "draw"), "shafts": ("_shafts", "draw"),
-    "shadows of fishes": ("_shadows", "draw"), "shadows of corals": ("_coral", "draw_shadows"),
+    "shadows of fishes": ("_shadows", "draw"), "maps of shadows": ("", "_cast"),
     "to the screen": ("", "_show"),
 }  # fmt: skip
 AT_TICKS = (30, 60, 90)

@@ -63,7 +63,9 @@ def _preset(text: str) -> str:
     from subsea.rendering.output.quality import AUTO
 
     if _quality(text) == AUTO:
-        raise UserError("a film has no frame time to hold: take --quality low, medium or high")
+        raise UserError(
+            "a film has no frame time to hold: take --quality low, medium, high or ultra"
+        )
     return text
 
 
@@ -206,7 +208,7 @@ def add_quality(parser: ArgumentParser, default: str, *, automatic: bool = True)
         type=_quality if automatic else _preset,
         default=default,
         metavar="Q",
-        help=f"low, medium or high{auto} (default {default})",
+        help=f"low, medium, high or ultra{auto} (default {default})",
     )
 
 

@@ -70,7 +70,8 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         "mono"
     )
     quality: Annotated[
-        Literal["auto", "low", "medium", "high"], Meta(description="auto, low, medium or high")
+        Literal["auto", "low", "medium", "high", "ultra"],
+        Meta(description="auto, low, medium, high or ultra"),
     ] = "auto"
     fullscreen: Annotated[bool, Meta(description="whether the dive begins on the full screen")] = (
         False

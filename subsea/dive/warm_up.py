@@ -29,13 +29,14 @@ from subsea.core.processors import cores
 from subsea.core.source_stamp import ROOT, source_stamp
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
+from subsea.habitat.stone_shade import SUN
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
 from subsea.sound.listening import listener_of
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
 from subsea.sound.space import LAYOUTS
-from subsea.state import Clock
+from subsea.state import Clock, Reef, empty
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
@@ -55,14 +56,17 @@ def _scenery() -> None:
     from subsea.rendering.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
     from subsea.rendering.fish.soft_shadows import Sand, cast
     from subsea.rendering.gl.static_batch import bounding_spheres, gather, levels_in_sight
-    from subsea.rendering.reef.rocks import pieces
+    from subsea.rendering.reef.rocks import overgrown
     from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
     from subsea.rendering.sea.bubbles import in_sight
+    from subsea.rendering.sea.ground_map import with_growths
     from subsea.rendering.sea.seabed import surroundings
 
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))
-    spheres = bounding_spheres(pieces(*sand, pillars, ROCK, 12.0))
-    surroundings(*sand, pillars, ROCK, 12.0)
+    bare = empty(Reef, k=0)
+    spheres = bounding_spheres(overgrown(*sand, pillars, ROCK, 12.0, bare))
+    ground = surroundings(*sand, pillars, ROCK, 12.0, bare)
+    with_growths(ground, np.array([[0.0, 0.0, 5.0, 5.0, 0.5]]), SUN)
     world = create_world(load_scenario(SCENARIO)[0], fish=FISHES)
     packet = pack(world, views_for("mono", (64, 64), cockpit(world.state.submarine, 1.0)), 1.0)
     spots = np.zeros((1, SHADOW_COLUMNS), np.float32)

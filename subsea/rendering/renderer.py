@@ -20,19 +20,21 @@ from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
 from subsea.rendering.gl.gpu_timer import GpuTimer
 from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
 from subsea.rendering.output.lines import LineRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.reef.coral import CoralRenderer, bake
-from subsea.rendering.reef.rocks import RockRenderer, pieces
+from subsea.rendering.reef.rocks import RockRenderer, overgrown
 from subsea.rendering.reef.seaweed import SeaweedRenderer
 from subsea.rendering.sea.bubbles import BubbleRenderer
 from subsea.rendering.sea.hook import HookRenderer
 from subsea.rendering.sea.light_shafts import LightShaftRenderer
 from subsea.rendering.sea.particles import ParticleRenderer
-from subsea.rendering.sea.seabed import SeabedRenderer, drawn_height, surroundings
+from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
+from subsea.rendering.sea.sun_shadows import SunShadows
 from subsea.rendering.sea.water import WaterRenderer
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
@@ -73,8 +75,8 @@ class Renderer(GpuOwner):
         with ThreadPoolExecutor() as pool:
             bed = scene.terrain, scene.terrain_half_width_cm
             solids = *bed, scene.pillars, scene.rocks, scene.water.hour
-            stone = pool.submit(lambda: cached(pieces, *solids))
-            ground = pool.submit(lambda: cached(surroundings, *solids))
+            stone = pool.submit(lambda: cached(overgrown, *solids, scene.reef))
+            ground = pool.submit(lambda: cached(surroundings, *solids, scene.reef))
             growths = pool.submit(bake, scene.reef)
             self._caustics = self.own(repeating(context, near_and_far, 1))
             self._noise = self.own(repeating(context, noise, 2))
@@ -88,13 +90,14 @@ class Renderer(GpuOwner):
             self._shadows = self.own(SoftShadowRenderer(context, scene))
             check()
             reach_cm = IN_SIGHT * scene.water.visibility_cm
-            sand = partial(drawn_height, scene.terrain, scene.terrain_half_width_cm)
             self._coral = self.own(
-                CoralRenderer(context, scene.reef, growths.result(), reach_cm, sand, quality)
+                CoralRenderer(context, scene.reef, growths.result(), reach_cm, quality)
             )
             self._seaweed = self.own(SeaweedRenderer(context, quality))
             check()
             self._fishes = self.own(FishRenderer(context, scene))
+        batches = [*self._rocks.batches, *self._coral.batches]
+        self._sun = self.own(SunShadows(context, scene.water.hour, box_around(batches)))
         self._hook = self.own(HookRenderer(context))
         check()
         self._bubbles = self.own(BubbleRenderer(context, scene))
@@ -135,6 +138,8 @@ class Renderer(GpuOwner):
         self._coral.adapt(quality)
         self._seaweed.adapt(quality)
         self._shafts.adapt(quality)
+        self._sun.adapt(quality)
+        self._seabed.adapt(quality)
         self._water.adapt(quality)
         self._resolve.adapt(quality)
         if self._second:
@@ -193,7 +198,7 @@ class Renderer(GpuOwner):
         self._lines.upload(packet)
         self.choose(packet)
         if self.quality.shadows:
-            self._shadows.upload(packet)
+            self._shadows.upload(packet, not self.quality.fish_map)
         self.upload_s = time.perf_counter() - start
         self._caustics.use(1)
         self._noise.use(2)
@@ -202,8 +207,10 @@ class Renderer(GpuOwner):
         context.depth_func = "<="  # water lies on the far plane
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
         eye, stage = None, self.timer.stage
+        with stage("shadows"):
+            shaded = self._cast(packet)
         for number, view in enumerate(map(self._on_canvas, packet.views)):
-            uniforms = uniforms_of(packet, view, self._scene.water)
+            uniforms = uniforms_of(packet, view, self._scene.water) | shaded
             if uniforms["u_eye"] != eye:  # views through one eye share their shafts
                 with stage("shafts"):
                     self._shafts.draw(uniforms)
@@ -227,7 +234,6 @@ class Renderer(GpuOwner):
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may overlap
                 with stage("shadows"):
-                    self.triangles += self._coral.draw_shadows(number, uniforms)
                     self.triangles += self._shadows.draw(uniforms)
                 self._target.framebuffer.depth_mask = True
                 context.disable(context.BLEND)
@@ -251,6 +257,12 @@ class Renderer(GpuOwner):
             self._show(self._target.resolved(), into, self._scale(self.rig, self.quality), True)
         self.draw_calls = context.extra.calls - calls
         self.draw_s = context.extra.seconds - seconds
+
+    def _cast(self, packet: Packet) -> dict[str, Any]:
+        """Draw the maps of shadows; returns their uniforms."""
+        eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
+        fishes = partial(self._fishes.cast, len(packet.instances))
+        return self._sun.draw([self._rocks.cast, self._coral.cast], fishes, eye)
 
     def show(self, canvas: Bytes, into: Any = None) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""

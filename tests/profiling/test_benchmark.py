@@ -312,10 +312,10 @@ def test_an_invalid_report_is_one_line(tmp_path, capsys):
         ("benchmark --csv .", "is a folder"),
         ("benchmark --plot .", "is a folder"),
         ("benchmark --json a --csv ./a", "a: two results cannot go into one file"),
-        ("dive --quality best", "there are: auto, low, medium, high"),
+        ("dive --quality best", "there are: auto, low, medium, high, ultra"),
         ("dive --target-ms 0", "'0': expected a number from 1 to 1000"),
         ("dive --quality low --target-ms 20", "--target-ms needs --quality auto, not low"),
-        ("film x.png --quality auto", "--quality low, medium or high"),
+        ("film x.png --quality auto", "--quality low, medium, high or ultra"),
     ],
 )
 def test_invalid_options_are_one_line(tmp_path, monkeypatch, capsys, command, message):

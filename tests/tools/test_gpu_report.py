@@ -40,7 +40,7 @@ def python(tool, name, program, **settings):
 
 def test_everything_that_no_gpu_has_drawn_is_a_case(tool):
     names = [f"{case.group}: {case.name}" for case in chosen(tool)]
-    for preset in ("low", "medium", "high"):
+    for preset in ("low", "medium", "high", "ultra"):
         for size in ("1280x720", "1920x1080", "3840x2160"):
             assert f"presets: {preset}, {size}" in names
     assert [n for n in names if n.startswith("fishes")][-1] == "fishes: 100,000"

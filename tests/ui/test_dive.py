@@ -144,7 +144,7 @@ def test_at_the_edge_of_the_sea_a_sign_shows_the_way_back(rested, user):
 
 def test_a_key_goes_through_the_qualities(boat, user):
     assert boat.picture.quality_text.startswith("picture auto: ")
-    for name in ("low", "medium", "high"):
+    for name in ("low", "medium", "high", "ultra"):
         user.do("key", "p")
         user.until(boat, lambda name=name: boat.picture.quality_text == f"picture {name}")
     user.do("key", "p")

@@ -37,7 +37,7 @@ from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
 # Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
-SPECK, OWN_IDS = ("SPECK",), ("OWN_IDS",)
+SPECK, OWN_IDS, CAST = ("SPECK",), ("OWN_IDS",), ("CAST",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 LOOKS_BINDING = 0  # of the uniform block
@@ -169,6 +169,15 @@ class FishRenderer(GpuOwner):
             total += mesh.fins * count
         return total
 
+    def cast(self, number: int, uniforms: dict[str, Any]) -> None:
+        """Draw the first `number` instances as specks into the depth map in use."""
+        self._table.use(0)
+        self._places.use(PLACES_UNIT)
+        self._looks.bind_to_uniform_block(LOOKS_BINDING)
+        compiled = self._made(SPECK + CAST)
+        set_uniforms(compiled, u_table=0, u_places=PLACES_UNIT, u_without=-1.0, **uniforms)
+        self._render(compiled, 0, self._speck_triangles, 0, number)
+
     def _program(self, batch: Batch, defines: tuple[str, ...]) -> Any:
         own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
         if batch.level == len(DETAILS):
@@ -184,7 +193,10 @@ class FishRenderer(GpuOwner):
             compiled = self.own(program(self._context, name, **values))
             compiled["Looks"].binding = LOOKS_BINDING
             self._programs[defines] = compiled
-            array = self.own(variant_array(self._context, compiled, *self._content[is_speck]))
+            content = self._content[is_speck]
+            if CAST[0] in defines:  # light and its normals are of no use
+                content = [(content[0][0][0], "12x 3f4", "a_part")], content[1]
+            array = self.own(variant_array(self._context, compiled, *content))
             formats = INSTANCE_FORMAT.split()
             offsets = accumulate((4 * int(kind[0]) for kind in formats), initial=0)
             self._arrays[compiled] = (

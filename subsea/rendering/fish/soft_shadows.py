@@ -60,11 +60,12 @@ class SoftShadowRenderer(GpuOwner):
         content = [(self._buffer, "3f4 4f4 3f4 /i", "a_place", "a_lie", "a_size")]
         self._array = self.own(context.vertex_array(self._program, content))
 
-    def upload(self, packet: Packet) -> None:
-        """Compute and upload the shadows of a packet."""
+    def upload(self, packet: Packet, fishes: bool = True) -> None:
+        """Compute and upload the shadows of a packet; without `fishes`, the submarine's alone."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
         vessel = eye if packet.vessel is None else np.asarray(packet.vessel, np.float64)
-        self._number = cast(packet.instances, self._lengths, self._sand, eye, vessel, self._records)
+        records = packet.instances if fishes else packet.instances[:0]
+        self._number = cast(records, self._lengths, self._sand, eye, vessel, self._records)
         if self._number:
             replace_data(self._buffer, self._records[: self._number])
 

@@ -19,11 +19,16 @@ def program(context: Any, name: str, **constants: int) -> Any:
 
 
 def required_defines(uniforms: dict[str, Any], as_ids: bool = False) -> tuple[str, ...]:
-    """The defines that select a program variant: OBJECT_IDS to draw object ids, LIT with lamps on.
+    """The defines that select a program variant.
+
+    OBJECT_IDS to draw object ids; LIT with lamps on; SUN_MAP and FISH_MAP with maps of shadows.
 
     Separate variants, because a software renderer would walk every branch for every pixel.
     """
-    return ("OBJECT_IDS",) if as_ids else ("LIT",) if "u_lamps" in uniforms else ()
+    if as_ids:
+        return ("OBJECT_IDS",)
+    needs = {"LIT": "u_lamps", "SUN_MAP": "u_sun_map", "FISH_MAP": "u_fish_map"}
+    return tuple(define for define, uniform in needs.items() if uniform in uniforms)
 
 
 def source(name: str, **constants: int) -> str:

@@ -18,7 +18,7 @@ from subsea.rendering.gl.level_fades import (
     under_way,
 )
 from subsea.rendering.gl.owner import GpuOwner, replace_data
-from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.programs import ProgramVariants, variant_array
 from subsea.view.camera import View
 from subsea.view.culling import ViewArrays, eye_distance, in_frustum, view_arrays
 
@@ -110,8 +110,8 @@ class StaticBatch(GpuOwner):
             self._commands = self.own(programs.context.buffer(reserve=COMMAND_BYTES))
         else:
             self._indices = self.own(programs.context.buffer(reserve=12))
-        content = [(self._vertices, layout, *attributes.split())]
-        self._array = programs.array(content, self._indices)
+        self._content = self._vertices, layout, *attributes.split()
+        self._array = programs.array([self._content], self._indices)
 
     def choose(
         self,
@@ -175,12 +175,33 @@ class StaticBatch(GpuOwner):
             self._vertices.write(vertices, self._stride * first)
             self._absent &= self._ranges[..., 2] != first
 
+    def cast(self, compiled: Any, level: int) -> None:
+        """Draw every item at a level with a program that reads positions alone."""
+        if self._array is None:
+            return
+        if self._waiting:
+            items = np.arange(len(self._centres))
+            self._make(items, np.full(len(items), level))
+        triangles = gather(self._triangles, self._ranges[:, level])
+        if not len(triangles):
+            return
+        indices = compiled.ctx.buffer(triangles)
+        array = variant_array(compiled.ctx, compiled, [self._content], indices)
+        array.render(moderngl.TRIANGLES)
+        array.release()
+        indices.release()
+
     def recall(self, state: LevelState | None = None) -> LevelState:
         """Set the levels that the next choice starts from, None: no item; returns the old."""
         before = self._state
         self._state = empty_levels(len(before.level)) if state is None else state
         self._seen = np.zeros((0, len(before.level)), np.bool_)  # forces new indices
         return before
+
+    @property
+    def spheres(self) -> tuple[Array, Array]:
+        """Centres (k, 3) and radii (k,) of the items, cm."""
+        return self._centres, self._radii
 
     @property
     def owners(self) -> Ints:
@@ -215,6 +236,17 @@ class StaticBatch(GpuOwner):
                 array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
             total += triangles
         return total
+
+
+def box_around(batches: Sequence[StaticBatch]) -> Array:
+    """Lowest and highest corner (2, 3) of all items of batches; zeros without items."""
+    spheres = [np.column_stack(batch.spheres) for batch in batches]
+    found = np.concatenate([np.zeros((0, 4)), *spheres])
+    found = found[np.isfinite(found).all(axis=1)]
+    if not len(found):
+        return np.zeros((2, 3))
+    low, high = found[:, :3] - found[:, 3:], found[:, :3] + found[:, 3:]
+    return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
 def levels_in_sight(

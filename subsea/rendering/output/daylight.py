@@ -19,6 +19,7 @@ MOST_AIR = 9.0  # times as much, at the horizon
 DUSK = np.array([0.22, 0.24, 0.34])  # of the sky's light, when the sun is at the horizon
 # Water without a type: attenuation downward in 1/cm, and shares of the extinction along the view.
 PLAIN_DOWN, PLAIN_ALONG = np.array([0.0020, 0.00080, 0.00042]), np.array([1.25, 1.0, 0.84])
+ABSORBED = 0.5  # share of different losses along the view that the eye does not make up for
 LEAST_ALONG = 0.4  # share of the extinction of green light that any colour has
 # An eye takes the light about it for white: shares of what is lost in the colour that water takes
 # least and most, but ever less so the deeper it is.
@@ -88,7 +89,7 @@ def daylight(water: Water) -> Daylight:
     else:
         down = np.array(attenuation(water.type))
         # All colours are scattered alike; what is absorbed differs.
-        along = np.maximum(green + down - down[1], LEAST_ALONG * green)
+        along = np.maximum(green + ABSORBED * (down - down[1]), LEAST_ALONG * green)
         hue = np.sqrt(far / PLAIN_FAR)
         glow = glow * np.clip(hue / hue[1], 0.3, 3.0)
     return Daylight(

@@ -33,8 +33,12 @@ class Quality:
     snow: int = 1400
     # Samples of each light shaft; 0 none.
     shafts: int = 8
-    # True: corals, fishes and the submarine darken the sand beneath.
+    # True: fishes and the submarine darken the sand beneath.
     shadows: bool = True
+    # Texels a side of the map of shadows of all that stands; 0: no such map.
+    sun_map: int = 0
+    # The same of the fishes, instead of soft spots on the sand; needs `sun_map`.
+    fish_map: int = 0
 
     # True: details that show at arm's length, such as polyps of corals and veins of leaves.
     close_up: bool = True
@@ -52,8 +56,10 @@ class Quality:
 
 PRESETS = {
     "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False),
-    "medium": Quality(),
-    "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16),
+    "medium": Quality(sun_map=1024),
+    "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16, sun_map=2048, fish_map=1024),
+    # For GPUs with time to spare, and films.
+    "ultra": Quality(samples=8, detail=2.6, snow=4000, shafts=32, sun_map=4096, fish_map=2048),
 }
 CHOICES = (AUTO, *PRESETS)
 

@@ -1,6 +1,5 @@
 """Drawing corals, sponges and anemones: meshes in place, size and colours of each growth."""
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -10,12 +9,11 @@ from subsea.core.arrays import Array
 from subsea.core.disk_cache import cached
 from subsea.frame.packet import Packet
 from subsea.habitat.mounds import variant_of
-from subsea.habitat.reef import KINDS, MOUND, RUBBLE
-from subsea.habitat.stone_shade import SUN
+from subsea.habitat.reef import KINDS, MOUND
 from subsea.rendering.gl.id_buffer import CORAL, object_id
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
-from subsea.rendering.gl.static_batch import LazyMesh, StaticBatch, StaticMesh, bounding_spheres
+from subsea.rendering.gl.static_batch import LazyMesh, StaticBatch, bounding_spheres
 from subsea.rendering.gl.textures import repeating
 from subsea.rendering.output.quality import Quality
 from subsea.rendering.reef.coral_looks import (
@@ -36,16 +34,9 @@ GRAIN_UNIT, POLYPS_UNIT = 8, 9  # texture units
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
 FINEST_CM = 12.0  # radius below which growths have no finest level
-SHADE = 0.8  # share of the light missing under a growth
 SHADED = 0.4  # share of the light left where stone hides the whole sky
-SHADE_PX = 16.0  # smaller shadows are not drawn
-SECTORS = 8  # of a shadow
-# Offset of the middle of a shadow over the height of the growth; its width over the radius.
-SLANT = 0.4 * np.array(SUN[:2]) / SUN[2]
-FOOT = {"mound": 1.05, "fan": 0.3, "table": 0.9}
-
-NOTHING = StaticMesh(np.zeros((0, 4), np.float32), np.zeros((0, 3), np.int32))
-Ground = Callable[[Array, Array], Array]  # x and y in cm -> height of the sand in cm
+FOOT_DARK, FOOT_REACH = 0.55, 0.16  # light missing at the foot; radii over which it returns
+CAST_LEVEL = 2  # of shadows on the map of the sun
 THRESHOLDS_PX = (300.0, 120.0, 50.0, 16.0)  # diameters from which the levels are used
 # Position; then words of four bytes: normal and sway; square root of the colour, and translucency;
 # strength of the three grains, and light; last the texture position, in half floats.
@@ -55,7 +46,7 @@ COLUMNS = 7
 
 
 class CoralRenderer(GpuOwner):
-    """Draws the growths in sight, and their shadows."""
+    """Draws the growths in sight."""
 
     def __init__(
         self,
@@ -63,10 +54,9 @@ class CoralRenderer(GpuOwner):
         reef: Reef,
         growths: list[list[LazyMesh]],
         reach_cm: float,
-        sand: Ground,
         quality: Quality,
     ) -> None:
-        """Upload the `growths` of `bake`; `reach_cm` is the visibility, `sand` the drawn ground."""
+        """Upload the `growths` of `bake`; `reach_cm` is the visibility."""
         super().__init__()
         self.adapt(quality)
         # Mounds are always drawn: other growths stand on them.
@@ -80,28 +70,15 @@ class CoralRenderer(GpuOwner):
         self._batch = self.own(
             StaticBatch(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
         )
-        # Growths on mounds do not darken sand, and the shadow of rubble is negligible.
-        gap = reef.place[:, 2] - sand(reef.place[:, 0], reef.place[:, 1])
-        shaded = np.flatnonzero(~reef.on_rock & (gap < 3.0) & (reef.kind != RUBBLE))
-        self._shaded = self._own[shaded]
-        self._shadows = self.own(
-            StaticBatch(
-                ProgramVariants(context, "shadow"), "3f4 1f4", "a_position a_dark",
-                [[shadow(reef.taken(k), sand), NOTHING] for k in shaded],
-                reach_cm, (SHADE_PX,),
-            )
-        )  # fmt: skip
 
     @property
     def batches(self) -> tuple[StaticBatch, ...]:
         """State that depends on earlier packets."""
-        return self._batch, self._shadows
+        return (self._batch,)
 
     def choose(self, packet: Packet, detail: float = 1.0, growth: float = 1.0) -> None:
         """Choose what the views of a packet draw; `growth` is the share of growths to draw."""
-        views, time_s = packet.views, packet.time_s
-        self._batch.choose(views, time_s, detail, self._own <= growth)
-        self._shadows.choose(views, time_s, detail, self._shaded <= growth)
+        self._batch.choose(packet.views, packet.time_s, detail, self._own <= growth)
 
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from now on."""
@@ -115,10 +92,9 @@ class CoralRenderer(GpuOwner):
         wants = () if as_ids else self._wants
         return self._batch.draw(number, uniforms | units, as_ids, wants)
 
-    def draw_shadows(self, number: int, uniforms: dict[str, Any]) -> int:
-        """Blend shadows over the sand; returns the number of triangles."""
-        unlit = {name: value for name, value in uniforms.items() if name != "u_lamps"}
-        return self._shadows.draw(number, unlit)
+    def cast(self, compiled: Any) -> None:
+        """Draw all growths with a program that reads positions alone."""
+        self._batch.cast(compiled, CAST_LEVEL)
 
 
 def bake(reef: Reef) -> list[list[LazyMesh]]:
@@ -189,29 +165,14 @@ class _PlacedGrowths:
         words[..., 16:19] = 255.0 * np.clip(colour, 0.0, 1.0) + 0.5
         words[..., 19] = 255.0 * look.through * (0.35 + 0.65 * tip) + 0.5
         words[..., 20:23] = np.rint(255.0 * np.array(look.grain))
-        words[..., 23] = 255.0 * self.light[k] * np.minimum(mesh.light, 1.0) + 0.5
+        light = np.minimum(mesh.light, 1.0) * contact(mesh.place[:, 2])
+        words[..., 23] = 255.0 * self.light[k] * light + 0.5
         tiles = mesh.along * (size / TILE_CM)
         tiles += self.own[k]
         out.view(np.float16)[..., 12:14] = tiles
         return out
 
 
-def shadow(growth: Reef, sand: Ground) -> StaticMesh:
-    """The shadow of a growth: a mesh on the sand with the share of light missing."""
-    kind = list(KINDS)[int(growth.kind)]
-    tall = KINDS[kind].height
-    out = np.array([0.6, 0.95, 1.5])[:, None] * FOOT.get(kind, 0.8)
-    dark = np.array([0.95, 0.5, 0.0])[:, None] * SHADE
-    turn = np.linspace(0.0, 2 * np.pi, SECTORS + 1)
-    # Tall growths cast it to the side away from the sun.
-    x, y = (
-        growth.place[axis] + growth.radius * (out * np.array([np.cos, np.sin][axis](turn)) - slant)
-        for axis, slant in enumerate(SLANT * tall)
-    )
-    vertices = np.stack([x, y, sand(x, y), dark + 0.0 * x], axis=-1).reshape(-1, 4)
-    c = SECTORS + 1
-    a = (np.arange(2)[:, None] * c + np.arange(SECTORS)).ravel()
-    rim = a[1 : SECTORS - 1]
-    cells = [np.stack(abc, 1) for abc in ((a, a + c + 1, a + 1), (a, a + c, a + c + 1))]
-    cells.append(np.stack([0 * rim, rim, rim + 1], 1))  # the middle
-    return StaticMesh(vertices.astype(np.float32), np.concatenate(cells))
+def contact(above: Array) -> Array:
+    """The light (n,) that the ground leaves to the foot of a growth; `above` is in its radii."""
+    return np.asarray(1.0 - FOOT_DARK * np.exp(-np.maximum(above, 0.0) / FOOT_REACH))

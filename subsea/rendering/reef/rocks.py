@@ -1,5 +1,6 @@
 """Drawing pillars and rocks: weathered formations of stone."""
 
+import math
 from functools import partial
 from typing import Any
 
@@ -19,12 +20,15 @@ from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
 from subsea.rendering.gl.textures import in_bytes, relief, repeating
-from subsea.rendering.reef.rock_mesh import cut, shapes
+from subsea.rendering.reef.rock_mesh import SKY, SUNNY, cut, shapes
 from subsea.rendering.sea.seabed import drawn_height
+from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
 
 RELIEF_UNIT = 4  # texture unit
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # largest magnitude of its layers
+CAST_LEVEL = 1  # of shadows
+SKY_TAKEN, SUN_TAKEN = 0.6, 0.45  # at the foot of a growth
 LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are used
 
 
@@ -38,6 +42,37 @@ def pieces(
     floor = partial(drawn_height, terrain, half_width_cm)
     found = formations(pillars, rocks)
     return [piece for levels in shapes(found, floor, sun_at(hour)[0]) for piece in cut(levels)]
+
+
+def overgrown(
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float, reef: Reef
+) -> list[list[StaticMesh]]:
+    """As `pieces`, darker where `reef` grows on the stone."""
+    found = pieces(terrain, half_width_cm, pillars, rocks, hour)
+    on = reef.on_rock
+    growths = np.column_stack([reef.place[on], reef.radius[on], reef.axis[on]]).astype(np.float64)
+    for mesh in {id(mesh): mesh for levels in found for mesh in levels}.values():
+        _darken(mesh.vertices, growths)
+    return found
+
+
+@kernel
+def _darken(vertices: Array, growths: Array) -> None:
+    """Take light of sky and sun from vertices of stone about the feet of growths (k, 7)."""
+    for k in range(len(growths)):
+        x, y, z, radius, ax, ay, az = growths[k]
+        reach = 1.6 * radius
+        for i in range(len(vertices)):
+            dx, dy, dz = vertices[i, 0] - x, vertices[i, 1] - y, vertices[i, 2] - z
+            if abs(dx) > reach or abs(dy) > reach or abs(dz) > reach:
+                continue
+            up = dx * ax + dy * ay + dz * az
+            flat = math.sqrt(max(dx * dx + dy * dy + dz * dz - up * up, 0.0))
+            away = flat / radius + abs(up) / radius
+            share = min(max((1.6 - away) / 1.3, 0.0), 1.0)
+            share = share * share * (3.0 - 2.0 * share)
+            vertices[i, SKY] *= 1.0 - SKY_TAKEN * share
+            vertices[i, SUNNY] *= 1.0 - SUN_TAKEN * share
 
 
 def object_ids(pillars: Array, rocks: Array, places: Array) -> Array:
@@ -96,6 +131,11 @@ class RockRenderer(GpuOwner):
         """Choose what the views of a packet draw."""
         if self._batch:
             self._batch.choose(packet.views, packet.time_s, detail)
+
+    def cast(self, compiled: Any) -> None:
+        """Draw all pieces with a program that reads positions alone."""
+        if self._batch:
+            self._batch.cast(compiled, CAST_LEVEL)
 
     def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the chosen pieces or their object ids; returns the number of triangles."""

@@ -1,5 +1,6 @@
-"""A map of the sand around formations: sun, sky and rubble."""
+"""A map of the sand around formations and growths: sun, sky and rubble."""
 
+import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
@@ -23,11 +24,14 @@ from subsea.habitat.stone_shade import (
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 
-TEXEL_CM, MOST_TEXELS = 8.0, 1024  # size, and most per side of the map
+TEXEL_CM, MOST_TEXELS = 5.0, 1024  # size, and most per side of the map
 REACH_CM = 170.0  # distance at which formations have no effect
 SUN_WIDE = 0.2  # width of the cone of sunlight, for soft shadows
 RUBBLE_CM = 90.0  # decay length of rubble around a formation
 UP = np.array([[0.0, 0.0, 1.0]])
+NO_GROWTHS = np.zeros((0, 5))
+CONTACT_CM = 5.0  # least distance over which a growth darkens the sand beside it
+SKY_TAKEN, SUN_TAKEN = 0.72, 0.8  # at the foot of a growth, and in its shadow
 
 
 class GroundMap(NamedTuple):
@@ -38,14 +42,18 @@ class GroundMap(NamedTuple):
     size: Array  # (2,) cm
 
 
-def ground_map(formations: list[Array], floor: Floor, sun: Vector = SUN) -> GroundMap:
+def ground_map(
+    formations: list[Array], floor: Floor, sun: Vector = SUN, growths: Array = NO_GROWTHS
+) -> GroundMap:
     """The map of formations, which are arrays of blocks (`habitat.formations`).
 
-    `sun` is the direction toward the sun, below the surface.
+    `sun` is the direction toward the sun, below the surface. The map has room for `growths` (k, 5),
+    whose light `with_growths` takes.
     """
-    if not formations:
+    if not formations and not len(growths):
         return GroundMap(np.full((1, 1, 4), (255, 255, 0, 255), np.uint8), np.zeros(2), np.ones(2))
     boxes = [np.array(box_of(blocks))[:, :2] for blocks in formations]
+    boxes += [np.stack([one[:2] - one[2], one[:2] + one[2]]) for one in growths]
     low = np.min([box[0] for box in boxes], axis=0) - REACH_CM
     high = np.max([box[1] for box in boxes], axis=0) + REACH_CM
     texel = max(TEXEL_CM, float((high - low).max()) / MOST_TEXELS)
@@ -76,10 +84,53 @@ def ground_map(formations: list[Array], floor: Floor, sun: Vector = SUN) -> Grou
     return GroundMap(out, low, texel * np.array([columns, rows], np.float64))
 
 
-def upload(context: Any, ground: GroundMap) -> Any:
+def with_growths(ground: GroundMap, growths: Array, sun: Vector) -> Bytes:
+    """The light of a map less what corals and sponges take.
+
+    `growths` (k, 5) are x, y, radius, height and the share of the radius on which they stand, cm.
+    """
+    light = ground.light.copy()
+    if len(growths):
+        texel = float(ground.size[0]) / light.shape[1]
+        _stand(light, growths.astype(np.float64), ground.corner, texel, sun)
+    return light
+
+
+@kernel
+def _stand(light: Bytes, growths: Array, corner: Array, texel: float, sun: Vector) -> None:
+    """Darken sky and sun about each growth: most at its foot, the sun's on the far side."""
+    rows, columns = light.shape[:2]
+    for k in range(len(growths)):
+        x, y, radius, tall, foot = growths[k]
+        reach = radius + 0.7 * tall + CONTACT_CM
+        aside_x, aside_y = -sun[0] / sun[2] * tall, -sun[1] / sun[2] * tall
+        far = reach + math.sqrt(aside_x**2 + aside_y**2)
+        first, last = int((x - far - corner[0]) / texel), int((x + far - corner[0]) / texel)
+        low, high = int((y - far - corner[1]) / texel), int((y + far - corner[1]) / texel)
+        for row in range(max(low, 0), min(high + 1, rows)):
+            for column in range(max(first, 0), min(last + 1, columns)):
+                dx = corner[0] + texel * (column + 0.5) - x
+                dy = corner[1] + texel * (row + 0.5) - y
+                away = math.sqrt(dx * dx + dy * dy)
+                # The sky: half is hidden at the foot of a wall, all beneath a plate on a stem.
+                gap = max(away - foot * radius, 0.0) / (0.5 * tall + CONTACT_CM)
+                sky = 1.0 - SKY_TAKEN / (1.0 + gap * gap) ** 2
+                # The sun: a soft spot along the shadow.
+                along = dx * aside_x + dy * aside_y
+                length = aside_x * aside_x + aside_y * aside_y
+                at = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+                off = math.sqrt((dx - at * aside_x) ** 2 + (dy - at * aside_y) ** 2)
+                soft = 0.25 * radius + 0.2 * tall * at + 2.0
+                share = min(max((radius + soft - off) / (2.0 * soft), 0.0), 1.0)
+                sunny = 1.0 - SUN_TAKEN * share * share * (3.0 - 2.0 * share)
+                light[row, column, 0] = int(light[row, column, 0] * sunny + 0.5)
+                light[row, column, 1] = int(light[row, column, 1] * sky + 0.5)
+
+
+def upload(context: Any, light: Bytes) -> Any:
     """The map as a texture."""
-    rows, columns = ground.light.shape[:2]
-    texture = context.texture((columns, rows), 4, np.ascontiguousarray(ground.light).tobytes())
+    rows, columns = light.shape[:2]
+    texture = context.texture((columns, rows), 4, np.ascontiguousarray(light).tobytes())
     texture.filter = moderngl.LINEAR, moderngl.LINEAR
     texture.repeat_x = texture.repeat_y = False
     return texture

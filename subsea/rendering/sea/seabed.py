@@ -8,19 +8,25 @@ import numpy as np
 from subsea.core.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
 from subsea.habitat.formations import formations
+from subsea.habitat.reef import KINDS, MOUND
 from subsea.habitat.stone_shade import sun_at
 from subsea.rendering.gl.id_buffer import SEABED
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
 from subsea.rendering.gl.textures import repeating
+from subsea.rendering.output.quality import Quality
 from subsea.rendering.sea import ground_map, sand
+from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
 
 CELLS = 12  # of a side of a tile; coarser levels use every second and fourth
 LEVELS_PX = (640.0, 210.0)  # diameters of a tile from which its levels are used
 APRON_CM = 120.0  # width of cells outside the height field, which continue its edge into the fog
 SKIRT_CM = 9.0  # hides gaps between tiles of different levels
+ON_SAND_CM = 3.0  # height of the foot of a growth, up to which it stands on the sand
+# Radius on which a growth stands, over its own.
+FOOT, FEET = 0.7, {"mound": 1.0, "brain": 0.9, "table": 0.35, "fan": 0.2, "rubble": 0.6}
 GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
 
 
@@ -37,10 +43,13 @@ class SeabedRenderer(GpuOwner):
             StaticBatch(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
         )
         self._textures = {
-            GROUND_UNIT: self.own(ground_map.upload(context, ground)),
+            GROUND_UNIT: self.own(ground_map.upload(context, ground.light)),
             RIPPLES_UNIT: self.own(repeating(context, sand.rippled, 3)),
             LITTER_UNIT: self.own(repeating(context, sand.littered, 4)),
         }
+        self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
+        self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
+        self._shown = -1  # number of growths whose light the map takes
         self._uniforms = {
             "u_ground": GROUND_UNIT,
             "u_ripples": RIPPLES_UNIT,
@@ -52,6 +61,14 @@ class SeabedRenderer(GpuOwner):
     def batches(self) -> tuple[StaticBatch, ...]:
         """State that depends on earlier packets."""
         return (self._batch,)
+
+    def adapt(self, quality: Quality) -> None:
+        """Darken the sand about the growths that are drawn in this quality."""
+        shown = self._standing[self._own <= quality.growth]
+        if len(shown) != self._shown:
+            light = ground_map.with_growths(self._ground, shown, self._sun)
+            self._textures[GROUND_UNIT].write(light.tobytes())
+            self._shown = len(shown)
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Choose what the views of a packet draw."""
@@ -65,11 +82,28 @@ class SeabedRenderer(GpuOwner):
 
 
 def surroundings(
-    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float
+    terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float, reef: Reef
 ) -> ground_map.GroundMap:
-    """The ground map of the stones of a `RenderScene` at an hour."""
+    """The ground map of the stones of a `RenderScene` at an hour, with room for its growths."""
     floor = partial(drawn_height, terrain, half_width_cm)
-    return ground_map.ground_map(formations(pillars, rocks), floor, sun_at(hour)[0])
+    growths = standing(reef, terrain, half_width_cm)[0]
+    return ground_map.ground_map(formations(pillars, rocks), floor, sun_at(hour)[0], growths)
+
+
+def standing(reef: Reef, terrain: Array, half_width_cm: float) -> tuple[Array, Array]:
+    """Growths (k, 5) on the sand, as `ground_map.with_growths` reads them, and their `own`.
+
+    Mounds have an `own` of 0, as they are always drawn.
+    """
+    x, y = reef.place[:, 0], reef.place[:, 1]
+    gap = reef.place[:, 2] - drawn_height(terrain, half_width_cm, x, y)
+    on = ~reef.on_rock & (gap < ON_SAND_CM)
+    names = list(KINDS)
+    tall = np.array([KINDS[name].height for name in names])[reef.kind] * reef.radius
+    foot = np.array([FEET.get(name, FOOT) for name in names])[reef.kind]
+    found = np.stack([x, y, reef.radius, np.maximum(tall * reef.axis[:, 2], 1.0), foot], axis=1)
+    own = np.where(reef.kind == MOUND, 0.0, reef.own)
+    return found[on].astype(np.float64), own[on]
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:

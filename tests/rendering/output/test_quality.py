@@ -1,6 +1,7 @@
 """Presets: cheaper ones draw less, and a renderer switches between them and back."""
 
 from dataclasses import asdict, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -27,16 +28,16 @@ def school(make_packet, fish):
 
 
 def test_no_field_gets_less_from_one_preset_to_the_next():
-    low, medium, high = (asdict(preset) for preset in PRESETS.values())
-    assert list(PRESETS) == ["low", "medium", "high"]
-    for field in low:
-        assert low[field] <= medium[field] <= high[field], field
-    assert PRESETS["high"].snow <= SNOW
+    assert list(PRESETS) == ["low", "medium", "high", "ultra"]
+    for cheap, dear in pairwise(asdict(preset) for preset in PRESETS.values()):
+        for field in cheap:
+            assert cheap[field] <= dear[field], field
+    assert PRESETS["ultra"].snow <= SNOW
 
 
 def test_the_ladder_climbs_through_scales_to_the_presets():
-    assert LADDER[-3:] == tuple(PRESETS.values())
-    below = LADDER[:-2]
+    assert LADDER[-4:] == tuple(PRESETS.values())
+    below = LADDER[:-3]
     assert {replace(rung, scale=1.0) for rung in below} == {PRESETS["low"]}
     steps = np.diff([rung.scale for rung in below])
     assert (steps > 0.0).all() and steps.max() < 0.06

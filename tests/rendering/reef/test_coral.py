@@ -11,7 +11,7 @@ from subsea.habitat.mounds import VARIANTS
 from subsea.habitat.reef import KINDS, MOUND, grow_reefs
 from subsea.habitat.sea import make_sea
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.reef.coral import COLUMNS, bake, shadow
+from subsea.rendering.reef.coral import COLUMNS, bake, contact
 from subsea.rendering.reef.coral_looks import LOOKS, grain
 from subsea.rendering.reef.coral_shapes import LEVELS, SHAPES, shape
 from subsea.rendering.sea.seabed import drawn_height
@@ -170,12 +170,11 @@ def test_two_growths_of_one_kind_differ():
     assert not np.array_equal(one[:, 4:6].view(np.uint8), other[:, 4:6].view(np.uint8))
 
 
-def test_a_shadow_lies_on_the_sand_and_fades():
-    found = shadow(reef_of(("brain", (10.0, 20.0, -300.0), 15.0)).taken(0), lambda x, y: x - 310.0)
-    np.testing.assert_allclose(found.vertices[:, 2], found.vertices[:, 0] - 310.0, atol=1e-3)
-    rings = found.vertices[:, 3].reshape(3, -1)
-    assert (np.diff(rings, axis=0) <= 0).all()
-    assert (rings[-1] == 0).all()
+def test_the_ground_darkens_the_foot_of_a_growth():
+    dark = contact(np.array([-0.1, 0.0, 0.1, 0.3, 1.0]))
+    assert (np.diff(dark) >= 0.0).all()
+    assert dark[0] == dark[1] < 0.5 < 0.9 < dark[3]
+    assert dark[4] == pytest.approx(1.0, abs=0.01)
 
 
 def test_the_grain_repeats_without_a_seam():

@@ -5,8 +5,38 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from subsea.rendering.reef.rock_mesh import SKY
+from subsea.rendering.reef.rocks import overgrown
+from subsea.state import Reef
+
 PILLARS = np.array([(-45.0, 190.0, 38.0, -150.0)])
 ROCKS = np.array([(60.0, 150.0, -285.0, 40.0, 30.0, 28.0, 0.5), (20.0, 200, -290, 26, 32, 20, 2)])
+
+
+def test_stone_is_darker_where_corals_grow_on_it():
+    sand = np.full((2, 2), -300.0, np.float32), 900.0
+    one = Reef(
+        kind=np.zeros(1, np.uint8),
+        place=np.array([[60.0, 150.0, -258.0]], np.float32),
+        axis=np.array([[0.0, 0.0, 1.0]], np.float32),
+        turn=np.zeros(1, np.float32),
+        radius=np.full(1, 15.0, np.float32),
+        own=np.zeros(1, np.float32),
+        light=np.ones(1, np.float32),
+        hue=np.zeros(1, np.float32),
+        on_rock=np.ones(1, np.bool_),
+    )
+    bare, grown = (
+        np.concatenate([
+            levels[0].vertices for levels in overgrown(*sand, PILLARS[:0], ROCKS[:1], 12.0, reef)
+        ])
+        for reef in (one.taken(slice(0)), one)
+    )  # fmt: skip
+    away = np.linalg.norm(bare[:, :3] - one.place[0], axis=1)
+    share = grown[:, SKY] / np.maximum(bare[:, SKY], 1e-6)
+    assert share[away < 8.0].max() < 0.6
+    np.testing.assert_array_equal(share[away > 40.0], 1.0)
+    np.testing.assert_array_equal(grown[:, :6], bare[:, :6])
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.habitat.formations import formations
 from subsea.habitat.stone_shade import SUN
-from subsea.rendering.sea.ground_map import MOST_TEXELS, ground_map
+from subsea.rendering.sea.ground_map import MOST_TEXELS, ground_map, with_growths
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))
 ROCK = np.array([[30.0, -20.0, -570.0, 70.0, 60.0, 60.0, 0.5]])
@@ -55,3 +55,17 @@ def test_the_map_of_a_wide_sea_is_no_larger_than_allowed():
     # The shade is still at its place.
     assert at(ground, 30.0, -20.0)[1] < 0.6
     assert at(ground, 15030.0, 8980.0)[1] < 0.6
+
+
+def test_a_growth_darkens_the_sand_at_its_foot_and_away_from_the_sun():
+    growths = np.array([[50.0, -40.0, 20.0, 30.0, 0.9]])
+    bare = ground_map([], floor, SUN, growths)
+    assert (bare.light[..., :2] == 255).all()
+    ground = bare._replace(light=with_growths(bare, growths, SUN))
+    way = np.array(SUN[:2]) / np.hypot(*SUN[:2])
+    middle = growths[0, :2]
+    foot, near, far = (at(ground, *(middle + r * way))[1] for r in (19.0, 30.0, 90.0))
+    assert foot < 0.4 < near < 0.95 < far
+    sunny, shaded = (at(ground, *(middle + sign * 26.0 * way))[0] for sign in (1.0, -1.0))
+    assert shaded < 0.6 < 0.9 < sunny
+    assert (ground.light[..., 2] == bare.light[..., 2]).all()  # no rubble
