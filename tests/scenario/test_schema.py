@@ -96,8 +96,11 @@ def test_shipped_scenarios_are_valid(name):
         (('type = "IB"', 'type = "2C"'), ["water.type", "'2C'"]),
         (('type = "IB"', 'type = "IB"\nhour = 19'), ["water.hour", "at most 18"]),
         (('type = "IB"', 'type = "IB"\nhour = 5.5'), ["water.hour", "at least 6"]),
-        (('type = "IB"', "fog = [0.0, 0.1]"), ["water.fog"]),
-        (('type = "IB"', ""), ["`water`", "expected `fog`, or a `type` of water"]),
+        (("fog = [0.007, 0.080, 0.190]", "fog = [0.0, 0.1]"), ["water.fog"]),
+        (
+            ('type = "IB"\nfog = [0.007, 0.080, 0.190]', ""),
+            ["`water`", "expected `fog`, or a `type` of water"],
+        ),
     ],
 )
 def test_a_fault_is_one_line_that_names_file_and_key(tmp_path, change, words):
