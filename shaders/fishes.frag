@@ -27,10 +27,14 @@ flat in float v_fade;
 #ifndef DISTANT
 flat in float v_gape;  // by how much the lower jaw is turned down, rad
 #endif
+#ifdef CLOSE_UP
+flat in vec3 v_live;  // its gaze; how far its gill covers are lifted
+flat in vec4 v_scar;  // middle along and across, slant, length
+#endif
 flat in int v_kind;
 
 const vec3 THROAT = vec3(0.025, 0.008, 0.008), FLESH = vec3(0.30, 0.11, 0.09),
-           TOOTH = vec3(0.75, 0.74, 0.68);
+           TOOTH = vec3(0.75, 0.74, 0.68), HEALED = vec3(0.42, 0.36, 0.33);
 const float SHARPEN = -0.6;  // mipmaps alone blur stripes that can still be told apart
 
 #ifndef DISTANT
@@ -60,7 +64,15 @@ void main() {
     if (thin && dot(normal, view) < 0.0) normal = -normal;
 
     vec4 coat = looks[v_kind].coat;
+#ifdef CLOSE_UP
+    vec4 box = looks[v_kind].skin_box;
+    vec2 aside = (v_rest - looks[v_kind].eye.xy) / looks[v_kind].eye.z;
+    float pupil = thin ? 0.0 : max(1.0 - dot(aside, aside), 0.0);
+    vec2 per_length = looks[v_kind].cell.zw * frames[4].zw / (box.zw - box.xy);
+    vec4 skin = texture(u_skins, v_skin - 0.20 * looks[v_kind].eye.z * pupil * v_live.xy * per_length, SHARPEN);
+#else
     vec4 skin = texture(u_skins, v_skin, SHARPEN);
+#endif
     vec4 wear = looks[v_kind].wear;
     vec3 off = skin.rgb - wear.rgb;
     skin.rgb += v_shift * (1.0 - smoothstep(0.0, 1.0, dot(off, off) * wear.w));
@@ -90,6 +102,22 @@ void main() {
         skin.rgb = mix(skin.rgb, within.rgb, inside);
     }
     vec2 slope = relief.xy + 0.9 * eye * from_eye;
+#ifdef CLOSE_UP
+    // The edge of the gill cover lifts, and shows a dark slit behind it.
+    float level = 1.0 - 2.0 * v_part.x;
+    float behind_gill = v_rest.x - eye_spot.x - eye_spot.w * (1.0 - 0.37 * level * level - 0.15 * level);
+    float cover = (thin ? 0.0 : step(1e-4, eye_spot.w)) * (1.0 - smoothstep(0.55, 0.8, abs(level)));
+    float slit = cover * v_live.z * smoothstep(-0.002, 0.001, behind_gill) * (1.0 - smoothstep(0.004, 0.011, behind_gill));
+    slope.x -= 0.35 * cover * v_live.z * smoothstep(-0.05, -0.004, behind_gill) * (1.0 - smoothstep(-0.004, 0.0, behind_gill));
+    skin.rgb = mix(skin.rgb, FLESH * 0.35, 0.5 * slit);
+    // Where scales were lost the skin healed pale and smooth, with a dark rim.
+    vec2 off_scar = vec2(v_rest.x - v_scar.x, 0.4 * (v_part.x - v_scar.y));
+    off_scar += v_scar.z * vec2(-off_scar.y, off_scar.x);
+    float scar = 1.0 - length(off_scar * vec2(1.0, 4.5) / max(v_scar.w, 1e-4)) - 0.25 * relief.z;
+    float healed = smoothstep(-0.1, 0.15, scar) * step(1e-4, v_scar.w);
+    skin.rgb = mix(skin.rgb, mix(skin.rgb, HEALED, 0.6) * mix(0.55, 1.0, smoothstep(0.0, 0.3, scar)), 0.8 * healed);
+    slope *= 1.0 - 0.7 * healed;
+#endif
     vec3 up = v_side * cross(normal, v_ahead);
     normal = normalize(normal - slope.x * v_ahead + slope.y * up);
 #endif
@@ -101,6 +129,12 @@ void main() {
     // What is thin glows with the light that falls on its other side.
     float clear = max(web * (0.8 - 0.4 * skin.a), 2.0 * (1.0 - skin.a));
     light += clear * sun * max(dot(-normal, SUN), 0.2);
+#ifdef CLOSE_UP
+    // Against the sun it lights up, in its own colour.
+    float counter = max(dot(-view, SUN), 0.0);
+    counter *= counter;
+    light += clear * sun * (0.5 + skin.rgb) * counter * counter;
+#endif
     vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.6 * silver);
 
     float facing = max(dot(normal, view), 0.0);
@@ -117,6 +151,13 @@ void main() {
     rim *= rim;
     float share = 0.22 * rim * rim + (0.10 + 0.1 * rim) * eye;
     share *= 1.0 - inside;
+#ifdef CLOSE_UP
+    // A film of slime over all, and platelets whose colours turn with the angle.
+    share += (0.10 * rim + 0.015) * (1.0 - web) * (1.0 - inside);
+    colour += 0.16 * spark * (1.0 - web) * (1.0 - eye) * sun;
+    vec3 film = 0.72 + 0.38 * cos(6.2832 * (1.15 * facing + 0.6 * relief.x + 1.8 * v_rest.y + vec3(0.0, 0.36, 0.68)));
+    sheen = mix(sheen, film, silver);
+#endif
     vec3 around = water_radiance(reflect(-view, normal));
     colour += (share + silver * sheen * (0.4 + skin.rgb)) * around;
 #ifdef LIT

@@ -2,14 +2,16 @@
 struct Look {
     vec4 cell;      // where its skin lies on the atlas: left, bottom, width, height
     vec4 skin_box;  // left, bottom, right, top of the body on its skin, body lengths
-    vec4 eye;       // distance from the snout, height, radius, body lengths
+    vec4 eye;       // distance from the snout, height, radius, body lengths; of the edge of the
+                    // gill cover behind it, 0 if there is none
     vec4 coat;      // gloss; how plainly scales show; how silvery; 1: fins are stiff
     vec4 build;     // length of the recorded fish, cm; where the tail begins, body lengths;
                     // brightness of mating colours; share of fishes with a torn fin
     vec4 vary;      // of individuals: hue, saturation, brightness; pattern, body lengths
     vec4 mouth;     // its tip and its corner: behind the snout, height, body lengths
     vec4 jaws;      // angle of the lower one when wide open, rad, 0 if it does not move; half the
-                    // width of the border between them, body lengths; teeth in half the round
+                    // width of the border between them, body lengths; teeth in half the round;
+                    // share of fishes with a scar
     vec4 wear;      // a colour that mating changes; 1 / reach²
     vec4 show;      // by how much; times as saturated
     vec4 pectoral;  // cosine and sine of its droop; 1: it is held out like a wing

@@ -42,6 +42,10 @@ flat out float v_fade;
 #ifndef DISTANT
 flat out float v_gape;  // by how much the lower jaw is turned down, rad
 #endif
+#ifdef CLOSE_UP
+flat out vec3 v_live;  // its gaze; how far its gill covers are lifted
+flat out vec4 v_scar;
+#endif
 flat out int v_kind;
 #ifdef OBJECT_IDS
 uniform float u_object_id;  // of fish 0
@@ -154,6 +158,12 @@ void main() {
     v_tone = tone(v_identity, v_kind, i_show.z);
     v_shift = i_show.z * looks[v_kind].show.rgb;
     v_nick = a_part.x == 1.0 && side > 0.0 ? nick(v_identity, v_kind) : 9.0;
+#ifdef CLOSE_UP
+    // Water that its mouth took in leaves when it shuts.
+    v_live = vec3(gaze(v_identity, side), 1.0 - smoothstep(0.0, 0.35, i_fins.x));
+    v_scar = scar(v_identity, v_kind);
+    v_scar.w *= step(0.5, abs(v_side)) * step(0.0, side * (fract(7.7 * v_identity) - 0.5));
+#endif
     vec2 skin = v_rest + displaced(v_rest, v_part.x, v_identity, v_kind);
     if (a_part.x < 0.5) skin = on_body(skin, v_kind);
     else if (a_part.x < 1.5) skin = on_fin(v_part.yx, side > 0.0 ? 0 : 1);

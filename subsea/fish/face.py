@@ -10,6 +10,7 @@ from subsea.fish.surface import SurfacePlan
 
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
 GILLS_APART = 0.016  # body lengths
+GILL = 0.135  # of the edge of the gill cover behind the eye, body lengths
 
 
 def draw_face(
@@ -21,7 +22,7 @@ def draw_face(
     reach = 0.2 + 0.01 * skin.gills
     head = slice(0, int(np.searchsorted(s, max(eye.at + large * reach, skin.mouth[1][0]) + 0.01)))
     picture, s, level = picture[:, :, head], s[head], level[:, head]
-    at = (s - eye.at) / large - 0.135 + 0.05 * level**2 + 0.02 * level
+    at = (s - eye.at) / large - GILL + 0.05 * level**2 + 0.02 * level
     if skin.gills == 0:
         pore = np.hypot(at / 0.022, level / 0.16)
         picture[:3] *= 1.0 - 0.7 * smoothstep(pore, 1.0, 0.5)

@@ -92,11 +92,12 @@ class FinSkin(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 class Variation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Variation between the fishes of a species."""
 
-    hue: Share = 0.05  # relative change of a primary colour
-    saturation: Share = 0.10
-    brightness: Share = 0.08
-    pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.006  # displacement, body lengths
+    hue: Share = 0.07  # relative change of a primary colour
+    saturation: Share = 0.16
+    brightness: Share = 0.13
+    pattern: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.009  # displacement, body lengths
     torn: Share = 0.12  # fraction with a nick in the dorsal fin
+    scarred: Share = 0.2  # fraction with an old scar on a flank
 
 
 class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -95,7 +95,7 @@ class Renderer(GpuOwner):
             )
             self._seaweed = self.own(SeaweedRenderer(context, quality))
             check()
-            self._fishes = self.own(FishRenderer(context, scene))
+            self._fishes = self.own(FishRenderer(context, scene, quality=quality))
         batches = [*self._rocks.batches, *self._coral.batches]
         self._sun = self.own(SunShadows(context, scene.water.hour, box_around(batches)))
         self._hook = self.own(HookRenderer(context))
@@ -137,6 +137,7 @@ class Renderer(GpuOwner):
         self._particles.adapt(quality)
         self._coral.adapt(quality)
         self._seaweed.adapt(quality)
+        self._fishes.adapt(quality)
         self._shafts.adapt(quality)
         self._sun.adapt(quality)
         self._seabed.adapt(quality)

@@ -15,6 +15,7 @@ from subsea.core.arrays import Array, Bytes, Ints
 from subsea.core.disk_cache import cached
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheets
+from subsea.fish.face import GILL
 from subsea.fish.mesh import (
     DETAILS,
     VERTEX_ATTRIBUTES,
@@ -33,6 +34,7 @@ from subsea.rendering.gl.mipmaps import cached_texture, mipmapped
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import variant_array
 from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
+from subsea.rendering.output.quality import PRESETS, Quality
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
@@ -58,9 +60,16 @@ INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i
 class FishRenderer(GpuOwner):
     """Draws instances from a table of control points, a mesh per level and an atlas of skins."""
 
-    def __init__(self, context: Any, scene: RenderScene, skins: list[Bytes] | None = None) -> None:
+    def __init__(
+        self,
+        context: Any,
+        scene: RenderScene,
+        skins: list[Bytes] | None = None,
+        quality: Quality = PRESETS["medium"],
+    ) -> None:
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
+        self.adapt(quality)
         self._context = context
         kinds = len(scene.species)
         self._kinds = kinds
@@ -93,9 +102,14 @@ class FishRenderer(GpuOwner):
         self._arrays: dict[Any, tuple[Any, list[tuple[int, str, int]]]] = {}
         # Drivers that build programs at their first draw do it with the first picture: the last
         # triangle of each array has no area.
-        plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
+        near = self._near
+        plain = near, ("DISTANT",), (*near, "FADING"), ("DISTANT", "FADING")
         self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
         self._cold[self._made(SPECK)] = self._speck_triangles
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from now on."""
+        self._near = quality.close_up_defines
 
     def upload(self, packet: Packet) -> None:
         """Upload the instances, and the control points of simulated fishes."""
@@ -165,7 +179,8 @@ class FishRenderer(GpuOwner):
         if fine:  # consecutive batches with the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            self._render(self._made(defines), first, mesh.fins, min(b.first for b in fine), count)
+            near = self._made((() if as_ids else self._near) + defines)
+            self._render(near, first, mesh.fins, min(b.first for b in fine), count)
             total += mesh.fins * count
         return total
 
@@ -179,7 +194,9 @@ class FishRenderer(GpuOwner):
         self._render(compiled, 0, self._speck_triangles, 0, number)
 
     def _program(self, batch: Batch, defines: tuple[str, ...]) -> Any:
-        own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        near = () if "OBJECT_IDS" in defines else self._near
+        own = ("DISTANT",) if batch.level >= FINE else near
+        own += ("FADING",) * batch.fading
         if batch.level == len(DETAILS):
             own = SPECK
         return self._made(own + defines)
@@ -330,17 +347,18 @@ def look(
     gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
     soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * sheet_layout.head_size(surface)
     teeth = TEETH if species.kind == "predator" else 0.0
+    gill = GILL * sheet_layout.head_size(surface) if skin.gills == 1 else 0.0
     vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))
     shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
         place,
         (front, -top, rear, top),
-        (surface.eye.at, sheet_layout.eye_height(surface), surface.eye.radius, 0.0),
+        (surface.eye.at, sheet_layout.eye_height(surface), surface.eye.radius, gill),
         (skin.gloss, skin.scales, skin.silver, float(surface.stiff_fins)),
         (length_cm, surface.tail.begin, show.brightness, vary.torn),
         (vary.hue, vary.saturation, vary.brightness, vary.pattern),
         (*skin.mouth[0], *skin.mouth[1]),
-        (gape, soft, teeth, 0.0),
+        (gape, soft, teeth, vary.scarred),
         (*show.of, show.reach**-2),
         (*shift, show.saturation),
         _stand(surface.pectoral),

@@ -30,7 +30,7 @@ ROOM = 1.16  # size of the picture over that of the fish
 LEAST_TALL = 0.3  # least height of the picture, body lengths
 NEAREST, FARTHEST = 0.25, 8.0  # of the zoom
 STEEPEST = np.radians(89.0)
-ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
+ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0, scarred=0.0)
 UPRIGHT = np.sqrt([0.5, 0.5, 0.0, 0.0])  # body to world: heading along x, back up
 DRAWN_CM = 20.0  # length as drawn, so that all fishes have the same light
 DEPTH_CM = 450.0  # for daylight as in the scenarios

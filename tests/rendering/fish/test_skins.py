@@ -9,7 +9,7 @@ from msgspec import structs
 from subsea.fish.species import CourtshipColours, Variation
 
 SIZE = (320, 200)
-ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0)
+ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0, scarred=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,8 @@ def changed(a, b):
 
 def test_without_variation_all_are_alike(dressed):
     draw = dressed(variation=ALIKE, scales=0.0)
-    assert changed(draw(identity=0.1), draw(identity=0.55)) == 0.0
+    # But for the way they look.
+    assert changed(draw(identity=0.1), draw(identity=0.55)) < 0.001
 
 
 @pytest.mark.parametrize(
@@ -64,6 +65,32 @@ def test_a_torn_fin_lets_the_water_show(dressed):
     nick = changed(one, torn(identity=0.3))
     assert 0.0005 < nick < 0.02
     assert changed(one, whole(identity=0.3)) == 0.0
+
+
+def test_a_scar_is_a_small_part_of_one_flank_and_always_in_the_same_place(dressed):
+    plain, scarred = (
+        dressed(variation=structs.replace(ALIKE, scarred=share)) for share in (0.0, 1.0)
+    )
+    identities = (0.1, 0.3, 0.55, 0.7, 0.85)
+    shares = [changed(plain(identity=own), scarred(identity=own)) for own in identities]
+    assert 0.0 < max(shares) < 0.05
+    assert min(shares) == 0.0  # on the side that is not seen
+    own = identities[int(np.argmax(shares))]
+    np.testing.assert_array_equal(scarred(identity=own), scarred(identity=own))
+
+
+def test_eyes_look_about_and_nothing_else_moves(drawn, scene, make_packet, fish):
+    """In a still pose only pixels of the eye change with the time of the water."""
+    one = fish(1, (0.0, 17.0, -200.0))
+    still = replace(scene, species=(scene.species[0], scene.species[1]))
+    pictures = [
+        drawn(make_packet([one], size=SIZE, time_s=2.0 + 0.001 * k), scene=still)
+        for k in (0, 1, 1500, 3000, 4500)
+    ]
+    quick = changed(pictures[0], pictures[1])
+    moved = [(np.abs(picture - pictures[0]).max(axis=2) > 40) for picture in pictures[2:]]
+    assert quick < 0.001
+    assert max(mask.sum() for mask in moved) > 5
 
 
 def test_mating_colours_replace_what_is_near_one_colour(dressed):
