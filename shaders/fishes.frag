@@ -133,7 +133,7 @@ void main() {
     // Against the sun it lights up, in its own colour.
     float counter = max(dot(-view, SUN), 0.0);
     counter *= counter;
-    light += clear * sun * (0.5 + skin.rgb) * counter * counter;
+    light += clear * sun * (0.5 + skin.rgb) * counter * counter * counter;
 #endif
     vec3 colour = EXPOSURE * skin.rgb * light * (1.0 - 0.6 * silver);
 
