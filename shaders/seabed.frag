@@ -8,6 +8,10 @@
 uniform sampler2D u_ground;   // share of the sun, of the sky, of rubble
 uniform sampler2D u_ripples;  // slopes, height, grain
 uniform sampler2D u_litter;   // slopes, tone, how common
+uniform vec2 u_flow;          // along the current, across which ripples lie
+#ifdef CLOSE_UP
+uniform sampler2D u_tracks;   // slopes, height
+#endif
 uniform vec4 u_map;           // corner and size of the ground's map, cm
 
 in vec3 v_world;
@@ -31,7 +35,8 @@ void main() {
     vec2 p = v_world.xy;
     vec4 ground = texture(u_ground, (p - u_map.xy) / u_map.zw);
     // Crests wind, and lie down in places.
-    vec2 wound = p + v_broad * vec2(20.0, 26.0);
+    mat2 flow = mat2(u_flow, -u_flow.y, u_flow.x);
+    vec2 wound = (p + v_broad * vec2(20.0, 26.0)) * flow;
     vec4 one = 6.0 * texture(u_ripples, wound / 173.0) - 3.0;
     vec4 other = 6.0 * texture(u_ripples, TURNED * wound / 271.0 + 0.37) - 3.0;
     vec4 bits = texture(u_litter, TURNED * p / 67.0);
@@ -43,7 +48,7 @@ void main() {
     float strong = 0.5 + 0.5 * smoothstep(0.0, 0.3, v_clear.g);
     strong *= 0.75 + 0.25 * wave(vec2(0.62 * v_broad)).x;
     strong *= 1.0 - 0.6 * rubble;
-    vec2 marks = mix(one.xy, other.xy * TURNED, share) * strong;
+    vec2 marks = flow * mix(one.xy, other.xy * TURNED, share) * strong;
     float height = mix(one.z, other.z, share) * strong;
     float grain = one.w + other.w;
     vec3 sand = mix(TAN, PALE, clamp(0.60 + 0.13 * v_broad + 0.20 * height + 0.075 * grain, 0.0, 1.0));
@@ -53,6 +58,14 @@ void main() {
     float lies = smoothstep(0.0, 0.12, bits.w - 0.93 + 0.93 * rubble);
     vec3 piece = bits.z < 0.55 ? ASH * (0.6 + 1.3 * bits.z) : mix(PINK, SHELL, 2.2 * bits.z - 1.2);
     sand = mix(sand, piece, 0.85 * lies);
+
+#ifdef CLOSE_UP
+    // Animals leave tracks where no swell has smoothed the sand since.
+    vec4 track = 18.0 * texture(u_tracks, (p + 14.0 * v_broad) * TURNED / 197.0) - 9.0;
+    float crossed = smoothstep(-0.2, 0.5, v_broad) * (1.0 - rubble) * (1.0 - lies);
+    marks = marks * (1.0 - 0.5 * crossed * min(abs(track.z), 1.0)) + 0.24 * crossed * track.xy;
+    sand *= 1.0 + 0.05 * crossed * clamp(0.25 * track.z, -1.0, 1.0);
+#endif
 
     vec2 slope = v_slope + 0.46 * marks + (7.0 * bits.xy - 3.5) * (0.22 * lies);
     vec3 normal = normalize(vec3(-slope, 1.0));

@@ -27,7 +27,7 @@ SKIRT_CM = 9.0  # hides gaps between tiles of different levels
 ON_SAND_CM = 3.0  # height of the foot of a growth, up to which it stands on the sand
 # Radius on which a growth stands, over its own.
 FOOT, FEET = 0.7, {"mound": 1.0, "brain": 0.9, "table": 0.35, "fan": 0.2, "rubble": 0.6}
-GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT = 8, 9, 10  # texture units
+GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT, TRACKS_UNIT = 8, 9, 10, 11  # texture units
 
 
 class SeabedRenderer(GpuOwner):
@@ -46,7 +46,9 @@ class SeabedRenderer(GpuOwner):
             GROUND_UNIT: self.own(ground_map.upload(context, ground.light)),
             RIPPLES_UNIT: self.own(repeating(context, sand.rippled, 3)),
             LITTER_UNIT: self.own(repeating(context, sand.littered, 4)),
+            TRACKS_UNIT: self.own(repeating(context, sand.tracked, 8)),
         }
+        self._wants: tuple[str, ...] = ()
         self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
         self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
         self._shown = -1  # number of growths whose light the map takes
@@ -54,7 +56,9 @@ class SeabedRenderer(GpuOwner):
             "u_ground": GROUND_UNIT,
             "u_ripples": RIPPLES_UNIT,
             "u_litter": LITTER_UNIT,
+            "u_tracks": TRACKS_UNIT,
             "u_map": (*ground.corner, *ground.size),
+            "u_flow": flow_of(scene.water.current_cm_s),
         }
 
     @property
@@ -63,7 +67,8 @@ class SeabedRenderer(GpuOwner):
         return (self._batch,)
 
     def adapt(self, quality: Quality) -> None:
-        """Darken the sand about the growths that are drawn in this quality."""
+        """Draw in this quality from now on: sand is darker about the growths that are drawn."""
+        self._wants = quality.close_up_defines
         shown = self._standing[self._own <= quality.growth]
         if len(shown) != self._shown:
             light = ground_map.with_growths(self._ground, shown, self._sun)
@@ -78,7 +83,8 @@ class SeabedRenderer(GpuOwner):
         """Draw the chosen tiles or their object ids; returns the number of triangles."""
         for unit, texture in self._textures.items():
             texture.use(unit)
-        return int(self._batch.draw(number, uniforms | self._uniforms, as_ids))
+        wants = () if as_ids else self._wants
+        return int(self._batch.draw(number, uniforms | self._uniforms, as_ids, wants))
 
 
 def surroundings(
@@ -88,6 +94,12 @@ def surroundings(
     floor = partial(drawn_height, terrain, half_width_cm)
     growths = standing(reef, terrain, half_width_cm)[0]
     return ground_map.ground_map(formations(pillars, rocks), floor, sun_at(hour)[0], growths)
+
+
+def flow_of(current_cm_s: tuple[float, float]) -> tuple[float, float]:
+    """Unit vector along a current, along x if there is none: ripples lie across it."""
+    speed = float(np.hypot(*current_cm_s))
+    return (current_cm_s[0] / speed, current_cm_s[1] / speed) if speed > 0.0 else (1.0, 0.0)
 
 
 def standing(reef: Reef, terrain: Array, half_width_cm: float) -> tuple[Array, Array]:

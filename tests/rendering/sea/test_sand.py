@@ -1,12 +1,25 @@
 """Textures of sand: tileable, with the stated content."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from msgspec import structs
 
-from subsea.rendering.sea.sand import LITTER_HIGH, LITTER_LOW, RIPPLES, SPAN, litter, ripples
+from subsea.rendering.sea.sand import (
+    LITTER_HIGH,
+    LITTER_LOW,
+    RIPPLES,
+    SPAN,
+    TRACK_SPAN,
+    litter,
+    ripples,
+    tracks,
+)
+from subsea.rendering.sea.seabed import flow_of
 
 
-@pytest.mark.parametrize("make", [ripples, litter])
+@pytest.mark.parametrize("make", [ripples, litter, tracks])
 def test_edges_meet(make):
     for layer in make(1):
         jump = np.abs(layer[:, 0] - layer[:, -1]).mean(), np.abs(layer[0] - layer[-1]).mean()
@@ -40,6 +53,34 @@ def test_litter_is_where_it_is_common():
 
 
 def test_bytes_span_nearly_all_of_it():
-    for layers, low, high in ((ripples(1), -SPAN, SPAN), (litter(1), LITTER_LOW, LITTER_HIGH)):
+    for layers, low, high in (
+        (ripples(1), -SPAN, SPAN),
+        (litter(1), LITTER_LOW, LITTER_HIGH),
+        (tracks(1), -TRACK_SPAN, TRACK_SPAN),
+    ):
         for layer, least, most in zip(layers, low, high, strict=True):
             assert ((layer < least) | (layer > most)).mean() < 0.01
+
+
+def test_tracks_are_narrow_and_leave_most_of_the_sand_as_it_is():
+    slope_x, slope_y, height, _ = tracks(2)
+    marked = np.abs(height) > 0.05
+    assert 0.03 < marked.mean() < 0.35
+    assert height.min() < -0.8  # furrows and holes
+    assert height.max() > 0.5  # walls and ridges
+    steep = np.hypot(slope_x, slope_y)
+    assert steep[marked].mean() > 10.0 * steep[~marked].mean()
+    np.testing.assert_array_equal(tracks(2)[2], height)
+    assert np.abs(tracks(3)[2] - height).max() > 0.5
+
+
+def test_ripples_lie_across_the_current(scene, drawn, make_packet):
+    """Seen from above, brightness varies along the current and little across it."""
+    assert flow_of((0.0, 0.0)) == (1.0, 0.0)
+    assert flow_of((0.0, -3.0)) == (0.0, -1.0)
+    pictures = []
+    for current in ((3.0, 0.0), (0.0, 3.0)):
+        water = structs.replace(scene.water, current_cm_s=current)
+        packet = make_packet([], eye=(300.0, 0.0, -180.0), pitch=-1.5, size=(200, 200))
+        pictures.append(drawn(packet, scene=replace(scene, water=water)).mean(axis=2))
+    assert np.abs(pictures[0] - pictures[1]).mean() > 2.0
