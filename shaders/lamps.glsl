@@ -4,8 +4,9 @@
 uniform vec3 u_lamps[2];  // cm
 uniform vec3 u_beams[2];  // unit vectors along the axes of the beams
 
-const vec3 LAMPLIGHT = vec3(15.0, 11.6, 7.6);  // near a lamp, on its axis
+const vec3 LAMPLIGHT = vec3(12.0, 9.2, 6.0);  // near a lamp, on its axis
 const float HALFWAY = 320.0;                  // cm, where it has spread so far that half is left
+const float CLOSE = 120.0;  // cm, nearer things are between the beams, and do not burn out
 const float INNER = 0.978, OUTER = 0.891;     // cosines of 12 and 27 degrees: bright, and dark
 // Share that a centimetre of water sends to the eye, more of blue, as a sky does.
 const vec3 SCATTERED = vec3(1.3, 2.7, 3.8) * 1e-5;
@@ -20,6 +21,8 @@ vec3 lamplight(int k, vec3 p, out vec3 toward) {
     float within = clamp((-dot(toward, u_beams[k]) - OUTER) / (INNER - OUTER), 0.0, 1.0);
     within *= within * (3.0 - 2.0 * within);
     float spread = distance / HALFWAY;
+    float near = distance * distance;
+    within *= 0.12 + 0.88 * near / (near + CLOSE * CLOSE);
     return LAMPLIGHT * within / (1.0 + spread * spread) * clearness(distance);
 }
 

@@ -85,7 +85,7 @@ float caustics_at(vec3 p) {
     vec2 both = min(a, b);
     float depth = -p.z;
     float light = 1.85 * mix(both.x, both.y, clamp(depth / 1600.0, 0.0, 1.0));
-    float plain = (0.66 + 0.33 * swell.x * swell.y) * min(depth / 60.0, 1.0) / (1.0 + depth / 900.0);
+    float plain = (0.86 + 0.34 * swell.x * swell.y) * min(depth / 60.0, 1.0) / (1.0 + depth / 800.0);
     return 1.0 + plain * (light - 1.0);
 }
 

@@ -24,7 +24,8 @@ float dapple_at(vec3 p) {
     ground += 16.0 * wave(ground.yx * vec2(0.00148, 0.00113) + u_time * vec2(0.065, 0.052));
     vec2 a = textureLod(u_caustics, mat2(0.0029, 0.0009, -0.0009, 0.0029) * ground + u_time * vec2(0.034, 0.019), 3.0).rg;
     vec2 b = textureLod(u_caustics, mat2(-0.0010, 0.0035, -0.0035, -0.0010) * ground - u_time * vec2(0.027, 0.037), 3.0).rg;
-    return 0.35 + 1.2 * min(a.x, b.x);
+    float strong = 1.0 / (1.0 - p.z / 1600.0);  // near the surface
+    return 1.0 + strong * (1.65 * min(a.x, b.x) - 0.9);
 }
 
 void main() {

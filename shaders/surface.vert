@@ -11,8 +11,11 @@ flat out vec3 v_level;  // of the water that the surface mirrors
 flat out vec3 v_deep;
 flat out vec3 v_sand;
 flat out vec3 v_sun_in_air;
+flat out vec3 v_sky;
+flat out vec3 v_disc;
 flat out vec3 v_sun;  // what has come down to the eye of it, but for what is scattered aside
 
+const vec3 NOON_SKY = vec3(0.50, 0.76, 0.95), NOON_SUN = vec3(5.3, 4.2, 3.6);  // as in `daylight.py`
 const vec3 SAND = vec3(0.58, 0.47, 0.31);
 
 // The water's surface as far as it can be seen: hardly any contrast is left at its edge.
@@ -27,6 +30,8 @@ void main() {
     v_level = water_radiance(vec3(1.0, 0.0, 0.0));
     v_deep = water_radiance(vec3(0.0, 0.0, -1.0));
     v_sand = EXPOSURE * SAND * SUN.z * sunlight_at(u_floor) * exp((u_along - u_extinction) * (u_floor + u_eye.z));
+    v_sky = SKYLIGHT / NOON_SKY;
+    v_disc = vec3(1.0, 0.94, 0.82) * SUNLIGHT / NOON_SUN;
     vec2 flat_sun = 1.33 * SUN.xy;
     v_sun_in_air = vec3(flat_sun, sqrt(max(1.0 - dot(flat_sun, flat_sun), 1e-4)));
     v_sun = daylight(u_eye.z);

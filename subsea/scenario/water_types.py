@@ -10,7 +10,7 @@ RED_SHARE = 0.5
 # Backscatter of the water itself at 650, 550 and 450 nm (wavelength to the power -4.3), over that
 # at 450 nm.
 MOLECULES: Rgb = (0.206, 0.422, 1.0)
-FAR_LUMINANCE, FAR_MOST = 0.072, 0.20  # of distant water, seen level: mean, and largest channel
+FAR_LUMINANCE, FAR_MOST = 0.072, 0.185  # of distant water, seen level: mean, and largest channel
 LUMINANCE: Rgb = (0.2126, 0.7152, 0.0722)
 
 
@@ -24,7 +24,7 @@ class Jerlov(NamedTuple):
 
 # Attenuation: I to 1C Austin and Petzold (1984), 3C to 9C Jerlov (1976).
 JERLOV: dict[str, Jerlov] = {
-    "I": Jerlov((0.356, 0.064, 0.018), 3200.0, 0.4),
+    "I": Jerlov((0.356, 0.064, 0.018), 3200.0, 1.1),
     "IB": Jerlov((0.365, 0.072, 0.036), 2800.0, 0.9),
     "II": Jerlov((0.384, 0.086, 0.071), 2300.0, 0.6),
     "III": Jerlov((0.418, 0.114, 0.138), 1800.0, 0.7),

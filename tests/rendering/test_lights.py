@@ -45,8 +45,8 @@ def test_a_warm_beam_lies_on_the_sand_ahead_and_the_rest_stays_dark(both, sight)
     off, on = both(sight(pitch=-0.7), pitch=-0.7)
     gained = on - off
     middle, corner = gained[80:100, 140:180].mean(axis=(0, 1)), gained[:12, :20].mean(axis=(0, 1))
-    assert middle[0] > 40  # daylight has no red left there
-    assert middle[0] > middle[2] + 20
+    assert middle[0] > 24  # daylight has no red left there
+    assert middle[0] > middle[2] + 14
     assert np.abs(corner).max() < 8
     # Its edge is soft: from the middle outward there is no step.
     across = gained[90, 160:, 0]

@@ -29,6 +29,7 @@ LEVEL_CM = 350.0  # depth at which the colour of distant water is seen level as 
 # The pupil: exponent of the eye's light over that at LEVEL_CM at noon, and its limits.
 PUPIL, NARROW, WIDE = 0.55, 0.75, 2.2
 FAR = 0.75  # of distant water, of the colour that is given
+VIOLET = np.array([1.7, 0.92, 1.0])  # of the deep, which an eye sees below blue water
 RISE, SINK = 0.53, 0.60  # how much more and less there is of the colour that water takes most
 # What is scattered forward about the sun: a broad glow and a narrow one.
 BROAD, NEAR_SUN = np.array([0.02, 0.08, 0.11]), np.array([0.22, 0.45, 0.50])
@@ -132,7 +133,7 @@ def light_uniforms(water: Water, eye: Array | tuple[float, ...]) -> dict[str, An
         "u_balance": balance,
         "u_far": FAR * light.far * here,
         "u_rise": np.exp(RISE * taken**0.75),
-        "u_sink": np.exp(-SINK * np.sqrt(taken)),
+        "u_sink": VIOLET * np.exp(-SINK * np.sqrt(taken)),
         "u_broad": light.glow[0] * here,
         "u_narrow": light.glow[1] * here,
     }

@@ -34,6 +34,7 @@ class WaterRenderer(GpuOwner):
         self._background = self.own(ProgramVariants(context, "water"))
         self._grids: dict[tuple[int, int], Any] = {}  # arrays by numbers of cells
         self._cells = COARSE
+        self._wants: tuple[str, ...] = ()
         self._surface = self.own(ProgramVariants(context, "surface", SURFACE))
         self._floor = float(np.mean(scene.terrain))
         self._ripples = self.own(repeating(context, rippled, 3))
@@ -41,8 +42,9 @@ class WaterRenderer(GpuOwner):
         self._disc = self._surface.array([(places, "2f4", "a_place")], triangles)
 
     def adapt(self, quality: Quality) -> None:
-        """Use a grid as fine as the light shafts of this quality."""
+        """Use a grid as fine as the light shafts of this quality, and its surface."""
         self._cells = FINE if quality.shafts >= FINE_FROM else COARSE
+        self._wants = quality.close_up_defines
 
     def draw(self, view: View, uniforms: dict[str, Any]) -> int:
         """Fill the pixels that nothing covers; returns the number of triangles."""
@@ -61,7 +63,9 @@ class WaterRenderer(GpuOwner):
             return 0
         self._ripples.use(RIPPLES_UNIT)
         own = {"u_ripples": RIPPLES_UNIT, "u_floor": self._floor}
-        self._surface.ready(self._disc, as_ids, **uniforms, **own).render(moderngl.TRIANGLES)
+        wants = () if as_ids else self._wants
+        ready = self._surface.ready(self._disc, as_ids, wants, **uniforms, **own)
+        ready.render(moderngl.TRIANGLES)
         return int(self._disc.vertices) // 3
 
 
