@@ -24,6 +24,17 @@ const vec3 VIOLET = vec3(0.42, 0.24, 0.44);
 const vec3 SPONGE = vec3(0.86, 0.33, 0.06);
 const vec3 LEMON = vec3(0.78, 0.62, 0.12);
 
+#ifdef CLOSE_UP
+// Height and polyps of the relief seen along all three axes, by their shares, and its slope.
+vec2 relief_at(vec3 p, vec3 share, out vec3 slope) {
+    vec4 x = share.x * (RELIEF_SPAN * texture(u_relief, p.yz + 0.31) - 0.5 * RELIEF_SPAN);
+    vec4 y = share.y * (RELIEF_SPAN * texture(u_relief, p.xz + 0.67) - 0.5 * RELIEF_SPAN);
+    vec4 z = share.z * (RELIEF_SPAN * texture(u_relief, p.xy) - 0.5 * RELIEF_SPAN);
+    slope = vec3(y.y + z.y, x.y + z.z, x.z + y.z);
+    return vec2(x.x + y.x + z.x, x.w + y.w + z.w);
+}
+#endif
+
 void main() {
 #ifdef FADING
     if (faded(u_fade)) discard;
@@ -32,9 +43,23 @@ void main() {
     vec3 share = normal * normal;
     share *= share;
     share /= share.x + share.y + share.z;
+    vec3 p = v_world / 61.0;
+#ifdef CLOSE_UP
+    vec3 slope;
+    vec2 shape = relief_at(p, share, slope);
+    float height = shape.x, polyps = shape.y;
+    // At arm's length a finer relief, turned so that the two never coincide.
+    float near = 1.0 - smoothstep(80.0, 260.0, distance(v_world, u_eye));
+    if (near > 0.0) {
+        vec3 finer;
+        vec2 fine = relief_at(4.3 * p.yzx + 0.37, share.yzx, finer);
+        height += 0.4 * near * fine.x;
+        slope += 0.55 * near * finer.zxy;
+        polyps = mix(polyps, fine.y, 0.35 * near);
+    }
+#else
     // The relief is seen from above, and from that side which a wall faces more; where it turns
     // from one side to the other it is flat.
-    vec3 p = v_world / 61.0;
     bool side = share.x > share.y;
     vec4 wall = RELIEF_SPAN * texture(u_relief, side ? p.yz : p.xz) - 0.5 * RELIEF_SPAN;
     vec4 level = RELIEF_SPAN * texture(u_relief, p.xy) - 0.5 * RELIEF_SPAN;
@@ -45,6 +70,7 @@ void main() {
     vec3 slope = vec3(level.y, level.z, wall.z);
     slope.xy += side ? vec2(0.0, wall.y) : vec2(wall.y, 0.0);
     float height = relief.x, polyps = relief.w;
+#endif
     float up = normal.z;
     float hollow = v_light.z, turf = v_cover.x, algae = v_cover.y, sponge = v_cover.z;
     normal = normalize(normal - slope + normal * dot(slope, normal));

@@ -86,7 +86,7 @@ class Renderer(GpuOwner):
             check()
             self._seabed = self.own(SeabedRenderer(context, scene, ground.result()))
             check()
-            self._rocks = self.own(RockRenderer(context, scene, stone.result()))
+            self._rocks = self.own(RockRenderer(context, scene, stone.result(), quality))
             self._shadows = self.own(SoftShadowRenderer(context, scene))
             check()
             reach_cm = IN_SIGHT * scene.water.visibility_cm
@@ -135,6 +135,7 @@ class Renderer(GpuOwner):
             self._make_target(self.rig, quality)
         self.quality = quality
         self._particles.adapt(quality)
+        self._rocks.adapt(quality)
         self._coral.adapt(quality)
         self._seaweed.adapt(quality)
         self._fishes.adapt(quality)

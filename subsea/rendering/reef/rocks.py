@@ -20,6 +20,7 @@ from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
 from subsea.rendering.gl.textures import in_bytes, relief, repeating
+from subsea.rendering.output.quality import Quality
 from subsea.rendering.reef.rock_mesh import SKY, SUNNY, cut, shapes
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.state import Reef
@@ -104,10 +105,13 @@ def roughness(seed: int) -> Texels:
 class RockRenderer(GpuOwner):
     """Draws the pieces of formations in sight."""
 
-    def __init__(self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]]) -> None:
+    def __init__(
+        self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]], quality: Quality
+    ) -> None:
         """`stone` are the `pieces` of the scene."""
         super().__init__()
         self._context = context
+        self.adapt(quality)
         self._batch: StaticBatch | None = None
         if not stone:
             return
@@ -118,7 +122,7 @@ class RockRenderer(GpuOwner):
 
         self._relief = self.own(repeating(context, roughness, 5))
         layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
-        programs = ProgramVariants(context, "solid", ids)
+        programs = ProgramVariants(context, "solid", ids, self._wants)
         reach_cm = IN_SIGHT * scene.water.visibility_cm
         self._batch = self.own(StaticBatch(programs, *layout, stone, reach_cm, LEVELS_PX))
 
@@ -126,6 +130,10 @@ class RockRenderer(GpuOwner):
     def batches(self) -> tuple[StaticBatch, ...]:
         """State that depends on earlier packets."""
         return (self._batch,) if self._batch else ()
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from now on."""
+        self._wants = quality.close_up_defines
 
     def choose(self, packet: Packet, detail: float = 1.0) -> None:
         """Choose what the views of a packet draw."""
@@ -143,6 +151,7 @@ class RockRenderer(GpuOwner):
             return 0
         self._relief.use(RELIEF_UNIT)
         self._context.enable(moderngl.CULL_FACE)
-        total = self._batch.draw(number, uniforms | {"u_relief": RELIEF_UNIT}, as_ids)
+        wants = () if as_ids else self._wants
+        total = self._batch.draw(number, uniforms | {"u_relief": RELIEF_UNIT}, as_ids, wants)
         self._context.disable(moderngl.CULL_FACE)
         return total
