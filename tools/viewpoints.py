@@ -1,12 +1,14 @@
 """Look at a scenario from five viewpoints: `python tools/viewpoints.py OUT [SCENARIO…]`.
 
-A picture for each viewpoint and a sheet of all: the start of the pilot, a near reef, the largest
-school, the surface from below, and the bay from above.
+Five views: the start of the pilot, a near reef, the largest school, the surface from below, and the
+place from above. A picture of each, a sheet for each scenario, and one contact sheet with a row for
+each scenario and preset.
 """
 
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,8 @@ from subsea.world.world import TICK_S, World
 Array = NDArray[np.float64]
 
 CLEAR_CM = 45.0  # of the eye above the seabed
+ABOVE = 0.55  # farthest distance of the view from above, as a share of the visibility
+THUMB = 400  # width of a picture in the contact sheet, pixels
 
 
 def viewpoints(world: World) -> Iterator[tuple[str, CameraPose]]:
@@ -51,7 +55,10 @@ def viewpoints(world: World) -> Iterator[tuple[str, CameraPose]]:
     yield "school", _looking_at(world, middle + (-150.0, -120.0, -10.0), middle)
     below = centre + (-200.0 - aside, 60.0, 0.0)
     yield "up", _looking_at(world, below, below + (200.0, 60.0, 160.0))
-    yield "above", _looking_at(world, centre + (-8.0 * aside, -5.3 * aside, 6.3 * aside), centre)
+    if not len(sea.rocks) or np.linalg.norm(centre - start) > world.scenario.water.visibility_cm:
+        centre = middle  # nothing stands near: the school is the place
+    far = min(12.0 * aside, ABOVE * world.scenario.water.visibility_cm)
+    yield "above", _looking_at(world, centre + far * np.array([-0.68, -0.45, 0.58]), centre)
 
 
 def _looking_at(world: World, eye: Array, target: Array) -> CameraPose:
@@ -69,33 +76,56 @@ def main() -> None:
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
     parser.add_argument("--seconds", type=float, default=8.0, help="of the world before them")
     parser.add_argument("--size", default="960x540", help="of each picture, in pixels")
-    parser.add_argument("--quality", choices=sorted(PRESETS), default="high")
+    parser.add_argument("--quality", choices=sorted(PRESETS), nargs="+", default=["high"])
     parser.add_argument("--only", help="name of one viewpoint")
     arguments = parser.parse_args()
-    size = tuple(int(side) for side in arguments.size.split("x"))
+    wide, high = (int(side) for side in arguments.size.split("x"))
+    size = wide, high
     check_folder(arguments.out)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    quality = PRESETS[arguments.quality]
     names = arguments.scenarios or resource_names("assets/scenarios", ".toml")
+    rows: list[list[Image.Image]] = []
     with headless() as context:
         for name in names:
             world = start_world(name)
             for _ in range(round(arguments.seconds / TICK_S)):
                 step(world, NEUTRAL)
-            pictures = []
-            with picture_maker(context, world, display_rig("mono", size), quality) as renderer:
-                for title, eye in viewpoints(world):
-                    if arguments.only not in (None, title):
-                        continue
-                    views = views_for("mono", size, eye)
-                    renderer.draw(pack(world, views, 1.0, quality.packing))
-                    pictures.append(Image.fromarray(renderer.read_pixels()))
-                    pictures[-1].save(arguments.out / f"{name}-{title}.png")
-            sheet = Image.new("RGB", (2 * size[0], -(-len(pictures) // 2) * size[1]))
-            for k, picture in enumerate(pictures):
-                sheet.paste(picture, (k % 2 * size[0], k // 2 * size[1]))
-            sheet.save(arguments.out / f"{name}.png")
-            print(arguments.out / f"{name}.png")
+            for preset in arguments.quality:
+                pictures = draw(context, world, size, preset, arguments.only)
+                stem = name if len(arguments.quality) == 1 else f"{name}-{preset}"
+                for title, picture in pictures.items():
+                    picture.save(arguments.out / f"{stem}-{title}.png")
+                rows.append([*pictures.values()])
+                sheet_of([rows[-1][k : k + 2] for k in range(0, len(rows[-1]), 2)], size[0]).save(
+                    arguments.out / f"{stem}.png"
+                )
+                print(arguments.out / f"{stem}.png")
+    sheet_of(rows, THUMB).save(arguments.out / "contact.png")
+    print(arguments.out / "contact.png")
+
+
+def draw(
+    context: Any, world: World, size: tuple[int, int], preset: str, only: str | None
+) -> dict[str, Image.Image]:
+    """Pictures of the viewpoints, or of the only one, by their names."""
+    quality, pictures = PRESETS[preset], {}
+    with picture_maker(context, world, display_rig("mono", size), quality) as renderer:
+        for title, eye in viewpoints(world):
+            if only in (None, title):
+                renderer.draw(pack(world, views_for("mono", size, eye), 1.0, quality.packing))
+                pictures[title] = Image.fromarray(renderer.read_pixels())
+    return pictures
+
+
+def sheet_of(rows: list[list[Image.Image]], wide: int) -> Image.Image:
+    """All pictures in rows, each `wide` pixels wide."""
+    first = rows[0][0]
+    high = round(wide * first.height / first.width)
+    sheet = Image.new("RGB", (wide * max(map(len, rows)), high * len(rows)))
+    for i, row in enumerate(rows):
+        for j, picture in enumerate(row):
+            sheet.paste(picture.resize((wide, high)), (j * wide, i * high))
+    return sheet
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import Vector, vector
 from subsea.state import (
@@ -20,7 +20,7 @@ from subsea.state import (
     PREDATOR,
     SINKING,
 )
-from subsea.submarine.course import Course, rail_at
+from subsea.submarine.course import Course, middle_of, rail_at
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import MAX_PITCH, hull_axes
 from subsea.submarine.rail import Rail, board
@@ -35,7 +35,15 @@ DIPPED_CM = 30.0  # least depth of a hook to look at
 COURT_CM = 350.0  # largest distance of a pair to look at
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
-SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 115.0, 350.0
+SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 85.0, 600.0
+# Framing. A picture is about 1.85 times as wide as its subject is far away.
+GATHERED_CM, SHIFTS = 260.0, 3  # reach of what is seen of a shoal at a time, and steps to find it
+MOST = 0.8  # share of those gathered that must not be cropped
+FILLED = 1.9  # distance of a subject over its width, so that it fills a good quarter of the picture
+LEAD, LEAD_CM_S = 0.24, 12.0  # room before a moving subject over its distance; a brisk speed
+LOW = (
+    0.05  # how far below a shoal the view aims, over its distance: the sea floor is in the picture
+)
 # Three slow swings with incommensurate periods keep the view moving while the fishes hover.
 NEARER, NEARER_S = 0.35, 31.0
 ASIDE_RAD, ASIDE_S = 0.20, 23.0
@@ -197,16 +205,41 @@ def _aim(world: World, subject: Subject) -> Array:
     if subject.kind == HOOK:
         return np.array([*world.state.sea.hook, HOOK_CM])
     if subject.kind == SHOAL:
-        # The median ignores stragglers.
         shoal = fishes.species == subject.members[0]
         living = shoal & fishes.alive
-        shoal = living if living.any() else shoal
-        return np.array([*np.median(fishes.position[shoal], axis=0), SHOAL_CM])
+        return _gathered(world, np.flatnonzero(living if living.any() else shoal))
     members = list(subject.members)
     one, other = fishes.position[members].astype(np.float64)
-    apart = float(np.linalg.norm(one - other))
-    distance = 2.0 * float(fishes.length[members].max()) + 0.6 * apart
+    apart, longest = float(np.linalg.norm(one - other)), float(fishes.length[members].max())
+    distance = max(2.0 * longest + 0.6 * apart, FILLED * (0.6 * apart + 0.4 * longest))
     return np.array([*(one + other) / 2.0, _within(distance, NEAREST_CM, FARTHEST_CM)])
+
+
+def _gathered(world: World, shoal: Ints) -> Array:
+    """The place to look at, and the distance, for the part of a shoal that is gathered nearby.
+
+    Fishes that swim on are at a third of the picture, with room before them.
+    """
+    fishes, eye = world.state.fishes, world.state.submarine.position
+    there = fishes.position[shoal].astype(np.float64)
+    middle = middle_of(there, eye)
+    for _ in range(SHIFTS):
+        away = np.linalg.norm(there - middle, axis=1)
+        near = away <= max(GATHERED_CM, float(away.min()))
+        middle = there[near].mean(axis=0)
+    wide = 2.0 * float(np.quantile(np.linalg.norm(there[near] - middle, axis=1), MOST))
+    length = float(fishes.length[shoal[near]].max())
+    distance = _within(FILLED * (wide + length), SHOAL_CM, FARTHEST_CM)
+    going = fishes.velocity[shoal[near]].mean(axis=0).astype(np.float64)
+    lead = LEAD * distance * going / max(float(np.linalg.norm(going)), LEAD_CM_S)
+    sight = (middle - eye) / max(float(np.linalg.norm(middle - eye)), 1e-6)
+    lead -= (lead @ sight) * sight  # across the picture
+    return np.array([*(middle + lead * (1.0, 1.0, 0.3)), distance]) - (
+        0.0,
+        0.0,
+        LOW * distance,
+        0.0,
+    )
 
 
 def hidden(world: World, a: Vector, b: Vector, margin: float) -> bool:

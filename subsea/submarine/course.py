@@ -62,6 +62,16 @@ def rail_at(course: Course, state: State, t: float) -> Rail:
     return Rail(place, velocity, (heading, pitch))
 
 
+def paths_of(scenario: Scenario) -> Array:
+    """The paths of all tours as lines (n, 2, 3), cm."""
+    lines = [np.zeros((0, 2, 3))]
+    for tour in scenario.tour:
+        curve = _course(tour, scenario).curve
+        places = [curve_at(curve, t)[0] for t in np.arange(0.0, curve.times[-1], 5.0 * PROBE_S)]
+        lines.append(np.stack([places[:-1], places[1:]], axis=1))
+    return np.concatenate(lines)
+
+
 def check_tours(scenario: Scenario, sea: Sea, rocks: list[str], stored: bool = True) -> None:
     """Raise a UserError for a tour that leaves the sea, is too near solids, or too fast.
 

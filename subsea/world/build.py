@@ -11,7 +11,7 @@ from subsea.directing.script import make_script
 from subsea.repertoire.library import LIVE_TABLES
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
 from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
-from subsea.world.checks import make_surroundings
+from subsea.world.checks import make_surroundings, tour_fault
 from subsea.world.populate import fastest_cm_s, populate, settle, shoal_sizes
 from subsea.world.repertoires import motion_of, with_live
 from subsea.world.world import World
@@ -82,9 +82,12 @@ def create_world(
     )
     nature = Nature(**msgspec.structs.asdict(scenario.nature))
     physics = Physics(**msgspec.structs.asdict(scenario.physics))
-    return World(
+    world = World(
         scenario, tuple(species.values()), library, dynamics, nature,
         scenario.water.current_cm_s, physics, state,
         {name: getattr(minds, name).copy() for name in TRAITS},
         make_script(scenario, shoal_sizes(scenario, fish), fastest_cm_s(fishes, library)),
     )  # fmt: skip
+    if fault := tour_fault(scenario, sea):
+        world.notices.append(f"{source}: {fault}")
+    return world

@@ -29,11 +29,28 @@ def check_in_sea(scenario: Scenario, sea: Sea) -> None:
 
     check_scenario(scenario)
     _check_number(scenario)
-    rows, rocks = rock_rows(scenario, floor)
+    rows, _ = rock_rows(scenario, floor)
     there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rows)
     _check_heights(scenario, there)
     _check_places(scenario, there)
-    check_tours(scenario, there, rocks, stored=False)
+
+
+def tour_fault(scenario: Scenario, sea: Sea, stored: bool = True) -> UserError | None:
+    """The first tour that does not fit the solids of a scenario on the seabed of `sea`, or None.
+
+    It is no reason to refuse a scenario: what stands there may be moved before the tour is.
+    """
+
+    def floor(x: float, y: float) -> float:
+        return float(height_at(sea.heights, sea.half_width, x, y))
+
+    rows, rocks = rock_rows(scenario, floor)
+    there = sea._replace(pillars=pillar_rows(scenario, floor), rocks=rows) if not stored else sea
+    try:
+        check_tours(scenario, there, rocks, stored)
+    except UserError as fault:
+        return fault
+    return None
 
 
 def make_surroundings(
@@ -45,7 +62,6 @@ def make_surroundings(
     _check_heights(scenario, sea)
     sea, reef = grow_reefs(scenario, sea)
     _check_places(scenario, sea)
-    check_tours(scenario, sea, rock_rows(scenario, lambda x, y: 0.0)[1])
     sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
     return sea, reef, seaweed
 

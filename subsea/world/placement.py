@@ -235,9 +235,7 @@ def added(scenario: Scenario, kind: str, place: Place, sea: Sea) -> Scenario:
         "pillar": Pillar(position_cm=on, radius_cm=25.0, height_cm=150.0),
         "rock": Rock(position_cm=on, size_cm=(45.0, 35.0, 30.0)),
         "outcrop": Outcrop(position_cm=on, size_cm=(120.0, 90.0, 80.0), seed=number),
-        "ridge": Ridge(
-            position_cm=on, length_cm=500.0, width_cm=130.0, height_cm=120.0, seed=number
-        ),
+        "ridge": Ridge(position_cm=on, length_cm=240.0, width_cm=90.0, height_cm=90.0, seed=number),
         "arch": Arch(position_cm=on, span_cm=350.0, height_cm=250.0, seed=number),
         "seaweed": SeaweedTable(position_cm=on, spread_cm=60.0, clusters=4),
         "reef": ReefTable(position_cm=on, spread_cm=120.0, number=40, seed=number),

@@ -13,17 +13,19 @@ import numpy as np
 from imgui_bundle import imgui
 from msgspec.structs import replace
 
+from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.core.undo import History
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
+from subsea.submarine.course import paths_of
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields
 from subsea.view.unproject import FrontView
 from subsea.world import placement
-from subsea.world.checks import check_in_sea
+from subsea.world.checks import check_in_sea, tour_fault
 from subsea.world.placement import Grip, Handle
 
 REFUSED = (1.0, 0.42, 0.34)  # refused places
@@ -44,6 +46,8 @@ class PlacementState:
     begun: tuple[float, float] = (0.0, 0.0)  # start of the drag on the screen
     trial: Scenario | None = None  # scenario if the drag ended now
     fault: str = ""  # error of the trial
+    misfit: str = ""  # the tour that does not fit, if any: no reason to refuse
+    toured: tuple[Scenario, Sea] | None = None  # for which `misfit` was found
     rest_s: float = 0.0  # time left after the wheel has turned
     message: str = ""  # error of the last change
     seen: tuple[Scenario, Sea, list[Handle]] | None = None  # cache of `things`
@@ -54,6 +58,13 @@ class PlacementState:
         if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
             self.seen = scenario, sea, placement.handles(scenario, sea)
         return self.seen[2]
+
+    def warn(self, scenario: Scenario, sea: Sea) -> str:
+        """The tour that does not fit a scenario, as a message, cached."""
+        if not self.toured or self.toured[0] is not scenario or self.toured[1] is not sea:
+            fault = tour_fault(scenario, sea, stored=False)
+            self.toured, self.misfit = (scenario, sea), str(fault) if fault else ""
+        return self.misfit
 
     def try_out(self, scenario: Scenario, sea: Sea, source: str) -> None:
         """Try a scenario, and check it."""
@@ -86,12 +97,17 @@ def panel(context: PanelContext) -> None:
     message = placing.fault or placing.message
     if message:
         wrapped_text(message, REFUSED, 1.4 * WIDE)
+    misfit = placing.warn(scenario, sea)
+    if misfit:
+        wrapped_text(misfit, REFUSED, 1.4 * WIDE)
     front_view = dive.picture.front_view
     if front_view is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
         return
     within = [thing for thing in things if math.dist(thing.place, front_view.view.eye) > NEAR_CM]
     over = _drag(context, placing, front_view, within)
+    if misfit:
+        _draw_lines(front_view, paths_of(scenario), REFUSED, 0.08, many=True)
     for thing in within:
         if (thing.kind, thing.number) == placing.chosen:
             _show(front_view, thing, REFUSED if placing.fault else MARK, 0.1)
@@ -310,12 +326,18 @@ def _show(
     front_view: FrontView, thing: Handle, ink: tuple[float, float, float], wide: float
 ) -> None:
     """Draw the outline of a thing, under all panels."""
+    _draw_lines(front_view, thing.outline, ink, wide, many=len(thing.body) > 1)
+
+
+def _draw_lines(
+    front_view: FrontView, given: Array, ink: tuple[float, float, float], wide: float, many: bool
+) -> None:
+    """Draw lines (n, 2, 3) of the sea, thin ones if they are `many`."""
     size, line = imgui.get_io().display_size, imgui.get_font_size()
     canvas = imgui.get_background_draw_list()
-    lines = front_view.lines(thing.outline) * (size.x, size.y)
+    lines = front_view.lines(given) * (size.x, size.y)
     if not len(lines):
         return
-    many = len(thing.body) > 1
     tint, wide = colour(ink, 0.95), max((0.5 if many else 1.0) * wide * line, 1.2)
     # One call for each run of connected lines.
     ends = np.flatnonzero((lines[1:, 0] != lines[:-1, 1]).any(axis=1)) + 1
