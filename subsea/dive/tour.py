@@ -33,6 +33,7 @@ FAITH = 0.5  # factor on the distance of the current hunter or pair, which is pr
 TURN_S = 2.0  # to change to another subject
 DIPPED_CM = 30.0  # least depth of a hook to look at
 COURT_CM = 350.0  # largest distance of a pair to look at
+HUNT_CM = 650.0  # and of a hunter: farther ones are specks, and outrun the submarine
 
 # Close enough to see a fish's eye, far enough not to crowd it: a pair stops dancing if it is.
 SHOAL_CM, HOOK_CM, NEAREST_CM, FARTHEST_CM = 200.0, 140.0, 85.0, 600.0
@@ -167,8 +168,8 @@ def _subjects(world: World, present: Subject | None) -> list[Subject]:
     """All possible subjects, the most interesting first.
 
     The nearest hunt and the furthest advanced pair come first; the current ones are preferred, and
-    a pair that circles is kept to its end. Hunts count within the visibility, pairs within
-    COURT_CM.
+    a pair that circles is kept to its end. Hunts count within HUNT_CM, or the visibility
+    if that is less, pairs within COURT_CM.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     if len(fishes.position) == 0:
@@ -181,7 +182,7 @@ def _subjects(world: World, present: Subject | None) -> list[Subject]:
     lead = present.members[0] if present and present.kind in (HUNT, PAIR) else NOBODY
     if lead != NOBODY:
         away[lead] *= FAITH
-    near = fishes.alive & (away < world.scenario.water.visibility_cm)
+    near = fishes.alive & (away < min(world.scenario.water.visibility_cm, HUNT_CM))
     hunting = near & (minds.kind == PREDATOR) & (minds.intention == EAT) & (minds.target >= 0)
     hunting[hunting] = fishes.alive[minds.target[hunting]]
     hunters = sorted(np.flatnonzero(hunting), key=lambda i: away[i])
