@@ -30,7 +30,7 @@ Boxes = NDArray[np.float64]  # (n, 4): left, top, right, bottom
 
 
 def boxes_of(maps: IdMaps) -> Boxes:
-    """The box of each fish that is no speck."""
+    """The box of each fish that is larger than a speck."""
     fish = maps.kind == FISH
     boxes = []
     for number in np.unique(maps.number[fish]):

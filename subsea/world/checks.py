@@ -38,7 +38,7 @@ def check_in_sea(scenario: Scenario, sea: Sea) -> None:
 def tour_fault(scenario: Scenario, sea: Sea, stored: bool = True) -> UserError | None:
     """The first tour that does not fit the solids of a scenario on the seabed of `sea`, or None.
 
-    It is no reason to refuse a scenario: what stands there may be moved before the tour is.
+    Do not refuse a scenario for it: what stands there may be moved before the tour is.
     """
 
     def floor(x: float, y: float) -> float:

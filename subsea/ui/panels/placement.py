@@ -46,7 +46,7 @@ class PlacementState:
     begun: tuple[float, float] = (0.0, 0.0)  # start of the drag on the screen
     trial: Scenario | None = None  # scenario if the drag ended now
     fault: str = ""  # error of the trial
-    misfit: str = ""  # the tour that does not fit, if any: no reason to refuse
+    misfit: str = ""  # the tour that does not fit, if any: only a warning
     toured: tuple[Scenario, Sea] | None = None  # for which `misfit` was found
     rest_s: float = 0.0  # time left after the wheel has turned
     message: str = ""  # error of the last change
