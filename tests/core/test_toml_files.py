@@ -114,7 +114,6 @@ def test_the_reef_is_sound(path):
         (("[-300.0, 0.0, -300.0]\n\n", "[-300.0, 0.0, 1.0]\n\n"), 12, "`submarine.position_cm` ("),
         (("[-300.0, 0.0, -300.0]\n\n", "[-300.0, 0.0, -499.0]\n\n"), 12, "from the seabed"),
         (("[nature]", "[hook]\nposition_cm = [0, 0]\ndepth_cm = 501\n[nature]"), 46, "`hook`"),
-        (("9.0, position_cm = [-100.0", "1.0, position_cm = [-100.0"), 30, "`tour[0]` 'there' m"),
         (("[nature]", "[nature"), 46, "not valid TOML (Expected ']' at the end of a table"),
         (("seed = 1", "seed = 1\nseed = 2"), 3, "not valid TOML (Cannot overwrite a value"),
         (("seed = 1", "seed = 1 2"), 2, "not valid TOML"),
