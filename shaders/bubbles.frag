@@ -41,18 +41,22 @@ void main() {
     vec3 mirrored = reflect(ray, normal);
     vec3 sun = sunlight_at(v_world.z) + lamplight_at(v_world);
 
-    // Refracted in and out, a ray that passes at a share r of the radius turns by twice the angle
-    // between its ways in water and in air; beyond 1/INDEX it cannot enter.
-    float r = sqrt(far), in_air = min(INDEX * r, 0.999);
-    float turn = 2.0 * (asin(in_air) - asin(min(r, 1.0 / INDEX)));
-    vec3 through = normalize(ray * cos(turn) + outward / max(r, 1e-3) * sin(turn));
-    float whole = smoothstep(0.60, 1.0, INDEX * r);  // Fresnel
+    float r = sqrt(far), whole = smoothstep(0.60, 1.0, INDEX * r);  // Fresnel
     whole = mix(0.04 + 0.96 * whole * whole * whole, 0.5, v_small);
     vec3 mirror = seen_along(mirrored, sun);
+    float glint = pow(max(dot(mirrored, SUN), 0.0), 90.0);
+    float again = 0.0;
+#ifdef CLOSE_UP
+    // Refracted in and out, a ray that passes at a share r of the radius turns by twice the angle
+    // between its ways in water and in air; beyond 1/INDEX it cannot enter.
+    float turn = 2.0 * (asin(min(INDEX * r, 0.999)) - asin(min(r, 1.0 / INDEX)));
+    vec3 through = normalize(ray * cos(turn) + outward / max(r, 1e-3) * sin(turn));
     vec3 lens = 0.8 * seen_along(through, sun);
     // The sun in its skin, and again where the far side gathers it.
-    float glint = pow(max(dot(mirrored, SUN), 0.0), 90.0);
-    float again = pow(max(dot(normalize(normal + 0.25 * ray), -SUN), 0.0), 14.0);
+    again = pow(max(dot(normalize(normal + 0.25 * ray), -SUN), 0.0), 14.0);
+#else
+    vec3 lens = 0.5 * mirror;
+#endif
     mirror += (1.4 * glint + 0.5 * again * far) * sun;
     vec3 light = mix(lens, mirror, whole);
     light = mix(light, 1.2 * water_radiance(ray) + 0.2 * sun, v_small);

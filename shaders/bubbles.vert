@@ -22,7 +22,7 @@ flat out vec3 v_up;
 flat out vec4 v_shape;  // how far its lower side is flat; ripples of its outline: two waves, three; radius, pixels
 
 const float AIR = 1030.0;  // cm of water that weigh as much as the atmosphere
-const float ROOM = 1.25;  // about the outline, for ripples
+const float ROOM = 0.25;  // about the outline, for ripples
 const float GATHERING = 0.25;  // s, until it is fast
 
 // Terminal speed of a bubble (Mendelson 1967), cm/s; those below a millimetre are slower.
@@ -79,7 +79,7 @@ void main() {
     vec2 wide = vec2(high.y, -high.x);
     float flat_ = mix(1.0, oblate, level);
     v_shape = vec4(0.8 * cap * level, quiver * vec2(0.05 * sin(0.7 * beat + 2.0), 0.05 * sin(1.3 * beat)), pixels);
-    corner *= ROOM;
+    corner *= 1.0 + ROOM * quiver * (1.0 - v_small);
     v_corner = corner;
     vec2 off_plane = corner.x * wide / sqrt(flat_) + corner.y * high * flat_ / sqrt(flat_);
     vec3 place = middle + radius * (off_plane.x * right + off_plane.y * up);

@@ -25,7 +25,11 @@ const float EXPOSED = 0.02;    // s
 const float APERTURE = 0.5;    // cm
 const float FOCUSED = 220.0;   // cm
 const float LARGEST = 40.0;    // pixels, of a sprite
+#ifdef CLOSE_UP
 const float LEAST = 3.0;       // pixels: fewer would be a square
+#else
+const float LEAST = 2.0;
+#endif
 const vec2 NEAR = vec2(12.0, 42.0);  // cm, from where to where a speck before the eye is seen
 const float BACK = 0.16, FORWARD = 0.9;  // share of sunlight that it sends back, and on
 

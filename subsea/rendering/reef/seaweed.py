@@ -17,32 +17,33 @@ from subsea.rendering.output.quality import Quality
 LEAVES_UNIT = 5  # texture unit
 LUSH, FINE, COARSE = (19, 5), (13, 3), (7, 2)  # vertices along and across a leaf
 
-# Numbers of the fronds drawn on a chain of each kind: near for close-ups, near, far. Those of kelp
-# are stipes, their blades, and the fronds of the canopy.
+# Numbers of the fronds drawn on a chain of each kind: near and far for close-ups, near and far
+# without. Those of kelp are stipes, their blades, and the fronds of the canopy.
 KELP_STIPES, KELP_BLADES, KELP_CANOPY = range(3), range(3, 51), range(51, 59)
 FRONDS = {
-    "ribbon": ([0], [0], [0]),
+    "ribbon": ([0], [0], [0], [0]),
     "kelp": (
         [*KELP_STIPES, *KELP_BLADES, *KELP_CANOPY],
         # Blades grow on the stipe with their number modulo 3.
-        [0, 1, *KELP_BLADES[::3], *KELP_BLADES[1::16], *KELP_CANOPY[::2]],
         [0, *KELP_BLADES[::6], *KELP_BLADES[3::12], *KELP_CANOPY[::4]],
+        [0, 1, *KELP_BLADES[::3], KELP_BLADES[1], *KELP_CANOPY[::4]],
+        [0, *KELP_BLADES[::6], KELP_CANOPY[0]],
     ),
-    "grass": ([*range(10)], [*range(7)], [0, 2, 4]),
-    "red": ([*range(16)], [*range(12)], [0, *range(1, 12, 2)]),
+    "grass": ([*range(10)], [0, 2, 4], [*range(7)], [0, 2, 4]),
+    "red": ([*range(16)], [0, *range(1, 12, 2)], [*range(12)], [0, *range(1, 12, 2)]),
 }
 
 
 def _table(level: int) -> Ints:
-    """For kernels: a row for each kind of the fronds at a level and 1 if far ones lack them."""
+    """For kernels: a row for each kind of its fronds, and 1 for those that far leaves lack."""
     most = max(len(own[level]) for own in FRONDS.values()) + 1
     table = np.full((len(FRONDS), most, 2), -1)
     for row, own in zip(table, FRONDS.values(), strict=True):
-        row[: len(own[level])] = [(k, k not in own[2]) for k in own[level]]
+        row[: len(own[level])] = [(k, k not in own[level | 1]) for k in own[level]]
     return table
 
 
-FRONDS_AT = [_table(level) for level in range(3)]
+FRONDS_AT = [_table(level) for level in range(4)]
 
 
 class SeaweedRenderer(GpuOwner):
@@ -89,8 +90,9 @@ class SeaweedRenderer(GpuOwner):
             seen = np.ones((len(packet.views), number), np.bool_)
         near, far = (0, packet.fine_leaves), (packet.fine_leaves, number)
         ends = (near, (0, 0), far) if self._lush else ((0, 0), near, far)
-        for level, (first, end) in enumerate(ends):
-            fronds, starts = fronds_of(packet.leaves, seen, first, end, FRONDS_AT[level])
+        tables = (0, 2, 1 if self._lush else 3)
+        for level, ((first, end), table) in enumerate(zip(ends, tables, strict=True)):
+            fronds, starts = fronds_of(packet.leaves, seen, first, end, FRONDS_AT[table])
             self._starts[level] = starts.tolist()
             if len(fronds):
                 replace_data(self._ribbons[level][2], fronds)

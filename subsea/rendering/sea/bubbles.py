@@ -13,6 +13,7 @@ from subsea.habitat.vents import departures
 from subsea.rendering.gl.id_buffer import BUBBLES
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.output.quality import Quality
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.view.culling import IN_SIGHT
 
@@ -22,8 +23,9 @@ STREAM_CM = 60.0  # half width of a stream without current
 class BubbleRenderer(GpuOwner):
     """Draws the bubbles of the vents in sight; the shader moves them by the time alone."""
 
-    def __init__(self, context: Any, scene: RenderScene) -> None:
+    def __init__(self, context: Any, scene: RenderScene, quality: Quality) -> None:
         super().__init__()
+        self.adapt(quality)
         x, y = scene.vents[:, 0], scene.vents[:, 1]
         feet = drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
         self._current = scene.water.current_cm_s
@@ -35,10 +37,14 @@ class BubbleRenderer(GpuOwner):
         self._streams = self._ends()
         self._held: list[bool] = []  # True for the vents whose slots are in the buffer
         self._count = 0  # of these slots
-        self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES))
+        self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES, self._wants))
         total = sum(len(slot) for slot in self._slots)
         self._buffer = self.own(context.buffer(reserve=max(32 * total, 32)))
         self._array = self._programs.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])
+
+    def adapt(self, quality: Quality) -> None:
+        """Draw in this quality from now on."""
+        self._wants = quality.close_up_defines
 
     def draw(
         self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
@@ -59,7 +65,9 @@ class BubbleRenderer(GpuOwner):
             records = np.concatenate([self._slots[k] for k, one in enumerate(seen) if one])
             replace_data(self._buffer, records)
             self._count = len(records)
-        array = self._programs.ready(self._array, as_ids, **uniforms, u_current=self._current)
+        array = self._programs.ready(
+            self._array, as_ids, self._wants, **uniforms, u_current=self._current
+        )
         array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
         return 2 * self._count
 

@@ -110,6 +110,7 @@ def test_seaweed_has_the_same_kinds_nodes_and_fronds_everywhere():
     assert FRONDS["kelp"][0] == [*range(int(stipes + blades + canopy))]
     assert branches == max(FRONDS["red"][0])  # besides the stem, which is number 0
     for own in FRONDS.values():  # a frond never vanishes from one level to the next
-        assert set(own[0]) >= set(own[1]) >= set(own[2])
+        assert set(own[0]) >= set(own[1])
+        assert set(own[2]) >= set(own[3])
     ((short, more),) = numbers("seaweed.vert", r"CANOPY_LENGTH = vec2\( # , # \) ;")
     assert short + more == in_sight.BLADE

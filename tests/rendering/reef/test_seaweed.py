@@ -110,8 +110,8 @@ def _of_kind(bed, kind):
 def test_every_kind_has_its_fronds_near_and_far(counted, make_packet, bed, kind, close_up):
     quality, packet = Quality(close_up=close_up), make_packet([], eye=(0, 0, -235))
     bare, triangles = counted(packet, quality=quality)
-    near = (0, LUSH_TRIANGLES) if close_up else (1, FINE_TRIANGLES)
-    for fine, (level, each) in ((len(bed), near), (0, (2, COARSE_TRIANGLES))):
+    near = (0, LUSH_TRIANGLES) if close_up else (2, FINE_TRIANGLES)
+    for fine, (level, each) in ((len(bed), near), (0, (near[0] + 1, COARSE_TRIANGLES))):
         standing = replace(packet, leaves=_of_kind(bed, kind), fine_leaves=fine)
         picture, number = counted(standing, quality=quality)
         assert number - triangles == each * len(bed) * len(FRONDS[kind][level])
