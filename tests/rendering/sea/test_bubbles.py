@@ -146,7 +146,7 @@ def test_no_glint_burns_out_wherever_in_the_picture_its_bubble_is(drawn, scene, 
         packet = make_packet([], heading=np.pi / 2 + heading, time_s=60.0)
         bare = drawn(packet, scene=replace(scene, vents=kept.vents[:0]), quality=LOW)
         picture = drawn(packet, scene=kept, quality=LOW)
-        bubbles = np.abs(picture - bare).max(axis=2) > 12  # bright sand is none of theirs
+        bubbles = np.abs(picture - bare).max(axis=2) > 12  # without bright sand
         assert bubbles.sum() > 20
         assert picture.min(axis=2)[bubbles].max() <= 235
 
