@@ -50,7 +50,9 @@ DISPLAYS = {
 VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
 GROUPS = {"sea": "Reef and waves", "fishes": "Fishes", "vessel": "Vessel"}
 GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
-QUALITIES = {"auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High"}
+QUALITIES = {
+    "auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High", "ultra": "Ultra",
+}  # fmt: skip
 
 
 class Entry(NamedTuple):
