@@ -11,7 +11,6 @@ import pytest
 
 from subsea.cli.main import main
 from subsea.ui.dive import Dive
-from subsea.ui.picture import ScenePicture
 from tests.support.scenes import BARE
 from tests.support.windows import User, press_close_button
 
@@ -45,22 +44,20 @@ def test_a_key_ends_it_cleanly(display, user, tmp_path):
 def test_the_last_picture_says_that_it_closes(display, monkeypatch, tmp_path):
     settings, shown, drawn = tmp_path / "settings.toml", [], []
     settings.write_text('[controls]\nleave = ["X"]\n')
-    close, draw = Dive.close, ScenePicture.draw
+    close, frame = Dive.close, Dive.frame
 
     def closed(running):
         time.sleep(0.2)
         shown.append(User.screen(running))
         close(running)
 
-    def pressed(self, clear, chosen):
-        draw(self, clear, chosen)
-        if self._world.state.tick > 0:  # not at rest
-            drawn.append(self.alpha)
-            User.do("key", "x")
-            time.sleep(0.3)
+    def framed(running, elapsed_s):
+        drawn.append(frame(running, elapsed_s))
+        User.do("key", "x")
+        time.sleep(0.3)
 
     monkeypatch.setattr(Dive, "close", closed)
-    monkeypatch.setattr(ScenePicture, "draw", pressed)
+    monkeypatch.setattr(Dive, "frame", framed)
     assert main([*WORDS, "--seconds", "100", "--settings", str(settings)]) == 0
     [screen] = shown
     assert len(drawn) <= 2  # the key ends it before another picture
