@@ -211,7 +211,9 @@ def test_added_and_removed_tables_change_only_their_lines():
 def test_a_file_from_scratch_reads_well():
     scenario, _ = load_scenario("preying")
     text = scenario_text(replace(scenario, tour=TOUR[:0], reef=[], seaweed=[], rock=[]))
-    head = 'title = "Preying"\ndescription = "A hungry reef shark hunts a school of five."\n'
+    head = (
+        'title = "Preying"\ndescription = "A hungry reef shark hunts in the channels of a reef."\n'
+    )
     assert text.startswith(f"{head}seed = 2\n\n[bounds]\nradius_cm = ")
     headers = [line for line in text.splitlines() if line.startswith("[")]
     order = [field.name for field in msgspec.structs.fields(Scenario)]
