@@ -19,13 +19,14 @@ from subsea.rendering.output.quality import LADDER, PRESETS
 
 TARGET_MS = 20.0
 LOW, HIGH = LADDER.index(PRESETS["low"]), len(LADDER) - 1
+ULTRA = 1.02  # its cost over that of the preset before
 
 
 def costs(low_ms, fixed, medium, high):
     """Frame time at every rung: a fixed share, the rest by pixels; then the presets."""
     scale = np.array([rung.scale for rung in LADDER[: LOW + 1]])
     scaled = low_ms * (fixed + (1 - fixed) * scale**2)
-    return np.array([*scaled, low_ms * medium, low_ms * medium * high])
+    return np.array([*scaled, *(low_ms * np.cumprod([medium, high, ULTRA]))])
 
 
 COST = costs(9.0, 0.3, 1.4, 1.5)

@@ -320,7 +320,7 @@ def test_help_and_pattern_hide_the_insets_of_a_ride(boat, ride):
     until(boat, lambda: boat.overlay.help_opacity == 0.0)
     boat.frame(0.1)
     assert boat.picture.insets
-    key("p", "p", "p")
+    key("p", "p", "p", "p")
     until(boat, lambda: boat.picture.quality_text == "picture low")
 
 

@@ -275,4 +275,4 @@ def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):
     )
     monkeypatch.setattr(dive, "endless_tour", lambda world, tour: done.append("boarded") or tour)
     dive.Dive._show_world(running, world, tour="reef")
-    assert done == ["listens", "scene", "resumed", "boarded", "reef", "heard"]
+    assert done == ["scene", "listens", "resumed", "boarded", "reef", "heard"]
