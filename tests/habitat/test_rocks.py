@@ -123,6 +123,7 @@ def test_every_rock_knows_its_table():
         load_scenario("peaceful")[0],
         rock=[Rock(position_cm=(1, 2), size_cm=(30, 20, 10))],
         outcrop=[Outcrop(position_cm=(1, 2), size_cm=(30, 20, 10), rocks=3)],
+        ridge=[],
         arch=[Arch(position_cm=(1, 2), span_cm=300, height_cm=200)],
     )
     rows, names = rock_rows(scenario, level)

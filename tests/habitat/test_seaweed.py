@@ -222,7 +222,8 @@ def test_all_kinds_are_chains_with_a_look_of_their_own(make_bed, kind):
     _, weed = make_bed(group | {"kind": kind})
     assert (weed.kind == module.KINDS.index(kind)).all()
     _, other = make_bed(group)
-    np.testing.assert_array_equal(weed.rest, other.rest)
+    assert weed.rest.shape == other.rest.shape == (6, module.NODES - 1)
+    assert (np.diff(weed.rest, axis=1) < 0.0).all()  # finer toward the tip
     if kind != "ribbon":
         assert not np.allclose(weed.look[:, 4:7], other.look[:, 4:7])
         assert weed.look[:, 0].max() < other.look[:, 0].max()
