@@ -83,7 +83,7 @@ def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, 
         )  # fmt: skip
         if k % 100 == 99:
             assert context.error == "GL_NO_ERROR"
-        if k == 325:  # all qualities were drawn: lazily made objects exist by now
+        if k == 425:  # all qualities were drawn: lazily made objects exist by now
             renderer.adapt(PRESETS["low"])
             settled = living()
     renderer.adapt(PRESETS["low"])

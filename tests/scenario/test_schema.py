@@ -152,9 +152,11 @@ def test_binary_files_are_refused(tmp_path, content):
 def test_a_scenario_may_have_its_nearest_fishes_simulated(tmp_path):
     text = PEACEFUL.replace("-430.0, -60.0, -330.0", "-100.0, 0, -330")
     world = world_of(tmp_path, f"simulated = 2\n{text}")
-    for _ in range(120):
+    most = 0
+    for _ in range(400):
         step(world, NEUTRAL)
-    assert world.state.fishes.live.sum() == 2
+        most = max(most, int(world.state.fishes.live.sum()))
+    assert most == 2
 
 
 BUSY = (
