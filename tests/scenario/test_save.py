@@ -85,7 +85,11 @@ OWN = {
     tables.SeaweedTable: {"position_cm": MAYBE_HERE},
     tables.ReefTable: {"position_cm": MAYBE_HERE},
     **dict.fromkeys(
-        (tables.Pillar, tables.Rock, tables.Outcrop, tables.Arch, tables.Vent), PLACED
+        (
+            tables.Pillar, tables.Rock, tables.Outcrop, tables.Ridge, tables.Arch, tables.Vent,
+            tables.CoralTable,
+        ),
+        PLACED,
     ),
 }  # fmt: skip
 TOUR = load_scenario("visitors")[0].tour
