@@ -102,7 +102,7 @@ def rock_spots(sea: Sea) -> Spots:
 
 
 def on_stones(table: ReefTable, number: int, spots: Spots, sea: Sea) -> Iterator[Tries]:
-    """Candidates on each stone: so many that a table's share would cover the ground around."""
+    """Candidates of a table on each stone, as dense as its number over the ground around."""
     near, ground = np.ones(len(spots.stone)), STONY * np.pi * sea.radius**2
     if table.position_cm is not None:
         away = ((spots.sites.place[:, :2] - table.position_cm) ** 2).sum(axis=1)

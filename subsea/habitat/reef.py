@@ -151,7 +151,7 @@ def _candidates(
     tries: Tries,
     current_cm_s: tuple[float, float],
 ) -> tuple[Array, Bools]:
-    """What would grow at each candidate place: rows (n, COLUMNS), and whether it fits there."""
+    """A growth for each candidate place: rows (n, COLUMNS), and True where it fits."""
     names, wave = list(KINDS), np.random.default_rng([table.seed, number, 0x4EEF])
     traits = np.array([KINDS[name][:1] + KINDS[name][1] + KINDS[name][2:] for name in names])
     height, least, most, slope, picky, sand, rock, lean, foot = traits.T

@@ -209,7 +209,7 @@ class ReefTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     position_cm: tuple[Coordinate, Coordinate] | None = None  # None: all over the sea
     spread_cm: Positive = 200.0  # maximum distance from it
-    # So many where stone covers as much as the ground around, fewer where they do not fit.
+    # Number if stone covers as much as the ground around; fewer if there is no room.
     number: Annotated[int, msgspec.Meta(ge=0, le=MAX_GROWTHS)] = 100
     kinds: dict[GrowthKind, Weight] = {}  # weights; empty: all kinds that suit the ground
     size: Annotated[float, msgspec.Meta(ge=0.3, le=3)] = 1.0  # factor on the usual sizes

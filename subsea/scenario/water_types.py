@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 WaterType = Literal["I", "IB", "II", "III", "1C", "3C", "5C", "9C"]
 Rgb = tuple[float, float, float]
 
-# What a camera's red takes in: half at 550 nm, where water takes little of it, half at 650 nm.
+# Share of 650 nm in the red channel of a camera; the rest is at 550 nm, where water absorbs little.
 RED_SHARE = 0.5
 # Backscatter of the water itself at 650, 550 and 450 nm (wavelength to the power -4.3), over that
 # at 450 nm.

@@ -64,11 +64,11 @@ def test_the_count_sees_what_is_made_and_freed(context, living):
     assert living() == before
 
 
-def test_500_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
+def test_600_frames_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
     renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])
     memory, settled = empty_lod_state(len(world.state.fishes.species)), None
-    for k in range(500):
+    for k in range(600):
         if k % 5 == 0:
             step(world, tour.helm(world))
         if k % 125 == 124:

@@ -20,8 +20,8 @@ SAME_BL = 1e-6  # distance of nodes in the same turn of another processor, body 
 search, attempt = manoeuvres._left_turn, manoeuvres._with_couple
 
 
-class Found(Exception):  # noqa: N818
-    """The turn of the file."""
+class TurnFoundError(Exception):
+    """Ends a search with the turn of the file."""
 
 
 @cache
@@ -53,7 +53,7 @@ def known_turn(motion: Muscles, left: str) -> Trial:
             len(seen) == len(nodes)
             and np.abs(seen - nodes).max() < SAME_BL * shipped.body_length_cm
         ):
-            raise Found(trial._replace(couple=couple))
+            raise TurnFoundError(trial._replace(couple=couple))
         return trial
 
     with pytest.MonkeyPatch.context() as patch:
@@ -63,7 +63,7 @@ def known_turn(motion: Muscles, left: str) -> Trial:
         patch.setattr(manoeuvres, "_with_couple", tried)
         try:
             search.__wrapped__(motion, left)
-        except Found as found:
+        except TurnFoundError as found:
             return found.args[0]
     return search(motion, left)
 

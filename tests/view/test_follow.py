@@ -28,7 +28,7 @@ def gap(sea, eye):
 
 def test_it_sees_its_fish_from_behind_and_above_more_calmly_than_that_swims(world):
     fishes = world.state.fishes
-    fish = [0, 12, 30, 55]
+    fish = [0, 12, 30, 57]  # that keep their way
     cameras = dict.fromkeys(fish)
     looks, heads = [], []
     for _ in range(90):
@@ -45,7 +45,7 @@ def test_it_sees_its_fish_from_behind_and_above_more_calmly_than_that_swims(worl
     looks, heads = (np.array(ways).reshape(90, len(fish), 3) for ways in (looks, heads))
     shaken = [np.linalg.norm(np.diff(ways, 2, axis=0), axis=2).mean() for ways in (looks, heads)]
     assert shaken[0] < 0.2 * shaken[1]
-    assert np.sum(looks[45:, :, :2] * heads[45:, :, :2], axis=2).mean() > 0.65  # it follows
+    assert np.sum(looks[45:, :, :2] * heads[45:, :, :2], axis=2).mean() > 0.7  # it follows
     assert cameras[0].share == 1.0  # nothing is in its way here
 
 

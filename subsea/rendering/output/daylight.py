@@ -13,16 +13,16 @@ from subsea.scenario.water_types import LUMINANCE, attenuation
 CONTRAST_LEFT = 0.02  # at the visibility of a scenario
 # Daylight at noon at the surface. The sun's is that of a surface that faces it.
 SUNLIGHT, SKYLIGHT = np.array([5.3, 4.2, 3.6]), np.array([0.50, 0.76, 0.95])
-SANDLIGHT = np.array([0.32, 0.36, 0.36])  # what sand sends back up
-AIR = np.array([0.10, 0.17, 0.32])  # what the air takes of sunlight from the zenith, exponents
-MOST_AIR = 9.0  # times as much, at the horizon
+SANDLIGHT = np.array([0.32, 0.36, 0.36])  # reflected upward by sand
+AIR = np.array([0.10, 0.17, 0.32])  # optical depth of the air, sun in the zenith
+MOST_AIR = 9.0  # air mass at the horizon
 DUSK = np.array([0.22, 0.24, 0.34])  # of the sky's light, when the sun is at the horizon
 # Water without a type: attenuation downward in 1/cm, and shares of the extinction along the view.
 PLAIN_DOWN, PLAIN_ALONG = np.array([0.0020, 0.00080, 0.00042]), np.array([1.25, 1.0, 0.84])
 ABSORBED = 0.5  # share of different losses along the view that the eye does not make up for
 LEAST_ALONG = 0.4  # share of the extinction of green light that any colour has
-# An eye takes the light about it for white: shares of what is lost in the colour that water takes
-# least and most, but ever less so the deeper it is.
+# The eye adapts to the light around it: share of the loss that it makes up for, in the colour that
+# water absorbs least and most. It adapts less the deeper it is.
 ADAPTED_LEAST, ADAPTED_MOST = 0.45, 1.10
 ADAPTS_TO_CM = 1000.0  # depth at which half of it is made up for
 LEVEL_CM = 350.0  # depth at which the colour of distant water is seen level as it is given
@@ -31,7 +31,7 @@ PUPIL, NARROW, WIDE = 0.55, 0.75, 2.2
 FAR = 0.75  # of distant water, of the colour that is given
 VIOLET = np.array([1.7, 0.92, 1.0])  # of the deep, which an eye sees below blue water
 RISE, SINK = 0.53, 0.60  # how much more and less there is of the colour that water takes most
-# What is scattered forward about the sun: a broad glow and a narrow one.
+# Light scattered forward around the sun: a broad glow and a narrow one.
 BROAD, NEAR_SUN = np.array([0.02, 0.08, 0.11]), np.array([0.22, 0.45, 0.50])
 PLAIN_FAR = np.array([0.007, 0.080, 0.190])  # distant water that those belong to
 
