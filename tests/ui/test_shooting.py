@@ -80,7 +80,7 @@ def test_pictures_and_films_show_the_sea_and_no_text_unless_asked(
     boat.run_command("film")
     with monkeypatch.context() as patch:
         patch.setattr("subsea.ui.hud.Hud.draw", lambda *rest: None)
-        patch.setattr("subsea.ui.overlay.Overlay._line", lambda *rest: rest[-1])
+        patch.setattr("subsea.ui.overlay.draw_line", lambda *rest: rest[-1])
         boat.frame(0.0)
         boat.frame(0.0)
         bare = user.screen(boat)

@@ -15,12 +15,13 @@ from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.support.scenes import BARE
 
 TIMEOUT_S = 5.0  # a busy machine must not count as a late node
 
 
 def small_sea(fish=4, seed=None):
-    world = create_world(load_scenario("schooling")[0], seed=seed, fish=fish)
+    world = create_world(load_scenario(str(BARE))[0], seed=seed, fish=fish)
     step(world, NEUTRAL)
     return world
 

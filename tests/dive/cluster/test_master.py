@@ -147,9 +147,9 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_s
     left = harness.node(seas[1], "left")
     fault = refused(harness, harness.node(make_sea(seed=99), "right"))
     assert fault == (
-        f"the master refuses node right: it has subsea {__version__} with seed 99, expected 3"
+        f"the master refuses node right: it has subsea {__version__} with seed 99, expected 1"
     )
-    assert told(harness, "node right: has subsea", "seed 99, expected 3", "refused")
+    assert told(harness, "node right: has subsea", "seed 99, expected 1", "refused")
     fault = refused(harness, harness.node(make_sea(fish=5), "right"))
     assert "with another sea, made of the same scenario" in fault
     assert told(harness, "node right", "another sea")
@@ -161,10 +161,10 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_s
     [
         ({"version": "0.0.9"}, "has subsea 0.0.9, expected "),
         ({"code": "0123456789"}, "with other code (build 01234567, expected "),
-        ({"scenario": "0"}, "with another scenario 'A school among pillars'"),
+        ({"scenario": "0"}, "with another scenario 'A bare sea'"),
         (
             {"scenario": "0", "title": "Bay"},
-            "the scenario 'Bay', expected 'A school among pillars'",
+            "the scenario 'Bay', expected 'A bare sea'",
         ),
         ({"species": "0"}, "with other species"),
         ({"repertoires": "0"}, "with other repertoires"),
@@ -198,7 +198,7 @@ def test_repeated_attempts_do_not_flood_the_log(harness, seas):
             stranger.send(encode(Hello(f"node{k}", ours)))
         harness.show_until(lambda: harness.master._refusals == 30)
         stranger.close()
-    assert sum("seed 4, expected 3: refused" in line for line in harness.told) == 1
+    assert sum("seed 4, expected 1: refused" in line for line in harness.told) == 1
     assert sum("not among the nodes" in line for line in harness.told) == 2
 
 
