@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from subsea.behavior.hunting import is_chewing
 from subsea.dive.directed_camera import directed_steering
 from subsea.scenario.load import load_scenario
-from subsea.state import EAT, LOOPING, MATE
+from subsea.state import EAT, LOOPING, MATE, Clock
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world
@@ -35,7 +36,7 @@ class Seen(NamedTuple):
 
     pair: bool  # it courts, in front of the camera and in view
     school: bool  # it is in view behind the pair
-    shark: bool  # it hunts one of the school, in view
+    shark: bool  # it hunts or chews one of the school, in view
 
 
 def seen(world: World) -> Seen:
@@ -47,12 +48,12 @@ def seen(world: World) -> Seen:
     courts = (minds.courtship[PAIR] >= LOOPING) & (minds.intention[PAIR] == MATE)
     school = fishes.alive[SCHOOL]
     behind = inside[SCHOOL] & (far[SCHOOL] > far[PAIR].max() + BEHIND_CM) & school
-    prey = minds.target[SHARK]
-    hunts = minds.intention[SHARK] == EAT and SCHOOL.start <= prey < SCHOOL.stop
+    prey, now = minds.target[SHARK], Clock(world.state.seed, world.state.tick, TICK_S)
+    hunts = SCHOOL.start <= prey < SCHOOL.stop or is_chewing(minds, SHARK, now)
     return Seen(
         bool(courts.all() and inside[PAIR].all() and far[PAIR].max() < FRONT_CM),
         bool(behind.sum() >= max(MOST * school.sum(), 1)),
-        bool(hunts and inside[SHARK]),
+        bool(minds.intention[SHARK] == EAT and hunts and inside[SHARK]),
     )
 
 

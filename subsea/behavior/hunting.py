@@ -19,6 +19,7 @@ STALK = 0.7  # share of the fastest speed while it approaches
 BURST_BL = 2.5  # distance within which it bursts forward ...
 AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
+READY_S = 1.5  # burst spent below which it begins to burst
 STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
 ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
@@ -73,6 +74,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
         astray = times(min(near, 1.0), aim_error(fishes.length[j], i, crowd, clock))
     minds.target[i] = j
     aim = plus(vector(fishes.position[j]), astray)
+    strikes = fishes.goal_speed[i] > 1.0
     distance = chase(fishes, minds, i, aim, vector(fishes.velocity[j]))
     strain = 0.0
     if distance > BURST_BL * length:
@@ -80,8 +82,10 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     elif _aside(fishes, minds, i) > AIM_RAD:
         fishes.goal_speed[i] = BRAKED
     else:
-        burst(fishes, minds, i)
-        strain = STRAIN
+        # It waits until it has recovered, or it would use up the little it has at once.
+        if strikes or minds.spent[i] < READY_S:
+            burst(fishes, minds, i)
+            strain = STRAIN
     # The intention generator has already added a second per second.
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)

@@ -9,11 +9,24 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
-from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, MATE, RIGHT, Clock, Fishes, Minds, Sea
+from subsea.state import (
+    EAT,
+    ESCAPE,
+    HULL_CM,
+    LEFT,
+    MATE,
+    PREDATOR,
+    RIGHT,
+    Clock,
+    Fishes,
+    Minds,
+    Sea,
+)
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
 ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time of a turn
 BODY_BL = 0.45  # farthest part of a body from its middle
+BOLD = 0.4  # share of that room for a hunter, which follows its prey between stones
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, but for these intentions
@@ -41,6 +54,8 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         reach = CLEARANCE_CM + CLEARANCE_BL * length
         # Large fishes turn more slowly, and fast ones on a wider circle.
         room = ROOM_BL * length + ROOM_S * norm(vector(fishes.velocity[i])) / fishes.rate[i]
+        if minds.kind[i] == PREDATOR and minds.intention[i] == EAT:
+            room *= BOLD
         # Twice, so that in a corner neither undoes the other.
         for _ in range(2):
             for part in (tail, snout):

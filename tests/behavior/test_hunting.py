@@ -17,6 +17,7 @@ from subsea.behavior.hunting import (
     MOUTH_BL,
     OPEN_BL,
     RESTED_S,
+    READY_S,
     STALK,
     STRAIN,
     SUCK_BL,
@@ -106,6 +107,18 @@ def test_a_hunter_comes_up_and_bursts_forward(around, place, speed, gape):
     assert toward @ (np.array(place) / np.linalg.norm(place)) > 0.999
     strain = STRAIN if speed == 1 else 0.0
     assert minds.fatigue[EAT, 0] == pytest.approx(5.0 + (strain - 1) * DT)
+
+
+@pytest.mark.parametrize(
+    ("spent", "speed_before", "strikes"),
+    [(0.9 * READY_S, 0.5, True), (1.1 * READY_S, 0.5, False), (1.1 * READY_S, 1.5, True)],
+)
+def test_a_strike_is_begun_with_strength_and_gone_on_with(around, spent, speed_before, strikes):
+    fishes, minds = _hunter((0.8 * BURST_BL * LENGTH, 0, 0))
+    fishes.burst[:] = 3.0
+    fishes.goal_speed[0], minds.spent[0] = speed_before, spent
+    _act(fishes, minds, around)
+    assert (fishes.goal_speed[0] > 1.0) == strikes
 
 
 def test_it_heads_off_a_prey_that_crosses_its_way(around):

@@ -15,7 +15,7 @@ from subsea.behavior.steering import (
     ease_goals,
     keep_clear,
 )
-from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, SCHOOL, WANDER
+from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, PREDATOR, PREY, SCHOOL, WANDER
 from tests.support.scenes import everyone
 
 ALL = np.arange(1)
@@ -63,6 +63,18 @@ def test_a_pillar_is_passed_and_its_top_is_free(tank):
     t.minds.urge[:] = 1.0, 0.0, 0.0
     keep_clear(ALL, t.fishes, t.minds, t.sea)
     np.testing.assert_allclose(t.minds.urge[0], [1.0, 0.0, 0.0])
+
+
+def test_a_hunter_follows_its_prey_nearer_to_a_pillar(tank):
+    sideways = []
+    for kind, intention in ((PREDATOR, WANDER), (PREDATOR, EAT), (PREY, EAT)):
+        t = tank(pillars=[(80.0, 2.0, 30.0, 0.0)])
+        t.minds.kind[:], t.minds.intention[:] = kind, intention
+        t.minds.urge[:] = 1.0, 0.0, 0.0
+        keep_clear(ALL, t.fishes, t.minds, t.sea)
+        sideways.append(abs(t.minds.urge[0, 1]))
+    assert sideways[1] < 0.5 * sideways[0]
+    assert sideways[2] == sideways[0]
 
 
 def test_the_way_around_an_ellipsoid(tank):
