@@ -31,7 +31,7 @@ def shipped(request, shipped_library):
 
 
 def _play(library, code, phases, ticks, wanted=None):
-    """Nodes (T, n, 23, 3), cm, world, and segments (T, n) of fishes that start at rows of a segment.
+    """Nodes (T, n, 23, 3), cm, world, segments (T, n) of fishes from rows `phases` of a segment.
 
     Fishes with a `wanted` segment each are followed until all have had it for `AFTER` ticks.
     """
