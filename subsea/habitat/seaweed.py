@@ -119,8 +119,10 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
     _settle(seaweed, sea)
-    for at in np.ndindex(seaweed.node.shape):  # a copy of arrays would take seconds to compile
-        seaweed.previous[at] = seaweed.node[at]
+    for leaf in range(len(seaweed.node)):  # a copy of arrays would take seconds to compile
+        for i in range(NODES):
+            for axis in range(3):
+                seaweed.previous[leaf, i, axis] = seaweed.node[leaf, i, axis]
     return sea.seaweed, seaweed
 
 
@@ -187,12 +189,14 @@ def step_seaweed(
     clusters = len(seaweed.first) - 1
     if clusters == 0:
         return
-    for at in np.ndindex(seaweed.node.shape):  # a copy of arrays would take seconds to compile
-        seaweed.previous[at] = seaweed.node[at]
+    for leaf in range(len(seaweed.node)):  # a copy of arrays would take seconds to compile
+        for i in range(NODES):
+            for axis in range(3):
+                seaweed.previous[leaf, i, axis] = seaweed.node[leaf, i, axis]
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
-    water = np.empty((NODES, 3))
+    water, yielding = np.empty((NODES, 3)), _yielding(clock.dt)
     for k in range(clusters):
         box = sea.seaweed[k]
         middle = times(0.5, plus(vector(box[:3]), vector(box[3:])))
@@ -223,7 +227,7 @@ def step_seaweed(
                 if speed > TORRENT_CM_S:
                     v = times(TORRENT_CM_S / speed, v)
                 water[i, 0], water[i, 1], water[i, 2] = v
-            _swing_leaf(seaweed, np.int64(leaf), water, clock.dt)
+            _swing_leaf(seaweed, np.int64(leaf), water, yielding, clock.dt)
         _enclose(seaweed, sea, k)
 
 
@@ -268,16 +272,26 @@ def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
 @kernel
 def _settle(seaweed: Seaweed, sea: Sea) -> None:
     """Let all leaves come to rest in still water."""
-    still = np.zeros((NODES, 3))
+    still, yielding = np.zeros((NODES, 3)), _yielding(0.033)
     for leaf in range(len(seaweed.node)):
         for _ in range(SETTLING):
-            _swing_leaf(seaweed, leaf, still, 0.033)
+            _swing_leaf(seaweed, leaf, still, yielding, 0.033)
     for k in range(len(seaweed.first) - 1):
         _enclose(seaweed, sea, k)
 
 
 @kernel
-def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
+def _yielding(dt: float) -> Array:
+    """Change of each node's velocity (m, 2) in a substep by a force, and what drag leaves of it."""
+    h, yielding = dt / SUBSTEPS, np.empty((NODES, 2))
+    for i in range(NODES):
+        yielding[i, 0] = h / MASS[i]
+        yielding[i, 1] = 1.0 / (1.0 + yielding[i, 0] * VISCOSITY)
+    return yielding
+
+
+@kernel
+def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, yielding: Array, dt: float) -> None:
     """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
 
     Springs are explicit, with substeps short enough for the lightest node; drag is implicit.
@@ -300,8 +314,7 @@ def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, dt: float) -> None:
                 + dz * float(velocity[i, 2] - velocity[i - 1, 2])
             )
             pull = SPRING * (length - float(rest[i - 1])) + DAMPING * parting
-            share = h / MASS[i]
-            drag = 1.0 / (1.0 + share * VISCOSITY)
+            share, drag = yielding[i, 0], yielding[i, 1]
             lift = h * BUOYANCY_CM_S2
             flow = share * VISCOSITY
             gx, gy, gz = pull * dx, pull * dy, pull * dz
