@@ -136,15 +136,15 @@ def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
 
 def matrix(q: Array) -> Array:
     """Rotation matrices (…, 3, 3) of unit quaternions (…, 4); columns are the body axes."""
-    q = np.asarray(q)
-    w, x, y, z = (q[..., k] for k in range(4))
-    R = np.empty((*q.shape[:-1], 3, 3), q.dtype)
-    R[..., 0, 0], R[..., 0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)
-    R[..., 0, 2], R[..., 1, 0] = 2 * (x * z + w * y), 2 * (x * y + w * z)
-    R[..., 1, 1], R[..., 1, 2] = 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-    R[..., 2, 0], R[..., 2, 1] = 2 * (x * z - w * y), 2 * (y * z + w * x)
-    R[..., 2, 2] = 1 - 2 * (x * x + y * y)
-    return R
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
+            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
+            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
+        ],
+        -2,
+    )
 
 
 def from_matrix(R: Array) -> Array:
