@@ -46,7 +46,8 @@ def preying(seed: int, seconds: float = SECONDS["preying"]) -> dict[str, Any]:
         troubled += int((minds.mental[peaceful, FEAR] > 0).sum())
         fed += int((minds.intention[peaceful] == EAT).sum())
         hunting += int((minds.intention[minds.kind == PREDATOR] == EAT).sum())
-        school = fishes.position[fishes.alive & minds.schools & (minds.kind == PREY)]
+        five = fishes.species == fishes.species[np.flatnonzero(minds.kind == PREY)[0]]
+        school = fishes.position[fishes.alive & minds.schools & five]
         middle = np.median(school, axis=0) if len(school) else 0.0
         radii.append(float(np.linalg.norm(school - middle, axis=1).mean()) if len(school) else 0.0)
         alive, before = fishes.alive.copy(), minds.intention.copy()
