@@ -39,10 +39,11 @@ def test_it_begins_near_the_predator_and_sees_it_unless_it_is_behind(env):
         way = fishes.position[shark] - fishes.position[info["fish"]]
         gap = np.linalg.norm(way)
         assert START_CM[0] - 60.0 < gap < START_CM[1] + 60.0
-        ahead = x_axis(fishes.orientation[info["fish"]])
         found.append(seen[NAMES.index("predator 0 nearness")] > 0.0)
-        aside = way @ ahead / gap - FIELD_COS
-        assert found[-1] == (aside > 0.0) or abs(aside) < 0.01  # eyes are before the middle
+        # Perception comes before motion.
+        way = fishes.previous_position[shark] - fishes.previous_position[info["fish"]]
+        ahead = x_axis(fishes.previous_orientation[info["fish"]])
+        assert found[-1] == (way @ ahead > FIELD_COS * np.linalg.norm(way))
         again, same = env.reset(seed=seed)
         np.testing.assert_array_equal(seen, again)
         assert info == same
@@ -56,11 +57,10 @@ def test_a_fish_before_the_jaws_is_caught_and_stays_dead(env):
     fishes.alive[:] = np.isin(np.arange(len(fishes.alive)), (shark, info["fish"]))
     for _ in range(10):
         env.step(STILL)
+    ahead = np.array(x_axis(fishes.orientation[shark]))
+    fishes.position[info["fish"]] = mouth_of(fishes, shark) + 0.3 * fishes.length[shark] * ahead
     rewards, dead, late = [], False, False
     while not dead and not late:
-        ahead = np.array(x_axis(fishes.orientation[shark]))
-        before = mouth_of(fishes, shark) + 0.1 * fishes.length[shark] * ahead
-        fishes.position[info["fish"]] = before
         seen, reward, dead, late, _ = env.step(STILL)
         rewards.append(reward)
     assert dead
