@@ -74,7 +74,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
         astray = times(min(near, 1.0), aim_error(fishes.length[j], i, crowd, clock))
     minds.target[i] = j
     aim = plus(vector(fishes.position[j]), astray)
-    strikes = fishes.goal_speed[i] > 1.0
+    strikes = fishes.goal_speed[i] > 1.0  # since its last decision
     distance = chase(fishes, minds, i, aim, vector(fishes.velocity[j]))
     strain = 0.0
     if distance > BURST_BL * length:

@@ -119,10 +119,7 @@ def _planted(groups: list[Group], sea: Sea, reef: Reef, seed: int) -> tuple[Arra
     )  # fmt: skip
     sea = sea._replace(seaweed=np.zeros((len(starts) - 1, 6), f))
     _settle(seaweed, sea)
-    for leaf in range(len(seaweed.node)):  # a copy of arrays would take seconds to compile
-        for i in range(NODES):
-            for axis in range(3):
-                seaweed.previous[leaf, i, axis] = seaweed.node[leaf, i, axis]
+    seaweed.previous[:] = seaweed.node
     return sea.seaweed, seaweed
 
 
@@ -196,7 +193,7 @@ def step_seaweed(
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
-    water, yielding = np.empty((NODES, 3)), _yielding(clock.dt)
+    water, response = np.empty((NODES, 3)), _response(clock.dt)
     for k in range(clusters):
         box = sea.seaweed[k]
         middle = times(0.5, plus(vector(box[:3]), vector(box[3:])))
@@ -227,7 +224,7 @@ def step_seaweed(
                 if speed > TORRENT_CM_S:
                     v = times(TORRENT_CM_S / speed, v)
                 water[i, 0], water[i, 1], water[i, 2] = v
-            _swing_leaf(seaweed, np.int64(leaf), water, yielding, clock.dt)
+            _swing_leaf(seaweed, np.int64(leaf), water, response, clock.dt)
         _enclose(seaweed, sea, k)
 
 
@@ -272,26 +269,26 @@ def _passers(seaweed: Seaweed, fishes: Fishes, sea: Sea) -> tuple[Ints, Ints]:
 @kernel
 def _settle(seaweed: Seaweed, sea: Sea) -> None:
     """Let all leaves come to rest in still water."""
-    still, yielding = np.zeros((NODES, 3)), _yielding(0.033)
+    still, response = np.zeros((NODES, 3)), _response(0.033)
     for leaf in range(len(seaweed.node)):
         for _ in range(SETTLING):
-            _swing_leaf(seaweed, leaf, still, yielding, 0.033)
+            _swing_leaf(seaweed, leaf, still, response, 0.033)
     for k in range(len(seaweed.first) - 1):
         _enclose(seaweed, sea, k)
 
 
 @kernel
-def _yielding(dt: float) -> Array:
+def _response(dt: float) -> Array:
     """Change of each node's velocity (m, 2) in a substep by a force, and what drag leaves of it."""
-    h, yielding = dt / SUBSTEPS, np.empty((NODES, 2))
+    h, response = dt / SUBSTEPS, np.empty((NODES, 2))
     for i in range(NODES):
-        yielding[i, 0] = h / MASS[i]
-        yielding[i, 1] = 1.0 / (1.0 + yielding[i, 0] * VISCOSITY)
-    return yielding
+        response[i, 0] = h / MASS[i]
+        response[i, 1] = 1.0 / (1.0 + response[i, 0] * VISCOSITY)
+    return response
 
 
 @kernel
-def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, yielding: Array, dt: float) -> None:
+def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, response: Array, dt: float) -> None:
     """Move a leaf by `dt` in `water` (m, 3), cm/s: springs, buoyancy, and f = μ_w (v - ẋ).
 
     Springs are explicit, with substeps short enough for the lightest node; drag is implicit.
@@ -314,7 +311,7 @@ def _swing_leaf(seaweed: Seaweed, leaf: int, water: Array, yielding: Array, dt: 
                 + dz * float(velocity[i, 2] - velocity[i - 1, 2])
             )
             pull = SPRING * (length - float(rest[i - 1])) + DAMPING * parting
-            share, drag = yielding[i, 0], yielding[i, 1]
+            share, drag = response[i, 0], response[i, 1]
             lift = h * BUOYANCY_CM_S2
             flow = share * VISCOSITY
             gx, gy, gz = pull * dx, pull * dy, pull * dz

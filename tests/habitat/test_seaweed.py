@@ -62,7 +62,7 @@ def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):
     weed.lean[:] = (0.0, 0.0, 1.0)
     flow = np.array([4.0, -2.0, 0.0])
     for _ in range(3000):
-        module._swing_leaf(weed, 0, np.tile(flow, (NODES, 1)), module._yielding(DT), DT)
+        module._swing_leaf(weed, 0, np.tile(flow, (NODES, 1)), module._response(DT), DT)
     each = BUOYANCY_CM_S2 * MASS[1:, None] * [0.0, 0.0, 1.0] + VISCOSITY * flow
     tension = np.cumsum(each[::-1], axis=0)[::-1]
     strength = np.linalg.norm(tension, axis=1, keepdims=True)
