@@ -17,11 +17,11 @@ STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
 EAGER = 1.5  # least desire of a hunter over `keen`, so that it does not waver
 STALK = 0.7  # share of the fastest speed while it approaches
 BURST_BL = 2.5  # distance within which it bursts forward ...
-AIM_RAD = np.radians(50.0)  # ... if it heads for the prey, ...
+AIM_RAD = np.radians(30.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
 READY_S = 1.5  # burst spent below which it begins to burst
 STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
-ATTENTION_TICKS = 9  # before its attention may pass to another fish of a crowd, 0.3 s
+ATTENTION_TICKS = 5  # before its attention may pass to another fish of a crowd, 0.17 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
 ASTRAY_BL = 2.5  # lengths of the prey by which it aims beside it, in a large crowd ...
 HALF_CROWD = 2.0  # ... the number of companions that lead it half as far astray ...
@@ -32,7 +32,7 @@ CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
 
 FITS = 0.45  # longest prey that it can swallow, over its own length
-OPEN_BL = 0.5  # distance of the prey at which the mouth is open
+OPEN_BL = 0.25  # distance of the prey that it attends to at which the mouth is open
 OPEN = 0.5  # gape above which a mouth draws water in
 SUCK_BL = 0.3  # reach of the suction ...
 SUCK_BL_S = 2.0  # ... and its speed at the mouth
@@ -89,7 +89,8 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     # The intention generator has already added a second per second.
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)
-    fishes.gape[i] = 1.0 if distance < OPEN_BL * length else 0.0
+    gap = norm(minus(vector(fishes.position[j]), mouth_of(fishes, i)))
+    fishes.gape[i] = 1.0 if gap < OPEN_BL * length else 0.0
 
 
 @kernel

@@ -177,7 +177,7 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
     if library.veer[kind, 0] < 0:
         least = RELEASE_RAD if now == gradual else BEGIN_RAD
         return gradual if angle > least else swim
-    if fishes.goal_speed[i] > HURRIED and angle < STRAIGHT_RAD:
+    if fishes.goal_speed[i] > HURRIED and angle < (RELEASE_RAD if now == gradual else STRAIGHT_RAD):
         return swim
     full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * dt)
     bend = BEND_GAIN * azimuth / (full * fishes.tempo[i])
