@@ -6,11 +6,13 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import ZERO, Vector, plus, store, times, vector
+from subsea.habitat.rock_cells import rock_cells, rocks_near
 from subsea.state import Fishes, Sea
 
 PERIOD_S = 14.0
 SOURCE_CM = 40.0  # distance at which a source cancels the current: no water flows in
 SPAN = 5.0  # multiple of it at which a source has 4% of its strength and is left out
+REACH_CM = 1.5 * SPAN * SOURCE_CM  # from the box of a rock: far away `from_rock` is too short
 
 
 def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
@@ -40,7 +42,7 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
             way, gap = from_pillar((x, y, radius, np.inf), p)
             flow = plus(flow, times(_source(strength, gap), way))
     for k in range(len(rocks)):
-        far = max(rocks[k, 3], rocks[k, 4]) + 1.5 * reach  # far away `from_rock` is too short
+        far = max(rocks[k, 3], rocks[k, 4]) + REACH_CM
         if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
             if far_from_rock(rocks[k], p, reach):
                 continue
@@ -62,7 +64,7 @@ def _source(strength: float, gap: float) -> float:
 @kernel
 def set_drift(who: Ints, fishes: Fishes, sea: Sea, flow: Array) -> None:
     """Set `fishes.drift` to the velocity of the water at each of the fishes `who`."""
-    uniform = vector(flow)
+    uniform, cells = vector(flow), rock_cells(sea.rocks, REACH_CM)
     for i in who:
         here = vector(fishes.position[i])
-        store(fishes.drift[i], flow_near(sea.pillars, sea.rocks, uniform, here))
+        store(fishes.drift[i], flow_near(sea.pillars, rocks_near(cells, here), uniform, here))

@@ -8,7 +8,8 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.habitat.clearance import is_free
-from subsea.habitat.current import flow_near
+from subsea.habitat.current import REACH_CM, flow_near
+from subsea.habitat.rock_cells import rock_cells, rocks_near
 from subsea.state import Clock, Sea
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
@@ -67,7 +68,7 @@ def drift(who: Ints, sea: Sea, flow: Array, clock: Clock) -> None:
     absence near the same place: the oscillating current brings nothing from afar, and feeding
     grounds would be empty in half an hour. Specks do not enter solids.
     """
-    uniform_flow = vector(flow)
+    uniform_flow, cells = vector(flow), rock_cells(sea.rocks, REACH_CM)
     for k in who:
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
@@ -86,14 +87,16 @@ def drift(who: Ints, sea: Sea, flow: Array, clock: Clock) -> None:
             WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Z) - 1.0),
         )
         here = vector(sea.plankton[k])
-        velocity = plus(flow_near(sea.pillars, sea.rocks, uniform_flow, here), own)
+        rocks = rocks_near(cells, here)
+        velocity = plus(flow_near(sea.pillars, rocks, uniform_flow, here), own)
         x, y, z = plus(here, times(clock.dt, velocity))
         if x * x + y * y > sea.radius * sea.radius:
             x, y = -0.98 * x, -0.98 * y
         floor = height_at(sea.floor, sea.half_width, x, y) + CLEARANCE_CM
         there = (x, y, min(max(z, floor), -CLEARANCE_CM))
         # A speck drawn into a solid by a mouth may leave it.
-        if is_free(sea.pillars, sea.rocks, there) or not is_free(sea.pillars, sea.rocks, here):
+        rocks = rocks_near(cells, there)
+        if is_free(sea.pillars, rocks, there) or not is_free(sea.pillars, rocks, here):
             store(sea.plankton[k], there)
 
 
