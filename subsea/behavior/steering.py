@@ -28,6 +28,7 @@ ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time
 BODY_BL = 0.45  # farthest part of a body from its middle
 BOLD = 0.4  # share of that room for a hunter, which follows its prey between stones
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
+CORNERED = 0.1  # of a unit urge: a solid turns it toward the wall by more in a corner
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
 STEEPEST = np.sin(np.radians(20.0))  # steepest urge, but for these intentions
 STEEP = (ESCAPE, EAT, MATE)
@@ -62,6 +63,8 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
                 urge = _inside(part, reach, room, sea, urge)
                 urge = _around(part, reach, room, sea, urge)
             urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
+        for part in (tail, snout):
+            urge = _out_of_corner(part, reach, room, sea, urge)
         set_urge(minds, i, urge)
 
 
@@ -112,6 +115,20 @@ def _around(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vec
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)
     return urge
+
+
+@kernel
+def _out_of_corner(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vector:
+    """The urge back from a corner of the wall and a solid, or as it is elsewhere.
+
+    There each barrier turns the urge along itself, into the other one.
+    """
+    away = max(np.sqrt(p[0] * p[0] + p[1] * p[1]), 1e-6)
+    gap = sea.radius - away - reach
+    inward = (-p[0] / away, -p[1] / away, 0.0)
+    if dot(urge, inward) >= -max(gap / room, 0.0) - CORNERED:
+        return urge
+    return _around(p, reach, room, sea, inward)
 
 
 @kernel

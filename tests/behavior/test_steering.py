@@ -15,6 +15,7 @@ from subsea.behavior.steering import (
     ease_goals,
     keep_clear,
 )
+from subsea.geometry.rotation import about
 from subsea.state import EAT, ESCAPE, HULL_CM, LEFT, PREDATOR, PREY, SCHOOL, WANDER
 from tests.support.scenes import everyone
 
@@ -63,6 +64,20 @@ def test_a_pillar_is_passed_and_its_top_is_free(tank):
     t.minds.urge[:] = 1.0, 0.0, 0.0
     keep_clear(ALL, t.fishes, t.minds, t.sea)
     np.testing.assert_allclose(t.minds.urge[0], [1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [2.0, 4.0])
+def test_a_fish_turns_back_from_the_corner_of_a_pillar_and_the_wall(tank, side, degrees):
+    t = tank(pillars=[(900.0, 0.0, 100.0, 0.0)])
+    turn = np.radians(degrees)
+    # Between the two, heading for where they meet.
+    away = 0.5 * (1000.0 + 900.0 * np.cos(turn) + np.sqrt(100**2 - (900.0 * np.sin(turn)) ** 2))
+    t.fishes.position[:] = away * np.cos(turn), side * away * np.sin(turn), -300.0
+    t.minds.urge[:] = np.sin(turn), -side * np.cos(turn), 0.0
+    t.fishes.orientation[:] = about(0.0, 0.0, 1.0, -side * 0.5 * np.pi)
+    keep_clear(ALL, t.fishes, t.minds, t.sea)
+    assert side * t.minds.urge[0, 1] > 0.5
 
 
 def test_a_hunter_follows_its_prey_nearer_to_a_pillar(tank):
