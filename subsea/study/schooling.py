@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.state import AVOID, SCHOOL
 from subsea.study.record import Record
 from subsea.study.schools import School, schools, split_periods
@@ -26,13 +26,22 @@ class Schooling(NamedTuple):
     ahead_bl: float  # median distance by which the foremost fish leads the second
     bearing: Array  # (BEARINGS,) shares of nearest neighbours by bearing, of equal solid angles
     time: Array  # (k,) s, of the samples of ...
-    together: Array  # (k,) ... the share in the largest connected part
+    together: Array  # (k,) ... the share in the largest connected part ...
+    calm: Bools  # (k,) ... and whether no fish is alarmed
     end: float  # s
 
     @property
     def split_s(self) -> Array:
         """Durations of the periods in which it was in parts."""
-        return np.array([one[2] for one in split_periods(self.time, self.together, self.end)])
+        return self._durations(self.together)
+
+    @property
+    def calm_split_s(self) -> Array:
+        """The same while no fish is alarmed: predators split schools."""
+        return self._durations(np.where(self.calm, self.together, 1.0))
+
+    def _durations(self, together: Array) -> Array:
+        return np.array([one[2] for one in split_periods(self.time, together, self.end)])
 
 
 def schooling(record: Record) -> list[Schooling]:
@@ -68,6 +77,7 @@ def _measured(record: Record, school: School) -> Schooling:
         bearing / max(bearing.sum(), 1.0),
         school.time,
         school.together,
+        school.calm.astype(bool),
         float(record.time[-1]),
     )
 
@@ -92,6 +102,7 @@ def _joined(parts: Sequence[Schooling]) -> Schooling:
         np.mean([one.bearing for one in parts], axis=0),
         np.concatenate([one.time for one in parts]),
         np.concatenate([one.together for one in parts]),
+        np.concatenate([one.calm for one in parts]),
         parts[-1].end,
     )
 

@@ -22,7 +22,8 @@ class School(NamedTuple):
     leader: int
     time: Array  # (k,) s
     members: Ints  # (k,) fishes alive
-    cruises: Bools  # (k,), whether at least half of them school, unalarmed
+    calm: Bools  # (k,), whether none of them is alarmed
+    cruises: Bools  # (k,), whether at least half of them school, and none is alarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
     distances: Array  # every such distance while it cruises, body lengths
@@ -52,7 +53,7 @@ def schools(record: Record) -> list[School]:
 
 
 def _school(record: Record, leader: int, every: int) -> School:
-    rows: list[tuple[float, int, bool, float, float, float]] = []
+    rows: list[tuple[float, int, bool, bool, float, float, float]] = []
     distances: list[Array] = []
     for t in range(0, len(record.time), every):
         those = record.alive[t] & (record.leader[t] == leader)
@@ -63,8 +64,8 @@ def _school(record: Record, leader: int, every: int) -> School:
         schooling = members[np.isin(doing, (SCHOOL, AVOID, ESCAPE)) | led]
         if len(members) < 3 or len(schooling) < 2:
             continue
-        calm = record.mental_state[t, members, FEAR].max() <= record.alarmed
-        cruises = bool(calm and 2 * ((doing == SCHOOL) | led).sum() >= len(members))
+        calm = bool(record.mental_state[t, members, FEAR].max() <= record.alarmed)
+        cruises = calm and bool(2 * ((doing == SCHOOL) | led).sum() >= len(members))
         polarisation = float(
             np.linalg.norm(headings(record.orientation[t, schooling]).mean(axis=0))
         )
@@ -74,19 +75,20 @@ def _school(record: Record, leader: int, every: int) -> School:
         if cruises:
             distances.append(nearest)
         rows.append((
-            float(record.time[t]), len(members), cruises, polarisation, float(np.median(nearest)),
-            together,
+            float(record.time[t]), len(members), calm, cruises, polarisation,
+            float(np.median(nearest)), together,
         ))  # fmt: skip
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 6
+    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 7
     return School(
         leader=leader,
         time=columns[0],
         members=columns[1],
-        cruises=columns[2],
-        polarisation=columns[3],
-        nearest=columns[4],
+        calm=columns[2],
+        cruises=columns[3],
+        polarisation=columns[4],
+        nearest=columns[5],
         distances=np.concatenate(distances) if distances else np.zeros(0),
-        together=columns[5],
+        together=columns[6],
     )
 
 

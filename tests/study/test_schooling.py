@@ -47,11 +47,12 @@ def test_a_split_may_last_from_one_part_of_a_record_to_the_next():
     time = np.arange(0.0, 20.0, 0.5)
     split = np.where((time >= 8.0) & (time < 13.0), 0.5, 1.0)
     parts = [
-        whole._replace(time=time[part], together=split[part], end=float(time[part][-1]), fishes=n,
-                       polarisation=p)
+        whole._replace(time=time[part], together=split[part], calm=(time >= 11.5)[part],
+                       end=float(time[part][-1]), fishes=n, polarisation=p)
         for part, n, p in ((slice(0, 20), 4, 0.9), (slice(20, 40), 5, np.nan))
     ]  # fmt: skip
     (found,) = joined(parts)
     assert found.split_s.tolist() == [5.0]
+    assert found.calm_split_s.tolist() == [1.5]
     assert (found.fishes, found.polarisation) == (5, 0.9)
     assert [one.leader for one in joined([*parts, whole._replace(leader=9)])] == [whole.leader, 9]

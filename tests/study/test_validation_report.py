@@ -41,7 +41,7 @@ def in_parts(*seconds):
     for duration in seconds:
         together[(time >= start) & (time < start + duration)] = 0.5
         start += duration + 10.0
-    return {"time": time, "together": together, "end": 100.0}
+    return {"time": time, "together": together, "calm": time < 15.0, "end": 100.0}
 
 
 def done(swims=None, school=None, beyond=0, catches=(2.0,)):
@@ -76,6 +76,8 @@ def test_a_sea_like_nature_passes():
         ({"swims": some(radius=1.5)}, {"turning radius at low speed, tightest hundredth"}),
         ({"school": a_school(polarisation=0.7)}, {"polarisation"}),
         ({"school": a_school(**in_parts(3.0, 20.0))}, {"longest split"}),
+        ({"school": a_school(**in_parts(3.0, 20.0) | {"calm": np.full(200, True)})},
+         {"longest split", "longest split without alarm"}),
         ({"school": a_school(height_bl=0.7)}, {"elevation of the nearest"}),
         ({"beyond": 3}, {"fish-ticks out of bounds or in solids"}),
         ({"catches": (0.0, 1.0)}, {"catches of a predator in 3 min, mean"}),
