@@ -1,7 +1,7 @@
 """All repertoires of a dive in flat arrays, for kernels and the GPU."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,8 @@ class Library(NamedTuple):
     """Rows are frames of all segments of all species in sequence (R rows, S species).
 
     There are n segments, as in SEGMENTS. One that was not recorded has the rows of its substitute.
-    Behind the recorded rows lie those that blend gradual turns with the straight swim. The first
-    four tables end with 2 k rows for the poses of simulated fishes.
+    Behind the recorded rows lie those that blend gradual turns with the straight swim. A world
+    with k simulated fishes appends 2 k rows for their poses.
     """
 
     rotation: Array  # (R + 2 k, 4) float32, increments in body axes
@@ -94,10 +94,8 @@ class _Rows(NamedTuple):
     facing: Array
 
 
-def pack(
-    repertoires: Sequence[Repertoire], couplings: Sequence[Coupling], live: int = 0
-) -> Library:
-    """Pack repertoires into flat arrays, with rows for `live` simulated fishes.
+def pack(repertoires: Sequence[Repertoire], couplings: Sequence[Coupling]) -> Library:
+    """Pack repertoires into flat arrays, without rows of simulated fishes.
 
     Missing control points are computed from the nodes; a missing basic segment is a UserError.
     """
@@ -112,12 +110,12 @@ def pack(
             veer[-1] = row, row + len(one.blend.nodes) // 2
             row += len(one.blend.nodes)
             parts.append(_blended(one, parts[k], couplings[k], veer[-1]))
-    rows = _Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    rows = _Rows(*(_table(column) for column in zip(*parts, strict=True)))
     return Library(
-        rotation=_table(rows.rotation, live),
-        translation=_table(rows.translation, live),
-        nodes=_table(rows.nodes, live),
-        control_points=_table(rows.points, live),
+        rotation=rows.rotation,
+        translation=rows.translation,
+        nodes=rows.nodes,
+        control_points=rows.points,
         has=np.array([[n in r.segments for n in SEGMENTS] for r in repertoires], np.bool_),
         first=np.array([one.starts[one.played] for one in species], np.int32),
         length=np.array([np.diff(one.starts)[one.played] for one in species], np.int32),
@@ -125,18 +123,18 @@ def pack(
         speed=np.array(
             [[one.segments[k].speed_cm_s for k in one.played] for one in species], np.float32
         ),
-        entry=rows.entry.astype(np.int32),
-        glide=rows.glide.astype(np.int32),
+        entry=rows.entry,
+        glide=rows.glide,
         leave=rows.leave,
         pace=np.array([[one.courses[k].pace for k in one.played] for one in species], np.float32),
         turn=np.array([[one.courses[k].turn for k in one.played] for one in species], np.float32),
-        follow=rows.follow.astype(np.int32),
-        straight=rows.straight.astype(np.int32),
-        level=rows.level.astype(np.int32),
+        follow=rows.follow,
+        straight=rows.straight,
+        level=rows.level,
         veer=np.array(veer, np.int32),
-        sway=_table(rows.sway, live),
-        bank=rows.bank.astype(np.float32),
-        facing=_table(rows.facing, live),
+        sway=rows.sway,
+        bank=rows.bank,
+        facing=rows.facing,
         coupling=Coupling(*(np.stack(part) for part in zip(*couplings, strict=True))),
         recorded_length=np.array([r.body_length_cm for r in repertoires], np.float32),
         bounding_radius=np.array(
@@ -238,7 +236,7 @@ def _blended(one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int
     )  # fmt: skip
 
 
-def _table(rows: Array, live: int) -> Array:
-    """Rows in sequence, and two empty ones for each live fish."""
-    empty = np.zeros((2 * live, *rows.shape[1:]))
-    return np.concatenate([rows, empty]).astype(np.float32)
+def _table(parts: Sequence[Any]) -> Any:
+    """Rows of all parts in sequence, in single precision. The largest table has 60 MB."""
+    kept = {"f": np.float32, "i": np.int32, "b": np.bool_}[parts[0].dtype.kind]
+    return np.concatenate(parts, dtype=kept, casting="same_kind")

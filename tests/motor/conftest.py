@@ -16,6 +16,7 @@ from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.repertoire.schema import SEGMENTS
 from subsea.state import Clock, Fishes, Live, empty
+from subsea.world.repertoires import with_live
 from tests.support.scenes import everyone
 
 TICK = 0.033
@@ -74,7 +75,7 @@ class Tank:
     def __init__(self, species, scale=1.0):
         repertoire, coupling, _ = packed(species)
         self.dynamics = dynamics_of(species)
-        self.library = pack([repertoire], [coupling], live=1)
+        self.library = with_live(pack([repertoire], [coupling]), 1)
         rows = len(self.library.entry)
         tables = {name: getattr(self.library, name)[rows:] for name in LIVE_TABLES}
         self.live = empty(Live, k=len(tables["nodes"]) // 2, given=tables)

@@ -16,7 +16,9 @@ from subsea.study.validation_files import seed_words, validate
 from subsea.study.validation_plots import VALIDATION_PLOTS
 
 SHARES = np.full(BEARINGS, 1 / BEARINGS)
-SCHOOL = Schooling(0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, SHARES, np.zeros(0), np.zeros(0), np.zeros(0, bool), 0.0)
+SCHOOL = Schooling(
+    0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, SHARES, np.zeros(0), np.zeros(0), np.zeros(0, bool), 0.0
+)
 MEASURES = SeaMeasures(
     {}, [SCHOOL], [Outside("Fish", 1000, 1, 4.0, "seabed", 1.0)], Predation(3, 2, [2], 180.0)
 )

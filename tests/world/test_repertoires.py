@@ -73,11 +73,11 @@ def test_huge_files_and_pipes_are_not_read_completely(path, tmp_path):
     assert not (tmp_path / "kept").exists()
 
 
-def pack_of(scenario, live):
+def pack_of(scenario):
     """The library of a scenario, packed for itself."""
     known = [repertoires.repertoire_of(name) for name in scenario.species]
     skins = [repertoires.coupling_of(repertoires.species_of(one.species), one) for one in known]
-    return pack(known, skins, live)
+    return pack(known, skins)
 
 
 def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
@@ -85,8 +85,8 @@ def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
     one, two, lively = (create_world(scenario, 3, live=live) for live in (0, 0, 2))
     assert one.library.control_points is two.library.control_points
     rows = len(one.library.entry)
-    packed = pack_of(scenario, live=2)
-    mine, theirs = ([*one[:-3], *one.coupling, *one[-2:]] for one in (lively.library, packed))
+    packed = pack_of(scenario)
+    mine, theirs = ([*one[:-3], *one.coupling, *one[-2:]] for one in (one.library, packed))
     for own, other in zip(mine, theirs, strict=True):
         np.testing.assert_array_equal(own, other)
     for name in repertoires.LIVE_ROWS:
