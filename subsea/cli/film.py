@@ -2,11 +2,16 @@
 
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from subsea.cli import options as shared
 from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError
+
+if TYPE_CHECKING:
+    from subsea.media.exposure import Exposure
+
+BLUR = "samples", "shutter", "aperture", "focus"  # options of the exposure
 
 
 def add(commands: Any) -> None:
@@ -68,6 +73,33 @@ def add(commands: Any) -> None:
         help="write sea, fishes and vessel as WAV files into DIR, at full volume",
     )
     add_force(parser)
+    blur = parser.add_argument_group(
+        "motion blur and depth of field", "each frame is the mean of several pictures"
+    )
+    blur.add_argument(
+        "--samples",
+        type=number_reader(int, 1, 256),
+        metavar="N",
+        help="pictures of a frame (default 1; 16 for a film, 64 for a picture)",
+    )
+    blur.add_argument(
+        "--shutter",
+        type=number_reader(float, 0.0, 1.0),
+        metavar="SHARE",
+        help="of the time between two frames for which the shutter is open (default 0.5)",
+    )
+    blur.add_argument(
+        "--aperture",
+        type=number_reader(float, 0.0, 30.0),
+        metavar="CM",
+        help="diameter of the lens (default 0: everything is sharp)",
+    )
+    blur.add_argument(
+        "--focus",
+        type=number_reader(float, 10.0, 10000.0),
+        metavar="CM",
+        help="distance that is in focus (default 300)",
+    )
     group = parser.add_argument_group(
         "what a fish sees",
         "labelled frames in the folder OUT; docs/how-to/fish-frames.md explains them",
@@ -92,6 +124,7 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Film the tour, or the view of a fish."""
     if options.eyes is not None:
+        shared.refuse(options, BLUR, "film: {} cannot be combined with --eyes")
         return _film_eyes(options)
     shared.refuse(options, ("gaze", "field", "see-brightness"), "film: {} needs --eyes FISH")
     from subsea.media.film import film
@@ -100,7 +133,23 @@ def run(options: Namespace) -> int:
     shared.check_display_without_window(options.display)
     shared.settle_size(options)
     options.stereo, options.surround = shared.optics(options)
+    options.exposure = _exposure(options)
     return film(TourFilmOptions(**shared.fields_of(TourFilmOptions, options)))
+
+
+def _exposure(options: Namespace) -> "Exposure":
+    """The exposure of a frame, as the options say."""
+    from subsea.media.exposure import Exposure
+    from subsea.view.display_rigs import SURROUNDS
+
+    if (options.samples or 1) == 1:
+        shared.refuse(options, BLUR[1:], "film: {} needs --samples N, of 2 or more")
+    if options.display in SURROUNDS:
+        # The planes in focus of the faces of a cube do not meet.
+        shared.refuse(options, ["aperture"], f"film: {{}} is not for --display {options.display}")
+    given = options.samples, options.shutter, options.aperture, options.focus
+    chosen = zip(Exposure._fields, given, strict=True)
+    return Exposure(**{name: value for name, value in chosen if value is not None})
 
 
 def _film_eyes(options: Namespace) -> int:

@@ -18,6 +18,7 @@ from subsea.dive.theatre_setup import chosen_rig, theatre_digest
 from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import PlacedLabel, place_labels
 from subsea.frame.packet import pack
+from subsea.media.exposure import MeanPictures
 from subsea.media.film_options import TourFilmOptions
 from subsea.media.film_sound import FilmSound, check_sound_files, write_sound
 from subsea.media.film_timing import film_length_s, instants, reach
@@ -80,6 +81,7 @@ def film(options: TourFilmOptions) -> int:
             source, options, seconds=seconds, size=size,
             theatre=theatre_digest(options.theatre), follow=fish,
             **options.stereo._asdict(), **options.surround._asdict(),
+            **options.exposure._asdict(),
         )  # fmt: skip
         missing = missing_frames(out, manifest, windows, len(times))
         if not missing:
@@ -120,27 +122,37 @@ def film(options: TourFilmOptions) -> int:
             reach(world, times[0], steer, check, after=listen)
             for k, instant in enumerate(times[: missing[-1] + 1]):
                 begun = time.perf_counter()
-                alpha = reach(world, instant, steer, check, after=listen)
-                before, observer = observer, cockpit(world.state.submarine, alpha)
-                if is_cut(before, observer, float(1 / rate)):  # no cross-fade over a cut
-                    memory = empty_lod_state(len(world.state.fishes.species))
-                if fish is not None and world.state.fishes.alive[fish]:
-                    camera, observer = follow_fish(world, fish, alpha, camera)
-                seen = views(rig, observer)
-                drawing = diagrams.draw(show, seen, alpha)
-                packet = pack(
-                    world, seen, alpha, options=preset.packing,
-                    memory=memory, lines=drawing.lines,
-                )  # fmt: skip
+                taken = MeanPictures()
+                open_at = options.exposure.instants(instant, float(1 / rate))
+                for sample, moment in enumerate(open_at):
+                    alpha = reach(world, moment, steer, check, after=listen)
+                    before, observer = observer, cockpit(world.state.submarine, alpha)
+                    if is_cut(before, observer, float(1 / rate)):  # no cross-fade over a cut
+                        if sample:  # the next frame begins with it
+                            observer = before
+                            break
+                        memory = empty_lod_state(len(world.state.fishes.species))
+                    if fish is not None and world.state.fishes.alive[fish]:
+                        camera, observer = follow_fish(world, fish, alpha, camera)
+                    seen = options.exposure.through_lens(views(rig, observer), sample)
+                    drawing = diagrams.draw(show, seen, alpha)
+                    packet = pack(
+                        world, seen, alpha, options=preset.packing,
+                        memory=memory, lines=drawing.lines,
+                    )  # fmt: skip
+                    if k not in wanted:
+                        renderer.choose(packet)
+                        continue
+                    renderer.draw(packet)
+                    taken.add({name: renderer.read_pixels(n) for n, name in enumerate(sizes)})
                 if k not in wanted:
-                    renderer.choose(packet)
                     continue
-                renderer.draw(packet)
                 labels = place_labels(rig, seen, drawing.labels)
                 caption = caption_of(world, alpha)
                 pictures = {}
-                for number, (name, (width, height)) in enumerate(sizes.items()):
-                    picture = lettered(renderer.read_pixels(number), labels, number)
+                for number, (name, picture) in enumerate(taken.mean()):
+                    width, height = sizes[name]
+                    picture = lettered(picture, labels, number)
                     picture = draw_caption(picture, rig, number, caption)
                     pictures[name] = picture[:height, :width]
                 drawn = time.perf_counter()

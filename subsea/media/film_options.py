@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from subsea.media.exposure import PINHOLE, Exposure
 from subsea.scenario.schema import AUTOPILOT
 from subsea.view.retina import AHEAD, FIELD_DEG, Gaze
 from subsea.view.stereo import EYES, Stereo
@@ -44,6 +45,7 @@ class TourFilmOptions(FilmOptions):
     audio: Path | None = None  # the sound alone, a WAV file
     audio_stems: Path | None = None  # a folder with the sound of each group
     follow: str | None = None  # a fish to look at from behind, as long as it lives
+    exposure: Exposure = PINHOLE  # motion blur and depth of field
 
 
 @dataclass(frozen=True, kw_only=True)

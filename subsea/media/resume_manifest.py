@@ -22,7 +22,7 @@ PICTURES = "frame_*.png"
 
 
 # Options that are not compared as such: sources, and groups whose fields are given one by one.
-NOT_COMPARED = ("out", "force", "scenario", "changes", "stereo", "surround")
+NOT_COMPARED = ("out", "force", "scenario", "changes", "stereo", "surround", "exposure")
 
 
 def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:

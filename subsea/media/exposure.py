@@ -1,0 +1,96 @@
+"""Motion blur and depth of field: a frame of a film as the mean of several pictures.
+
+The pictures are taken while the shutter is open, through points spread over the lens. Each is what
+a pinhole sees, so everything is blurred as it should be: what moves, and what lies before or behind
+the plane in focus.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array, Bytes
+from subsea.view.camera import View
+
+EVENLY = 0.7548776662466927, 0.5698402909980532
+"""Steps that spread points evenly over a square, in no order of time (Roberts' R2 sequence)."""
+
+
+class Exposure(NamedTuple):
+    """How the frames of a film are exposed."""
+
+    samples: int = 1  # pictures of a frame
+    shutter: float = 0.5  # share of the time between two frames for which it is open
+    aperture_cm: float = 0.0  # diameter of the lens; 0: everything is sharp
+    focus_cm: float = 300.0  # distance of the plane in focus from the eye, along the view
+
+    def instants(self, instant: float, interval_s: float) -> list[float]:
+        """The times of the pictures of a frame at `instant`, s."""
+        step = self.shutter * interval_s / self.samples
+        return [instant + k * step for k in range(self.samples)]
+
+    def through_lens(self, views: tuple[View, ...], sample: int) -> tuple[View, ...]:
+        """The views of a picture, each from its point of the lens; those in focus do not move."""
+        if self.aperture_cm == 0.0:
+            return views
+        share, turn = ((sample + 0.5) * step % 1.0 for step in EVENLY)
+        away = 0.5 * self.aperture_cm * np.sqrt(share)
+        aside, above = away * np.cos(2.0 * np.pi * turn), away * np.sin(2.0 * np.pi * turn)
+        return tuple(_shifted(view, aside, above, self.focus_cm) for view in views)
+
+
+def _shifted(view: View, aside: float, above: float, focus_cm: float) -> View:
+    """A view from an eye moved to its right and up, cm, in which the plane in focus stays."""
+    moved, projection = view.view.copy(), view.projection.copy()
+    moved[:2, 3] -= aside, above
+    projection[0, 2] -= projection[0, 0] * aside / focus_cm
+    projection[1, 2] -= projection[1, 1] * above / focus_cm
+    eye = view.eye + aside * view.view[0, :3] + above * view.view[1, :3]
+    return replace(view, view=moved, projection=projection, eye=eye)
+
+
+class MeanPictures:
+    """The mean light of pictures (h, w, 3) uint8, by name. A single one stays as it is."""
+
+    def __init__(self) -> None:
+        """Without pictures."""
+        self._light: dict[str, NDArray[np.float32]] = {}
+        self._first: dict[str, Bytes] = {}
+        self._number = 0
+
+    def add(self, pictures: dict[str, Bytes]) -> None:
+        """Add a picture of each name."""
+        self._number += 1
+        if self._number == 1:
+            self._first = pictures
+            return
+        if self._number == 2:
+            self._light = {name: LIGHT[one] for name, one in self._first.items()}
+        for name, one in pictures.items():
+            self._light[name] += LIGHT[one]
+
+    def mean(self) -> Iterator[tuple[str, Bytes]]:
+        """Names and means."""
+        if self._number == 1:
+            yield from self._first.items()
+            return
+        for name, light in self._light.items():
+            yield name, _levels(light / self._number)
+
+
+def _light(level: Array) -> Array:
+    """Linear light of an sRGB value; both in [0, 1]."""
+    return np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
+
+
+def _levels(light: Array) -> Bytes:
+    """The nearest sRGB levels of linear light."""
+    curved = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return np.asarray(255.0 * curved + 0.5, np.uint8)
+
+
+LIGHT = _light(np.arange(256) / 255.0).astype(np.float32)  # of each level
+PINHOLE = Exposure()  # one sharp picture
