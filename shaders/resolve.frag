@@ -5,6 +5,7 @@
 //   WEAVE   how two eyes share pixels        SMOOTH  1: edges of a plain picture are smoothed
 //   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours
 //   MESH    1: a mesh says of which place
+//   GRADED  1: light is developed as the scenario's grade says
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 uniform sampler2D u_picture;
 uniform sampler2D u_mask;
@@ -16,6 +17,11 @@ uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
 uniform float u_margin; // tangent of half a cube face's angle of view
 
+uniform vec3 u_gain;         // of a grade
+uniform float u_contrast;    // its power
+uniform float u_saturation;
+
+const float MIDDLE = 0.18;  // the grey that contrast leaves as it is
 const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
 const int FLAT = 0, WARPED = 1, EQUIRECTANGULAR = 2, DOME = 3, PANORAMA = 4;
 const float PI = 3.14159265358979;
@@ -48,8 +54,15 @@ vec3 to_srgb(vec3 x) {
     return mix(12.92 * x, bright, step(0.0031308, x));
 }
 
+// Developed as a grade says, about a middle grey.
+vec3 graded(vec3 x) {
+    x *= u_gain;
+    x = max(mix(vec3(dot(x, vec3(0.2126, 0.7152, 0.0722))), x, u_saturation), 0.0);
+    return MIDDLE * pow(x / MIDDLE, vec3(u_contrast));
+}
+
 vec3 curved(vec3 light) {
-    return LINEAR == 1 ? filmic(light) : light;
+    return LINEAR == 1 ? filmic(GRADED == 1 ? graded(light) : light) : light;
 }
 
 // What the canvas holds at a place in its own pixels, not mixed with what lies beside the source.

@@ -22,7 +22,7 @@ from subsea.frame.in_sight import (
 from subsea.frame.lines import NO_LINES, Lines
 from subsea.motor.pose import pose_at
 from subsea.repertoire.library import Library
-from subsea.scenario.schema import Water
+from subsea.scenario.schema import UNGRADED, Grade, Water
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage, view_arrays
@@ -78,6 +78,7 @@ class RenderScene:
     # (k, 4): x and y in cm, bubbles per second, diameter of the largest in cm
     vents: Array = field(default_factory=lambda: np.zeros((0, 4)))
     reef: Reef = field(default_factory=lambda: empty(Reef, k=0))
+    grade: Grade = UNGRADED
 
 
 @dataclass(frozen=True)
@@ -152,6 +153,7 @@ def make_scene(world: World) -> RenderScene:
         terrain=world.state.sea.heights,
         terrain_half_width_cm=world.state.sea.half_width,
         water=world.scenario.water,
+        grade=world.scenario.grade,
         pillars=world.state.sea.pillars,
         rocks=world.state.sea.rocks,
         vents=np.array(

@@ -103,7 +103,7 @@ class Renderer(GpuOwner):
         self._bubbles = self.own(BubbleRenderer(context, scene, quality))
         self._particles = self.own(ParticleRenderer(context, scene, quality))
         self._lines = self.own(LineRenderer(context))
-        self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth))
+        self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth, scene.grade))
         self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
@@ -164,7 +164,9 @@ class Renderer(GpuOwner):
         batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
         self._make_target(rig, self.quality)
         if second is None:
-            second = self.own(ResolvePass(self._context, rig.patches, self.quality.smooth))
+            second = self.own(
+                ResolvePass(self._context, rig.patches, self.quality.smooth, self._scene.grade)
+            )
         second.arrange(rig.patches)
         levels = [batch.recall() for batch in batches]
         self._resolve, self._second = second, self._resolve

@@ -73,6 +73,18 @@ class Water(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return far_colour(self.type or "II") if self.fog is None else self.fog
 
 
+class Grade(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The finish of the picture, as a photographer develops it."""
+
+    exposure_ev: Annotated[float, msgspec.Meta(ge=-3, le=3)] = 0.0  # stops brighter
+    contrast: Annotated[float, msgspec.Meta(ge=0.5, le=2)] = 1.0  # power about a middle grey
+    saturation: Annotated[float, msgspec.Meta(ge=0, le=2)] = 1.0  # 0: grey
+    warmth: Annotated[float, msgspec.Meta(ge=-1, le=1)] = 0.0  # toward amber, below 0 toward blue
+
+
+UNGRADED = Grade()
+
+
 class Terrain(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The height field of the seabed."""
 
@@ -332,6 +344,7 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     seed: Seed
     bounds: Bounds
     water: Water
+    grade: Grade = UNGRADED
     terrain: Terrain
     submarine: Start
     fish: Annotated[list[Shoal], msgspec.Meta(min_length=1)]

@@ -11,13 +11,22 @@ from subsea.core.arrays import Array
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.rendering.output.quality import Quality
+from subsea.scenario.schema import UNGRADED, Grade
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
+AMBER = np.array([1.0, 0.0, -1.0])  # logarithms of the factors on red, green and blue
+WARMEST = 0.35  # of these, by the greatest warmth
 MASK_UNIT = 1  # texture unit, free again after the scene is drawn
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
+
+
+def gain(grade: Grade) -> tuple[float, float, float]:
+    """The factors of a grade on red, green and blue light, before contrast and saturation."""
+    red, green, blue = 2.0**grade.exposure_ev * np.exp(WARMEST * grade.warmth * AMBER)
+    return float(red), float(green), float(blue)
 
 
 class RenderTarget(GpuOwner):
@@ -71,9 +80,16 @@ class RenderTarget(GpuOwner):
 class ResolvePass(GpuOwner):
     """Draws the patches of a rig from a linear canvas to eight-bit outputs."""
 
-    def __init__(self, context: Any, patches: Sequence[DisplayPatch], smooth: bool = False) -> None:
-        """`smooth` smooths edges where a patch shows one eye."""
+    def __init__(
+        self,
+        context: Any,
+        patches: Sequence[DisplayPatch],
+        smooth: bool = False,
+        grade: Grade = UNGRADED,
+    ) -> None:
+        """`smooth` smooths edges where a patch shows one eye; light is developed by `grade`."""
         super().__init__()
+        self._grade = grade
         self._context = context
         self._programs: dict[tuple[int, ...], Any] = {}  # by constants
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
@@ -127,6 +143,9 @@ class ResolvePass(GpuOwner):
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
             u_mask=MASK_UNIT,
+            u_gain=gain(self._grade),
+            u_contrast=self._grade.contrast,
+            u_saturation=self._grade.saturation,
         )
         smooth = self._smooth and linear
         exact = patch.shape == Projection.FLAT and left[2:] == patch.place[2:] and not smooth
@@ -142,9 +161,10 @@ class ResolvePass(GpuOwner):
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
         masked = patch.mask is not None
         mesh = patch.warp is not None
-        key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear)))
+        graded = linear and self._grade != UNGRADED
+        key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded)))
         if key not in self._programs:
-            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR"
+            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR", "GRADED"
             constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))
             if not mesh:
