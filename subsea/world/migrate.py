@@ -3,11 +3,15 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from msgspec.structs import replace
 
+from subsea.core.arrays import Array
+from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance, out_of_solids
 from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY, TRAITS
+from subsea.world.placement import Place
 from subsea.world.populate import ROOM_BL
 from subsea.world.snapshot import changing, constant
 from subsea.world.tunables import get_tunables, set_tunables
@@ -18,7 +22,7 @@ LIVING = (
     "fishes.", "minds.", "directions.", "live.",
     "sea.plankton", "sea.absent", "sea.hook", "sea.catch",
 )  # fmt: skip
-INHABITANTS = ("fish", "individual", "hook", "direction")  # tables of a scenario
+INHABITANTS = ("individual", "hook", "direction")  # tables of a scenario, besides its shoals
 
 CLEAR_CM = 40.0  # distance of fishes from seabed and surface when moved out of a solid
 
@@ -27,7 +31,8 @@ def migrate(before: World, world: World) -> None:
     """Continue the dive of the world `before` in a new `world`.
 
     The submarine stays. With the same inhabitants, seed and plankton, fishes and directions
-    continue, and fishes inside a solid are moved out of it. Changes by panels persist.
+    continue; a school that was moved goes on at its new place, and fishes inside a solid are moved
+    out of it. Changes by panels persist.
     """
     for name, array in vars(before.state.submarine).items():
         getattr(world.state.submarine, name)[...] = array
@@ -35,6 +40,7 @@ def migrate(before: World, world: World) -> None:
         _keep_changes(before, world)
         return
     set_tunables(world, get_tunables(before))
+    homes = world.state.minds.home.copy()
     theirs = {**changing(before), **constant(before)}
     for name, array in {**changing(world), **constant(world)}.items():
         if name.startswith("live."):  # there may be more slots than before
@@ -44,12 +50,41 @@ def migrate(before: World, world: World) -> None:
     world.state.tick = before.state.tick
     world.state.minds.barrier[:] = NOBODY  # solids may have other numbers now
     fishes, sea = world.state.fishes, world.state.sea
+    for those, place in _moved_schools(before.scenario.fish, world.scenario.fish):
+        _move_school(world, those, np.array(place))
+        world.state.minds.home[those] = homes[those]
     for i, place in enumerate(fishes.position.astype(np.float64)):
         here = vector(place)
         if clearance(sea.pillars, sea.rocks, here) < 0.0:
             room = ROOM_BL * float(fishes.length[i])
             fishes.position[i] = out_of_solids(sea, here, room, CLEAR_CM, CLEAR_CM)
             fishes.previous_position[i] = fishes.position[i]
+
+
+def _moved_schools(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[slice, Place]]:
+    """The fishes of each shoal that has another place, and that place."""
+    begin = 0
+    for one, other in zip(old, new, strict=True):
+        if other.position_cm is not None and other.position_cm != one.position_cm:
+            yield slice(begin, begin + other.number), other.position_cm
+        begin += other.number
+
+
+def _move_school(world: World, those: slice, place: Array) -> None:
+    """Move a school as it is, with its middle to a place, cm, within the bounds of the sea."""
+    fishes, sea = world.state.fishes, world.state.sea
+    if not fishes.alive[those].any():
+        return
+    now = fishes.position[those].astype(np.float64)
+    there = now + place - now[fishes.alive[those]].mean(axis=0)
+    away = np.maximum(np.hypot(there[:, 0], there[:, 1]), 1e-6)
+    there[:, :2] *= np.minimum(1.0, (sea.radius - CLEAR_CM) / away)[:, None]
+    for k, one in enumerate(there):
+        low = height_at(sea.floor, sea.half_width, one[0], one[1]) + CLEAR_CM
+        there[k, 2] = min(max(one[2], low), -CLEAR_CM)
+    fishes.position[those] = fishes.previous_position[those] = there
+    for seen in (world.state.minds.leader_place, world.state.minds.waypoint):
+        seen[those] += (there - now).astype(seen.dtype)
 
 
 def _keep_changes(before: World, world: World) -> None:
@@ -79,13 +114,18 @@ def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[s
 
 
 def _same_inhabitants(before: World, world: World) -> bool:
-    """True if both have the same inhabitants; their random sizes may differ.
+    """True if both have the same inhabitants, wherever they begin; random sizes may differ.
 
     The new world may have more slots for simulated fishes, but not fewer.
     """
     ours, theirs = changing(world), changing(before)
+    theirs_then, ours_now = (
+        [replace(one, position_cm=None) for one in scenario.fish]
+        for scenario in (before.scenario, world.scenario)
+    )
     return (
         before.state.seed == world.state.seed
+        and theirs_then == ours_now
         and all(
             getattr(before.scenario, key) == getattr(world.scenario, key) for key in INHABITANTS
         )

@@ -35,7 +35,7 @@ from subsea.scenario.schema import (
     Shoal,
     Vent,
 )
-from subsea.state import HULL_CM, Sea
+from subsea.state import HULL_CM, Fishes, Sea
 from subsea.world.checks import check_world
 from subsea.world.outlines import SIDES, circle, ellipses
 
@@ -99,6 +99,26 @@ def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
         posts = np.stack([ring[:: SIDES // 4, 0] for ring in rings], axis=1)
         body = np.array([[x, y, pillar.radius_cm, top]])
         out.append(Handle("pillar", k, foot, body, np.concatenate([*rings, posts])))
+    return out
+
+
+def schools(now: Scenario, trial: Scenario, fishes: Fishes, sea: Sea) -> list[Handle]:
+    """Handles of the schools in the middle of their living fishes, as the scenario `now` has them.
+
+    Those that `trial` moves are where it moves them to. Without a place in the scenario, or with
+    no fish alive, they have no handle.
+    """
+    out, begin = [], 0
+    for k, one in enumerate(now.fish):
+        those = slice(begin, begin + one.number)
+        begin += one.number
+        given = trial.fish[k].position_cm if k < len(trial.fish) else None
+        if given is None or not fishes.alive[those].any():
+            continue
+        x, y, z = given
+        if given == one.position_cm:
+            x, y, z = fishes.position[those][fishes.alive[those]].mean(axis=0).tolist()
+        out.append(_handle("fish", k, (x, y, z), trial.fish[k].spread_cm, sea))
     return out
 
 

@@ -313,3 +313,21 @@ def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypa
         step(world, NEUTRAL)
         step(other, NEUTRAL)
     assert snapshot.checksum(other) == snapshot.checksum(world)
+
+
+def test_schools_are_where_their_living_fishes_are():
+    scenario = plain()
+    world = create_world(scenario)
+    fishes, number = world.state.fishes, scenario.fish[0].number
+    assert number > 1 and scenario.fish[0].position_cm is not None
+    fishes.position[:number] += (30.0, -40.0, 5.0)
+    fishes.alive[0] = False
+    (one,) = placement.schools(scenario, scenario, fishes, world.state.sea)
+    expected = fishes.position[1:number].mean(axis=0)
+    assert one[:2] == ("fish", 0) and one.place == pytest.approx(expected, abs=0.01)
+    # One that is being moved is where it is moved to.
+    trial = moved(scenario, one, (10.0, 20.0, -150.0))
+    (held,) = placement.schools(scenario, trial, fishes, world.state.sea)
+    assert held.place == (10.0, 20.0, -150.0)
+    fishes.alive[:number] = False
+    assert not placement.schools(scenario, scenario, fishes, world.state.sea)

@@ -27,6 +27,7 @@ from subsea.view.unproject import FrontView
 from subsea.world import placement
 from subsea.world.checks import check_in_sea, tour_fault
 from subsea.world.placement import Grip, Handle
+from subsea.world.world import World
 
 REFUSED = (1.0, 0.42, 0.34)  # refused places
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
@@ -53,11 +54,17 @@ class PlacementState:
     seen: tuple[Scenario, Sea, list[Handle]] | None = None  # cache of `things`
     frame: int = 0  # of the last drawing
 
-    def things(self, scenario: Scenario, sea: Sea) -> list[Handle]:
-        """All things that can be placed, cached."""
+    def things(self, now: Scenario, scenario: Scenario, world: World) -> list[Handle]:
+        """All things that can be placed: schools where they are, the others cached.
+
+        `now` is the scenario of the world, and `scenario` that of the trial, if any.
+        """
+        sea = world.state.sea
         if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
-            self.seen = scenario, sea, placement.handles(scenario, sea)
-        return self.seen[2]
+            those = placement.handles(scenario, sea)
+            self.seen = scenario, sea, [one for one in those if one.kind != "fish"]
+        submarine, *others = self.seen[2]
+        return [submarine, *placement.schools(now, scenario, world.state.fishes, sea), *others]
 
     def warn(self, scenario: Scenario, sea: Sea) -> str:
         """The tour that does not fit a scenario, as a message, cached."""
@@ -90,7 +97,7 @@ def panel(context: PanelContext) -> None:
         placing.reset_trial()
     placing.frame = frame
     sea, scenario = dive.world.state.sea, placing.trial or dive.scenario
-    things = placing.things(scenario, sea)
+    things = placing.things(dive.scenario, scenario, dive.world)
     _list(placing, scenario, things)
     _buttons(context, placing)
     _numbers(context, placing, scenario, sea)

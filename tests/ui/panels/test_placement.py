@@ -117,6 +117,37 @@ def test_a_thing_is_dragged_and_the_dive_goes_on_around_the_submarine(lagoon, us
     assert np.abs(np.subtract(on_screen(lagoon, "pillar"), begin) - (60, 0)).max() < 12
 
 
+def test_a_school_is_dragged_from_where_it_swims_and_goes_on(lagoon, user):
+    before, world = lagoon.scenario, lagoon.world
+    # Before the eye, where the panel is not.
+    front = lagoon.picture.front_view
+    eye, way = front.ray(0.75, 0.4)
+    fishes, number = world.state.fishes, before.fish[0].number
+    middle = fishes.position[:number].mean(axis=0)
+    fishes.position[:number] += (eye + 300.0 * way - middle).astype(np.float32)
+    user.glide(lagoon, 0.1)
+    begin = school_on_screen(lagoon)
+    drag(lagoon, user, begin, (-30, 0), (-60, 0))
+    user.until(lagoon, lambda: lagoon.world is not world)
+    ours = lagoon.world.state
+    assert ours.tick >= world.state.tick > 5  # life goes on
+    assert np.array_equal(ours.fishes.alive, world.state.fishes.alive)
+    assert lagoon.scenario.fish[1:] == before.fish[1:]
+    place = np.array(lagoon.scenario.fish[0].position_cm)
+    away = np.linalg.norm(ours.fishes.position[:number].mean(axis=0) - place)
+    assert away < 40.0  # it has swum on for a moment
+    assert school_on_screen(lagoon)[0] < begin[0] - 30
+
+
+def school_on_screen(dive):
+    """Where the middle of the first school is on the display."""
+    now, state = dive.scenario, dive.world.state
+    one = placement.schools(now, now, state.fishes, state.sea)[0]
+    x, y = dive.picture.front_view.places(np.array([one.place]))[0]
+    (left, top), (wide, high) = dive.window.position, dive.window.points
+    return round(left + x * wide), round(top + y * high)
+
+
 def test_a_drag_is_dropped_when_the_inspector_is_closed(lagoon, user):
     before, world = lagoon.scenario, lagoon.world
     drag(lagoon, user, on_screen(lagoon, "rock"), (25, 0), drop=False)
