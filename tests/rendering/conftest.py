@@ -28,7 +28,7 @@ SIZE = (320, 180)
 TOLERANCE_LEVELS = 1
 TOLERANCE_SHARE = 0.005
 # GPUs sample edges and fine textures at other points than the software rasteriser.
-GPU_SHARE, GPU_MEAN_LEVELS = 0.12, 0.75
+GPU_SHARE, GPU_MEAN_LEVELS = 0.2, 0.75
 
 SPECIES = ("fusilier", "emperor_angelfish")
 LENGTH = 20.0
