@@ -6,6 +6,7 @@
 //   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours
 //   MESH    1: a mesh says of which place
 //   GRADED  1: light is developed as the scenario's grade says
+//   BLOOM   1: light spreads around what is very bright
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
 uniform sampler2D u_picture;
 uniform sampler2D u_mask;
@@ -17,10 +18,12 @@ uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
 uniform float u_margin; // tangent of half a cube face's angle of view
 
+uniform sampler2D u_bloom;
 uniform vec3 u_gain;         // of a grade
 uniform float u_contrast;    // its power
 uniform float u_saturation;
 
+const float SPREAD = 0.5;   // share of the light that is too bright
 const float MIDDLE = 0.18;  // the grey that contrast leaves as it is
 const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
 const int FLAT = 0, WARPED = 1, EQUIRECTANGULAR = 2, DOME = 3, PANORAMA = 4;
@@ -173,8 +176,11 @@ vec3 light() {
         return woven();
     if (SHAPE >= EQUIRECTANGULAR)
         return eye(u_left, v_seen.xy, -1.0);
-    vec2 inside = (SHAPE == WARPED ? v_seen.xy : v_place) * u_left.zw;
-    return SMOOTH == 1 ? curved(smoothed(inside)) : curved(held(u_left, inside));
+    vec2 place = SHAPE == WARPED ? v_seen.xy : v_place, inside = place * u_left.zw;
+    vec3 x = SMOOTH == 1 ? smoothed(inside) : held(u_left, inside);
+    if (BLOOM == 1)
+        x += SPREAD * texture(u_bloom, place).rgb;
+    return curved(x);
 }
 
 void main() {

@@ -40,6 +40,9 @@ class Quality:
     # The same of the fishes, instead of soft spots on the sand; needs `sun_map`.
     fish_map: int = 0
 
+    # True: light spreads around what is very bright, in pictures of one eye.
+    bloom: bool = False
+
     # True: details that show at arm's length, such as polyps of corals and veins of leaves.
     close_up: bool = True
 
@@ -57,9 +60,13 @@ class Quality:
 PRESETS = {
     "low": Quality(smooth=False, detail=0.7, growth=0.6, snow=700, shafts=6, close_up=False),
     "medium": Quality(sun_map=1024),
-    "high": Quality(samples=4, detail=1.6, snow=2400, shafts=16, sun_map=2048, fish_map=1024),
+    "high": Quality(
+        samples=4, detail=1.6, snow=2400, shafts=16, sun_map=2048, fish_map=1024, bloom=True
+    ),
     # For GPUs with time to spare, and films.
-    "ultra": Quality(samples=8, detail=2.6, snow=4000, shafts=32, sun_map=4096, fish_map=2048),
+    "ultra": Quality(
+        samples=8, detail=2.6, snow=4000, shafts=32, sun_map=4096, fish_map=2048, bloom=True
+    ),
 }
 CHOICES = (AUTO, *PRESETS)
 

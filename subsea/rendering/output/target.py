@@ -10,6 +10,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.rendering.output.bloom import Bloom
 from subsea.rendering.output.quality import Quality
 from subsea.scenario.schema import UNGRADED, Grade
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
@@ -17,7 +18,7 @@ from subsea.view.surround import ROWS, half_tangent
 
 AMBER = np.array([1.0, 0.0, -1.0])  # logarithms of the factors on red, green and blue
 WARMEST = 0.35  # of these, by the greatest warmth
-MASK_UNIT = 1  # texture unit, free again after the scene is drawn
+MASK_UNIT, BLOOM_UNIT = 1, 2  # texture units, free again after the scene is drawn
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels
@@ -95,11 +96,17 @@ class ResolvePass(GpuOwner):
         self._plain: dict[tuple[int, ...], Any] = {}  # arrays without vertices
         self._held = self.own(GpuOwner())  # of these patches
         self._smooth = smooth
+        self._bloom: Bloom | None = None
         self.arrange(patches)
 
     def adapt(self, quality: Quality) -> None:
-        """Smooth edges as this quality says."""
+        """Smooth edges, and let what is bright spread, as this quality says."""
         self._smooth = quality.smooth
+        if quality.bloom and self._bloom is None:
+            self._bloom = self.own(Bloom(self._context))
+        elif not quality.bloom and self._bloom is not None:
+            self._bloom.release()
+            self._bloom = None
 
     def arrange(self, patches: Sequence[DisplayPatch]) -> None:
         """Replace the patches."""
@@ -128,10 +135,13 @@ class ResolvePass(GpuOwner):
         if not `linear`.
         """
         context, patch = self._context, self.patches[number]
+        bloom = self._bloom if linear and self._may_bloom(patch) else None
+        if bloom is not None:
+            bloom.draw(canvas, scaled(patch.left, scale)).use(BLOOM_UNIT)
         into.use()
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
-        compiled, array = self._array(number, linear)
+        compiled, array = self._array(number, linear, bloom is not None)
         left, right = scaled(patch.left, scale), scaled(patch.right, scale)
         set_uniforms(
             compiled,
@@ -143,6 +153,7 @@ class ResolvePass(GpuOwner):
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
             u_mask=MASK_UNIT,
+            u_bloom=BLOOM_UNIT,
             u_gain=gain(self._grade),
             u_contrast=self._grade.contrast,
             u_saturation=self._grade.saturation,
@@ -155,16 +166,23 @@ class ResolvePass(GpuOwner):
             self._masks[number].use(MASK_UNIT)
         array.render(vertices=3 if patch.warp is None else -1)
 
-    def _array(self, number: int, linear: bool) -> tuple[Any, Any]:
+    def _may_bloom(self, patch: DisplayPatch) -> bool:
+        """True for the only picture of one eye: others would not match at their edges."""
+        plain = patch.weave == Weave.PLAIN and patch.shape == Projection.FLAT
+        return plain and patch.mask is None and len(self.patches) == 1
+
+    def _array(self, number: int, linear: bool, bloom: bool = False) -> tuple[Any, Any]:
         """The program of a patch, compiled when first needed, and its vertex array."""
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
         masked = patch.mask is not None
         mesh = patch.warp is not None
         graded = linear and self._grade != UNGRADED
-        key = tuple(map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded)))
+        key = tuple(
+            map(int, (patch.weave, patch.shape, mesh, smooth, masked, linear, graded, bloom))
+        )
         if key not in self._programs:
-            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR", "GRADED"
+            names = "WEAVE", "SHAPE", "MESH", "SMOOTH", "MASKED", "LINEAR", "GRADED", "BLOOM"
             constants = dict(zip(names, key, strict=True))
             self._programs[key] = self.own(program(self._context, "resolve", **constants))
             if not mesh:
