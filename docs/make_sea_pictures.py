@@ -2,7 +2,7 @@
 
 dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the three
 presets side by side. visitors.jpg, preying.jpg: other scenarios.
-equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their blocks build it.
+places.jpg: five views of every scenario. equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their blocks build it.
 scenarios: the pictures of the menu, beside the scenario files.
 """
 
@@ -63,7 +63,7 @@ FIRST, OTHER = (1600, 700), (1120, 500)
 SWIMMING = BAY._replace(tick=400)
 STRIP, TICKS, EVERY, STRIP_QUALITY = (720, 316), 96, 2, 62
 SHARE = (560, 130, 760, 290)  # of a picture, which is shown twice as large for each preset
-LETTERS = 18
+LETTERS, PLACES_WIDE = 18, 1500
 TUTORIALS = "first-dive.md", "first-fish.md"
 JEWEL = "reef_jewel"  # the species of the tutorials
 
@@ -130,6 +130,17 @@ def qualities() -> Image.Image:
     return sheet
 
 
+def places() -> Image.Image:
+    """A row of five views for each shipped scenario."""
+    with TemporaryDirectory() as folder:
+        command = sys.executable, str(ROOT / "tools" / "viewpoints.py"), folder
+        size = "--size", "960x540", "--seconds", "20"
+        subprocess.run([*command, *size], check=True)
+        sheet = Image.open(Path(folder) / "contact.png").convert("RGB")
+    high = round(PLACES_WIDE * sheet.height / sheet.width)
+    return sheet.resize((PLACES_WIDE, high), Image.Resampling.LANCZOS)
+
+
 def filmed_by(*arguments: str, pages: tuple[str, ...] = ()) -> Image.Image:
     """Run `subsea film` in a home folder with the files of tutorials."""
     with TemporaryDirectory() as home:
@@ -167,6 +178,7 @@ def main() -> None:
     made = {
         "dive": lambda: one(BAY, FIRST),
         "qualities": qualities,
+        "places": places,
         "visitors": lambda: one(VISITORS, OTHER),
         "preying": lambda: one(PREYING, OTHER),
         "equirectangular": lambda: filmed_by(
