@@ -1,8 +1,9 @@
 """Make the pictures of the sea itself: `python docs/make_sea_pictures.py [FOLDER] [NAME ...]`.
 
-dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the three
-presets side by side. visitors.jpg, preying.jpg: other scenarios.
-places.jpg: five views of every scenario. equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their blocks build it.
+dive.jpg: the bay, for the first page. swimming.webp: some seconds of it. qualities.jpg: the
+presets side by side. places.jpg: five views of every scenario. visitors.jpg, preying.jpg: single
+pictures of others. equirectangular.jpg: all round. lagoon.jpg: the sea of the tutorials, as their
+blocks build it.
 scenarios: the pictures of the menu, beside the scenario files.
 """
 
