@@ -6,7 +6,9 @@ from collections.abc import Callable
 import numpy as np
 
 from subsea.core.arrays import Array
+from subsea.core.kernels import kernel
 from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.vector import Vector, store
 from subsea.scenario.schema import Bounds
 from subsea.state import HULL_CM, Submarine
 from subsea.submarine.helm import Helm
@@ -125,22 +127,31 @@ def _solids(
 ) -> list[tuple[float, Array]]:
     """Distances and outward normals of the solids within two seconds' reach."""
     x, y, z = (float(value) for value in submarine.position)
-    floor = floor_height(x, y)
+    found = _near_solids(pillars, rocks, (x, y, z), floor_height(x, y))
+    return [(row[0], row[1:]) for row in found]
+
+
+@kernel
+def _near_solids(pillars: Array, rocks: Array, p: Vector, floor: float) -> Array:
+    """Rows (k, 4): distance and outward normal of the pillars and rocks near p, over the floor."""
     reach = CLEARANCE_CM + 2.0 * AHEAD_CM_S
-    found = []
-    for rows, size, off in (
-        (pillars, pillars[:, 2], from_pillar),
-        (rocks, rocks[:, 3:5].max(axis=1, initial=0.0), from_rock),
-    ):
-        for k in np.flatnonzero(np.hypot(rows[:, 0] - x, rows[:, 1] - y) < size + reach):
-            normal, distance = off(rows[k], (x, y, z))
-            roof = rows[k, 2] - rows[k, 5] if off is from_rock else z
-            if normal[2] < 0.0 and roof < floor + 2.0 * CLEARANCE_CM:
-                # A solid without room beneath must not press the hull into the seabed.
+    found, count = np.empty((len(pillars) + len(rocks), 4)), 0
+    for k in range(len(pillars)):
+        if math.hypot(pillars[k, 0] - p[0], pillars[k, 1] - p[1]) < pillars[k, 2] + reach:
+            normal, found[count, 0] = from_pillar(pillars[k], p)
+            store(found[count, 1:], normal)
+            count += 1
+    for k in range(len(rocks)):
+        size = max(rocks[k, 3], rocks[k, 4])
+        if math.hypot(rocks[k, 0] - p[0], rocks[k, 1] - p[1]) < size + reach:
+            normal, found[count, 0] = from_rock(rocks[k], p)
+            if normal[2] < 0.0 and rocks[k, 2] - rocks[k, 5] < floor + 2.0 * CLEARANCE_CM:
+                # A rock without room beneath must not press the hull into the seabed.
                 level = max(math.hypot(normal[0], normal[1]), 1e-3)
-                normal = normal[0] / level, normal[1] / level, 0.0
-            found.append((distance, np.array(normal)))
-    return found
+                normal = (normal[0] / level, normal[1] / level, 0.0)
+            store(found[count, 1:], normal)
+            count += 1
+    return found[:count]
 
 
 def keep_clear(
