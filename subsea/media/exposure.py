@@ -20,7 +20,7 @@ EVENLY = 0.7548776662466927, 0.5698402909980532
 
 
 class Exposure(NamedTuple):
-    """How the frames of a film are exposed."""
+    """The exposure of the frames of a film."""
 
     samples: int = 1  # pictures of a frame
     shutter: float = 0.5  # share of the time between two frames for which it is open
