@@ -164,9 +164,8 @@ class Renderer(GpuOwner):
         batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
         self._make_target(rig, self.quality)
         if second is None:
-            second = self.own(
-                ResolvePass(self._context, rig.patches, self.quality.smooth, self._scene.grade)
-            )
+            second = ResolvePass(self._context, rig.patches, grade=self._scene.grade)
+            self.own(second).adapt(self.quality)
         second.arrange(rig.patches)
         levels = [batch.recall() for batch in batches]
         self._resolve, self._second = second, self._resolve
