@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Bytes
+from subsea.core.arrays import Bytes
+from subsea.fish.raster import from_srgb, to_srgb
 from subsea.view.camera import View
 
 EVENLY = 0.7548776662466927, 0.5698402909980532
@@ -78,19 +79,8 @@ class MeanPictures:
             yield from self._first.items()
             return
         for name, light in self._light.items():
-            yield name, _levels(light / self._number)
+            yield name, (255.0 * to_srgb(light / self._number) + 0.5).astype(np.uint8)
 
 
-def _light(level: Array) -> Array:
-    """Linear light of an sRGB value; both in [0, 1]."""
-    return np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
-
-
-def _levels(light: Array) -> Bytes:
-    """The nearest sRGB levels of linear light."""
-    curved = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.asarray(255.0 * curved + 0.5, np.uint8)
-
-
-LIGHT = _light(np.arange(256) / 255.0).astype(np.float32)  # of each level
+LIGHT = from_srgb(np.arange(256) / 255.0).astype(np.float32)  # of each level, linear
 PINHOLE = Exposure()  # one sharp picture

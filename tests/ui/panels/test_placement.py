@@ -140,7 +140,7 @@ def test_a_school_is_dragged_from_where_it_swims_and_goes_on(lagoon, user):
 
 
 def school_on_screen(dive):
-    """Where the middle of the first school is on the display."""
+    """The place of the middle of the first school on the display."""
     now, state = dive.scenario, dive.world.state
     one = placement.schools(now, now, state.fishes, state.sea)[0]
     x, y = dive.picture.front_view.places(np.array([one.place]))[0]
