@@ -14,14 +14,21 @@ HEADROOM_BL = 0.6  # height above or below a rock at which it passes over or und
 
 @kernel
 def detour(
-    wish: Vector, heading: Vector, here: Vector, length: float, pillars: Array, rocks: Array
+    wish: Vector,
+    heading: Vector,
+    here: Vector,
+    length: float,
+    pillars: Array,
+    rocks: Array,
+    direct: float,
 ) -> Vector:
     """Level unit vector past the pillars and rocks that wish or heading lead into, or ZERO.
 
     Candidates are the tangents to all solids near `here` that lead into no other solid. A fish of
     `length` cm takes the one with the least turn, so that it does not change its mind before the
-    obstacle; tangents that lead away from the wish cost more, or it might circle for ever. Each
-    fish decides for itself: a school splits at an obstacle. A fish that is turning back ignores
+    obstacle; tangents that lead away from the wish cost more, or it might circle for ever. An
+    angle between tangent and wish costs `direct` as much as one of turning. Each fish decides for
+    itself: a school splits at an obstacle. A fish that is turning back ignores
     what lies on its old heading. A rock counts as round, as wide as it is long, with its width at
     the height of the fish.
     """
@@ -47,7 +54,8 @@ def detour(
     for k in range(count):
         for side in (1.0, -1.0):
             way = _tangent(near[k], side)
-            cost = _turn(heading, way) + AWAY * max(_turn(wish, way) - 0.5 * np.pi, 0.0)
+            off = _turn(wish, way)
+            cost = _turn(heading, way) + direct * off + AWAY * max(off - 0.5 * np.pi, 0.0)
             if cost >= least:
                 continue
             free = True

@@ -35,7 +35,7 @@ def follow_leader(
     company = _company(fishes.position, fishes.velocity, fishes.length, minds.neighbour[i], i,
                        spacing)  # fmt: skip
     urge = plus(plus(_pull(toward, length), ahead), company)
-    way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
+    way = detour(urge, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks, 0.0)
     if norm(way) > 0.0:
         # Meanwhile climb or dive to the leader, as under an arch.
         way = (way[0], way[1], toward[2] / max(norm(toward), 1.0))

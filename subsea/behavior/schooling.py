@@ -33,6 +33,7 @@ LEAST_SPEED = 0.3
 # A school of n extends RADIUS_BL n^(1/3) from its middle; beyond this share of that a fish heads
 # for the middle, hurrying.
 RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.5
+DIRECT = 2.0  # there it passes an obstacle on the side of the school: weight of the angle off it
 # A straggler has fewer companions than this within this distance, cm and lengths.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
 INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
@@ -115,7 +116,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         outside = min(max(norm(middle) / radius - WITHIN, 0.0), 1.0)
         middle = times(outside / max(norm(middle), 1.0), middle)
         wish = plus(urge, times(REJOIN, middle))
-        way = detour(wish, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks)
+        way = detour(wish, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks,
+                     DIRECT * outside)  # fmt: skip
         if norm(way) > 0.0:
             # It rejoins the others behind the obstacle.
             set_urge(minds, i, plus(times(COMPANY, urge), times(OWN_WAY, way)))

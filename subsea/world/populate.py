@@ -180,8 +180,8 @@ def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Genera
         reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
         depth = rng.uniform(-0.9, -0.3, number) * scenario.bounds.depth_cm
         return np.stack([reach * np.cos(angle), reach * np.sin(angle), depth], axis=1)
-    # A shoal larger than the scenario's spreads, so that the space per fish stays the same.
-    spread = shoal.spread_cm * max(1.0, number / max(shoal.number, 1)) ** (1 / 3)
+    # The space per fish stays that of the scenario.
+    spread = shoal.spread_cm * (number / max(shoal.number, 1)) ** (1 / 3)
     places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
     out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
     places[:, :2] /= np.maximum(out, 1.0)[:, None]

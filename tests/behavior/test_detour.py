@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.behavior.detour import AWAY, BERTH_BL, HEADROOM_BL, LOOK_BL, detour
+from subsea.behavior.schooling import DIRECT
 from subsea.geometry.vector import ZERO
 
 LENGTH = 20.0
@@ -15,8 +16,8 @@ NONE = np.zeros((0, 7))
 NO_PILLARS = np.zeros((0, 4))
 
 
-def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0)):
-    return detour(wish, heading, here, LENGTH, np.array([pillar]), NONE)
+def way_past(pillar, heading=AHEAD, wish=AHEAD, here=(0.0, 0.0, -200.0), direct=0.0):
+    return detour(wish, heading, here, LENGTH, np.array([pillar]), NONE, direct)
 
 
 @pytest.mark.parametrize(
@@ -56,6 +57,13 @@ def test_a_fish_beside_an_obstacle_is_not_drawn_back_in_front_of_it():
     assert way[1] < 0.0
 
 
+def test_a_straggler_passes_on_the_side_of_its_school():
+    pillar = (60.0, 30.0, 40.0, -50.0)
+    there = {"heading": (0.7, -0.7, 0.0), "wish": (0.5, 0.9, 0.0)}
+    assert way_past(pillar, **there)[1] < 0.0
+    assert way_past(pillar, **there, direct=DIRECT)[1] > 0.0
+
+
 def test_of_two_fishes_abreast_each_takes_its_own_side():
     pillar = (150.0, 0.0, 40.0, -50.0)
     left, right = (way_past(pillar, here=(0.0, y, -200.0)) for y in (5.0, -5.0))
@@ -67,10 +75,10 @@ def test_the_nearest_of_several_counts_rocks_among_them():
     pillars = np.array([[200.0, 5.0, 30.0, -50.0]])
     rock = np.array([[100.0, -5.0, -200.0, 40.0, 20.0, 30.0, 0.0]])
     here = (0.0, 0.0, -200.0)
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, NONE)[1] < 0.0
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock)[1] > 0.0
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, NONE, 0.0)[1] < 0.0
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock, 0.0)[1] > 0.0
     rock[0, 2] = -260.0  # its top is below the fish
-    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock)[1] < 0.0
+    assert detour(AHEAD, AHEAD, here, LENGTH, pillars, rock, 0.0)[1] < 0.0
 
 
 def test_a_fish_that_turns_back_ignores_obstacles_ahead():
@@ -82,13 +90,17 @@ def test_a_fish_that_turns_back_ignores_obstacles_ahead():
 PLACE = st.tuples(st.floats(40.0, 250.0), st.floats(-3.0, 3.0), st.floats(5.0, 40.0))
 
 
-@given(places=st.lists(PLACE, min_size=1, max_size=5), turn=st.floats(-1.5, 1.5))
-def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn):
+@given(
+    places=st.lists(PLACE, min_size=1, max_size=5),
+    turn=st.floats(-1.5, 1.5),
+    direct=st.floats(0.0, DIRECT),
+)
+def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn, direct):
     """Compare with a brute-force search over all tangents of all pillars."""
     pillars = np.array([(d * np.cos(a), d * np.sin(a), r, 0.0) for d, a, r in places])
     pillars = pillars[np.hypot(*pillars[:, :2].T) > pillars[:, 2] + BERTH + 1.0]
     heading = np.array([np.cos(turn), np.sin(turn), 0.0])
-    way = detour(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE)
+    way = detour(AHEAD, tuple(heading), (0.0, 0.0, -200.0), LENGTH, pillars, NONE, direct)
     if way == ZERO:
         return
     bearing, reach = np.arctan2(pillars[:, 1], pillars[:, 0]), np.hypot(*pillars[:, :2].T)
@@ -99,7 +111,8 @@ def test_the_way_leads_into_nothing_else_and_no_such_way_is_nearer(places, turn)
         return np.abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
 
     def cost(way):
-        return apart(way, turn) + AWAY * np.maximum(apart(way, 0.0) - 0.5 * np.pi, 0.0)
+        off = apart(way, 0.0)
+        return apart(way, turn) + direct * off + AWAY * np.maximum(off - 0.5 * np.pi, 0.0)
 
     ways = np.concatenate([bearing[near] - half[near], bearing[near] + half[near]])
     free = [(apart(bearing[near], w) > half[near] - 2e-3).all() for w in ways]
@@ -119,18 +132,18 @@ def test_a_rock_is_as_wide_as_it_is_at_the_height_of_the_fish():
     for side in (1.0, -1.0):
         middle = -200.0 + side * (0.5 * high + HEADROOM_BL * LENGTH)
         rock = np.array([[150.0, 0.0, middle, 40.0, 20.0, high, 0.3]])
-        way = detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock)
+        way = detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock, 0.0)
         sine = (40.0 * np.sqrt(0.75) + BERTH) / 150.0
         assert abs(way[1]) == pytest.approx(sine)
     rock[0, 2] = -200.0 + high + HEADROOM_BL * LENGTH + 0.1
-    assert detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock) == ZERO
+    assert detour(AHEAD, AHEAD, here, LENGTH, NO_PILLARS, rock, 0.0) == ZERO
 
 
 def test_through_an_arch_it_swims_between_the_legs():
     """Pass between two legs to the leader beyond, not around the outside."""
     legs = np.array([[120.0, 100.0, 50.0, 0.0], [120.0, -100.0, 50.0, 0.0]])
     wish = (1.0, 0.6, 0.0)  # into the left leg
-    way = detour(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE)
+    way = detour(wish, AHEAD, (0.0, 0.0, -200.0), LENGTH, legs, NONE, 0.0)
     assert abs(np.arctan2(way[1], way[0])) < np.radians(15.0)
 
 
@@ -138,6 +151,6 @@ def test_it_rather_turns_than_goes_round_the_far_side_of_a_long_wall():
     """A fish beside a row of pillars turns back to the near end to reach a place behind it."""
     row = np.array([(60.0, y, 30.0, 0.0) for y in np.arange(-40.0, 241.0, 40.0)])
     wish, heading = (0.6, -0.8, 0.0), (0.05, 1.0, 0.0)
-    way = detour(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)
+    way = detour(wish, heading, (0.0, -20.0, -200.0), LENGTH, row, NONE, 0.0)
     assert way[1] < 0.0
-    assert detour((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE)[1] > 0.0
+    assert detour((0.6, 0.8, 0.0), heading, (0.0, -20.0, -200.0), LENGTH, row, NONE, 0.0)[1] > 0.0
