@@ -99,6 +99,7 @@ class CameraRig(NamedTuple):
     eyes: tuple[Eye, ...]
     patches: tuple[DisplayPatch, ...]
     level: bool = False  # keep the horizon level
+    main: int | None = None  # index of the patch with text; None: the one ahead
 
     @property
     def exact(self) -> bool:
@@ -115,7 +116,9 @@ class CameraRig(NamedTuple):
 
 
 def front(rig: CameraRig) -> DisplayPatch:
-    """The first of the patches whose centre is closest to straight ahead."""
+    """The patch with text: the main one, else the first whose centre is closest to ahead."""
+    if rig.main is not None:
+        return rig.patches[rig.main]
     return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
 
 

@@ -1,0 +1,60 @@
+"""The interface of a headset to the dive, and its errors."""
+
+from typing import NamedTuple, Protocol
+
+from subsea.core.errors import UserError
+from subsea.view.head import HeadEye, Pose
+
+
+class HeadsetLostError(UserError):
+    """The runtime or the headset ended; the message says so in one line."""
+
+
+class Hand(NamedTuple):
+    """The controller, or the tracked hand, in one hand."""
+
+    aim: Pose | None = None  # where it points, along -z; None: not tracked
+    stick: tuple[float, float] = (0.0, 0.0)  # right and up, in [-1, 1]
+    trigger: float = 0.0  # in [0, 1]; a pinch of a tracked hand
+    squeeze: float = 0.0  # in [0, 1]; a fist of a tracked hand
+    primary: bool = False  # the lower button: A or X
+    secondary: bool = False  # the upper button: B or Y
+    menu: bool = False
+
+
+class HeadsetFrame(NamedTuple):
+    """A frame that has begun."""
+
+    eyes: tuple[HeadEye, ...]  # left and right, predicted for the time of display
+    tracked: bool  # False: the poses are the last known ones
+    visible: bool  # False: the runtime shows something else, so nothing needs to be drawn
+    textures: tuple[int, ...]  # names of OpenGL textures to draw into, one for each eye
+
+
+class Headset(Protocol):
+    """A session of a headset's runtime, in the OpenGL context that is current.
+
+    Every call may raise HeadsetLostError.
+    """
+
+    name: str  # of the runtime and of the headset, for people
+    sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
+    hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
+    worn: bool  # True while the runtime shows the dive: from VISIBLE on
+    focused: bool  # True while it takes input
+    recentred: bool  # True if the runtime asked since the last `begin` to take the head as home
+
+    def poll(self) -> None:
+        """Process events and read the hands; call once a picture."""
+
+    def begin(self) -> HeadsetFrame | None:
+        """Wait for the runtime and begin a frame; None while the session does not run."""
+
+    def end(self) -> None:
+        """Show the frame that `begin` returned; call it for each."""
+
+    def pulse(self, hand: int, strength: float, seconds: float) -> None:
+        """Vibrate the controller in a hand (0 left, 1 right), with a strength in [0, 1]."""
+
+    def close(self) -> None:
+        """End the session and release everything."""
