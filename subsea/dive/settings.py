@@ -57,6 +57,15 @@ class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         float, Meta(ge=0, le=1, description="0 to 1: how much the rim darkens in fast turns")
     ] = 0.0
     horizon: Annotated[bool, Meta(description="a line where the horizon is, when it tilts")] = True
+    headset_vignette: Annotated[float, Meta(ge=0, le=1, description="the same in a headset")] = 0.6
+    snap_turn_deg: Annotated[
+        float,
+        Meta(
+            ge=0,
+            le=90,
+            description="in a headset: the sea turns in steps of this angle; 0: smoothly",
+        ),
+    ] = 0.0
     acceleration: Annotated[
         float,
         Meta(ge=0.1, le=1, description="0.1 to 1: share of full thrust and rudder"),

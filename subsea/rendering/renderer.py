@@ -1,7 +1,7 @@
 """Draws a picture: rocks, reef, seabed, water, fishes, particles; then tone mapping."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -39,6 +39,9 @@ from subsea.rendering.sea.water import WaterRenderer
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
+
+Into = Mapping[int, Any]  # framebuffers by output
+OWN: Into = {}  # all outputs are drawn into the renderer's own pictures
 
 
 class Renderer(GpuOwner):
@@ -177,10 +180,10 @@ class Renderer(GpuOwner):
                 batch.recall(level)
             self._make_target(before, self.quality)
 
-    def draw(self, packet: Packet, into: Any = None) -> None:
+    def draw(self, packet: Packet, into: Into = OWN) -> None:
         """Draw every view of a packet and resolve the canvas to the outputs.
 
-        `into` is the framebuffer for a rig with one output; None draws into the renderer's own
+        `into` are framebuffers by output; the other outputs are drawn into the renderer's own
         `pictures`, which `read_pixels` returns. Waits until the GPU has drawn the picture before:
         it works on one while the next is computed, and never falls behind by two.
         """
@@ -190,7 +193,7 @@ class Renderer(GpuOwner):
         with self.timer.picture():
             self._draw(packet, into)
 
-    def _draw(self, packet: Packet, into: Any) -> None:
+    def _draw(self, packet: Packet, into: Into) -> None:
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()
@@ -268,7 +271,7 @@ class Renderer(GpuOwner):
         fishes = partial(self._fishes.cast, len(packet.instances))
         return self._sun.draw([self._rocks.cast, self._coral.cast], fishes, eye)
 
-    def show(self, canvas: Bytes, into: Any = None) -> None:
+    def show(self, canvas: Bytes, into: Into = OWN) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
         texture = self._upload(canvas)
         try:
@@ -312,7 +315,7 @@ class Renderer(GpuOwner):
         scale = self._scale(self.rig, self.quality)
         return self._ids.read(None if part is None else scaled(part, scale))
 
-    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Any = None) -> None:
+    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Into = OWN) -> None:
         """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
 
         The sources of `patches` are parts of the picture; `into` is as for `draw`.
@@ -344,7 +347,7 @@ class Renderer(GpuOwner):
         data = self._target.framebuffers[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
-    def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
+    def _show(self, canvas: Any, into: Into, scale: float, linear: bool) -> None:
         """Draw every patch of the rig from the canvas to its output."""
         begun = set()
         for number, patch in enumerate(self.rig.patches):
@@ -357,12 +360,13 @@ class Renderer(GpuOwner):
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, linear)
 
-    def _use(self, patch: DisplayPatch, into: Any) -> Any:
-        """The framebuffer for a patch, now in use: `into`, or the renderer's own."""
-        output = patch.output, patch.page
-        target = self._target.framebuffers[output] if into is None else into
+    def _use(self, patch: DisplayPatch, into: Into) -> Any:
+        """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
+        given = patch.output in into
+        own = self._target.framebuffers
+        target = into[patch.output] if given else own[patch.output, patch.page]
         target.use()
-        if into is not None:
+        if given:
             self._page(patch.page)  # applies to the framebuffer in use
         return target
 

@@ -32,6 +32,7 @@ PADDING = 0.25  # above and below its text
 ABOUT, ABOUT_SIZE = 0.65, 0.7  # height of the line below an entry, and of its letters
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
+RECENTRE = "Look straight ahead first."
 SEED = "The same seed, the same dive; another one, another dive."
 
 DISPLAYS = {
@@ -46,6 +47,7 @@ DISPLAYS = {
     "dome": "Dome",
     "equirectangular": "All round",
     "stereo": "3D, shutter glasses",
+    "headset": "Headset",
 }
 VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
 GROUPS = {"sea": "Reef and waves", "fishes": "Fishes", "vessel": "Vessel"}
@@ -240,6 +242,8 @@ class Menu:
     def _first(self) -> Iterator[Entry]:
         dive = self.dive
         yield Entry("Continue", self.hide)
+        if dive.picture.head is not None:
+            yield Entry("Recentre", lambda: dive.run_command("recentre"), about=RECENTRE)
         if not self.kiosk and dive.picture.displays:
             yield Entry(
                 "Display", lambda: self._open_page("Display"), DISPLAYS[dive.picture.display]

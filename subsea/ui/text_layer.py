@@ -30,7 +30,8 @@ class TextLayer:
     def __init__(
         self, dive: DiveContext, settings: Settings, menu: Menu, inspector: Inspector
     ) -> None:
-        self.vignette = Vignette(settings.comfort.vignette)
+        comfort, worn = settings.comfort, dive.picture.head is not None
+        self.vignette = Vignette(comfort.headset_vignette if worn else comfort.vignette)
         self.horizon = settings.comfort.horizon  # whether to draw one at the helm
         self._dive, self._menu, self._inspector = dive, menu, inspector
 
@@ -55,7 +56,8 @@ class TextLayer:
             if tilts and self.horizon and picture.front_view:
                 draw_horizon(picture.front_view, picture.eye.forward)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
-            self.vignette.draw()
+            if picture.head is None:  # a headset draws it around each eye
+                self.vignette.draw()
             if not self._menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)

@@ -74,6 +74,15 @@ def on_observer(pose: Pose, home: Home) -> tuple[Array, Array]:
     return offset, (TO_OBSERVER[:, None] * turned).T
 
 
+def snapped(heading: float, shown: float, step: float) -> float:
+    """The heading to show, rad, if the view turns in steps: `shown`, or a multiple of `step`.
+
+    It changes when the heading is more than .6 of a step from the one that is shown.
+    """
+    off = (heading - shown + np.pi) % (2.0 * np.pi) - np.pi
+    return shown if abs(off) < 0.6 * step else step * float(np.round(heading / step))
+
+
 def head_eyes(
     eyes: Sequence[HeadEye], viewports: Sequence[Rect], home: Home = AT_ORIGIN
 ) -> tuple[Eye, ...]:

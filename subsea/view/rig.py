@@ -145,12 +145,13 @@ def seen_by(rig: CameraRig, patch: DisplayPatch) -> list[Eye]:
 
 
 def limit_separation(rig: CameraRig, half_cm: float) -> CameraRig:
-    """Scale the eye offsets of a rig to at most `half_cm` from the observer.
+    """Scale the eye offsets of a rig to at most `half_cm` from the middle of the eyes.
 
     Projections depend only on angles, so the screens scale too: something at a tenth of the
     distance looks the same to eyes a tenth as far apart.
     """
-    widest = max(float(np.linalg.norm(eye.offset)) for eye in rig.eyes)
+    middle = np.mean([eye.offset for eye in rig.eyes], axis=0)  # a head may have moved
+    widest = max(float(np.linalg.norm(eye.offset - middle)) for eye in rig.eyes)
     if widest <= half_cm:
         return rig
     share = half_cm / widest
