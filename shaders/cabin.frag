@@ -10,6 +10,6 @@ void main() {
     f_colour = texture(u_panel, v_look.xy);
 #else
     float up = 0.5 + 0.5 * normalize(v_look.xyz).y;
-    f_colour = vec4((0.08 + 0.5 * up * up) * v_look.w * u_light, 1.0);
+    f_colour = vec4((0.2 + 0.8 * up * up) * v_look.w * u_light, 1.0);
 #endif
 }

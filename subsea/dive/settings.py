@@ -72,6 +72,14 @@ class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     ] = 1.0
 
 
+COMFORTS = {
+    "calm": ComfortSettings(headset_vignette=0.9, snap_turn_deg=30.0, acceleration=0.5),
+    "usual": ComfortSettings(),
+    "free": ComfortSettings(headset_vignette=0.0, horizon=False),
+}
+"""Presets of the menu in a headset."""
+
+
 class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The picture, where the command line says nothing else."""
 

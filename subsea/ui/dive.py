@@ -26,6 +26,7 @@ from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
+from subsea.sound.listening import at_rest
 from subsea.ui.commands import Commands
 from subsea.ui.headset_display import GOES_ON, put_on
 from subsea.ui.help_overlay import NOT_SHARED, help_content
@@ -145,7 +146,8 @@ class Dive:
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
             head = None
             if display.mode == HEADSET:
-                head = put_on(self.window_set, self.gui, settings, self.note)
+                head = put_on(self.window_set, self.gui, self.note)
+                self.sound.head = at_rest if head is None else head.pose
             self.picture = ScenePicture(self.window_set, opening.rig, display, head)
             undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
@@ -258,6 +260,7 @@ class Dive:
             self._frame(elapsed_s)
         except HeadsetLostError as fault:
             self.picture.take_off()
+            self.sound.head = at_rest
             self.note(f"{fault}; {GOES_ON}")
 
     def _frame(self, elapsed_s: float) -> None:

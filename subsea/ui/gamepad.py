@@ -72,14 +72,18 @@ class Gamepads:
     def _changes(self, names: dict[int, str | None]) -> list[str]:
         before, self._names = self._names, names
         lines = [
-            f"the gamepad {name!r} is gone"
+            "the controllers of the headset are gone"
+            if number == HANDS
+            else f"the gamepad {name!r} is gone"
             for number, name in before.items()
             if name is not None and names.get(number) is None
         ]
         for number, name in names.items():
             if number in before and before[number] == name:
                 continue
-            if name is not None:
+            if number == HANDS:
+                lines.append("the controllers of the headset steer")
+            elif name is not None:
                 lines.append(f"the gamepad {name!r} steers")
             else:
                 own = settings_path().parent / MAPPINGS

@@ -1,6 +1,7 @@
 """The dive in a headset: its eyes look, its controllers steer, its panel shows the text."""
 
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -8,13 +9,16 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
-from subsea.dive.settings import Settings
+from subsea.dive.haptics import hand_pulses
+from subsea.dive.pilot import Pilot
+from subsea.frame.packet import Lamps
 from subsea.headset.openxr import open_headset
 from subsea.headset.session import Hand, Headset, HeadsetFrame
 from subsea.rendering.output.cabin import Cabin
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.gui import Gui
 from subsea.ui.window_set import WindowSet
+from subsea.view.display_rigs import cockpit
 from subsea.view.head import (
     AT_ORIGIN,
     HeadEye,
@@ -29,6 +33,7 @@ from subsea.view.head import (
 from subsea.view.panel import PANEL
 from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
 from subsea.view.text_viewports import WHOLE, TextViewport
+from subsea.world.world import TICK_S, World
 
 # Until the first frame: 90 degrees for each eye, 6.4 cm apart.
 BEFORE = tuple(
@@ -39,19 +44,18 @@ BEFORE = tuple(
     for side in (-1.0, 1.0)
 )
 GOES_ON = "the dive goes on in the window"
+FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
 
 
-def put_on(
-    windows: WindowSet, gui: Gui, settings: Settings, note: Callable[[str], None]
-) -> "HeadsetDisplay | None":
+def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "HeadsetDisplay | None":
     """Connect the headset to the windows of a dive; None, with a note, if there is none."""
     try:
         headset = open_headset()
     except UserError as fault:
         note(f"{fault}; {GOES_ON}")
         return None
-    head = HeadsetDisplay(headset, windows.context, gui, settings.comfort.snap_turn_deg)
+    head = HeadsetDisplay(headset, windows.context, gui, windows.pilot, note)
     windows.gamepads.read_hands = head.gamepad
     windows.wait_for_display(False)
     return head
@@ -60,18 +64,24 @@ def put_on(
 class HeadsetDisplay:
     """Connects a headset's session to the rig, the pilot and the gui of a dive."""
 
-    def __init__(self, headset: Headset, context: Any, gui: Gui, step_deg: float = 0.0) -> None:
+    def __init__(
+        self, headset: Headset, context: Any, gui: Gui, pilot: Pilot, note: Callable[[str], None]
+    ) -> None:
         """The `context` is the one that the session was opened in.
 
-        The view turns in steps of `step_deg`, or smoothly if that is 0.
+        Comfort follows the settings of the `pilot`; `note` shows a line to the diver.
         """
         self.headset = headset
         self.eyes: Sequence[HeadEye] = BEFORE
         self.home: Home = AT_ORIGIN
-        self._context, self._gui = context, gui
+        self._context, self._gui, self._pilot, self._note = context, gui, pilot, note
         self._cabin = Cabin(context)
         self._frame: HeadsetFrame | None = None
-        self._step, self._heading = math.radians(step_deg), 0.0  # the one that is shown
+        self._heading = 0.0  # rad, the one that is shown
+        self._worn_since: float | None = None
+        self._worn_told = False  # the time of use
+        self._dark = 1.0  # the picture fades in
+        self._last = time.perf_counter()
         self._seated = False  # the home is where the head was
         self._clicked = False  # the trigger is down on the panel
 
@@ -88,19 +98,42 @@ class HeadsetDisplay:
     def turned(self, observer: CameraPose) -> CameraPose:
         """The observer, level, with a heading that changes in steps if that was chosen."""
         heading = math.atan2(observer.forward[1], observer.forward[0])
-        if self._step > 0.0:
-            heading = self._heading = snapped(heading, self._heading, self._step)
+        step = math.radians(self._pilot.settings.comfort.snap_turn_deg)
+        if step > 0.0:
+            heading = self._heading = snapped(heading, self._heading, step)
         return pose_from_angles(observer.eye, heading, 0.0)
 
     def recentre(self) -> None:
         """Take the head's place and direction as those of the pilot."""
-        self._seated = False
+        self._seated, self._dark = False, 1.0
+
+    def pose(self, observer: CameraPose) -> CameraPose:
+        """The pose of the head on an observer: the middle of its eyes."""
+        return self._placed(observer, *self._middle())
+
+    def lamps(self, observer: CameraPose) -> Lamps | None:
+        """The lamp in the right or else the left hand; None if neither is tracked."""
+        for hand in reversed(self.headset.hands):
+            if hand.aim is not None:
+                pose = self._placed(observer, *on_observer(hand.aim, self.home))
+                return Lamps(np.stack([pose.eye] * 2), np.stack([pose.forward] * 2))
+        return None
+
+    def feel(self, world: World) -> None:
+        """Let the diver's hands feel the last tick."""
+        if not self.headset.focused:
+            return
+        strengths = hand_pulses(world, cockpit(world.state.submarine, 1.0))
+        for hand, strength in enumerate(strengths.tolist()):
+            if strength > 0.02:
+                self.headset.pulse(hand, strength, TICK_S)
 
     def begin(self) -> None:
         """Process events, wait for the headset and begin a frame, if its session runs."""
         self.headset.poll()
         if self._gui.open:
             self._point()
+        self._note_use()
         self._frame = self.headset.begin()
         if self._frame is None:
             return
@@ -130,7 +163,11 @@ class HeadsetDisplay:
         if self._frame is None:
             return
         for (_, target), eye in zip(self.targets.items(), self.moved(rig).eyes, strict=False):
-            self._cabin.draw(target, eye, light, vignette)
+            self._cabin.draw(target, eye, light, vignette, self._dark)
+        now = time.perf_counter()
+        if self._frame.visible:
+            self._dark = max(self._dark - (now - self._last) / FADE_S, 0.0)
+        self._last = now
         self._context.screen.use()
         self._frame = None
         self.headset.end()
@@ -173,9 +210,29 @@ class HeadsetDisplay:
             if hand.aim is not None:
                 offset, axes = on_observer(hand.aim, self.home)
                 return PANEL.hit(offset, axes[2])
+        offset, axes = self._middle()
+        return PANEL.hit(offset, axes[2])
+
+    def _middle(self) -> tuple[Array, Array]:
+        """Offset (3,), cm, and axes (3, 3) of the middle of the eyes on the observer."""
         eyes = head_eyes(self.eyes, [(0, 0, 1, 1)] * len(self.eyes), self.home)
-        middle = np.mean([eye.offset for eye in eyes], axis=0)
-        return PANEL.hit(middle, np.mean([eye.axes[2] for eye in eyes], axis=0))
+        return np.mean([eye.offset for eye in eyes], axis=0), eyes[0].axes
+
+    def _placed(self, observer: CameraPose, offset: Array, axes: Array) -> CameraPose:
+        """The pose of something on an observer."""
+        own = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+        return CameraPose(observer.eye + offset @ own, axes[2] @ own, axes[1] @ own)
+
+    def _note_use(self) -> None:
+        """Fade in when it is put on; say once that it has been worn for long."""
+        now = time.perf_counter()
+        if not self.headset.worn:
+            self._worn_since, self._worn_told, self._dark = None, False, 1.0
+        elif self._worn_since is None:
+            self._worn_since = now
+        elif now - self._worn_since > LONG_S and not self._worn_told:
+            self._worn_told = True
+            self._note(f"{LONG_S / 60.0:.0f} minutes in the headset: time for a break")
 
 
 def gamepad_of(left: Hand, right: Hand) -> GamepadState:

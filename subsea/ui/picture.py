@@ -101,6 +101,8 @@ class ScenePicture:
             gc.collect()
             raise
         self._world, self._drawn, self._seen, self.ride = world, None, (), None
+        if self.head is not None:
+            world.observers.append(self.head.feel)
         self._sketcher = DiagramBuilder(world)
         self.jump()
 
@@ -152,6 +154,7 @@ class ScenePicture:
         """End the session of the headset, if there is one."""
         if self.head is not None:
             self.head.close()
+            self._world.observers.remove(self.head.feel)
             self.head = None
 
     def darken(self, rgb: tuple[float, float, float], opacity: float) -> None:
@@ -290,6 +293,8 @@ class ScenePicture:
         into = {0: self._context.screen} if self._direct else {}
         if self.head is not None:
             into |= self.head.targets
+        if self.head is not None and ride is None and packet.lamps is not None:
+            packet = replace(packet, lamps=self.head.lamps(self.eye) or packet.lamps)
         if ride is not None:
             passing = velocity_of(self._world, ride.by.fish)
             packet = replace(packet, passing_cm_s=passing, lined=own)

@@ -30,8 +30,7 @@ class TextLayer:
     def __init__(
         self, dive: DiveContext, settings: Settings, menu: Menu, inspector: Inspector
     ) -> None:
-        comfort, worn = settings.comfort, dive.picture.head is not None
-        self.vignette = Vignette(comfort.headset_vignette if worn else comfort.vignette)
+        self.vignette = Vignette(settings.comfort.vignette)
         self.horizon = settings.comfort.horizon  # whether to draw one at the helm
         self._dive, self._menu, self._inspector = dive, menu, inspector
 
@@ -56,8 +55,10 @@ class TextLayer:
             if tilts and self.horizon and picture.front_view:
                 draw_horizon(picture.front_view, picture.eye.forward)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
-            if picture.head is None:  # a headset draws it around each eye
+            if picture.head is None:
                 self.vignette.draw()
+            else:  # it is drawn around each eye
+                self.vignette.most = dive.pilot.settings.comfort.headset_vignette
             if not self._menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)

@@ -40,8 +40,9 @@ def diving(scenario, monkeypatch):
 
 @pytest.fixture
 def worn(display, quiet, monkeypatch):
-    with diving(quiet, monkeypatch) as both:
-        yield both
+    with diving(quiet, monkeypatch) as (running, headset):
+        running.picture.head._dark = 0.0  # it has faded in
+        yield running, headset
 
 
 def test_each_frame_is_begun_and_ended_and_shows_the_sea_to_both_eyes(worn):
@@ -111,7 +112,7 @@ def test_the_menu_opens_on_the_panel_and_a_controller_points_at_it(worn):
         running.frame(0.1)
     assert running.menu.open
     changed = np.abs(headset.pictures() - plain).mean(axis=3) > 12
-    assert changed[0].mean() > 0.1  # the panel is large,
+    assert changed[0].mean() > 0.05  # the panel is large,
     assert changed[0][:8].mean() < 0.1  # but not all of the picture
     # Pointing ahead, a little down, is the middle of the panel.
     aim = Pose(np.array([0.0, -0.09, 0.0]), NOT_TURNED)
@@ -195,3 +196,80 @@ def test_in_a_turn_a_rim_darkens_both_pictures(worn):
     darker = clear - headset.pictures()
     edge = darker[:, 50:70, :6].mean(), darker[:, 50:70, -6:].mean()
     assert max(edge) > 10.0 and darker[:, 60:68, 50:70].mean() < 2.0
+
+
+def test_the_menu_has_presets_of_comfort(worn):
+    running, _ = worn
+    running.menu.show()
+    running.menu.page = "Comfort"
+    entries = {entry.text: entry for entry in running.menu.entries()}
+    assert entries["Usual"].chosen and not entries["Calm"].chosen
+    entries["Calm"].act()
+    assert running.pilot.settings.comfort.snap_turn_deg == 30.0
+    running.menu.hide()
+    submarine = running.world.state.submarine
+    submarine.angles[0] = submarine.previous_angles[0] = np.radians(100.0)
+    running.frame(0.0)
+    running.frame(0.0)
+    forward = np.mean([-view.view[2, :3] for view in running.picture.views()], axis=0)
+    assert np.degrees(np.arctan2(forward[1], forward[0])) == pytest.approx(90.0, abs=0.1)
+    assert running.text.vignette.most == 0.9
+
+
+def test_a_tilted_vessel_keeps_the_horizon_level(worn):
+    running, _ = worn
+    submarine = running.world.state.submarine
+    submarine.angles[1] = submarine.previous_angles[1] = np.radians(20.0)
+    running.frame(0.0)
+    for view in running.picture.views():
+        assert -view.view[2, 2] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_lamp_is_in_the_hand_and_ears_are_on_the_head(worn):
+    running, headset = worn
+    running.run_command("lights")
+    headset.hands = (Hand(), Hand(aim=Pose(np.array([0.3, -0.3, -0.2]), NOT_TURNED)))
+    headset.orientation = turned(90.0, (0.0, 1.0, 0.0))
+    running.frame(0.1)
+    running.frame(0.1)
+    seat = running.picture.eye
+    places, ways = running.picture.head.lamps(seat)
+    right = np.cross(seat.forward, seat.up)
+    np.testing.assert_allclose(places[0] - seat.eye, 30.0 * right - 30.0 * seat.up
+                               + 20.0 * seat.forward, atol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(ways[0], seat.forward, atol=1e-6)
+    assert running.picture.head.lamps(seat) is not None
+    ears = running.sound.head(seat)
+    np.testing.assert_allclose(ears.forward, -right, atol=1e-6)
+
+
+def test_hands_feel_a_knock_and_a_shark_on_its_side(worn):
+    running, headset = worn
+    running.frame(0.1)
+    submarine = running.world.state.submarine
+    headset.calls.clear()
+    running.picture.head.feel(running.world)
+    assert headset.calls == []
+    submarine.previous_position = submarine.position - np.array([6.0, 0.0, 0.0])
+    submarine.velocity[:] = 0.0
+    running.picture.head.feel(running.world)
+    assert headset.calls == ["pulse 0", "pulse 1"]
+
+
+def test_after_half_an_hour_it_recommends_a_break_once(worn, monkeypatch, capsys):
+    running, _ = worn
+    running.frame(0.1)
+    monkeypatch.setattr(headset_display, "LONG_S", -1.0)
+    running.frame(0.1)
+    running.frame(0.1)
+    assert capsys.readouterr().err.count("time for a break") == 1
+
+
+def test_the_picture_fades_in(worn):
+    running, headset = worn
+    running.picture.head.recentre()
+    running.frame(0.0)
+    dark = headset.pictures().mean()
+    running.picture.head._dark = 0.0
+    running.frame(0.0)
+    assert headset.pictures().mean() > 3.0 * dark

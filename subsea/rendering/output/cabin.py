@@ -20,7 +20,8 @@ RAIL_CM = 52.0  # of the rail, below the eyes
 TUBE_CM = 2.2
 AROUND, ACROSS = 72, 8  # corners of a hoop, and of its tube
 DARK_FLOOR = 0.35  # brightness of the floor over that of the hoops
-RIM = np.radians([18.0, 42.0])  # of the vignette: where it begins, where it is darkest
+RIM = 0.31, 0.73  # rad, of the vignette: where it begins, where it is darkest
+EVERYWHERE = -1.0, -0.5  # the same for a shade
 
 
 class Cabin(GpuOwner):
@@ -58,22 +59,25 @@ class Cabin(GpuOwner):
         self._panel.repeat_x = self._panel.repeat_y = False
         self.panel = self._held.own(self._context.framebuffer([self._panel]))
 
-    def draw(self, into: Any, eye: Eye, light: Array, vignette: float) -> None:
+    def draw(self, into: Any, eye: Eye, light: Array, vignette: float, dark: float = 0.0) -> None:
         """Draw vignette, vessel and panel over the picture of an eye.
 
-        `light` (3,) is the colour of the water around, `vignette` in [0, 1] the opacity of its rim.
+        `light` (3,) is the colour of the water around, `vignette` in [0, 1] the opacity of the rim,
+        `dark` that of a shade over the sea.
         """
         context = self._context
         into.use()
         context.viewport = (0, 0, *into.size)
         context.disable(context.DEPTH_TEST)
         context.enable(context.BLEND)
-        if vignette > 0.01:
-            context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        for (begin, full), opacity in ((RIM, vignette), (EVERYWHERE, dark)):
+            if opacity < 0.01:
+                continue
             p = eye.projection
             tangents = [(side + p[k, 2]) / p[k, k] for k in (0, 1) for side in (-1.0, 1.0)]
             edges = tuple(map(float, tangents))
-            set_uniforms(self._shade, u_tangents=edges, u_rim=(*RIM, vignette))
+            set_uniforms(self._shade, u_tangents=edges, u_rim=(begin, full, opacity))
             self._whole.render(vertices=3)
         clip = np.ascontiguousarray(clip_matrix(eye).T, "f4").tobytes()
         context.blend_func = context.ONE, context.ONE_MINUS_SRC_ALPHA
@@ -120,14 +124,16 @@ def vessel() -> Array:
 
     A rail before and around the observer, a hoop from side to side overhead, and the floor.
     """
-    rail = _hoop(np.array([0.0, -RAIL_CM, 0.0]), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]))
-    hoop = _hoop(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
+    right, up, ahead = np.eye(3)
+    rail = _hoop(-RAIL_CM * up, right, ahead, 0.0, 2.0 * np.pi)
+    low = -np.arcsin(RAIL_CM / RADIUS_CM)  # where the hoop would meet the rail's height
+    hoop = _hoop(np.zeros(3), right, up, low, np.pi - low)
     return np.concatenate([_floor(), hoop, rail])
 
 
-def _hoop(middle: Array, along: Array, up: Array) -> Array:
-    """Corners of a torus in the plane of two unit vectors."""
-    turn = np.linspace(0.0, 2.0 * np.pi, AROUND + 1)[:, None, None]
+def _hoop(middle: Array, along: Array, up: Array, begin: float, end: float) -> Array:
+    """Corners of an arc of a torus in the plane of two unit vectors, between angles, rad."""
+    turn = np.linspace(begin, end, AROUND + 1)[:, None, None]
     tube = np.linspace(0.0, 2.0 * np.pi, ACROSS + 1)[None, :, None]
     outward = np.cos(turn) * along + np.sin(turn) * up
     normal = np.cos(tube) * outward + np.sin(tube) * np.cross(along, up)
@@ -135,7 +141,7 @@ def _hoop(middle: Array, along: Array, up: Array) -> Array:
     corners = np.concatenate([place, normal, np.ones((*normal.shape[:2], 1))], axis=2)
     a, b = corners[:-1, :-1], corners[1:, :-1]
     c, d = corners[1:, 1:], corners[:-1, 1:]
-    return np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 7)
+    return np.stack([a, c, b, a, d, c], axis=2).reshape(-1, 7)
 
 
 def _floor() -> Array:
@@ -143,7 +149,7 @@ def _floor() -> Array:
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND + 1)
     rim = RADIUS_CM * np.stack([np.cos(turn), np.zeros_like(turn), np.sin(turn)], axis=1)
     middle = np.zeros_like(rim[1:])
-    place = np.stack([middle, rim[1:], rim[:-1]], axis=1).reshape(-1, 3) - (0.0, FLOOR_CM, 0.0)
+    place = np.stack([middle, rim[:-1], rim[1:]], axis=1).reshape(-1, 3) - (0.0, FLOOR_CM, 0.0)
     look = np.tile([0.0, 1.0, 0.0, DARK_FLOOR], (len(place), 1))
     return np.concatenate([place, look], axis=1)
 
