@@ -62,7 +62,7 @@ CONTROLS: dict[ControlName, Control] = {
     "reins": Control("on a fish: take its reins, or give them back", ("G", "pad right bumper")),
     "alight": Control("leave the fish; its inputs may mean something else elsewhere",
                       ("Esc", "pad B")),
-    "lights": Control("the submarine's lights", ("B", "pad up")),
+    "lights": Control("the submarine's lights", ("B", "pad up", "pad left bumper")),
     "instruments": Control("show or hide the instruments", ("U",)),
     "fullscreen": Control("full screen, and back", ("F", "F11")),
     "pause": Control("let time stand still, and go on", ("K",)),

@@ -16,13 +16,13 @@ from tests.support.headset import NOT_TURNED, FakeHeadset, turned
 SIZE = (320, 240)
 
 
-def start(scenario, display="headset"):
+def start(scenario, display="headset", kiosk=False):
     options = DisplayOptions(display, SIZE, quality="low")
-    return Dive(DiveOptions(str(scenario), seed=1, display=options))
+    return Dive(DiveOptions(str(scenario), seed=1, display=options, kiosk=kiosk))
 
 
 @contextmanager
-def diving(scenario, monkeypatch):
+def diving(scenario, monkeypatch, kiosk=False):
     """A dive in a headset of the tests."""
     made = []
 
@@ -33,7 +33,7 @@ def diving(scenario, monkeypatch):
         return made[-1]
 
     monkeypatch.setattr(headset_display, "open_headset", open_headset)
-    with closing(start(scenario)) as running:
+    with closing(start(scenario, kiosk=kiosk)) as running:
         yield running, made[0]
     assert made[0].calls[-1] == "close"
 
@@ -273,3 +273,25 @@ def test_the_picture_fades_in(worn):
     running.picture.head._dark = 0.0
     running.frame(0.0)
     assert headset.pictures().mean() > 3.0 * dark
+
+
+def test_in_a_kiosk_the_dive_begins_when_it_is_put_on_and_waits_when_it_is_put_off(
+    display, quiet, monkeypatch
+):
+    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
+        running.frame(0.1)
+        for _ in range(5):
+            running.frame(0.1)
+        assert running.world.state.tick > 10
+        headset.worn = False
+        running.frame(0.1)
+        tick, before = running.world.state.tick, running.world
+        for _ in range(5):
+            running.frame(0.1)
+        assert running.world.state.tick <= tick + 3
+        headset.worn, headset.position = True, np.array([1.0, 1.2, 0.0])
+        for _ in range(5):
+            running.frame(0.1)
+        assert running.world is not before and 3 < running.world.state.tick < 20
+        assert running.picture.head.home.position[0] == pytest.approx(1.0)  # the next visitor
+        assert not running.tours.timer.touring
