@@ -128,7 +128,9 @@ class Renderer(GpuOwner):
     def arrange(self, rig: CameraRig) -> None:
         """Draw for another rig from now on; a UserError if the GPU cannot, without effect."""
         if rig is not self.rig:
-            self._make_target(rig, self.quality)
+            if rig.pixels != self.rig.pixels:
+                self._make_target(rig, self.quality)
+            self.rig = rig
             self._resolve.arrange(rig.patches)
 
     def adapt(self, quality: Quality) -> None:

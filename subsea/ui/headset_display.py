@@ -30,9 +30,11 @@ from subsea.view.head import (
     on_observer,
     snapped,
 )
+from subsea.view.mirror import Mirror, mirror_of, mirror_patch, mirror_view
 from subsea.view.panel import PANEL
 from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
 from subsea.view.text_viewports import WHOLE, TextViewport
+from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 
 # Until the first frame: 90 degrees for each eye, 6.4 cm apart.
@@ -81,7 +83,8 @@ class HeadsetDisplay:
         self._worn_since: float | None = None
         self._worn_told = False  # the time of use
         self._dark = 1.0  # the picture fades in
-        self._last = time.perf_counter()
+        self._last = self._mirrored = time.perf_counter()
+        self._mirror: Mirror | None = None
         self._seated = False  # the home is where the head was
         self._clicked = False  # the trigger is down on the panel
 
@@ -94,6 +97,20 @@ class HeadsetDisplay:
         """The rig with its eyes where those of the head are."""
         viewports = [eye.viewport for eye in rig.eyes]
         return rig._replace(eyes=head_eyes(self.eyes, viewports, self.home))
+
+    def steadied(self, rig: CameraRig) -> CameraRig:
+        """The rig whose window shows a steadied part of what the left eye sees."""
+        now, size = time.perf_counter(), rig.outputs[0]
+        eye = self.moved(rig).eyes[0]
+        self._mirror = mirror_of(eye, size, self._mirror, now - self._mirrored)
+        self._mirrored = now
+        return rig._replace(patches=(mirror_patch(self._mirror, eye, size), *rig.patches[1:]))
+
+    def front_view(self, rig: CameraRig, observer: CameraPose) -> FrontView:
+        """The view in the window, for an observer."""
+        eye, size = self.moved(rig).eyes[0], rig.outputs[0]
+        mirror = self._mirror or mirror_of(eye, size, None, 0.0)
+        return FrontView(mirror_view(mirror, eye, observer, size), (-1.0, -1.0), (1.0, 1.0))
 
     def turned(self, observer: CameraPose) -> CameraPose:
         """The observer, level, with a heading that changes in steps if that was chosen."""

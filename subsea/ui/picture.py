@@ -33,7 +33,7 @@ from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
 from subsea.view.levels import empty_lod_state
-from subsea.view.rig import CameraPose, CameraRig, Rect, views
+from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
 from subsea.view.text_viewports import TextViewport, text_viewports
 from subsea.view.unproject import FrontView, front_screen
@@ -235,13 +235,21 @@ class ScenePicture:
         """The views from the submarine, or from the ridden fish."""
         rig = self.rig if self.head is None else self.head.moved(self.rig)
         if self.ride is None:
-            eye = self.eye if self.head is None else self.head.turned(self.eye)
-            return views(rig, eye)
+            return views(rig, self._observer)
         return self.ride.views(self._world, rig, self.insets, self.alpha)
+
+    @property
+    def _observer(self) -> CameraPose:
+        """The pose that carries the eyes of the rig."""
+        if self.ride is not None:
+            return self.ride.observer(self._world, self.alpha)
+        return self.eye if self.head is None else self.head.turned(self.eye)
 
     @property
     def front_view(self) -> FrontView | None:
         """The view on the screen ahead; None if that is not a flat picture."""
+        if self.head is not None:
+            return self.head.front_view(self.rig, levelled(self._observer))
         return front_screen(self.rig, self._seen or self.views())
 
     def fish_at(self, x: float, y: float) -> int | None:
@@ -293,6 +301,8 @@ class ScenePicture:
         into = {0: self._context.screen} if self._direct else {}
         if self.head is not None:
             into |= self.head.targets
+            self.rig = self.head.steadied(self.rig)
+            self.renderer.arrange(self.rig)
         if self.head is not None and ride is None and packet.lamps is not None:
             packet = replace(packet, lamps=self.head.lamps(self.eye) or packet.lamps)
         if ride is not None:

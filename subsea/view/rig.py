@@ -110,6 +110,11 @@ class CameraRig(NamedTuple):
         )
 
     @property
+    def pixels(self) -> tuple[object, ...]:
+        """What decides about the pictures to draw into: equal for rigs that can share them."""
+        return self.canvas, self.outputs, self.pages, self.exact
+
+    @property
     def pages(self) -> int:
         """The number of buffers of an output."""
         return 1 + max(patch.page for patch in self.patches)
@@ -183,11 +188,16 @@ def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
     )
 
 
+def levelled(observer: CameraPose) -> CameraPose:
+    """The pose without pitch and roll."""
+    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
+    return pose_from_angles(observer.eye, heading, 0.0)
+
+
 def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     """The views of a rig's eyes for an observer."""
-    if rig.level:  # without pitch and roll
-        heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
-        observer = pose_from_angles(observer.eye, heading, 0.0)
+    if rig.level:
+        observer = levelled(observer)
     axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
     found = []
     for eye in rig.eyes:
