@@ -132,7 +132,7 @@ class OpenXrHeadset:
         xr = self._xr
         offered = list(xr.enumerate_swapchain_formats(self._session))
         chosen = next((one for one in FORMATS if one in offered), None)
-        self.srgb = chosen == FORMATS[0]  # True: values in a texture are those of sRGB
+        self.srgb = chosen == FORMATS[0]
         if chosen is None:
             raise UserError("the headset takes no pictures of 8 bits with sRGB or RGBA")
         use = xr.SwapchainUsageFlags

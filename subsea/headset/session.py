@@ -28,7 +28,7 @@ class HeadsetFrame(NamedTuple):
     eyes: tuple[HeadEye, ...]  # left and right, predicted for the time of display
     tracked: bool  # False: the poses are the last known ones
     visible: bool  # False: the runtime shows something else, so nothing needs to be drawn
-    textures: tuple[int, ...]  # names of OpenGL textures to draw into, one for each eye
+    textures: tuple[int, ...]  # OpenGL's names of one for each eye to draw into; () if not visible
 
 
 class Headset(Protocol):
@@ -39,16 +39,17 @@ class Headset(Protocol):
 
     name: str  # of the runtime and of the headset, for people
     sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
+    srgb: bool  # the textures hold values of sRGB, as a window does; False: linear ones
     hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
     worn: bool  # True while the runtime shows the dive: from VISIBLE on
     focused: bool  # True while it takes input
-    recentred: bool  # True if the runtime asked since the last `begin` to take the head as home
+    recentred: bool  # True if the runtime asks to take the head in the last `begin` as home
 
     def poll(self) -> None:
         """Process events and read the hands; call once a picture."""
 
     def begin(self) -> HeadsetFrame | None:
-        """Wait for the runtime and begin a frame; None while the session does not run."""
+        """Wait for the runtime and begin a frame; None, at once, while the session does not run."""
 
     def end(self) -> None:
         """Show the frame that `begin` returned; call it for each."""
