@@ -390,7 +390,8 @@ class Renderer(GpuOwner):
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"
             ) from fault
         self._sized.release()
-        self.rig, self._target = rig, self._sized.own(target)
+        self.rig: CameraRig = rig
+        self._target = self._sized.own(target)
 
     def _scale(self, rig: CameraRig, quality: Quality) -> float:
         """The size of the canvas over that of the rig's."""

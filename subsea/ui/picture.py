@@ -63,6 +63,7 @@ class ScenePicture:
         self.quality = display.quality
         self.alpha = 1.0  # the shown point between the last two ticks
         self.eye: CameraPose
+        self.rig: CameraRig
         self.ride: Ride | None = None
         self.pattern = False  # True if the test pattern is shown
         self.colours: RetinaColours = "colours"  # of retina pictures

@@ -10,7 +10,7 @@ import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.view.camera import NEAR_CM, View, look, off_axis
-from subsea.view.rig import CameraPose, DisplayPatch, Eye, Warp
+from subsea.view.rig import CameraPose, DisplayPatch, Eye, Projection, Warp
 
 STEADY_S = 0.3  # in which the camera follows the head
 SHOWN = 0.62  # tangent of the picture's longer half over that of the eye's narrowest edge
@@ -59,7 +59,8 @@ def mirror_patch(mirror: Mirror, eye: Eye, size: tuple[int, int]) -> DisplayPatc
     a, b, c, d = corner, corner + 1, corner + COLUMNS + 2, corner + COLUMNS + 1
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     warp = Warp(np.concatenate([shares, source, source], axis=1), triangles)
-    return DisplayPatch((0, 0, *size), eye.viewport, eye.viewport, warp=warp)
+    place, source_rect = (0, 0, *size), eye.viewport
+    return DisplayPatch(place, source_rect, source_rect, shape=Projection.WARPED, warp=warp)
 
 
 def mirror_view(mirror: Mirror, eye: Eye, observer: CameraPose, size: tuple[int, int]) -> View:
