@@ -68,7 +68,7 @@ def populate(
         minds.schools[these], minds.led[these] = schooling, shoal.is_led
         fishes.burst[these] = burst_speed(library, kind)
         fishes.ram[these] = species[shoal.species].least_speed
-        places = _places(shoal, number, scenario, rng)
+        places = _places(shoal, number, bool(schooling), scenario, rng)
         if shoal.leader_cm and shoal.position_cm:
             places[:1] = shoal.position_cm
         common = rng.uniform(-np.pi, np.pi)
@@ -172,7 +172,9 @@ def _girths(species: list[Species], library: Library) -> Array:
     return np.stack([[one.surface.depth for one in species], wide], axis=1)
 
 
-def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Generator) -> Array:
+def _places(
+    shoal: Shoal, number: int, schooling: bool, scenario: Scenario, rng: np.random.Generator
+) -> Array:
     """Starting places (number, 3) of a shoal inside the cylinder, cm."""
     radius = scenario.bounds.radius_cm
     if shoal.position_cm is None:
@@ -180,8 +182,9 @@ def _places(shoal: Shoal, number: int, scenario: Scenario, rng: np.random.Genera
         reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
         depth = rng.uniform(-0.9, -0.3, number) * scenario.bounds.depth_cm
         return np.stack([reach * np.cos(angle), reach * np.sin(angle), depth], axis=1)
-    # The space per fish stays that of the scenario.
-    spread = shoal.spread_cm * (number / max(shoal.number, 1)) ** (1 / 3)
+    # The space per fish stays that of the scenario; few fishes are as dense only in a school.
+    more = number / max(shoal.number, 1)
+    spread = shoal.spread_cm * (more if schooling else max(more, 1.0)) ** (1 / 3)
     places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
     out = np.hypot(places[:, 0], places[:, 1]) / (0.85 * radius)
     places[:, :2] /= np.maximum(out, 1.0)[:, None]

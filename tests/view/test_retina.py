@@ -83,7 +83,8 @@ def test_eyes_of_a_simulated_fish_lie_on_the_body_that_is_drawn():
     # Beside stone some would be played back.
     bare = dict.fromkeys(("rock", "outcrop", "ridge", "arch", "reef", "tour"), ())
     scenario = replace(load_scenario("peaceful")[0], **bare)
-    world = create_world(scenario, fish=12, live=12, live_reach_cm=np.inf)
+    # A seed in which none rows or hovers, which would be played back too.
+    world = create_world(scenario, seed=3, fish=12, live=12, live_reach_cm=np.inf)
     for _ in range(600):
         step(world, NEUTRAL)
         if world.state.fishes.live.all():
