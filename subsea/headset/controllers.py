@@ -109,7 +109,8 @@ class Controllers:
 
     def _hand(self, number: int, space: Any, time: int) -> Hand:
         xr, session, queries = self._xr, self._session, self._queries[number]
-        stick = xr.get_action_state_vector2f(session, queries["stick"]).current_state
+        stick = xr.get_action_state_vector2f(session, queries["stick"])
+        moved = (stick.current_state.x, stick.current_state.y) if stick.is_active else None
         trigger, squeeze = (
             float(xr.get_action_state_float(session, queries[name]).current_state)
             for name in AMOUNTS
@@ -119,7 +120,7 @@ class Controllers:
             for name in BUTTONS
         )
         aim = self._aim(number, space, time) if time else None
-        return Hand(aim, (stick.x, stick.y), trigger, squeeze, *buttons)
+        return Hand(aim, moved, trigger, squeeze, *buttons)
 
     def _aim(self, number: int, space: Any, time: int) -> Pose | None:
         flags = self._xr.SpaceLocationFlags

@@ -14,7 +14,7 @@ class Hand(NamedTuple):
     """The controller, or the tracked hand, in one hand."""
 
     aim: Pose | None = None  # where it points, along -z; None: not tracked
-    stick: tuple[float, float] = (0.0, 0.0)  # right and up, in [-1, 1]
+    stick: tuple[float, float] | None = None  # right and up, in [-1, 1]; None: it has no stick
     trigger: float = 0.0  # in [0, 1]; a pinch of a tracked hand
     squeeze: float = 0.0  # in [0, 1]; a fist of a tracked hand
     primary: bool = False  # the lower button: A or X

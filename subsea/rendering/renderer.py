@@ -1,7 +1,7 @@
 """Draws a picture: rocks, reef, seabed, water, fishes, particles; then tone mapping."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -24,7 +24,7 @@ from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
 from subsea.rendering.output.lines import LineRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
-from subsea.rendering.output.target import RenderTarget, ResolvePass, scaled
+from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
@@ -40,12 +40,11 @@ from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
-Into = Mapping[int, Any]  # framebuffers by output
-OWN: Into = {}  # all outputs are drawn into the renderer's own pictures
-
 
 class Renderer(GpuOwner):
     """Draws the packets of one scene; owns all GPU objects."""
+
+    rig: CameraRig
 
     def __init__(
         self,
@@ -390,8 +389,7 @@ class Renderer(GpuOwner):
                 f"pictures of {what} are more than this GPU can hold; take a smaller --size"
             ) from fault
         self._sized.release()
-        self.rig: CameraRig = rig
-        self._target = self._sized.own(target)
+        self.rig, self._target = rig, self._sized.own(target)
 
     def _scale(self, rig: CameraRig, quality: Quality) -> float:
         """The size of the canvas over that of the rig's."""

@@ -48,6 +48,7 @@ BEFORE = tuple(
 GOES_ON = "the dive goes on in the window"
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
+FULL_TURN, FULL_CLIMB = 0.7, 0.6  # rad by which a hand points aside, or up, for the most
 
 
 def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "HeadsetDisplay | None":
@@ -199,7 +200,7 @@ class HeadsetDisplay:
         left, right = self.headset.hands
         if not self.headset.focused:
             return None
-        state = gamepad_of(left, right)
+        state = gamepad_of(left, right, self.home)
         if self._gui.open:  # the triggers click on the panel
             return state._replace(axes=(*state.axes[:4], -1.0, -1.0))
         return state
@@ -252,14 +253,33 @@ class HeadsetDisplay:
             self._note(f"{LONG_S / 60.0:.0f} minutes in the headset: time for a break")
 
 
-def gamepad_of(left: Hand, right: Hand) -> GamepadState:
+def gamepad_of(left: Hand, right: Hand, home: Home = AT_ORIGIN) -> GamepadState:
     """The gamepad with the sticks, triggers and buttons of both controllers.
 
-    A and B are right, X and Y left; squeezes are the bumpers.
+    A and B are right, X and Y left; squeezes are the bumpers. Without sticks the vessel goes where
+    a hand points while it pulls its trigger.
     """
+    if left.stick is None and right.stick is None:
+        return _pointing(left, right, home)
     buttons = dict.fromkeys(range(15), False)
     buttons |= {0: right.primary, 1: right.secondary, 2: left.primary, 3: left.secondary}
     buttons |= {4: left.squeeze > CLICKED, 5: right.squeeze > CLICKED, 7: left.menu or right.menu}
-    sticks = left.stick[0], -left.stick[1], right.stick[0], -right.stick[1]
+    (x, y), (turn, nose) = (hand.stick or (0.0, 0.0) for hand in (left, right))
+    sticks = x, -y, turn, -nose
     triggers = 2.0 * left.trigger - 1.0, 2.0 * right.trigger - 1.0
     return GamepadState("headset", [int(down) for down in buttons.values()], (*sticks, *triggers))
+
+
+def _pointing(left: Hand, right: Hand, home: Home) -> GamepadState:
+    """The gamepad of hands that point; a fist of a tracked left hand is the menu."""
+    buttons, axes = [0] * 15, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0]
+    buttons[7] = int(left.menu or right.menu or left.squeeze > CLICKED)
+    hand = max((right, left), key=lambda one: one.trigger)
+    if hand.aim is not None and hand.trigger > UNCLICKED:
+        _, (_, _, (across, up, ahead)) = on_observer(hand.aim, home)
+        course = math.atan2(across, ahead) / FULL_TURN
+        axes[0] = min(max(course, -1.0), 1.0)
+        axes[1] = -hand.trigger
+        climb = min(max(math.asin(min(max(up, -1.0), 1.0)) / FULL_CLIMB, -1.0), 1.0)
+        axes[5 if climb > 0.0 else 4] = 2.0 * abs(climb) - 1.0
+    return GamepadState("headset", buttons, axes)

@@ -453,7 +453,8 @@ class FakeXr:
     def _read(self, info, kinds, default):
         assert info.action.kind.name in kinds
         value = self.inputs.get((info.subaction_path, info.action.name), default)
-        return SimpleNamespace(current_state=value, is_active=1)
+        active = (info.subaction_path, info.action.name) in self.inputs
+        return SimpleNamespace(current_state=value, is_active=int(active))
 
     def get_action_state_boolean(self, session, info):
         return self._read(info, {"BOOLEAN_INPUT"}, 0)

@@ -425,7 +425,7 @@ def test_hands_are_read_by_poll(xr, focused):
     focused.poll()
     left, right = focused.hands
     assert left == Hand(None, (-0.5, 1.0), 0.25, 0.0, False, True, True)
-    assert right[1:] == ((0.0, 0.0), 0.0, 1.0, True, False, False)
+    assert right[1:] == (None, 0.0, 1.0, True, False, False)
     np.testing.assert_array_equal(right.aim.position, [0.2, 0.9, -0.4])
     np.testing.assert_array_equal(right.aim.orientation, QUARTER)
 

@@ -10,6 +10,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.headset.session import Hand
 from subsea.ui import headset_display
 from subsea.ui.dive import Dive
+from subsea.ui.headset_display import gamepad_of
 from subsea.view.head import Pose
 from tests.support.headset import NOT_TURNED, FakeHeadset, turned
 
@@ -89,14 +90,40 @@ def test_the_sticks_steer_like_those_of_a_gamepad(worn):
     for _ in range(20):
         running.frame(0.1)
     assert np.linalg.norm(submarine.velocity) > 10.0
-    headset.hands = (Hand(stick=(-1.0, 0.0)), Hand(trigger=1.0))
+    headset.hands = (Hand(stick=(-1.0, 0.0)), Hand(stick=(0.0, 0.0), trigger=1.0))
     depth = float(submarine.position[2])
     for _ in range(20):
         running.frame(0.1)
     assert submarine.angles[0] - heading > 0.1 and submarine.position[2] > depth
-    headset.hands = (Hand(), Hand(primary=True))
+    headset.hands = (Hand(stick=(0.0, 0.0)), Hand(primary=True))
     running.frame(0.1)
     assert running.pilot.stopping
+
+
+@pytest.mark.parametrize(
+    ("degrees", "axis", "sign"), [(20.0, (0.0, 1.0, 0.0), 1), (-20.0, (0.0, 1.0, 0.0), -1)]
+)
+def test_hands_without_sticks_point_where_to_go(worn, degrees, axis, sign):
+    running, headset = worn
+    submarine = running.world.state.submarine
+    heading = float(submarine.angles[0])
+    aim = Pose(np.zeros(3), turned(degrees, axis))
+    headset.hands = (Hand(), Hand(aim=aim))
+    running.frame(0.1)
+    assert np.linalg.norm(submarine.velocity) < 1.0  # pointing alone does nothing
+    headset.hands = (Hand(), Hand(aim=aim, trigger=1.0))
+    for _ in range(15):
+        running.frame(0.1)
+    assert np.linalg.norm(submarine.velocity) > 10.0
+    assert sign * (submarine.angles[0] - heading) > 0.1
+
+
+def test_hands_without_sticks_point_up_to_rise():
+    up = Hand(aim=Pose(np.zeros(3), turned(30.0, (1.0, 0.0, 0.0))), trigger=1.0)
+    down = up._replace(aim=Pose(np.zeros(3), turned(-30.0, (1.0, 0.0, 0.0))))
+    assert gamepad_of(Hand(), up).axes[4:] == pytest.approx([-1.0, 0.745], abs=0.01)
+    assert gamepad_of(down, Hand()).axes[4:] == pytest.approx([0.745, -1.0], abs=0.01)
+    assert gamepad_of(Hand(squeeze=1.0), Hand()).buttons[7] == 1
 
 
 def test_the_menu_opens_on_the_panel_and_a_controller_points_at_it(worn):
