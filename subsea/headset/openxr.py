@@ -285,6 +285,11 @@ class OpenXrHeadset:
             if self.focused and strength > 0.0:
                 self._controllers.pulse(hand, strength, seconds)
 
+    def request_exit(self) -> None:
+        """Ask the runtime to end the session; later calls tell of it."""
+        with self._speaking():
+            self._xr.request_exit_session(self._session)
+
     def close(self) -> None:
         """End the session and release everything; again, or after a loss, is fine."""
         with suppress(UserError, self._xr.XrException):
