@@ -138,17 +138,11 @@ class Renderer(GpuOwner):
         if (before.scale, before.samples) != (quality.scale, quality.samples):
             self._make_target(self.rig, quality)
         self.quality = quality
-        self._particles.adapt(quality)
-        self._rocks.adapt(quality)
-        self._coral.adapt(quality)
-        self._seaweed.adapt(quality)
-        self._bubbles.adapt(quality)
-        self._fishes.adapt(quality)
-        self._shafts.adapt(quality)
-        self._sun.adapt(quality)
-        self._seabed.adapt(quality)
-        self._water.adapt(quality)
-        self._resolve.adapt(quality)
+        for part in (
+            self._particles, self._rocks, self._coral, self._seaweed, self._bubbles, self._fishes,
+            self._shafts, self._sun, self._seabed, self._water, self._resolve,
+        ):  # fmt: skip
+            part.adapt(quality)
         if self._second:
             self._second.adapt(quality)
 
@@ -363,11 +357,10 @@ class Renderer(GpuOwner):
 
     def _use(self, patch: DisplayPatch, into: Into) -> Any:
         """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
-        given = patch.output in into
-        own = self._target.framebuffers
-        target = into[patch.output] if given else own[patch.output, patch.page]
+        own = self._target.framebuffers[patch.output, patch.page]
+        target = into.get(patch.output, own)
         target.use()
-        if given:
+        if target is not own:
             self._page(patch.page)  # applies to the framebuffer in use
         return target
 

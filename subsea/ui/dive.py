@@ -40,7 +40,6 @@ from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
-from subsea.ui.theatre_windows import theatre_windows
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
@@ -73,6 +72,8 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
+        from subsea.ui.theatre_windows import theatre_windows
+
         installation, make_ticks = theatre_windows(theatre, options.display)
     # An interrupt raised within compiled code or the window library could be lost.
     with suppress(CancelledByUserError), deferred_interrupts() as check:

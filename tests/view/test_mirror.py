@@ -1,4 +1,4 @@
-"""What those beside a headset see."""
+"""The picture beside a headset: steady, level and exact."""
 
 import numpy as np
 import pytest
