@@ -2,6 +2,7 @@
 
 import os
 import platform
+import subprocess
 import sys
 import tempfile
 from argparse import Namespace
@@ -23,6 +24,11 @@ PACKAGES = (
 BASE = "dive", "film", "simulate", "capture"
 DIVE = ("dive",)
 SEA = "dive", "film", "simulate"
+HEADSET_S = 10.0  # for a runtime that answers late: some of them start first
+DESCRIBE_HEADSET = """\
+from subsea.headset.openxr import describe_headset
+print(*describe_headset(), sep="\\n")
+"""
 
 
 class Finding(NamedTuple):
@@ -49,7 +55,7 @@ def add(commands: Any) -> None:
 
 def run(options: Namespace) -> int:
     """Print the findings and verdicts; 0 if all parts of BASE work here, else 1."""
-    checks = (_python, _packages, _cache, _fishes, _display, _headless)
+    checks = (_python, _packages, _cache, _fishes, _display, _headless, _headset)
     findings = [finding for check in checks for finding in check()]
     for finding in findings:
         mark = "ok  " if finding.good else "no  " if finding.needed_by else "--  "
@@ -157,6 +163,38 @@ def _headless() -> list[Finding]:
         text = f"{context.info['GL_RENDERER']}, OpenGL {context.version_code / 100:.1f}"
     context.release()
     return [Finding("OpenGL, no window", True, text, ("film",))]
+
+
+def _headset() -> list[Finding]:
+    """The runtime and the headset; nothing without the extra, which has its own line."""
+    if missing_packages("headset"):
+        return []
+    try:  # a process of its own: the runtime is a library that may print, wait or crash
+        done = subprocess.run(
+            [sys.executable, "-c", DESCRIBE_HEADSET],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            timeout=HEADSET_S,
+            check=True,
+        )
+        # The runtime may print lines too; ours are the last ones.
+        runtime, headset, missing = done.stdout.splitlines()[-3:]
+    except subprocess.TimeoutExpired:
+        return [_runtime_fault(f"no answer in {HEADSET_S:.0f} s")]
+    except (subprocess.CalledProcessError, OSError, ValueError):
+        return [_runtime_fault("it crashes")]
+    findings = [Finding("OpenXR runtime", True, runtime, ())] if runtime else []
+    if headset:
+        findings.append(Finding("headset", True, headset, ()))
+    if missing:
+        findings.append(Finding("headset" if runtime else "OpenXR runtime", False, missing, ()))
+    return findings
+
+
+def _runtime_fault(text: str) -> Finding:
+    return Finding("OpenXR runtime", False, f"{text}; start the software of the headset", ())
 
 
 def _quality(renderer: str) -> Finding:

@@ -109,8 +109,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "default": "mono",
         "metavar": "MODE",
         "help": "mono (default), stereo (shutter glasses, only in a window), side-by-side, "
-        "top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard, panorama, dome or "
-        "equirectangular",
+        "top-bottom, anaglyph, anaglyph-comfort, interlaced, checkerboard, panorama, dome, "
+        "equirectangular or headset (only in a dive)",
     },
     "theatre": {
         "metavar": "NAME|FILE",
@@ -222,8 +222,11 @@ def check_target(options: Namespace) -> None:
 
 def check_display_without_window(display: str) -> None:
     """Refuse the display mode that needs a window."""
+    from subsea.view.display_rigs import HEADSET
     from subsea.view.stereo import OTHER_STEREO, PAGED
 
+    if display == HEADSET:
+        raise UserError(f"--display {HEADSET} is for a dive; for two eyes take {OTHER_STEREO}")
     if display == PAGED:
         raise UserError(
             f"--display {PAGED} needs a window with a buffer for each eye; without a window take "

@@ -15,6 +15,7 @@ EXTRAS = {
     "usd": {"pxr": "usd-core"},
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
+    "headset": {"xr": "pyopenxr"},
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"

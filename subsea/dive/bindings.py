@@ -16,7 +16,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "film", "mute", "louder", "quieter", "leave",
+    "picture", "film", "mute", "louder", "quieter", "recentre", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -62,7 +62,7 @@ CONTROLS: dict[ControlName, Control] = {
     "reins": Control("on a fish: take its reins, or give them back", ("G", "pad right bumper")),
     "alight": Control("leave the fish; its inputs may mean something else elsewhere",
                       ("Esc", "pad B")),
-    "lights": Control("the submarine's lights", ("B", "pad up")),
+    "lights": Control("the submarine's lights", ("B", "pad up", "pad left bumper")),
     "instruments": Control("show or hide the instruments", ("U",)),
     "fullscreen": Control("full screen, and back", ("F", "F11")),
     "pause": Control("let time stand still, and go on", ("K",)),
@@ -75,6 +75,7 @@ CONTROLS: dict[ControlName, Control] = {
     "mute": Control("sound off, and on", ("M",)),
     "louder": Control("sound up", ("=",)),
     "quieter": Control("sound down", ("-",)),
+    "recentre": Control("in a headset: take the place of the head as the pilot's", ("Home",)),
     "leave": Control("end the dive at once", ()),
 }  # fmt: skip
 

@@ -6,7 +6,7 @@ import msgspec
 
 from subsea.dive.settings import SoundSettings
 from subsea.sound.device import Open, Player, open_device
-from subsea.sound.listening import listener_of
+from subsea.sound.listening import Head, at_rest, listener_of
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.moment import Moment, Sources, hear, side_of, sources_of
 from subsea.sound.space import Layout, layout_of
@@ -35,6 +35,7 @@ class LiveSound:
         layout = layout_of(settings.layout) if loudspeakers is None else loudspeakers
         self.settings = settings
         self.fish: int | None = None  # that listens; None: the pilot
+        self.head: Head = at_rest  # of the pilot
         self._note, self._log = note, log
         self._plays = layout.channels > 0
         self._player = Player(layout, self.levels, open_one)
@@ -91,7 +92,7 @@ class LiveSound:
     def _listen(self, world: World) -> None:
         if self._sources is None:
             return
-        moment = hear(world, listener_of(world, self.fish), self._sources)
+        moment = hear(world, listener_of(world, self.fish, self.head), self._sources)
         if self._plays:
             self._player.push(moment)
         if self.settings.captions:

@@ -16,7 +16,7 @@ RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
 class DisplayOptions:
     """The windows, the drawing of the sea in them, and diagrams over it."""
 
-    mode: str = "mono"  # one of `view.display_rigs.DISPLAYS`
+    mode: str = "mono"  # one of `view.display_rigs.DISPLAYS`, or HEADSET
     size: tuple[int, int] = (1280, 720)  # pixels of the one window; a theatre has its own
     fullscreen: bool = False
     stereo: Stereo = EYES

@@ -57,10 +57,27 @@ class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
         float, Meta(ge=0, le=1, description="0 to 1: how much the rim darkens in fast turns")
     ] = 0.0
     horizon: Annotated[bool, Meta(description="a line where the horizon is, when it tilts")] = True
+    headset_vignette: Annotated[float, Meta(ge=0, le=1, description="the same in a headset")] = 0.6
+    snap_turn_deg: Annotated[
+        float,
+        Meta(
+            ge=0,
+            le=90,
+            description="in a headset: the sea turns in steps of this angle; 0: smoothly",
+        ),
+    ] = 0.0
     acceleration: Annotated[
         float,
         Meta(ge=0.1, le=1, description="0.1 to 1: share of full thrust and rudder"),
     ] = 1.0
+
+
+COMFORTS = {
+    "calm": ComfortSettings(headset_vignette=0.9, snap_turn_deg=30.0, acceleration=0.5),
+    "usual": ComfortSettings(),
+    "free": ComfortSettings(headset_vignette=0.0, horizon=False),
+}
+"""Presets of the menu in a headset."""
 
 
 class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -24,7 +24,7 @@ from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
 from subsea.rendering.output.lines import LineRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
-from subsea.rendering.output.target import RenderTarget, ResolvePass, scaled
+from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
@@ -43,6 +43,8 @@ from subsea.view.rig import CameraRig, DisplayPatch, Rect
 
 class Renderer(GpuOwner):
     """Draws the packets of one scene; owns all GPU objects."""
+
+    rig: CameraRig
 
     def __init__(
         self,
@@ -125,7 +127,9 @@ class Renderer(GpuOwner):
     def arrange(self, rig: CameraRig) -> None:
         """Draw for another rig from now on; a UserError if the GPU cannot, without effect."""
         if rig is not self.rig:
-            self._make_target(rig, self.quality)
+            if rig.pixels != self.rig.pixels:
+                self._make_target(rig, self.quality)
+            self.rig = rig
             self._resolve.arrange(rig.patches)
 
     def adapt(self, quality: Quality) -> None:
@@ -134,17 +138,11 @@ class Renderer(GpuOwner):
         if (before.scale, before.samples) != (quality.scale, quality.samples):
             self._make_target(self.rig, quality)
         self.quality = quality
-        self._particles.adapt(quality)
-        self._rocks.adapt(quality)
-        self._coral.adapt(quality)
-        self._seaweed.adapt(quality)
-        self._bubbles.adapt(quality)
-        self._fishes.adapt(quality)
-        self._shafts.adapt(quality)
-        self._sun.adapt(quality)
-        self._seabed.adapt(quality)
-        self._water.adapt(quality)
-        self._resolve.adapt(quality)
+        for part in (
+            self._particles, self._rocks, self._coral, self._seaweed, self._bubbles, self._fishes,
+            self._shafts, self._sun, self._seabed, self._water, self._resolve,
+        ):  # fmt: skip
+            part.adapt(quality)
         if self._second:
             self._second.adapt(quality)
 
@@ -177,10 +175,10 @@ class Renderer(GpuOwner):
                 batch.recall(level)
             self._make_target(before, self.quality)
 
-    def draw(self, packet: Packet, into: Any = None) -> None:
+    def draw(self, packet: Packet, into: Into = OWN) -> None:
         """Draw every view of a packet and resolve the canvas to the outputs.
 
-        `into` is the framebuffer for a rig with one output; None draws into the renderer's own
+        `into` are framebuffers by output; the other outputs are drawn into the renderer's own
         `pictures`, which `read_pixels` returns. Waits until the GPU has drawn the picture before:
         it works on one while the next is computed, and never falls behind by two.
         """
@@ -190,7 +188,7 @@ class Renderer(GpuOwner):
         with self.timer.picture():
             self._draw(packet, into)
 
-    def _draw(self, packet: Packet, into: Any) -> None:
+    def _draw(self, packet: Packet, into: Into) -> None:
         context = self._context
         calls, seconds = context.extra.calls, context.extra.seconds
         self._target.framebuffer.use()
@@ -268,7 +266,7 @@ class Renderer(GpuOwner):
         fishes = partial(self._fishes.cast, len(packet.instances))
         return self._sun.draw([self._rocks.cast, self._coral.cast], fishes, eye)
 
-    def show(self, canvas: Bytes, into: Any = None) -> None:
+    def show(self, canvas: Bytes, into: Into = OWN) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
         texture = self._upload(canvas)
         try:
@@ -312,7 +310,7 @@ class Renderer(GpuOwner):
         scale = self._scale(self.rig, self.quality)
         return self._ids.read(None if part is None else scaled(part, scale))
 
-    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Any = None) -> None:
+    def paste(self, picture: Bytes, patches: Sequence[DisplayPatch], into: Into = OWN) -> None:
         """Draw a picture (h, w, 3), top row first, over the outputs without tone mapping.
 
         The sources of `patches` are parts of the picture; `into` is as for `draw`.
@@ -344,7 +342,7 @@ class Renderer(GpuOwner):
         data = self._target.framebuffers[output, page].read(components=3, alignment=1)
         return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
-    def _show(self, canvas: Any, into: Any, scale: float, linear: bool) -> None:
+    def _show(self, canvas: Any, into: Into, scale: float, linear: bool) -> None:
         """Draw every patch of the rig from the canvas to its output."""
         begun = set()
         for number, patch in enumerate(self.rig.patches):
@@ -357,12 +355,12 @@ class Renderer(GpuOwner):
             begun.add(output)
             self._resolve.draw(canvas, target, size, number, scale, linear)
 
-    def _use(self, patch: DisplayPatch, into: Any) -> Any:
-        """The framebuffer for a patch, now in use: `into`, or the renderer's own."""
-        output = patch.output, patch.page
-        target = self._target.framebuffers[output] if into is None else into
+    def _use(self, patch: DisplayPatch, into: Into) -> Any:
+        """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
+        own = self._target.framebuffers[patch.output, patch.page]
+        target = into.get(patch.output, own)
         target.use()
-        if into is not None:
+        if target is not own:
             self._page(patch.page)  # applies to the framebuffer in use
         return target
 

@@ -68,9 +68,14 @@ class Vignette:
         wanted = min(max(moved - FEW, 0.0) / (1.0 - FEW), 1.0)
         self.amount += (1.0 - math.exp(-dt / EASE_S)) * (wanted - self.amount)
 
+    @property
+    def opacity(self) -> float:
+        """The opacity of the rim, in [0, 1]."""
+        return self.most * self.amount
+
     def draw(self) -> None:
         """Draw it in the current frame."""
-        shown = self.most * self.amount
+        shown = self.opacity
         if shown < 0.01:
             return
         size = imgui.get_io().display_size

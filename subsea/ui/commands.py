@@ -16,7 +16,7 @@ from subsea.world.world import TICK_S
 SHARED_TIME = "several computers show this dive: its time goes on"
 # These work while the menu is open.
 WITH_MENU: tuple[Command, ...] = (
-    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter",
+    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "recentre",
 )  # fmt: skip
 
 
@@ -49,6 +49,7 @@ class Commands:
             "quieter": lambda: dive.sound.turn(up=False),
             "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,
+            "recentre": lambda: dive.picture.recentre(),
             "leave": dive.window.ask_to_close,
         }
 

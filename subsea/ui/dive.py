@@ -14,30 +14,33 @@ from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.live_sound import LiveSound
-from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
+from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
 from subsea.dive.settings import kiosk_settings
-from subsea.dive.tick_source import LocalTicks, TickSource, tick_source_maker
+from subsea.dive.tick_source import LocalTicks, TickSource
 from subsea.dive.timeline import RATES, Timeline
+from subsea.headset.session import HeadsetLostError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
+from subsea.sound.listening import at_rest
 from subsea.ui.commands import Commands
+from subsea.ui.headset_display import GOES_ON, put_on
 from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
 from subsea.ui.loading import Loader
 from subsea.ui.menu import Menu
-from subsea.ui.monitors import Installation, Screen
+from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.text_layer import TextLayer
-from subsea.view.display_rigs import cockpit
+from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
@@ -69,7 +72,9 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
-        installation, make_ticks = _in_theatre(theatre, options.display)
+        from subsea.ui.theatre_windows import theatre_windows
+
+        installation, make_ticks = theatre_windows(theatre, options.display)
     # An interrupt raised within compiled code or the window library could be lost.
     with suppress(CancelledByUserError), deferred_interrupts() as check:
         running = Dive(options, installation, make_ticks, opening, check)
@@ -93,26 +98,6 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 last = now
             running.show_message("closing")  # it may take seconds, and a film is completed
     return 0
-
-
-def _in_theatre(
-    theatre: TheatreOptions, display: DisplayOptions
-) -> tuple[Installation, TickSourceMaker]:
-    """The rig and windows of a theatre, and the maker of its tick source."""
-    from subsea.dive.theatre_setup import set_up_theatre, theatre_digest
-
-    setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
-    view = ""
-    if theatre.node is not None:  # computers may differ in pixels, and in which eye is which
-        view = repr(
-            (theatre_digest(theatre.name), display.mode, display.stereo._replace(swapped=False))
-        )
-    make_ticks = tick_source_maker(setup.theatre, setup.path, theatre.node, view, theatre.resumes)
-    screens = [
-        Screen(window.name, window.size, window.position, window.monitor)
-        for window in setup.windows
-    ]
-    return Installation(setup.rig, screens, str(setup.path), setup.loudspeakers), make_ticks
 
 
 class Dive:
@@ -159,8 +144,13 @@ class Dive:
                 settings.sound, lambda text: self.overlay.note(text), say, speakers
             )
             undo.callback(self.sound.close)
-            self.picture = ScenePicture(self.window_set, opening.rig, display)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
+            head = None
+            if display.mode == HEADSET:
+                head = put_on(self.window_set, self.gui, self.note)
+                self.sound.head = at_rest if head is None else head.pose
+            self.picture = ScenePicture(self.window_set, opening.rig, display, head)
+            undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
             self.commands = Commands(self, self.menu, self.inspector)
@@ -267,6 +257,14 @@ class Dive:
 
     def frame(self, elapsed_s: float) -> None:
         """One picture, `elapsed_s` after the last: events, due ticks, drawing, presenting."""
+        try:
+            self._frame(elapsed_s)
+        except HeadsetLostError as fault:
+            self.picture.take_off()
+            self.sound.head = at_rest
+            self.note(f"{fault}; {GOES_ON}")
+
+    def _frame(self, elapsed_s: float) -> None:
         start = time.perf_counter()
         for command in self.window_set.poll():
             self.run_command(command)
@@ -303,6 +301,7 @@ class Dive:
         self.text.draw(elapsed_s, self.tours)
         if self.records_text:
             self._record(elapsed_s)
+        picture.end(self.text.vignette.opacity)
         picture.adapt_quality(time.perf_counter() - start)
         if alpha is not None:
             self.tick_source.swap(picture.finish)

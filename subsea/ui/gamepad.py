@@ -24,6 +24,7 @@ MAPPINGS = "gamecontrollerdb.txt"  # the usual name of such files
 IN_ENVIRONMENT = "SDL_GAMECONTROLLERCONFIG"  # more mappings, as in games
 CURVE = 1.5  # exponent of the response of a stick: fine near the middle
 STEP = 0.01  # smaller changes are ignored
+HANDS = -1  # the number of the controllers of a headset, beside those of gamepads
 PRESSED, RELEASED = 0.5, 0.3  # thresholds at which an axis acts as a button
 
 
@@ -45,6 +46,7 @@ class Gamepads:
         """Actions go to the `pilot`, others are added to the `commands`."""
         self._pilot, self._commands = pilot, commands
         self.read = _connected if read is None else read
+        self.read_hands: Callable[[], GamepadState | None] = lambda: None  # of a headset
         self._amounts: dict[str, float] = {}  # by name of the input
         self._down: set[str] = set()  # inputs beyond PRESSED
         self._names: dict[int, str | None] = {}
@@ -54,7 +56,9 @@ class Gamepads:
 
         Returns lines on gamepads that were connected or disconnected.
         """
-        states = self.read()
+        states = dict(self.read())
+        if (hands := self.read_hands()) is not None:
+            states[HANDS] = hands
         lines = self._changes({number: state and state.name for number, state in states.items()})
         now: dict[str, float] = {}
         for state in states.values():
@@ -68,14 +72,18 @@ class Gamepads:
     def _changes(self, names: dict[int, str | None]) -> list[str]:
         before, self._names = self._names, names
         lines = [
-            f"the gamepad {name!r} is gone"
+            "the controllers of the headset are gone"
+            if number == HANDS
+            else f"the gamepad {name!r} is gone"
             for number, name in before.items()
             if name is not None and names.get(number) is None
         ]
         for number, name in names.items():
             if number in before and before[number] == name:
                 continue
-            if name is not None:
+            if number == HANDS:
+                lines.append("the controllers of the headset steer")
+            elif name is not None:
                 lines.append(f"the gamepad {name!r} steers")
             else:
                 own = settings_path().parent / MAPPINGS

@@ -161,6 +161,11 @@ class Gui:
         self._io.backend_flags |= imgui.BackendFlags_.has_gamepad.value
 
     @property
+    def points(self) -> tuple[float, float]:
+        """The size of the window, in pointer units."""
+        return self._window
+
+    @property
     def on_panel(self) -> bool:
         """True if the pointer is on a panel, or in a drag that began on one."""
         return bool(self._io.want_capture_mouse)

@@ -12,6 +12,7 @@ from subsea.dive.tour import steer_along
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
+from subsea.ui.headset_display import HeadsetDisplay
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
 from subsea.ui.menu import Menu
@@ -41,6 +42,7 @@ class IdleTours:
         self.name = name
         self.timer = IdleTimer(after_s, leaps=False)
         self._dive, self._start, self._kiosk = dive, start, kiosk
+        self._worn: bool | None = None  # the headset, in a kiosk
         # The autopilot and directions go on from where the submarine is: no need to fade to dark.
         leaps = name not in (AUTOPILOT, DIRECTED) or kiosk is not None
         self.timer.leaps = leaps and not dive.shared
@@ -51,6 +53,8 @@ class IdleTours:
         active = dive.pilot.was_active()
         if self._kiosk is not None:
             self._kiosk.update(active, elapsed_s)
+        if self._kiosk is not None and dive.picture.head is not None:
+            self._attend(dive.picture.head)
         # A visitor who works with panels, paused time or films is not interrupted.
         busy = dive.inspector.open and not dive.menu.open
         busy |= dive.picture.pattern or dive.shots.filming or not ticks.has_pilot
@@ -61,6 +65,19 @@ class IdleTours:
             dive.overlay.greet()
         elif what == "begin" or self._directions_over:
             self.begin()
+
+    def _attend(self, head: HeadsetDisplay) -> None:
+        """Begin a new dive when the headset is put on; wait while it is not worn."""
+        worn, dive = head.headset.worn, self._dive
+        if worn == self._worn:
+            return
+        self._worn = worn
+        if worn:
+            self.begin()
+            dive.tick_source.set_tour(None)
+            head.recentre()
+        if dive.timeline is not None:
+            dive.timeline.paused = not worn
 
     def begin(self) -> None:
         """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""

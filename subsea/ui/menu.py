@@ -14,6 +14,7 @@ from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
 from subsea.core.toml_files import load_toml
+from subsea.dive.settings import COMFORTS, ComfortSettings
 from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
@@ -32,6 +33,12 @@ PADDING = 0.25  # above and below its text
 ABOUT, ABOUT_SIZE = 0.65, 0.7  # height of the line below an entry, and of its letters
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
+COMFORTABLE = {
+    "calm": "Turns in steps, slow starts, a dark rim while moving.",
+    "usual": "Smooth turns, a dark rim while moving fast.",
+    "free": "Smooth turns, no rim.",
+}
+RECENTRE = "Look straight ahead first."
 SEED = "The same seed, the same dive; another one, another dive."
 
 DISPLAYS = {
@@ -46,6 +53,7 @@ DISPLAYS = {
     "dome": "Dome",
     "equirectangular": "All round",
     "stereo": "3D, shutter glasses",
+    "headset": "Headset",
 }
 VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
 GROUPS = {"sea": "Reef and waves", "fishes": "Fishes", "vessel": "Vessel"}
@@ -89,6 +97,7 @@ class Menu:
             "Display": self._displays,
             "Quality": self._qualities,
             "Sound": self._sounds,
+            "Comfort": self._comforts,
             "Scenario": self._scenarios,
         }
 
@@ -240,6 +249,9 @@ class Menu:
     def _first(self) -> Iterator[Entry]:
         dive = self.dive
         yield Entry("Continue", self.hide)
+        if dive.picture.head is not None:
+            yield Entry("Recentre", lambda: dive.run_command("recentre"), about=RECENTRE)
+            yield Entry("Comfort", partial(self._open_page, "Comfort"))
         if not self.kiosk and dive.picture.displays:
             yield Entry(
                 "Display", lambda: self._open_page("Display"), DISPLAYS[dive.picture.display]
@@ -291,6 +303,17 @@ class Menu:
             flip = partial(sound.change, **{name: not on})
             yield Entry(name.capitalize(), flip, "on" if on else "off", about=about)
         yield self._back()
+
+    def _comforts(self) -> Iterator[Entry]:
+        now = self.dive.pilot.settings.comfort
+        for name, comfort in COMFORTS.items():
+            choose = partial(self._choose_comfort, comfort)
+            yield Entry(name.capitalize(), choose, chosen=now == comfort, about=COMFORTABLE[name])
+        yield self._back()
+
+    def _choose_comfort(self, comfort: ComfortSettings) -> None:
+        pilot = self.dive.pilot
+        pilot.settings = msgspec.structs.replace(pilot.settings, comfort=comfort)
 
     def _scenarios(self) -> Iterator[Entry]:
         dive = self.dive

@@ -85,6 +85,11 @@ def on_display(without: str = FILM) -> Iterator[DesktopDisplay]:
         glfw.terminate()
 
 
+def prefer_x11() -> None:
+    """Open windows by X11 from now on: OpenXR has no binding for the contexts of Wayland."""
+    glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_X11)
+
+
 def monitors() -> list[Monitor]:
     """The monitors of the open display."""
     found = []

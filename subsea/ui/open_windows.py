@@ -3,6 +3,7 @@
 Nothing here imports the world, so that a window appears within half a second.
 """
 
+import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import NamedTuple
@@ -11,8 +12,9 @@ from subsea.core.console import say
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.gui import Gui, fill_with_text
-from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed
+from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed, prefer_x11
 from subsea.ui.window_set import WindowSet
+from subsea.view.display_rigs import HEADSET
 from subsea.view.rig import CameraRig, front, select_outputs
 from subsea.view.stereo import PAGED
 
@@ -51,6 +53,8 @@ def open_windows(
     """
     pilot, rig = Pilot(settings), None
     with ExitStack() as undo:
+        if display == HEADSET and sys.platform == "linux":
+            prefer_x11()
         there = undo.enter_context(on_display(without)).monitors
         if installation is None:
             window_set = WindowSet([(Screen(title, size), None)], pilot, display == PAGED)

@@ -28,11 +28,12 @@ from subsea.rendering.output.quality import (
     name_of,
 )
 from subsea.rendering.renderer import Renderer
+from subsea.ui.headset_display import HeadsetDisplay
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
-from subsea.view.display_rigs import DISPLAYS, display_rig
+from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
 from subsea.view.levels import empty_lod_state
-from subsea.view.rig import CameraPose, CameraRig, Rect, views
+from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
 from subsea.view.text_viewports import TextViewport, text_viewports
 from subsea.view.unproject import FrontView, front_screen
@@ -47,13 +48,22 @@ class ScenePicture:
     """
 
     def __init__(
-        self, window_set: WindowSet, fixed: CameraRig | None, display: DisplayOptions
+        self,
+        window_set: WindowSet,
+        fixed: CameraRig | None,
+        display: DisplayOptions,
+        head: HeadsetDisplay | None = None,
     ) -> None:
-        """Start without a world. The rig is the `fixed` one, else that of the display mode."""
-        self.display = display.mode
+        """Start without a world.
+
+        The rig is the `fixed` one, or that of the `head`, else that of the display mode.
+        """
+        self.display = display.mode if head or display.mode != HEADSET else "mono"
+        self.head = head  # in a headset, which shows the dive too
         self.quality = display.quality
         self.alpha = 1.0  # the shown point between the last two ticks
         self.eye: CameraPose
+        self.rig: CameraRig
         self.ride: Ride | None = None
         self.pattern = False  # True if the test pattern is shown
         self.colours: RetinaColours = "colours"  # of retina pictures
@@ -92,6 +102,8 @@ class ScenePicture:
             gc.collect()
             raise
         self._world, self._drawn, self._seen, self.ride = world, None, (), None
+        if self.head is not None:
+            world.observers.append(self.head.feel)
         self._sketcher = DiagramBuilder(world)
         self.jump()
 
@@ -109,6 +121,8 @@ class ScenePicture:
         Retina pictures need a `clear` corner. Diagrams of the fish that is `chosen` or ridden are
         stronger.
         """
+        if self.head is not None:
+            self.head.begin()
         if self._fixed is None and self._window_set.front.size != self.rig.outputs[0]:
             self._take_rig()
             self.arrange(clear)
@@ -118,6 +132,31 @@ class ScenePicture:
             self._draw(chosen)
         if self.pattern or not self._direct:
             self._window_set.show(self.renderer.pictures)
+
+    def end(self, vignette: float) -> None:
+        """Show the picture in the headset, if there is one, with the text drawn since `draw`."""
+        if self.head is not None:
+            light = np.sqrt(self._world.scenario.water.far)  # a final colour
+            self.head.end(self.rig, light, vignette)
+
+    def recentre(self) -> None:
+        """Take the place of the head in a headset, if there is one, as the pilot's."""
+        if self.head is not None:
+            self.head.recentre()
+
+    def take_off(self) -> None:
+        """Go on without the headset."""
+        self.close()
+        self._window_set.gamepads.read_hands = lambda: None
+        self._window_set.wait_for_display(True)
+        self.show_as("mono")
+
+    def close(self) -> None:
+        """End the session of the headset, if there is one."""
+        if self.head is not None:
+            self.head.close()
+            self._world.observers.remove(self.head.feel)
+            self.head = None
 
     def darken(self, rgb: tuple[float, float, float], opacity: float) -> None:
         """Blend a colour over the whole picture, in all windows and for all eyes."""
@@ -150,7 +189,7 @@ class ScenePicture:
     @property
     def displays(self) -> tuple[str, ...]:
         """The display modes to choose from; none if the rig is fixed."""
-        if self._fixed is not None or self.display == PAGED:
+        if self._fixed is not None or self.display in (PAGED, HEADSET):
             return ()
         return tuple(name for name in DISPLAYS if name != PAGED)
 
@@ -195,13 +234,23 @@ class ScenePicture:
 
     def views(self) -> tuple[View, ...]:
         """The views from the submarine, or from the ridden fish."""
+        rig = self.rig if self.head is None else self.head.moved(self.rig)
         if self.ride is None:
-            return views(self.rig, self.eye)
-        return self.ride.views(self._world, self.rig, self.insets, self.alpha)
+            return views(rig, self._observer)
+        return self.ride.views(self._world, rig, self.insets, self.alpha)
+
+    @property
+    def _observer(self) -> CameraPose:
+        """The pose that carries the eyes of the rig."""
+        if self.ride is not None:
+            return self.ride.observer(self._world, self.alpha)
+        return self.eye if self.head is None else self.head.turned(self.eye)
 
     @property
     def front_view(self) -> FrontView | None:
         """The view on the screen ahead; None if that is not a flat picture."""
+        if self.head is not None:
+            return self.head.front_view(self.rig, levelled(self._observer))
         return front_screen(self.rig, self._seen or self.views())
 
     def fish_at(self, x: float, y: float) -> int | None:
@@ -232,10 +281,12 @@ class ScenePicture:
     @property
     def _direct(self) -> bool:
         """True if the picture is drawn straight into the only window."""
-        return self.rig.outputs == (self._window_set.front.size,)
+        only = len(self._window_set.windows) == 1
+        return only and self.rig.outputs[0] == self._window_set.front.size
 
     def _with_insets(self, clear: bool) -> bool:
-        return self.ride is not None and self.eyes_shown and clear and not self.pattern
+        shown = self.eyes_shown and self.head is None
+        return self.ride is not None and shown and clear and not self.pattern
 
     def _draw(self, chosen: int | None) -> None:
         quality, ride = self.renderer.quality, self.ride
@@ -248,7 +299,13 @@ class ScenePicture:
             self._world, seen, self.alpha, options=quality.packing,
             memory=self._memory, lines=lines, pilot=self.eye,
         )  # fmt: skip
-        into = self._context.screen if self._direct else None
+        into = {0: self._context.screen} if self._direct else {}
+        if self.head is not None:
+            into |= self.head.targets
+            self.rig = self.head.steadied(self.rig)
+            self.renderer.arrange(self.rig)
+        if self.head is not None and ride is None and packet.lamps is not None:
+            packet = replace(packet, lamps=self.head.lamps(self.eye) or packet.lamps)
         if ride is not None:
             passing = velocity_of(self._world, ride.by.fish)
             packet = replace(packet, passing_cm_s=passing, lined=own)
@@ -268,10 +325,16 @@ class ScenePicture:
 
     def _take_rig(self) -> None:
         """Set the rig for the current windows, and its text viewports."""
-        self.rig = self._fixed or display_rig(
-            self.display, self._window_set.front.size, self._options.stereo, self._options.surround
-        )
+        size, options = self._window_set.front.size, self._options
+        if self.head is not None:
+            self.rig = self.head.rig(size)
+        else:
+            self.rig = self._fixed or display_rig(
+                self.display, size, options.stereo, options.surround
+            )
         self.viewports = text_viewports(self.rig, self._window_set.page)
+        if self.head is not None:
+            self.viewports = self.head.text_viewports(self.viewports[0])
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

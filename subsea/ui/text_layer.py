@@ -55,7 +55,10 @@ class TextLayer:
             if tilts and self.horizon and picture.front_view:
                 draw_horizon(picture.front_view, picture.eye.forward)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
-            self.vignette.draw()
+            if picture.head is None:
+                self.vignette.draw()
+            else:  # it is drawn around each eye
+                self.vignette.most = dive.pilot.settings.comfort.headset_vignette
             if not self._menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)

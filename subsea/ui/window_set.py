@@ -138,6 +138,10 @@ class WindowSet:
             shown.window.make_current()
             shown.presenter.darken(shade, shown.window.size)
 
+    def wait_for_display(self, on: bool) -> None:
+        """Set whether presenting waits for the display; not if a headset sets the pace."""
+        glfw.swap_interval(int(on))
+
     def present(self) -> None:
         """Show all windows, at about the same time."""
         self.front.present()

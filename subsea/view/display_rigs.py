@@ -41,6 +41,7 @@ SURROUNDS = {
 }
 LEVEL = ("equirectangular", "dome")  # displays with a level horizon
 DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
+HEADSET = "headset"  # only in a dive: its rig is that of the headset (`view.head`)
 
 AHEAD = np.eye(3)  # axes of an eye that looks as the observer does
 VERTICAL_FOV = np.radians(55.0)
@@ -49,8 +50,8 @@ WINDOW_AHEAD_CM = 20.0  # from the hull's centre to the eye
 
 def check_display(name: str) -> str:
     """Return the name of a display mode; raise UserError for any other."""
-    if name not in DISPLAYS:
-        raise unknown("display", name, list(DISPLAYS))
+    if name not in (*DISPLAYS, HEADSET):
+        raise unknown("display", name, [*DISPLAYS, HEADSET])
     return name
 
 

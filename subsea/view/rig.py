@@ -99,6 +99,7 @@ class CameraRig(NamedTuple):
     eyes: tuple[Eye, ...]
     patches: tuple[DisplayPatch, ...]
     level: bool = False  # keep the horizon level
+    main: int | None = None  # index of the patch with text; None: the one ahead
 
     @property
     def exact(self) -> bool:
@@ -109,13 +110,20 @@ class CameraRig(NamedTuple):
         )
 
     @property
+    def pixels(self) -> tuple[object, ...]:
+        """What decides about the pictures to draw into: equal for rigs that can share them."""
+        return self.canvas, self.outputs, self.pages, self.exact
+
+    @property
     def pages(self) -> int:
         """The number of buffers of an output."""
         return 1 + max(patch.page for patch in self.patches)
 
 
 def front(rig: CameraRig) -> DisplayPatch:
-    """The first of the patches whose centre is closest to straight ahead."""
+    """The patch with text: the main one, else the first whose centre is closest to ahead."""
+    if rig.main is not None:
+        return rig.patches[rig.main]
     return max(rig.patches, key=lambda patch: max(map(_ahead, seen_by(rig, patch)), default=-1.0))
 
 
@@ -142,12 +150,13 @@ def seen_by(rig: CameraRig, patch: DisplayPatch) -> list[Eye]:
 
 
 def limit_separation(rig: CameraRig, half_cm: float) -> CameraRig:
-    """Scale the eye offsets of a rig to at most `half_cm` from the observer.
+    """Scale the eye offsets of a rig to at most `half_cm` from the middle of the eyes.
 
     Projections depend only on angles, so the screens scale too: something at a tenth of the
     distance looks the same to eyes a tenth as far apart.
     """
-    widest = max(float(np.linalg.norm(eye.offset)) for eye in rig.eyes)
+    middle = np.mean([eye.offset for eye in rig.eyes], axis=0)  # a head may have moved
+    widest = max(float(np.linalg.norm(eye.offset - middle)) for eye in rig.eyes)
     if widest <= half_cm:
         return rig
     share = half_cm / widest
@@ -179,11 +188,16 @@ def pose_from_angles(eye: Array, heading: float, pitch: float) -> CameraPose:
     )
 
 
+def levelled(observer: CameraPose) -> CameraPose:
+    """The pose without pitch and roll."""
+    heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
+    return pose_from_angles(observer.eye, heading, 0.0)
+
+
 def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     """The views of a rig's eyes for an observer."""
-    if rig.level:  # without pitch and roll
-        heading = float(np.arctan2(observer.forward[1], observer.forward[0]))
-        observer = pose_from_angles(observer.eye, heading, 0.0)
+    if rig.level:
+        observer = levelled(observer)
     axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
     found = []
     for eye in rig.eyes:

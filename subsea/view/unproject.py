@@ -63,11 +63,17 @@ def front_screen(rig: CameraRig, views: Sequence[View]) -> FrontView | None:
     ahead = front(rig)
     if ahead.shape != Projection.FLAT:
         return None
-    (x, y, across, up), (left, foot, width, height) = seen_part(ahead), ahead.place
-    low = 2.0 * (x - left) / width - 1.0, 2.0 * (y - foot) / height - 1.0
-    return FrontView(
-        views[front_view(rig)], low, (low[0] + 2.0 * across / width, low[1] + 2.0 * up / height)
-    )
+    number = front_view(rig)
+    place, source, viewport = ahead.place, ahead.left, rig.eyes[number].viewport
+    low, high = [], []
+    for axis in (0, 1):  # a patch may show less than the view
+        begin, size = seen_part(ahead)[axis], seen_part(ahead)[axis + 2]
+        shares = (np.array([begin, begin + size]) - place[axis]) / place[axis + 2]
+        pixels = source[axis] + shares * source[axis + 2] - viewport[axis]
+        ends = 2.0 * pixels / viewport[axis + 2] - 1.0
+        low.append(float(ends[0]))
+        high.append(float(ends[1]))
+    return FrontView(views[number], (low[0], low[1]), (high[0], high[1]))
 
 
 def front_view(rig: CameraRig) -> int:

@@ -18,7 +18,7 @@ from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.submarine.rail import Rail
-from subsea.ui import dive
+from subsea.ui import dive, theatre_windows
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.world import snapshot
 from subsea.world.build import create_world
@@ -220,7 +220,7 @@ def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
             main.run(["dive", "--theatre", str(path), "--node", "left", *options])
         return str(met.value)
 
-    monkeypatch.setattr(dive, "tick_source_maker", caught)
+    monkeypatch.setattr(theatre_windows, "tick_source_maker", caught)
     _, path = theatre(tmp_path, "127.0.0.1:5560")
     ours = view()
     assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
@@ -233,7 +233,7 @@ def test_no_resume_is_passed_on(tmp_path, monkeypatch):
     def caught(found, path, node, view, resumes):
         raise UserError(f"resumes: {resumes}")
 
-    monkeypatch.setattr(dive, "tick_source_maker", caught)
+    monkeypatch.setattr(theatre_windows, "tick_source_maker", caught)
     _, path = theatre(tmp_path, "127.0.0.1:5560")
     for option, resumes in ((), True), (("--no-resume",), False):
         with pytest.raises(UserError, match=f"resumes: {resumes}"):

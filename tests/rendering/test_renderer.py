@@ -27,7 +27,7 @@ def test_it_draws_into_the_framebuffer_that_it_is_given(renderer, context, make_
     renderer.draw(packet)
     own = renderer.read_pixels()
     target = context.simple_framebuffer((160, 90), components=3)
-    renderer.draw(packet, into=target)
+    renderer.draw(packet, into={0: target})
     given = np.frombuffer(target.read(components=3, alignment=1), np.uint8)
     np.testing.assert_array_equal(given.reshape(90, 160, 3)[::-1], own)
     target.release()

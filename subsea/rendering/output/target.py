@@ -1,6 +1,6 @@
 """The canvas in linear light, and the pass that resolves its patches to eight bits."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -19,6 +19,9 @@ from subsea.view.surround import ROWS, half_tangent
 AMBER = np.array([1.0, 0.0, -1.0])  # logarithms of the factors on red, green and blue
 WARMEST = 0.35  # of these, by the greatest warmth
 MASK_UNIT, BLOOM_UNIT = 1, 2  # texture units, free again after the scene is drawn
+
+Into = Mapping[int, Any]  # framebuffers by output
+OWN: Into = {}  # all outputs are drawn into the renderer's own pictures
 
 LINEAR = moderngl.LINEAR, moderngl.LINEAR
 NEAREST = moderngl.NEAREST, moderngl.NEAREST  # faster where texels match pixels

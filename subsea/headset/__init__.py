@@ -1,0 +1,1 @@
+"""Headsets: the runtime's session, its eyes and hands."""

@@ -1,0 +1,161 @@
+"""The vessel around an observer in a headset: hoops, a floor, and a panel with text.
+
+Drawn over the finished picture of each eye, at true scale. What rests around the observer is a
+frame of rest against motion sickness.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.view.panel import PANEL
+from subsea.view.rig import Eye
+
+FLOOR_CM = 120.0  # below the eyes of a seated observer
+RADIUS_CM = 78.0  # of the hoops
+RAIL_CM = 52.0  # of the rail, below the eyes
+TUBE_CM = 2.2
+AROUND, ACROSS = 72, 8  # corners of a hoop, and of its tube
+DARK_FLOOR = 0.35  # brightness of the floor over that of the hoops
+RIM = 0.31, 0.73  # rad, of the vignette: where it begins, where it is darkest
+EVERYWHERE = -1.0, -0.5  # the same for a shade
+
+
+class Cabin(GpuOwner):
+    """Draws into the pictures of a headset's eyes, which its runtime owns."""
+
+    def __init__(self, context: Any) -> None:
+        """Compile; the context must be that of the pictures."""
+        super().__init__()
+        self._context = context
+        self._metal, self._glass = (
+            self.own(program(context, "cabin", PANEL=panel)) for panel in (0, 1)
+        )
+        self._shade = self.own(program(context, "vignette"))
+        self._whole = self.own(context.vertex_array(self._shade, []))
+        self._hoops = self._array(self._metal, vessel())
+        self._quad = self._array(self._glass, _panel_quad())
+        self._eyes: dict[int, Any] = {}  # framebuffers by the names of their textures
+        self._held = self.own(GpuOwner())  # the panel
+        self._panel: Any = None
+        self.panel: Any = None  # the framebuffer of the panel
+
+    def eye(self, texture: int, size: tuple[int, int]) -> Any:
+        """The framebuffer of a picture that the runtime owns, by the name of its texture."""
+        if texture not in self._eyes:
+            colour = self._context.external_texture(texture, size, 4, 0, "f1")
+            self._eyes[texture] = self._context.framebuffer([colour])
+        return self._eyes[texture]
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Make the panel's framebuffer, unless it has that size."""
+        if self._panel is not None and self._panel.size == size:
+            return
+        self._held.release()
+        self._panel = self._held.own(self._context.texture(size, 4))
+        self._panel.repeat_x = self._panel.repeat_y = False
+        self.panel = self._held.own(self._context.framebuffer([self._panel]))
+
+    def draw(self, into: Any, eye: Eye, light: Array, vignette: float, dark: float = 0.0) -> None:
+        """Draw vignette, vessel and panel over the picture of an eye.
+
+        `light` (3,) is the colour of the water around, `vignette` in [0, 1] the opacity of the rim,
+        `dark` that of a shade over the sea.
+        """
+        context = self._context
+        into.use()
+        context.viewport = (0, 0, *into.size)
+        context.disable(context.DEPTH_TEST)
+        context.enable(context.BLEND)
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+        for (begin, full), opacity in ((RIM, vignette), (EVERYWHERE, dark)):
+            if opacity < 0.01:
+                continue
+            p = eye.projection
+            tangents = [(side + p[k, 2]) / p[k, k] for k in (0, 1) for side in (-1.0, 1.0)]
+            edges = tuple(map(float, tangents))
+            set_uniforms(self._shade, u_tangents=edges, u_rim=(begin, full, opacity))
+            self._whole.render(vertices=3)
+        clip = np.ascontiguousarray(clip_matrix(eye).T, "f4").tobytes()
+        context.blend_func = context.ONE, context.ONE_MINUS_SRC_ALPHA
+        set_uniforms(self._metal, u_clip=clip, u_light=tuple(map(float, light)))
+        context.enable(context.CULL_FACE)
+        self._hoops.render()
+        context.disable(context.CULL_FACE)
+        if self._panel is not None:
+            self._panel.use(0)
+            set_uniforms(self._glass, u_clip=clip)
+            self._quad.render()
+        context.disable(context.BLEND)
+        context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
+
+    def forget(self) -> None:
+        """Release the framebuffers over the runtime's textures, which are no longer valid."""
+        for framebuffer in self._eyes.values():
+            framebuffer.release()
+        self._eyes.clear()
+
+    def release(self) -> None:
+        """Free every OpenGL object."""
+        # moderngl binds the last framebuffer again when it makes one, which must not be freed.
+        self._context.detect_framebuffer(0).use()
+        self.forget()
+        super().release()
+
+    def _array(self, compiled: Any, corners: Array) -> Any:
+        (buffer,) = self.own_buffers(self._context, corners.astype("f4"))
+        content = [(buffer, "3f 4f", "in_place", "in_look")]
+        return self.own(self._context.vertex_array(compiled, content))
+
+
+def clip_matrix(eye: Eye) -> Array:
+    """The matrix (4, 4) from the observer's axes right, up, ahead, cm, to an eye's clip space."""
+    view = np.eye(4)
+    view[:3, :3] = eye.axes * np.array([1.0, 1.0, -1.0])[:, None]  # the eye looks along -z
+    view[:3, 3] = -view[:3, :3] @ eye.offset
+    return np.asarray(eye.projection.astype(np.float64) @ view)
+
+
+def vessel() -> Array:
+    """Corners (n, 7) of triangles: place, cm, right, up, ahead; normal; brightness.
+
+    A rail before and around the observer, a hoop from side to side overhead, and the floor.
+    """
+    right, up, ahead = np.eye(3)
+    rail = _hoop(-RAIL_CM * up, right, ahead, 0.0, 2.0 * np.pi)
+    low = -np.arcsin(RAIL_CM / RADIUS_CM)  # where the hoop would meet the rail's height
+    hoop = _hoop(np.zeros(3), right, up, low, np.pi - low)
+    return np.concatenate([_floor(), hoop, rail])
+
+
+def _hoop(middle: Array, along: Array, up: Array, begin: float, end: float) -> Array:
+    """Corners of an arc of a torus in the plane of two unit vectors, between angles, rad."""
+    turn = np.linspace(begin, end, AROUND + 1)[:, None, None]
+    tube = np.linspace(0.0, 2.0 * np.pi, ACROSS + 1)[None, :, None]
+    outward = np.cos(turn) * along + np.sin(turn) * up
+    normal = np.cos(tube) * outward + np.sin(tube) * np.cross(along, up)
+    place = middle + RADIUS_CM * outward + TUBE_CM * normal
+    corners = np.concatenate([place, normal, np.ones((*normal.shape[:2], 1))], axis=2)
+    a, b = corners[:-1, :-1], corners[1:, :-1]
+    c, d = corners[1:, 1:], corners[:-1, 1:]
+    return np.stack([a, c, b, a, d, c], axis=2).reshape(-1, 7)
+
+
+def _floor() -> Array:
+    """Corners of a disc under the observer, which faces up."""
+    turn = np.linspace(0.0, 2.0 * np.pi, AROUND + 1)
+    rim = RADIUS_CM * np.stack([np.cos(turn), np.zeros_like(turn), np.sin(turn)], axis=1)
+    middle = np.zeros_like(rim[1:])
+    place = np.stack([middle, rim[:-1], rim[1:]], axis=1).reshape(-1, 3) - (0.0, FLOOR_CM, 0.0)
+    look = np.tile([0.0, 1.0, 0.0, DARK_FLOOR], (len(place), 1))
+    return np.concatenate([place, look], axis=1)
+
+
+def _panel_quad() -> Array:
+    """Corners of the two triangles of the panel, with texture coordinates."""
+    shares = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1.0]])
+    places = PANEL.places(shares[:, 0], 1.0 - shares[:, 1])
+    return np.concatenate([places, shares, np.zeros((6, 2))], axis=1)

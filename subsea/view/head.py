@@ -1,0 +1,128 @@
+"""The eyes of a head in a headset: from the runtime's space to cameras on an observer.
+
+The runtime's space is right-handed, in metres: x right, y up, z back. The observer's axes are
+right, up and ahead, in centimetres, at true scale.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.view.camera import NEAR_CM, off_axis
+from subsea.view.rig import CameraRig, DisplayPatch, Eye, Rect
+
+CM_PER_M = 100.0
+TO_OBSERVER = np.array([1.0, 1.0, -1.0])  # z back becomes ahead
+
+
+class Pose(NamedTuple):
+    """A place and an orientation in the runtime's space."""
+
+    position: Array  # (3,) m
+    orientation: Array  # (4,) unit quaternion x, y, z, w
+
+
+class HeadEye(NamedTuple):
+    """An eye as the runtime describes it."""
+
+    pose: Pose
+    # Angles of the picture's edges from straight ahead, rad: left and down are negative.
+    left: float
+    right: float
+    up: float
+    down: float
+
+
+class Home(NamedTuple):
+    """The head's place in the runtime's space when it sits at the observer's place."""
+
+    position: Array  # (3,) m
+    yaw: float  # rad, to the left
+
+
+AT_ORIGIN = Home(np.zeros(3), 0.0)
+
+
+def rotation_of(orientation: Array) -> Array:
+    """The matrix (3, 3) of a quaternion x, y, z, w; its columns are the turned axes."""
+    x, y, z, w = np.asarray(orientation, np.float64) / np.linalg.norm(orientation)
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ])  # fmt: skip
+
+
+def home_of(eyes: Sequence[HeadEye]) -> Home:
+    """The home of a head that is where it should be, looking straight ahead."""
+    middle = np.mean([eye.pose.position for eye in eyes], axis=0)
+    ahead = -np.mean([rotation_of(eye.pose.orientation)[:, 2] for eye in eyes], axis=0)
+    if np.hypot(ahead[0], ahead[2]) < 1e-3:  # straight up or down
+        return Home(middle, 0.0)
+    return Home(middle, float(np.arctan2(-ahead[0], -ahead[2])))
+
+
+def on_observer(pose: Pose, home: Home) -> tuple[Array, Array]:
+    """Offset (3,), cm, and axes (3, 3), rows right, up, ahead, of a pose on the observer."""
+    c, s = np.cos(home.yaw), np.sin(home.yaw)
+    back = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])  # undoes the yaw
+    offset = CM_PER_M * TO_OBSERVER * (back @ (np.asarray(pose.position) - home.position))
+    turned = back @ rotation_of(pose.orientation)
+    turned[:, 2] *= -1.0  # the third axis is back in the runtime's space
+    return offset, (TO_OBSERVER[:, None] * turned).T
+
+
+def snapped(heading: float, shown: float, step: float) -> float:
+    """The heading to show, rad, if the view turns in steps: `shown`, or a multiple of `step`.
+
+    It changes when the heading is more than .6 of a step from the one that is shown.
+    """
+    off = (heading - shown + np.pi) % (2.0 * np.pi) - np.pi
+    return shown if abs(off) < 0.6 * step else step * float(np.round(heading / step))
+
+
+def head_eyes(
+    eyes: Sequence[HeadEye], viewports: Sequence[Rect], home: Home = AT_ORIGIN
+) -> tuple[Eye, ...]:
+    """The cameras of a head, drawn into these viewports of the canvas."""
+    found = []
+    for eye, viewport in zip(eyes, viewports, strict=True):
+        offset, axes = on_observer(eye.pose, home)
+        edges = NEAR_CM * np.tan([eye.left, eye.right, eye.down, eye.up])
+        found.append(Eye(viewport, offset, axes, off_axis(*edges.tolist())))
+    return tuple(found)
+
+
+def headset_rig(
+    sizes: Sequence[tuple[int, int]], eyes: Sequence[HeadEye], mirror: tuple[int, int]
+) -> CameraRig:
+    """The rig of a headset with pictures of these `sizes` and a window that mirrors one eye.
+
+    Output 0 is the window of `mirror` pixels, which shows as much of the left picture as fits its
+    shape. The other outputs are the pictures of the eyes. The observer is level: only the head
+    tilts the picture.
+    """
+    viewports: list[Rect] = []
+    left = 0
+    for width, height in sizes:
+        viewports.append((left, 0, width, height))
+        left += width
+    shown = _cropped(viewports[0], mirror)
+    patches = [DisplayPatch((0, 0, *mirror), shown, shown)]
+    for number, viewport in enumerate(viewports):
+        place = (0, 0, *viewport[2:])
+        patches.append(DisplayPatch(place, viewport, viewport, output=1 + number))
+    canvas = left, max(height for _, height in sizes)
+    return CameraRig(
+        canvas, (mirror, *sizes), head_eyes(eyes, viewports), tuple(patches), True, main=0
+    )
+
+
+def _cropped(viewport: Rect, shape: tuple[int, int]) -> Rect:
+    """The largest part of a viewport with the aspect of `shape`, in its middle."""
+    x, y, width, height = viewport
+    across = min(width, max(round(height * shape[0] / shape[1]), 1))
+    up = min(height, max(round(width * shape[1] / shape[0]), 1))
+    return x + (width - across) // 2, y + (height - up) // 2, across, up
