@@ -13,7 +13,7 @@ from subsea.rendering.renderer import Renderer
 from subsea.rendering.sea import water
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
-from subsea.view.camera import NEAR_CM, off_axis
+from subsea.view.camera import NEAR_CM, axes_of, off_axis
 from subsea.view.display_rigs import DISPLAYS, SURROUNDS, display_rig
 from subsea.view.levels import LodState, empty_lod_state
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, pose_from_angles, views
@@ -164,3 +164,21 @@ def test_channels_side_by_side_cost_about_what_one_wide_view_does(sea):
     (triangles, calls), (wide_triangles, wide_calls) = found
     assert triangles < 1.5 * wide_triangles
     assert calls <= 3 * wide_calls
+
+
+@pytest.mark.parametrize("quality", ["low", "high"])
+def test_a_tilted_head_sees_the_same_sea(sea, quality):
+    """A quarter turn of the head turns the picture: nothing in it stays with the screen."""
+    part, pictures = (0, 0, 96, 96), []
+    sea.renderer.adapt(PRESETS[quality])
+    for roll in (0.0, np.pi / 2.0):
+        axes = axes_of(0.0, 0.2, roll)
+        eye = Eye(part, np.zeros(3), axes, off_axis(-4.0, 4.0, -4.0, 4.0))
+        rig = plain((96, 96), (eye,))
+        sea.renderer.arrange(rig)
+        pictures.append(sea.draw(views(rig, sea.observer(0.3, 0.0)), sea.nothing())[0])
+    sea.renderer.adapt(QUALITY)
+    level, tilted = pictures
+    off = np.abs(np.rot90(tilted, -1) - level)
+    assert level.std() > 10.0 and off.mean() < 0.8
+    assert (off.max(axis=2) > 12).mean() < 0.01
