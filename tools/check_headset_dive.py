@@ -58,7 +58,7 @@ def main() -> int:
                 print(f"{now - start:7.2f} s {state}")
             if not headset.focused:
                 continue
-            if drawn in (0, options.frames // 2, options.frames - 1):
+            if drawn in (0, options.frames // 2, options.frames - 2):  # kept with the next frame
                 keep.path = options.folder / f"eyes-{drawn}.png"
                 hands = [hand.aim and hand.aim.position.round(2) for hand in headset.hands]
                 print(f"{now - start:7.2f} s frame {drawn}: head {head.eyes[0].pose.position}, "

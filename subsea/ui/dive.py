@@ -47,6 +47,7 @@ from subsea.world.migrate import migrate
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
+LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 TickSourceMaker = Callable[[World, Pilot], TickSource]
 
 
@@ -117,7 +118,6 @@ class Dive:
         while loading, and may raise. If anything fails, all that was opened is closed again.
         """
         display, settings = options.display, options.settings
-        # Report an unknown name before a window opens.
         scenario, self.source = load_scenario(options.scenario, options.changes)
         self.scenario = with_total(scenario, options.fish)
         self.known = held(self.source)
@@ -146,6 +146,7 @@ class Dive:
             undo.callback(self.sound.close)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
             head = None
+            self._seeks, self._looked_s = options.kiosk and display.mode == HEADSET, 0.0
             if display.mode == HEADSET:
                 head = put_on(self.window_set, self.gui, self.note)
                 self.sound.head = at_rest if head is None else head.pose
@@ -264,7 +265,19 @@ class Dive:
             self.sound.head = at_rest
             self.note(f"{fault}; {GOES_ON}")
 
+    def _look_for_headset(self, elapsed_s: float) -> None:
+        """Put on the headset of a kiosk again, some time after it was lost."""
+        self._looked_s += elapsed_s
+        if not self._seeks or self.picture.head is not None or self._looked_s < LOOK_S:
+            return
+        self._looked_s = 0.0
+        head = put_on(self.window_set, self.gui, lambda line: None)
+        if head is not None:
+            self.picture.put_on(head)
+            self.sound.head = head.pose
+
     def _frame(self, elapsed_s: float) -> None:
+        self._look_for_headset(elapsed_s)
         start = time.perf_counter()
         for command in self.window_set.poll():
             self.run_command(command)

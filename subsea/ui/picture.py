@@ -144,6 +144,12 @@ class ScenePicture:
         if self.head is not None:
             self.head.recentre()
 
+    def put_on(self, head: HeadsetDisplay) -> None:
+        """Go on in a headset."""
+        self.head = head
+        self._world.observers.append(head.feel)
+        self.show_as(HEADSET)
+
     def take_off(self) -> None:
         """Go on without the headset."""
         self.close()

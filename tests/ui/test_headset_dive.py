@@ -198,6 +198,22 @@ def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(worn, caps
     assert len(running.picture.displays) > 3  # another mode can be chosen
 
 
+def test_a_kiosk_finds_its_headset_again(display, quiet, monkeypatch):
+    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
+        running.frame(0.1)
+        headset.lost_in = "end"
+        running.frame(0.1)
+        assert running.picture.head is None
+        running.frame(10.0)
+        assert running.picture.head is None
+        running.frame(6.0)
+        again = running.picture.head
+        assert again is not None and again.headset is not headset
+        running.frame(0.1)
+        assert again.headset.calls[-3:] == ["poll", "begin", "end"]
+        assert again.headset.pictures().std() > 3.0 or again._dark > 0.5
+
+
 def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
     display, quiet, monkeypatch, capsys
 ):
