@@ -43,6 +43,7 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
     point outward, and too near it must point inward. The rest runs along the boundary.
     """
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
+    rocks = np.empty(len(sea.rocks), np.int64)
     for i in who:
         here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
         urge = vector(minds.urge[i])
@@ -57,14 +58,16 @@ def keep_clear(who: Ints, fishes: Fishes, minds: Minds, sea: Sea) -> None:
         room = ROOM_BL * length + ROOM_S * norm(vector(fishes.velocity[i])) / fishes.rate[i]
         if minds.kind[i] == PREDATOR and minds.intention[i] == EAT:
             room *= BOLD
+        farthest = norm(minus(snout, here)) + length
+        near = rocks[: _rocks_near(here, reach + room + farthest, sea, rocks)]
         # Twice, so that in a corner neither undoes the other.
         for _ in range(2):
             for part in (tail, snout):
                 urge = _inside(part, reach, room, sea, urge)
-                urge = _around(part, reach, room, sea, urge)
+                urge = _around(part, reach, room, sea, near, urge)
             urge = _off_the_hull(here, fishes.length[i], hull, velocity, urge)
         for part in (tail, snout):
-            urge = _out_of_corner(part, reach, room, sea, urge)
+            urge = _out_of_corner(part, reach, room, sea, near, urge)
         set_urge(minds, i, urge)
 
 
@@ -102,13 +105,23 @@ def _inside(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vec
 
 
 @kernel
-def _around(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vector:
-    """The urge constrained by pillars and rocks near a part of the body at p."""
+def _rocks_near(p: Vector, reach: float, sea: Sea, rocks: Ints) -> int:
+    """Write the numbers of the rocks within `reach` cm of p, and others, to `rocks`; how many."""
+    count = 0
+    for k in range(len(sea.rocks)):
+        rocks[count] = k
+        count += not far_from_rock(sea.rocks[k], p, reach)
+    return count
+
+
+@kernel
+def _around(p: Vector, reach: float, room: float, sea: Sea, rocks: Ints, urge: Vector) -> Vector:
+    """The urge constrained by pillars and by the `rocks` near a part of the body at p."""
     for k in range(len(sea.pillars)):
         normal, distance = from_pillar(sea.pillars[k], p)
         if distance < reach + room:
             urge = constrained(urge, normal, distance - reach, room)
-    for k in range(len(sea.rocks)):
+    for k in rocks:
         if far_from_rock(sea.rocks[k], p, reach + room):
             continue
         normal, distance = from_rock(sea.rocks[k], p)
@@ -118,7 +131,9 @@ def _around(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vec
 
 
 @kernel
-def _out_of_corner(p: Vector, reach: float, room: float, sea: Sea, urge: Vector) -> Vector:
+def _out_of_corner(
+    p: Vector, reach: float, room: float, sea: Sea, rocks: Ints, urge: Vector
+) -> Vector:
     """The urge back from a corner of the wall and a solid, or as it is elsewhere.
 
     There each barrier turns the urge along itself, into the other one.
@@ -128,7 +143,7 @@ def _out_of_corner(p: Vector, reach: float, room: float, sea: Sea, urge: Vector)
     inward = (-p[0] / away, -p[1] / away, 0.0)
     if dot(urge, inward) >= -max(gap / room, 0.0) - CORNERED:
         return urge
-    return _around(p, reach, room, sea, inward)
+    return _around(p, reach, room, sea, rocks, inward)
 
 
 @kernel

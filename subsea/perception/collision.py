@@ -17,7 +17,7 @@ from subsea.geometry.solids import (
     ray_meets_seabed,
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
-from subsea.perception.grid import ROUNDING, Grid, make_grid, near_slots
+from subsea.perception.grid import Grid, make_grid, near_slots
 from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
@@ -50,6 +50,7 @@ HELD = 1.3  # factor on the region for what a fish is already avoiding: hysteres
 # Fishes longer or faster than this are kept apart from the others.
 LARGE_CM, FAST_CM_S = 45.0, 80.0
 SMALL_CELL_CM, LARGE_CELL_CM = 30.0, 150.0
+STILL = 1e-100  # cm²/s²: less than the square of any speed of one fish relative to another
 STATIONS = 7  # least number of points of a centre line ...
 FINEST, MOST_STATIONS = 0.3, 64  # ... which are at most 0.3 lengths of the other apart
 
@@ -169,25 +170,28 @@ def worst_threat(
     around = _radius(fishes, i) + 3.0 * margin * float(fishes.length[i])
     speed = norm(velocity)
     reach = around + crowd.radius + foresight * (speed + crowd.speed)
-    for k in range(near_slots(grid, here, reach, slots)):
-        slot = slots[k]
+    # Most are too far away, however they move: test that first. The processor would predict many
+    # branches wrongly, so these tests have none.
+    reached, meeting = 0, 0
+    for slot in slots[: near_slots(grid, here, reach, slots)]:
         gap = minus(vector(grid.place[slot]), here)
-        squared = dot(gap, gap)
-        # Most are too far away, however they move: test that first.
-        if squared > ROUNDING * reach * reach:
-            continue
-        near = around + motion[slot, 3]
-        far = near + foresight * (speed + motion[slot, 4])
-        if squared > far * far:
-            continue
+        far = around + motion[slot, 3] + foresight * (speed + motion[slot, 4])
+        slots[reached] = slot
+        reached += int(dot(gap, gap) <= far * far)
+    for slot in slots[:reached]:
+        gap = minus(vector(grid.place[slot]), here)
         drift = minus(vector(motion[slot]), velocity)
         # Closest approach of the middles, within which the radii must reach.
-        met, along = gap, dot(gap, drift)
-        if along < 0.0:
-            met = plus(gap, times(min(-along / dot(drift, drift), foresight), drift))
+        time = max(-dot(gap, drift), 0.0) / max(dot(drift, drift), STILL)
+        met, near = plus(gap, times(min(time, foresight), drift)), around + motion[slot, 3]
+        slots[meeting] = slot
+        meeting += int(dot(met, met) <= near * near)
+    for slot in slots[:meeting]:
         j = grid.member[slot]
-        if dot(met, met) > near * near or j in (i, welcome):
+        if j in (i, welcome):
             continue
+        gap = minus(vector(grid.place[slot]), here)
+        squared = dot(gap, gap)
         share = share_inside(fishes, i, j, margin, foresight)
         nearer = squared < worst[2] or (squared == worst[2] and j < worst[0])
         if share > worst[1] or (share == worst[1] > 0.0 and nearer):

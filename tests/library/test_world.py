@@ -68,9 +68,8 @@ def test_arrays_show_the_present_and_cannot_be_written(world):
     world.step()
     assert (position != before).any()
     np.testing.assert_array_equal(position, world.internal.state.fishes.position)
-    groups = [world.fishes._asdict(), world.minds._asdict(), world.sea._asdict()]
-    groups.append(vars(world.submarine))
-    arrays = [one for group in groups for one in group.values() if isinstance(one, np.ndarray)]
+    groups = [world.fishes, world.minds, world.sea, vars(world.submarine).values()]
+    arrays = [one for group in groups for one in group if isinstance(one, np.ndarray)]
     assert len(arrays) > 80
     for array in arrays:
         with pytest.raises(ValueError, match="read-only"):

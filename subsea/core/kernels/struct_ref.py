@@ -12,6 +12,7 @@ which the cores of a computer wait for each other.
 import hashlib
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -129,25 +130,23 @@ def _unboxed(kind: Kind, group: Any, c: Any) -> Any:
 
 def _pointed(group: Any, kind: Any) -> Any:
     name, fields = group.__name__, group._fields
+    # A call of a kernel asks an object without it for `_numba_type_`. A named tuple takes ten times
+    # as long, as the types of all its fields are looked up.
+    del group._asdict
 
     class Group(group):  # type: ignore[misc]
         """A `group` with memory that has its fields, made when first needed."""
 
-        @property
+        @cached_property
         def _numba_type_(self) -> Any:
-            if "kind" not in self.__dict__:
-                self.__dict__["kind"] = kind(
-                    {field: typeof(value) for field, value in zip(fields, self, strict=True)}
-                )
-            return self.__dict__["kind"]
+            return kind({field: typeof(value) for field, value in zip(fields, self, strict=True)})
 
-        @property
+        @cached_property
         def _address(self) -> int:
-            if "memory" not in self.__dict__:
-                memory = _memory(name, self._numba_type_, tuple(self))
-                # Threads that both make it use the same, which stays.
-                self.__dict__.setdefault("memory", (memory, memory.ctypes.data))
-            return self.__dict__["memory"][1]
+            memory = _memory(name, self._numba_type_, tuple(self))
+            # Threads that both make it use the same, which stays.
+            address: int = self.__dict__.setdefault("memory", memory).ctypes.data
+            return address
 
         def __reduce__(self) -> Any:
             """A copy has memory of its own, which points to its own arrays."""

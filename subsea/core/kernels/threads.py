@@ -47,7 +47,10 @@ def cut(work: Callable[..., None], who: Ints, least: int, *groups: Any) -> list[
 
 def share(work: Callable[..., None], who: Ints, least: int, *groups: Any) -> None:
     """Call `work(part, *groups)` for parts of `who`, of at least `least` rows, on all threads."""
-    run_all(cut(work, who, least, *groups))
+    if len(who) < 2 * least:
+        work(who, *groups)
+    else:
+        run_all(cut(work, who, least, *groups))
 
 
 def run_all(tasks: Sequence[Task], shared: bool = True) -> None:

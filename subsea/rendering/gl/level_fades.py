@@ -63,6 +63,8 @@ def fade_groups(items: Ints, state: LevelState) -> list[FadeGroup]:
     since = state.since[items]
     rest = items[since == -np.inf]
     groups = [FadeGroup(rest, state.level[rest], 0.0)]
+    if len(rest) == len(items):
+        return groups
     for start in np.unique(since[since > -np.inf]).tolist():
         own = items[since == start]
         done = min(max((state.time_s - start) / FADE_S, 0.01), 0.99)

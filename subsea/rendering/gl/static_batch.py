@@ -153,7 +153,7 @@ class StaticBatch(GpuOwner):
         if self._waiting:
             self._make(items, chosen)
         ranges = self._ranges[items, chosen]
-        ends = np.cumsum([0, *(ranges[:, 1] - ranges[:, 0])])
+        ends = np.append(0, np.cumsum(ranges[:, 1] - ranges[:, 0]))
         if len(ranges) and self._indirect:
             replace_data(self._commands, commands(ranges))
         elif ends[-1]:

@@ -1,7 +1,8 @@
 """The light in a scenario's water at its hour, as uniforms of the shaders."""
 
-from functools import lru_cache
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,8 @@ BROAD, NEAR_SUN = np.array([0.02, 0.08, 0.11]), np.array([0.22, 0.45, 0.50])
 PLAIN_FAR = np.array([0.007, 0.080, 0.190])  # distant water that those belong to
 
 
-class Daylight(NamedTuple):
+@dataclass(frozen=True)
+class Daylight:
     """The light of a scenario, without the eye; colours are linear RGB."""
 
     sun: Array  # (3,) unit vector toward the sun, below the surface
@@ -48,12 +50,36 @@ class Daylight(NamedTuple):
     far: Array  # radiance of distant water, seen level from LEVEL_CM
     glow: Array  # (2, 3) broad and narrow, about the sun
 
-    @property
+    @cached_property
     def adapted(self) -> Array:
         """Share of the loss of each colour that the eye makes up for."""
         return ADAPTED_LEAST + (ADAPTED_MOST - ADAPTED_LEAST) * self.taken
 
-    @property
+    @cached_property
+    def level(self) -> Array:
+        """Daylight (3,) at LEVEL_CM over that at the surface, balanced."""
+        return self.at(LEVEL_CM)
+
+    @cached_property
+    def steady(self) -> dict[str, tuple[float, ...]]:
+        """The uniforms that do not depend on the eye."""
+        x, _, z = self.sun
+        across = np.array([z, 0.0, -x]) / np.hypot(x, z)
+        colours = {
+            "u_sun": self.sun,
+            "u_across": across,
+            "u_aside": np.cross(self.sun, across),
+            "u_sunlight": self.sunlight,
+            "u_skylight": self.skylight,
+            "u_sandlight": self.sandlight,
+            "u_down": self.down,
+            "u_along": self.along,
+            "u_rise": np.exp(RISE * self.taken**0.75),
+            "u_sink": VIOLET * np.exp(-SINK * np.sqrt(self.taken)),
+        }
+        return {name: tuple(value.tolist()) for name, value in colours.items()}
+
+    @cached_property
     def taken(self) -> Array:
         """Rank of each colour by its loss in water, 0 for the least to 1."""
         return np.asarray((self.down - self.down.min()) / np.ptp(self.down))
@@ -117,26 +143,11 @@ def light_uniforms(water: Water, eye: Array | tuple[float, ...]) -> dict[str, An
     light = daylight(water)
     depth = max(-float(eye[2]), 0.0)
     balance = light.balance(depth) * light.pupil(depth)
-    here = np.exp(-light.down * depth) * balance / light.at(LEVEL_CM)
-    x, _, z = light.sun
-    across = np.array([z, 0.0, -x]) / np.hypot(x, z)
-    taken = light.taken
-    colours = {
-        "u_sun": light.sun,
-        "u_across": across,
-        "u_aside": np.cross(light.sun, across),
-        "u_sunlight": light.sunlight,
-        "u_skylight": light.skylight,
-        "u_sandlight": light.sandlight,
-        "u_down": light.down,
-        "u_along": light.along,
-        "u_balance": balance,
-        "u_far": FAR * light.far * here,
-        "u_rise": np.exp(RISE * taken**0.75),
-        "u_sink": VIOLET * np.exp(-SINK * np.sqrt(taken)),
-        "u_broad": light.glow[0] * here,
-        "u_narrow": light.glow[1] * here,
-    }
-    return {name: tuple(map(float, value)) for name, value in colours.items()} | {
+    here = np.exp(-light.down * depth) * balance / light.level
+    return light.steady | {
+        "u_balance": tuple(balance.tolist()),
+        "u_far": tuple((FAR * light.far * here).tolist()),
+        "u_broad": tuple((light.glow[0] * here).tolist()),
+        "u_narrow": tuple((light.glow[1] * here).tolist()),
         "u_extinction": float(light.along[1]),
     }

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import njit, typeof
+from numba._dispatcher import compute_fingerprint
 
 from subsea.core.kernels import struct_ref
 from subsea.core.kernels.struct_ref import Kind, by_pointer
@@ -56,6 +57,12 @@ def test_for_python_it_stays_a_named_tuple():
     _scale(other)
     np.testing.assert_array_equal(other.values, [5, 5])
     np.testing.assert_array_equal(pair.values, [0, 2, 4])
+
+
+def test_a_call_asks_for_the_type_of_the_group_and_not_of_its_fields():
+    pair = Pair(np.arange(3.0), 2.0)
+    with pytest.raises(NotImplementedError, match="fingerprint"):
+        compute_fingerprint(pair)
 
 
 def test_its_arrays_outlive_other_groups():
