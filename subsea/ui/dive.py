@@ -165,10 +165,10 @@ class Dive:
             first_tour = None if options.tour is None else tour
             self._show_world(self.world, lambda: self._wait(None), first_tour)
             self._wait(None)
-            if self.shared:
-                self.overlay.help = help_content(
-                    settings.bindings, settings.mouse.steer, NOT_SHARED
-                )
+            self.overlay.help = help_content(
+                settings.bindings, settings.mouse.steer, NOT_SHARED if self.shared else (),
+                head is not None,
+            )  # fmt: skip
             idle_s = 60.0 * settings.attract.after_min
             self.tours = IdleTours(self, tour, idle_s, start, self._kiosk)
             if options.tour is not None:

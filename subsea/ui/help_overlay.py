@@ -41,6 +41,11 @@ GREETING: tuple[tuple[tuple[tuple[ControlName, ...], str], ...], ...] = (
     ((("follow",), "follow a fish"), (("reins",), "steer it")),
     ((("help",), "all keys"), (("menu",), "menu")),
 )
+WORN = (
+    "left stick: go and turn, triggers: rise and dive; without sticks, point and pull the trigger",
+    "A: stop, Y: ride a fish, B: leave it, menu button: menu",
+)
+"""The lines for a new visitor in a headset."""
 NOT_SHARED: tuple[ControlName, ...] = ("follow", "ride", "reins", "desk")
 """Controls without a function where several computers show the dive."""
 
@@ -65,9 +70,15 @@ class HelpContent(NamedTuple):
 
 
 def help_content(
-    bindings: Bindings, steers: bool = True, without: Sequence[ControlName] = ()
+    bindings: Bindings,
+    steers: bool = True,
+    without: Sequence[ControlName] = (),
+    worn: bool = False,
 ) -> HelpContent:
-    """The help for these bindings; the pointer `steers`. `without`: unavailable controls."""
+    """The help for these bindings; the pointer `steers`.
+
+    `without`: unavailable controls; `worn`: for a visitor in a headset.
+    """
     left, right, middle = (
         BESIDE_MOUSE.get(control, "") if (control := bindings.control(f"mouse {name}")) else ""
         for name in ("left", "right", "middle")
@@ -77,7 +88,9 @@ def help_content(
         first = [Row((), "point where to look, hold the left button to go there")]
     else:
         first = _rows(bindings, (PAIRS[0], PAIRS[1]), without)
-    greeting = (first, *(_rows(bindings, line, without) for line in GREETING))
+    greeting = [first, *(_rows(bindings, line, without) for line in GREETING)]
+    if worn:
+        greeting = [[Row((), line)] for line in WORN]
     return HelpContent(
         left,
         right,
