@@ -141,9 +141,9 @@ def run(options: Namespace) -> int:
             display = chosen.display
             opening = open_windows(display.mode, display.size, display.fullscreen, settings)
             undo.callback(opening.close)
-        fresh = "subsea.ui.dive" not in sys.modules
+        fresh = "subsea.ui.dive_loop" not in sys.modules
         gc.disable()
-        from subsea.ui.dive import dive  # takes longer to load than everything before
+        from subsea.ui.dive_loop import dive  # takes longer to load than everything before
 
         if fresh:  # modules stay: exclude their objects from garbage collection
             gc.freeze()

@@ -1,18 +1,17 @@
-"""`subsea dive`: the submarine in a window, or in several."""
+"""A dive: its windows, its world, and their frames."""
 
 import time
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing, suppress
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
 from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
 from subsea.core.errors import UserError
-from subsea.core.interrupts import deferred_interrupts
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
-from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
+from subsea.dive.directed_camera import endless_tour, is_cut
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
@@ -22,7 +21,6 @@ from subsea.dive.tick_source import LocalTicks, TickSource
 from subsea.dive.timeline import RATES, Timeline
 from subsea.headset.session import HeadsetLostError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
-from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
@@ -49,56 +47,6 @@ from subsea.world.world import World
 
 LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 TickSourceMaker = Callable[[World, Pilot], TickSource]
-
-
-def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:
-    """Dive until the window is closed, the menu says so, or the time is over; exit code 0.
-
-    `opening` is the windows, if they are open already. `notes` are lines to show at first.
-    """
-    theatre, start, kiosk = options.theatre, options.start, options.kiosk
-    if options.see_brightness and theatre is not None and theatre.node is not None:
-        raise UserError("--see-brightness is for one computer: others would not see the same light")
-    fish_name = start.follow if start.eyes is None else start.eyes
-    if theatre is not None and theatre.node is not None and (fish_name or start.pace is not None):
-        option = "--follow" if start.follow else "--eyes" if start.eyes else "--pace"
-        raise UserError(f"{option} is for one computer: others would not go along")
-    fish = None
-    if fish_name is not None or options.tour is not None or kiosk:
-        # Report an unknown name before a window opens.
-        scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
-        fish = None if fish_name is None else find_fish(fish_name, scenario)
-        if options.tour is not None or kiosk:
-            check_tour(scenario, options.tour or options.settings.attract.tour)
-    installation: Installation | None = None
-    make_ticks: TickSourceMaker = LocalTicks
-    if theatre is not None:
-        from subsea.ui.theatre_windows import theatre_windows
-
-        installation, make_ticks = theatre_windows(theatre, options.display)
-    # An interrupt raised within compiled code or the window library could be lost.
-    with suppress(CancelledByUserError), deferred_interrupts() as check:
-        running = Dive(options, installation, make_ticks, opening, check)
-        if kiosk:
-            say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
-        for line in notes:
-            running.overlay.note(line)
-        with closing(running):
-            if fish is not None:
-                running.ride_fish(fish, behind=start.eyes is None)
-                running.commands.start_ride(start.gaze, start.colours, start.teleop)
-            if start.pace is not None:
-                running.commands.set_pace(start.pace)
-            begun = last = time.perf_counter()
-            while running.window_set.open and (
-                options.seconds is None or last - begun < options.seconds
-            ):
-                check()
-                now = time.perf_counter()
-                running.frame(now - last)
-                last = now
-            running.show_message("closing")  # it may take seconds, and a film is completed
-    return 0
 
 
 class Dive:

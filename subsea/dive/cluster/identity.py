@@ -19,7 +19,7 @@ def identity_of(world: World, view: str = "") -> Identity:
     library, recorded = world.library, len(world.library.entry)
     tables = {
         name: value[:recorded]
-        for name, value in library._asdict().items()
+        for name, value in zip(library._fields, library, strict=True)
         if name in ("rotation", "translation", "nodes", "entry", "glide", "leave")
     }
     tables |= {name: getattr(library, name) for name in ("first", "length", "cyclic", "speed")}
