@@ -136,10 +136,20 @@ def run(options: Namespace) -> int:
         scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
         # Report a misspelt name before a window appears.
         if scenario.is_file() and chosen.theatre is None:
+            from subsea.ui.first_picture import FirstPicture, picture_name
             from subsea.ui.open_windows import open_windows
+            from subsea.view.display_rigs import HEADSET
+            from subsea.view.stereo import PAGED
 
             display = chosen.display
-            opening = open_windows(display.mode, display.size, display.fullscreen, settings)
+            first = None
+            if display.mode not in (PAGED, HEADSET):
+                shown = display.mode, display.size, display.fullscreen, display.stereo
+                about = (chosen.seed, chosen.fish, *shown, display.surround)
+                first = FirstPicture(picture_name(scenario, chosen.changes, about))
+            opening = open_windows(
+                display.mode, display.size, display.fullscreen, settings, first=first
+            )
             undo.callback(opening.close)
         fresh = "subsea.ui.dive_loop" not in sys.modules
         gc.disable()

@@ -44,20 +44,37 @@ def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     annotated type. Without a folder that only the user may write, compute it each time.
     """
     name = cache_name(make, *given, **named)
+    with suppress(LookupError):
+        there: T = recall(name, get_type_hints(make).get("return", Any))
+        return there
+    made = make(*given, **named)
+    keep(name, made)
+    return made
+
+
+def recall(name: str, kind: Any) -> Any:
+    """Read a kept value of a type; LookupError if it is missing or damaged."""
     path = cache_folder() / f"{name}.data"
     if not _may_use(path.parent):
-        return make(*given, **named)
-    with suppress(Exception):  # anything unexpected counts as missing
-        made: T = unpack(_content(path), name, get_type_hints(make).get("return", Any))
-        with suppress(OSError):  # a read-only disk
-            os.utime(path)
-        return made
-    made = make(*given, **named)
+        raise LookupError(name)
+    try:
+        made = unpack(_content(path), name, kind)
+    except Exception as fault:  # anything unexpected counts as missing
+        raise LookupError(name) from fault
+    with suppress(OSError):  # a read-only disk
+        os.utime(path)
+    return made
+
+
+def keep(name: str, made: Any) -> None:
+    """Keep a value that `subsea.core.array_pack` accepts under a name, if the disk permits."""
+    path = cache_folder() / f"{name}.data"
+    if not _may_use(path.parent):
+        return
     data = pack(name, made)
     with suppress(UserError), replacing(path) as temporary:
         temporary.write_bytes(data)
         _make_room(path.parent)
-    return made
 
 
 def _content(path: Path) -> memoryview:

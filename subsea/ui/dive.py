@@ -83,6 +83,7 @@ class Dive:
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
         )
+        self._opening, self._first = opening, opening.first  # until the world is there
         self.window_set, self.gui, self.pilot = opening.window_set, opening.gui, opening.pilot
         self.window = self.window_set.front
         with ExitStack() as undo:
@@ -121,7 +122,7 @@ class Dive:
             self.tours = IdleTours(self, tour, idle_s, start, self._kiosk)
             if options.tour is not None:
                 self.tours.timer.begin()
-            self._loading = False
+            self._loading, self._first = False, None
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
             self._undo = undo.pop_all()
@@ -271,8 +272,14 @@ class Dive:
 
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
+        first = self._first
         if self._loader.at_rest:
             self.picture.draw(clear=False, chosen=None)
+            if first is not None:
+                first.keep(self.window_set.picture)
+        elif first is not None and first.known:
+            self._opening.show(text)
+            return
         self.text.message(text, fill=not self._loader.at_rest)
         self.window_set.present()
 

@@ -288,6 +288,25 @@ def fill_with_text(text: str) -> None:
     canvas.add_text(((size.x - box.x) / 2, (size.y - box.y) / 2), colour(INK), text)
 
 
+def text_at_foot(text: str) -> None:
+    """Write one line of text at the foot of the window, in the current frame."""
+    size = imgui.get_io().display_size
+    draw_line(text, size, size.y - 1.2 * imgui.get_font_size())
+
+
+def draw_line(text: str, size: Any, foot: float) -> float:
+    """Draw wrapped text that ends at `foot` of a window; returns its upper edge less a gap."""
+    line, font = imgui.get_font_size(), imgui.get_font()
+    room = size.x - 2.4 * line
+    box = imgui.calc_text_size(text, wrap_width=room)
+    x, y = 1.2 * line, foot - box.y
+    draw_backing((x, y), (x + box.x, foot), line)
+    canvas = imgui.get_background_draw_list()
+    for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK))):
+        canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
+    return y - 0.6 * line
+
+
 def colour(rgb: Rgb, alpha: float = 1.0) -> int:
     """A colour packed for draw lists."""
     packed: int = imgui.get_color_u32((*rgb, alpha))

@@ -11,7 +11,8 @@ from typing import NamedTuple
 from subsea.core.console import say
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
-from subsea.ui.gui import Gui, fill_with_text
+from subsea.ui.first_picture import FirstPicture
+from subsea.ui.gui import Gui, fill_with_text, text_at_foot
 from subsea.ui.monitors import FILM, Installation, Screen, on_display, placed, prefer_x11
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import HEADSET
@@ -27,12 +28,19 @@ class Opening(NamedTuple):
     pilot: Pilot
     rig: CameraRig | None  # fixed; None: it follows the size of the one window
     close: Callable[[], None]  # may be called twice
+    first: FirstPicture | None = None  # of the dive
 
     def show(self, text: str) -> None:
-        """Fill the pilot's window with one line of text."""
-        window = self.window_set.front
+        """Show one line of text in the pilot's window, over the first picture if it is known."""
+        window, known = self.window_set.front, self.first is not None and self.first.known
+        if self.first is not None and known:
+            texture = self.first.texture(self.window_set.context)
+            self.window_set.show({(0, 0): texture})
         self.gui.begin(window.points, window.size, window.text_scale)
-        fill_with_text(text)
+        if known:
+            text_at_foot(text)
+        else:
+            fill_with_text(text)
         self.gui.end()
         self.window_set.present()
 
@@ -45,11 +53,13 @@ def open_windows(
     installation: Installation | None = None,
     title: str = "subsea",
     without: str = FILM,
+    first: FirstPicture | None = None,
 ) -> Opening:
     """Open one window for a `display` mode, or those of an `installation`.
 
-    A single window has the `title`. The error without a display suggests the alternative `without`
-    one. If anything fails, all that was opened is closed again.
+    A single window has the `title`, and shows the `first` picture of the dive if that is known. The
+    error without a display suggests the alternative `without` one. If anything fails, all that was
+    opened is closed again.
     """
     pilot, rig = Pilot(settings), None
     with ExitStack() as undo:
@@ -74,6 +84,8 @@ def open_windows(
         gui = Gui()
         undo.callback(gui.close)
         window_set.front.listener = gui
-        opening = Opening(window_set, gui, pilot, rig, undo.pop_all().close)
+        if first is not None:
+            undo.callback(first.release)
+        opening = Opening(window_set, gui, pilot, rig, undo.pop_all().close, first)
     opening.show("loading")
     return opening

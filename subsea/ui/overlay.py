@@ -2,11 +2,10 @@
 
 import math
 import re
-from typing import Any
 
 from imgui_bundle import imgui
 
-from subsea.ui.gui import INK, SHADE, colour, draw_backing
+from subsea.ui.gui import draw_line
 from subsea.ui.help_overlay import HelpContent, draw_brief, draw_help
 from subsea.ui.hud import HIGH, Hud, Reading
 
@@ -90,19 +89,6 @@ class Overlay:
             self._shown = False
         step = dt / FADE_S if self._shown else -dt / FADE_S
         self.help_opacity = min(max(self.help_opacity + step, 0.0), 1.0)
-
-
-def draw_line(text: str, size: Any, foot: float) -> float:
-    """Draw wrapped text that ends at `foot` of a window; returns its upper edge less a gap."""
-    line, font = imgui.get_font_size(), imgui.get_font()
-    room = size.x - 2.4 * line
-    box = imgui.calc_text_size(text, wrap_width=room)
-    x, y = 1.2 * line, foot - box.y
-    draw_backing((x, y), (x + box.x, foot), line)
-    canvas = imgui.get_background_draw_list()
-    for off, ink in ((1.0, colour(SHADE, 0.6)), (0.0, colour(INK))):
-        canvas.add_text(font, line, (x + off, y + off), ink, text, wrap_width=room)
-    return y - 0.6 * line
 
 
 def unbroken(text: str) -> str:

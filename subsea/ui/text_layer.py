@@ -11,12 +11,11 @@ from subsea.frame.labels import Label
 from subsea.ui import subtitles
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.context import DiveContext
-from subsea.ui.gui import BACKING, INK, SHADE, colour, fill_with_text
+from subsea.ui.gui import BACKING, INK, SHADE, colour, fill_with_text, text_at_foot
 from subsea.ui.hud import instrument_reading
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
-from subsea.ui.overlay import draw_line
 from subsea.ui.sea_edge import draw_sea_edge, edge_reading
 from subsea.view.unproject import FrontView
 
@@ -80,8 +79,7 @@ class TextLayer:
         if fill:
             fill_with_text(text)
         else:
-            size, line = imgui.get_io().display_size, imgui.get_font_size()
-            draw_line(text, size, size.y - 1.2 * line)
+            text_at_foot(text)
         self._dive.gui.end()
 
     @property

@@ -111,7 +111,7 @@ class CameraRig(NamedTuple):
 
     @property
     def pixels(self) -> tuple[object, ...]:
-        """What decides about the pictures to draw into: equal for rigs that can share them."""
+        """Sizes of canvas and outputs: rigs with equal ones can share their pictures."""
         return self.canvas, self.outputs, self.pages, self.exact
 
     @property

@@ -18,9 +18,8 @@ def identity_of(world: World, view: str = "") -> Identity:
     """Hash the sources of this world, its constant state, and its `view`."""
     library, recorded = world.library, len(world.library.entry)
     tables = {
-        name: value[:recorded]
-        for name, value in zip(library._fields, library, strict=True)
-        if name in ("rotation", "translation", "nodes", "entry", "glide", "leave")
+        name: getattr(library, name)[:recorded]
+        for name in ("rotation", "translation", "nodes", "entry", "glide", "leave")
     }
     tables |= {name: getattr(library, name) for name in ("first", "length", "cyclic", "speed")}
     return Identity(

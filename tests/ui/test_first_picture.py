@@ -1,0 +1,74 @@
+"""The first picture of a dive: kept once, and shown when the same dive begins again."""
+
+import numpy as np
+import pytest
+
+from subsea.core import disk_cache
+from subsea.ui.first_picture import MOST_PX, FirstPicture, picture_name
+from subsea.ui.open_windows import open_windows
+
+SIZE = (320, 240)
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "cache")
+
+
+def picture(height=90, width=160):
+    """Brighter to the right and to the top."""
+    y, x = np.mgrid[0:height, 0:width]
+    return np.stack([255 * x // width, 255 * (height - y) // height, 0 * x], axis=2).astype("u1")
+
+
+def test_it_is_kept_once():
+    first = FirstPicture("first_picture-a")
+    assert not first.known
+    first.keep(picture)
+    assert first.known and FirstPicture("first_picture-a").known
+    assert not FirstPicture("first_picture-b").known
+    again = FirstPicture("first_picture-a")
+    again.keep(lambda: pytest.fail("it is known"))
+
+
+def test_a_large_one_is_kept_smaller():
+    first = FirstPicture("first_picture-a")
+    first.keep(lambda: picture(1080, 1920))
+    assert first._pixels.shape == (360, MOST_PX, 3)
+
+
+def test_a_damaged_one_counts_as_missing(tmp_path):
+    FirstPicture("first_picture-a").keep(picture)
+    (path,) = (tmp_path / "cache").iterdir()
+    path.write_bytes(path.read_bytes()[:-100])
+    assert not FirstPicture("first_picture-a").known
+
+
+def test_its_name_depends_on_all_that_changes_the_picture(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text("a = 1")
+    names = [picture_name(path, (), (1,)), picture_name(path, (), (2,))]
+    names.append(picture_name(path, ("fish.0.number=3",), (1,)))
+    path.write_text("a = 2")
+    names.append(picture_name(path, (), (1,)))
+    assert len({*names}) == 4 and picture_name(path, (), (1,)) == names[3]
+
+
+def test_the_window_shows_it_at_once_with_the_text_at_its_foot(display, user):
+    FirstPicture("first_picture-a").keep(picture)
+    first = FirstPicture("first_picture-a")
+    opening = open_windows("mono", SIZE, first=first)
+    seen = []
+    opening.window_set.present, present = (
+        lambda: seen.append(opening.window_set.picture().astype(int)),
+        opening.window_set.present,
+    )
+    opening.show("reading repertoires")
+    opening.window_set.present = present
+    opening.close()
+    (shown,) = seen
+    assert shown[20, -10, 0] > 200 > 60 > shown[20, 10, 0]  # brighter to the right
+    assert shown[10, 100, 1] > shown[180, 100, 1] + 60  # and to the top
+    letters = shown.min(axis=2) > 140
+    rows = np.flatnonzero(letters.any(axis=1))
+    assert len(rows) and rows.min() > 0.8 * SIZE[1]
