@@ -174,6 +174,7 @@ def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
 def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     """Group the options; a UserError for those that contradict each other."""
     from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions, TheatreOptions
+    from subsea.view.display_rigs import HEADSET
 
     shared.check_target(options)
     if options.follow and options.eyes:
@@ -183,6 +184,8 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         shared.refuse(options, names, "dive: {} needs --eyes FISH or --follow FISH")
     shared.settle_size(options)
     theatre = None
+    if options.theatre is not None and options.display == HEADSET:
+        raise UserError(f"--theatre has windows of its own: expected no --display {HEADSET}")
     if options.theatre is not None:
         theatre = TheatreOptions(
             options.theatre, options.shrink, options.node, not options.no_resume

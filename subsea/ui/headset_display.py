@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from subsea.dive.haptics import hand_pulses
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
 from subsea.headset.openxr import open_headset
-from subsea.headset.session import Hand, Headset, HeadsetFrame
+from subsea.headset.session import Hand, Headset, HeadsetFrame, HeadsetLostError
 from subsea.rendering.output.cabin import Cabin
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.gui import Gui
@@ -142,9 +143,12 @@ class HeadsetDisplay:
         if not self.headset.focused:
             return
         strengths = hand_pulses(world, cockpit(world.state.submarine, 1.0))
-        for hand, strength in enumerate(strengths.tolist()):
-            if strength > 0.02:
-                self.headset.pulse(hand, strength, TICK_S)
+        with suppress(
+            HeadsetLostError
+        ):  # the next frame raises it again, not in the middle of a tick
+            for hand, strength in enumerate(strengths.tolist()):
+                if strength > 0.02:
+                    self.headset.pulse(hand, strength, TICK_S)
 
     def begin(self) -> None:
         """Process events, wait for the headset and begin a frame, if its session runs."""

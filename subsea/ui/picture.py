@@ -152,6 +152,8 @@ class ScenePicture:
 
     def take_off(self) -> None:
         """Go on without the headset."""
+        if self.head is not None:
+            self._world.observers.remove(self.head.feel)
         self.close()
         self._window_set.gamepads.read_hands = lambda: None
         self._window_set.wait_for_display(True)
@@ -161,7 +163,6 @@ class ScenePicture:
         """End the session of the headset, if there is one."""
         if self.head is not None:
             self.head.close()
-            self._world.observers.remove(self.head.feel)
             self.head = None
 
     def darken(self, rgb: tuple[float, float, float], opacity: float) -> None:

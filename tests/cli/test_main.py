@@ -122,6 +122,8 @@ FAULTS = [
     (["doctor", "--quick"], "--quick"),
     (["keys", "here"], "NAME"),
     (["dive", "--node", "left"], "--node needs --theatre too"),
+    (["dive", "--theatre", "three-projectors", "--display", "headset"], "--display headset"),
+    (["film", "a.mp4", "--display", "headset"], "--display headset is for a dive"),
     (["dive", "--no-resume"], "--no-resume needs --theatre and --node too"),
     (["keys", "here", "../left"], "expected a name"),
     (["dive", "--settings", "nowhere/mine.toml"], "nowhere/mine.toml: no such file"),

@@ -77,7 +77,7 @@ class FakeHeadset:
             self._made.pop().release()
 
     def pictures(self) -> Any:
-        """What the eyes see: (2, h, w, 3), top row first."""
+        """The pictures of both eyes: (2, h, w, 3), top row first."""
         width, height = self.sizes[0]
         read = [np.frombuffer(one.read(components=3, alignment=1), np.uint8)
                 for one in self._framebuffers]  # fmt: skip
