@@ -143,9 +143,7 @@ class HeadsetDisplay:
         if not self.headset.focused:
             return
         strengths = hand_pulses(world, cockpit(world.state.submarine, 1.0))
-        with suppress(
-            HeadsetLostError
-        ):  # the next frame raises it again, not in the middle of a tick
+        with suppress(HeadsetLostError):  # raised again by the next frame, not within a tick
             for hand, strength in enumerate(strengths.tolist()):
                 if strength > 0.02:
                     self.headset.pulse(hand, strength, TICK_S)
