@@ -19,7 +19,7 @@ EXTRAS = {
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
-BENCH = "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
+BENCH = "headset", "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
 
 
 def install_command(extra: str) -> str:

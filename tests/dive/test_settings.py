@@ -159,7 +159,8 @@ def begun(monkeypatch):
     asked, opened, window = [], [], SimpleNamespace(close=lambda: None)
     monkeypatch.setattr("subsea.ui.dive_loop.dive", lambda *given: asked.append(given) or 0)
     monkeypatch.setattr(
-        "subsea.ui.open_windows.open_windows", lambda *given: opened.append(given) or window
+        "subsea.ui.open_windows.open_windows",
+        lambda *given, **named: opened.append(given) or window,
     )
     return window, opened, asked
 

@@ -54,7 +54,6 @@ NOT_TYPED = {
     ".venv/bin/ruff": "`make test` begins with it",
     ".venv/bin/mypy": "`make test` does that",
     ".venv/bin/uv lock": "it asks the network",
-    ".venv/bin/uv sync": "it asks the network",
     ".venv/bin/jupyter": "tests/docs/test_notebooks.py runs the notebooks",
     "pip install": "it asks the network",
     "uvx": "it asks the network",

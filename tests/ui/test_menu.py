@@ -17,6 +17,7 @@ from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.menu import ABOUT_SIZE, DISPLAYS, QUALITIES, THUMBNAIL, WIDE, scenario_summaries
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
+from subsea.view.display_rigs import HEADSET
 from tests.support.windows import dive_options
 
 SIZE = (480, 360)
@@ -77,7 +78,7 @@ def heading(boat):
 
 
 def test_every_mode_and_quality_has_a_label():
-    assert DISPLAYS.keys() == set(ALL_DISPLAYS)
+    assert DISPLAYS.keys() == {*ALL_DISPLAYS, HEADSET}
     assert list(QUALITIES) == list(CHOICES)
     files = scenario_summaries()
     assert files[(resource_path("assets/scenarios") / "mating.toml").resolve()].title == "Courtship"

@@ -101,7 +101,7 @@ def test_shutter_glasses_get_one_full_picture_each(context, scene, make, eyes):
             shown()
 
     renderer = Renderer(context, scene, display_rig("stereo", SIZE), EXACT, page)
-    renderer.draw(make("stereo"), window)
+    renderer.draw(make("stereo"), {0: window})
     shown()
     for seen, expected in zip(kept, eyes, strict=True):
         np.testing.assert_allclose(seen, expected, atol=1)
