@@ -54,7 +54,7 @@ def test_a_school_passes_pillars_and_is_together_again(tmp_path):
     """Without a leader it passes on one side or on both: in some bays it splits, in others not."""
     _, longest = load_measured().schools.split.range
     parted = 0
-    for seed in range(1, 5):
+    for seed in range(3, 7):
         out = tmp_path / f"{seed}.h5"
         options = ["--ticks", str(FIFTY_SECONDS), "--seed", str(seed), "--out", str(out)]
         assert main(["simulate", "--scenario", "schooling", *options]) == 0
