@@ -250,7 +250,7 @@ def pack(
 
 def lamps_of(pilot: CameraPose) -> Lamps:
     """The lamps of a submarine whose pilot has this pose."""
-    axes = np.stack([np.cross(pilot.forward, pilot.up), pilot.up, pilot.forward])
+    axes = pilot.axes
     side = np.array([[-1.0], [1.0]])
     places = pilot.eye + (side * (1.0, 0.0, 0.0) * LAMPS_CM + (0.0, *LAMPS_CM[1:])) @ axes
     turn, down = LAMPS_TURNED

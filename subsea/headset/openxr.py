@@ -7,8 +7,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.core.extras import require
@@ -26,21 +24,12 @@ from subsea.headset.runtime import (
     opening,
 )
 from subsea.headset.session import Hand, Headset, HeadsetFrame, HeadsetLostError
-from subsea.view.head import HeadEye, Pose
+from subsea.view.head import AT_REST, HeadEye, Pose
 
 FORMATS = 0x8C43, 0x8058  # SRGB8_ALPHA8, RGBA8: the best first
 CLOSING_S = 2.0  # for the runtime to let a session end
 ENDED = "the software of the headset ended the dive"
 LOST = "the headset was lost"
-
-# Before the runtime has found the head: eyes 64 mm apart that look ahead, with a square picture.
-AT_REST = tuple(
-    HeadEye(
-        Pose(np.array([x, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])),
-        *(np.pi / 4 * np.array([-1.0, 1.0, 1.0, -1.0])).tolist(),
-    )
-    for x in (-0.032, 0.032)
-)
 
 
 class HeadsetReport(NamedTuple):

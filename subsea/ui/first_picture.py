@@ -30,6 +30,7 @@ class FirstPicture:
         """Look up the picture of that name."""
         self._name, self._texture = name, None
         self._pixels: Bytes | None = None
+        self._read = False  # the picture of this dive
         try:
             pixels = recall(name, Bytes)
         except LookupError:
@@ -51,12 +52,17 @@ class FirstPicture:
         return self._texture
 
     def keep(self, read: Callable[[], Bytes]) -> None:
-        """Keep the picture (h, w, 3) that `read` gives for the next time, unless one is known."""
-        if self._pixels is None:
-            pixels = read()
-            step = -(-pixels.shape[1] // MOST_PX)
-            self._pixels = np.ascontiguousarray(pixels[::step, ::step])
-            keep(self._name, self._pixels)
+        """Keep the picture (h, w, 3) that `read` gives for the next time.
+
+        Only the first call counts. It replaces one that an earlier version of the program drew.
+        """
+        if self._read:
+            return
+        self._read, pixels = True, read()
+        step = -(-pixels.shape[1] // MOST_PX)
+        small = np.ascontiguousarray(pixels[::step, ::step])
+        if self._pixels is None or not np.array_equal(small, self._pixels):
+            keep(self._name, small)
 
     def release(self) -> None:
         """Free the texture."""

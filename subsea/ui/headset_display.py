@@ -22,9 +22,9 @@ from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import cockpit
 from subsea.view.head import (
     AT_ORIGIN,
+    AT_REST,
     HeadEye,
     Home,
-    Pose,
     head_eyes,
     headset_rig,
     home_of,
@@ -38,14 +38,6 @@ from subsea.view.text_viewports import WHOLE, TextViewport
 from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 
-# Until the first frame: 90 degrees for each eye, 6.4 cm apart.
-BEFORE = tuple(
-    HeadEye(
-        Pose(np.array([side * 0.032, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])),
-        *np.radians([-45.0, 45.0, 45.0, -45.0]).tolist(),
-    )
-    for side in (-1.0, 1.0)
-)
 GOES_ON = "the dive goes on in the window"
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
@@ -76,7 +68,7 @@ class HeadsetDisplay:
         Comfort follows the settings of the `pilot`; `note` shows a line to the diver.
         """
         self.headset = headset
-        self.eyes: Sequence[HeadEye] = BEFORE
+        self.eyes: Sequence[HeadEye] = AT_REST
         self.home: Home = AT_ORIGIN
         self._context, self._gui, self._pilot, self._note = context, gui, pilot, note
         self._cabin = Cabin(context)
@@ -240,7 +232,7 @@ class HeadsetDisplay:
 
     def _placed(self, observer: CameraPose, offset: Array, axes: Array) -> CameraPose:
         """The pose of something on an observer."""
-        own = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+        own = observer.axes
         return CameraPose(observer.eye + offset @ own, axes[2] @ own, axes[1] @ own)
 
     def _note_use(self) -> None:

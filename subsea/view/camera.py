@@ -83,3 +83,11 @@ def off_axis(
         left, right, bottom, top, near, far, dtype=np.float64
     )
     return np.asarray(matrix.T, dtype=np.float32)
+
+
+def edge_tangents(projection: Array) -> tuple[float, float, float, float]:
+    """Tangents of the angles to the edges of a projection (4, 4): left, right, bottom, top."""
+    p = projection.tolist()
+    left, right = ((side + p[0][2]) / p[0][0] for side in (-1.0, 1.0))
+    bottom, top = ((side + p[1][2]) / p[1][1] for side in (-1.0, 1.0))
+    return left, right, bottom, top

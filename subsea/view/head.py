@@ -44,6 +44,15 @@ class Home(NamedTuple):
 
 AT_ORIGIN = Home(np.zeros(3), 0.0)
 
+# Before the runtime has found the head: eyes 64 mm apart that look ahead, with a square picture.
+AT_REST = tuple(
+    HeadEye(
+        Pose(np.array([x, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])),
+        *(np.pi / 4 * np.array([-1.0, 1.0, 1.0, -1.0])).tolist(),
+    )
+    for x in (-0.032, 0.032)
+)
+
 
 def rotation_of(orientation: Array) -> Array:
     """The matrix (3, 3) of a quaternion x, y, z, w; its columns are the turned axes."""

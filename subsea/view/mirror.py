@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.view.camera import NEAR_CM, View, look, off_axis
+from subsea.view.camera import NEAR_CM, View, edge_tangents, look, off_axis
 from subsea.view.rig import CameraPose, DisplayPatch, Eye, Projection, Warp
 
 STEADY_S = 0.3  # in which the camera follows the head
@@ -35,7 +35,7 @@ def mirror_of(eye: Eye, size: tuple[int, int], before: Mirror | None, dt: float)
     if np.linalg.norm(right) < 1e-3 or np.linalg.norm(ahead) < 1e-3:  # straight up or down
         right, ahead = eye.axes[0], eye.axes[2]
     ahead, right = ahead / np.linalg.norm(ahead), right / np.linalg.norm(right)
-    narrow = SHOWN * min(abs(t) for t in _tangents(eye))
+    narrow = SHOWN * min(abs(t) for t in edge_tangents(eye.projection))
     larger = max(size)
     return Mirror(
         np.stack([right, np.cross(ahead, right), ahead]),
@@ -65,15 +65,9 @@ def mirror_patch(mirror: Mirror, eye: Eye, size: tuple[int, int]) -> DisplayPatc
 
 def mirror_view(mirror: Mirror, eye: Eye, observer: CameraPose, size: tuple[int, int]) -> View:
     """The view of the camera on an observer."""
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+    axes = observer.axes
     place = observer.eye + eye.offset @ axes
     forward, up = mirror.axes[2] @ axes, mirror.axes[1] @ axes
     across, high = NEAR_CM * mirror.across, NEAR_CM * mirror.up
     projection = off_axis(-across, across, -high, high)
     return View((0, 0, *size), look(place, forward, up), projection, place)
-
-
-def _tangents(eye: Eye) -> list[float]:
-    """Tangents of the edges of an eye's picture: left, right, bottom, top."""
-    p = eye.projection
-    return [float((side + p[k, 2]) / p[k, k]) for k in (0, 1) for side in (-1.0, 1.0)]

@@ -27,6 +27,11 @@ class CameraPose(NamedTuple):
     forward: Array  # (3,) unit
     up: Array  # (3,) unit
 
+    @property
+    def axes(self) -> Array:
+        """Rows right, up, ahead (3, 3)."""
+        return np.stack([np.cross(self.forward, self.up), self.up, self.forward])
+
 
 class Eye(NamedTuple):
     """A camera mounted on an observer with the axes right, up, ahead."""
@@ -198,7 +203,7 @@ def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     """The views of a rig's eyes for an observer."""
     if rig.level:
         observer = levelled(observer)
-    axes = np.stack([np.cross(observer.forward, observer.up), observer.up, observer.forward])
+    axes = observer.axes
     found = []
     for eye in rig.eyes:
         place = observer.eye + eye.offset @ axes

@@ -25,16 +25,21 @@ def test_it_is_kept_once():
     first = FirstPicture("first_picture-a")
     assert not first.known
     first.keep(picture)
-    assert first.known and FirstPicture("first_picture-a").known
+    first.keep(lambda: pytest.fail("only the first call counts"))
+    assert FirstPicture("first_picture-a").known
     assert not FirstPicture("first_picture-b").known
-    again = FirstPicture("first_picture-a")
-    again.keep(lambda: pytest.fail("it is known"))
+
+
+def test_a_picture_of_an_earlier_version_is_replaced():
+    FirstPicture("first_picture-a").keep(picture)
+    FirstPicture("first_picture-a").keep(lambda: 255 - picture())
+    np.testing.assert_array_equal(FirstPicture("first_picture-a")._pixels, 255 - picture())
 
 
 def test_a_large_one_is_kept_smaller():
     first = FirstPicture("first_picture-a")
     first.keep(lambda: picture(1080, 1920))
-    assert first._pixels.shape == (360, MOST_PX, 3)
+    assert FirstPicture("first_picture-a")._pixels.shape == (360, MOST_PX, 3)
 
 
 def test_a_damaged_one_counts_as_missing(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.view.camera import edge_tangents
 from subsea.view.panel import PANEL
 from subsea.view.rig import Eye
 
@@ -74,9 +75,7 @@ class Cabin(GpuOwner):
         for (begin, full), opacity in ((RIM, vignette), (EVERYWHERE, dark)):
             if opacity < 0.01:
                 continue
-            p = eye.projection
-            tangents = [(side + p[k, 2]) / p[k, k] for k in (0, 1) for side in (-1.0, 1.0)]
-            edges = tuple(map(float, tangents))
+            edges = edge_tangents(eye.projection)
             set_uniforms(self._shade, u_tangents=edges, u_rim=(begin, full, opacity))
             self._whole.render(vertices=3)
         clip = np.ascontiguousarray(clip_matrix(eye).T, "f4").tobytes()
