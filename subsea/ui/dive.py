@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -97,8 +97,11 @@ class Dive:
             head = None
             self._seeks, self._looked_s = options.kiosk and display.mode == HEADSET, 0.0
             if display.mode == HEADSET:
-                head = put_on(self.window_set, self.gui, self.note)
-                self.sound.head = at_rest if head is None else head.pose
+                try:
+                    head = put_on(self.window_set, self.gui, self.note)
+                    self.sound.head = head.pose
+                except UserError as fault:
+                    self.note(f"{fault}; {GOES_ON}")
             self.picture = ScenePicture(self.window_set, opening.rig, display, head)
             undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
@@ -220,8 +223,8 @@ class Dive:
         if not self._seeks or self.picture.head is not None or self._looked_s < LOOK_S:
             return
         self._looked_s = 0.0
-        head = put_on(self.window_set, self.gui, lambda line: None)
-        if head is not None:
+        with suppress(UserError):
+            head = put_on(self.window_set, self.gui, self.note)
             self.picture.put_on(head)
             self.sound.head = head.pose
 

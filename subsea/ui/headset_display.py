@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from subsea.core.arrays import Array
-from subsea.core.errors import UserError
 from subsea.dive.haptics import hand_pulses
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
@@ -44,14 +43,12 @@ CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
 FULL_TURN, FULL_CLIMB = 0.7, 0.6  # rad by which a hand points aside, or up, for the most
 
 
-def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "HeadsetDisplay | None":
-    """Connect the headset to the windows of a dive; None, with a note, if there is none."""
-    try:
-        headset = open_headset()
-    except UserError as fault:
-        note(f"{fault}; {GOES_ON}")
-        return None
-    head = HeadsetDisplay(headset, windows.context, gui, windows.pilot, note)
+def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "HeadsetDisplay":
+    """Connect the headset to the windows of a dive; a UserError if there is none.
+
+    `note` shows a line to the diver.
+    """
+    head = HeadsetDisplay(open_headset(), windows.context, gui, windows.pilot, note)
     windows.gamepads.read_hands = head.gamepad
     windows.wait_for_display(False)
     return head
