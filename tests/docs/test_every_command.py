@@ -45,6 +45,7 @@ from subsea.scenario.load import load_scenario
 from subsea.ui.window_set import WindowSet
 from subsea.view.theatre.theatre_file import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
+from tests.support.recording import forget_turns
 
 pytestmark = pytest.mark.timeout(900)  # a page of many commands may compile all kernels
 
@@ -481,6 +482,7 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
         few = {"swim_fast": known_repertoire.segments["swim_fast"]}
         write_repertoire(folder / "few.h5", replace(known_repertoire, segments=few))
         yield made
+    forget_turns()  # which began in less steady beats
 
 
 @pytest.mark.parametrize("page", sorted(PAGES, key=lambda page: page == COMMANDS))

@@ -68,6 +68,12 @@ def known_turn(motion: Muscles, left: str) -> Trial:
     return search(motion, left)
 
 
+def forget_turns() -> None:
+    """Forget the turns of this process, after other constants made them."""
+    known_turn.cache_clear()
+    search.cache_clear()
+
+
 @cache
 def planner() -> Callable[[list[Segment]], Transitions]:
     """Plan the transitions between the same segments once."""
