@@ -14,13 +14,31 @@ IMPORT = re.compile(r"^\s*from ((?:subsea|capture)[\w.]*) import (\([^)]*\)|[^\n
 @cache
 def source_stamp(file: Path, root: Path = ROOT) -> str:
     """Hash a source file and, transitively, all files of the project that it imports."""
+    return _stamp(_with_imports(file, root))
+
+
+@cache
+def package_stamps(file: Path, root: Path = ROOT) -> dict[str, str]:
+    """Hash the same files by package: ``subsea/fish`` and so on, and ``subsea`` itself."""
+    packages: dict[str, set[str]] = {}
+    for one in _with_imports(file, root):
+        folder = Path(one).relative_to(root).parent.parts[:2]
+        packages.setdefault("/".join(folder), set()).add(one)
+    return {name: _stamp(packages[name]) for name in sorted(packages)}
+
+
+def _with_imports(file: Path, root: Path) -> set[str]:
     found, waiting = {file.as_posix()}, [file.as_posix()]
     while waiting:
         for other in _imported(waiting.pop(), root.as_posix()) - found:
             found.add(other)
             waiting.append(other)
+    return found
+
+
+def _stamp(files: set[str]) -> str:
     sha = hashlib.sha256()
-    for one in sorted(found, key=lambda path: path.split("/")):
+    for one in sorted(files, key=lambda path: path.split("/")):
         sha.update(_digest(one))
     return sha.hexdigest()
 

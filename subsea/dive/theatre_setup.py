@@ -12,6 +12,7 @@ from subsea.core.errors import UserError, unknown
 from subsea.core.input_files import file_hash
 from subsea.core.toml_files import error_at
 from subsea.dive.cluster.credentials import cluster_faults
+from subsea.dive.cluster.messages import HASH
 from subsea.sound.space import Layout, loudspeakers
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import CameraRig
@@ -115,6 +116,18 @@ def theatre_digest(name: str | None) -> str | None:
         except UserError:  # reported where it is used
             whole.update(b"none")
     return whole.hexdigest()
+
+
+def view_parts(name: str | None, display: str, stereo: Stereo) -> dict[str, str]:
+    """Theatre and display as parts of an `Identity`: all but which eye is which."""
+    return {
+        "theatre files": HASH + (theatre_digest(name) or "")[:10],
+        "--display": display,
+        "--eye-distance": str(stereo.separation_cm),
+        "--comfort": str(stereo.comfort_deg),
+        "--screen-distance": str(stereo.screen_cm),
+        "--screen-width": str(stereo.screen_width_cm),
+    }
 
 
 def shown_windows(

@@ -2,7 +2,7 @@
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -205,13 +205,13 @@ class FollowerTicks(TickSource):
 
 
 def tick_source_maker(
-    theatre: Theatre, path: Path, node: str | None, view: str = "", resumes: bool = True
+    theatre: Theatre, path: Path, node: str | None, view: Mapping[str, str], resumes: bool = True
 ) -> Callable[[World, Pilot], TickSource]:
     """The maker of the tick source on the computer `node` of a theatre.
 
-    None: this computer shows all windows. `view` must be equal on all computers. A master that
-    `resumes` goes on with the dive of its nodes. A UserError if keys are missing, raised here
-    rather than after the world is loaded. `path` is the theatre's.
+    None: this computer shows all windows. `view` names parts of theatre and display that are equal
+    on all computers. A master that `resumes` goes on with the dive of its nodes. A UserError if
+    keys are missing, raised here rather than after the world is loaded. `path` is the theatre's.
     """
     cluster = theatre.cluster
     if node is None or cluster is None:

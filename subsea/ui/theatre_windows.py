@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from subsea.dive.options import DisplayOptions, TheatreOptions
 from subsea.dive.pilot import Pilot
-from subsea.dive.theatre_setup import set_up_theatre, theatre_digest
+from subsea.dive.theatre_setup import set_up_theatre, view_parts
 from subsea.dive.tick_source import TickSource, tick_source_maker
 from subsea.ui.monitors import Installation, Screen
 from subsea.world.world import World
@@ -15,11 +15,9 @@ def theatre_windows(
 ) -> tuple[Installation, Callable[[World, Pilot], TickSource]]:
     """The rig and windows of a theatre, and the maker of its tick source."""
     setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
-    view = ""
-    if theatre.node is not None:  # computers may differ in pixels, and in which eye is which
-        view = repr(
-            (theatre_digest(theatre.name), display.mode, display.stereo._replace(swapped=False))
-        )
+    view = {}
+    if theatre.node is not None:
+        view = view_parts(theatre.name, display.mode, display.stereo)
     make_ticks = tick_source_maker(setup.theatre, setup.path, theatre.node, view, theatre.resumes)
     screens = [
         Screen(window.name, window.size, window.position, window.monitor)

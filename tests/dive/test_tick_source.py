@@ -177,7 +177,7 @@ def theatre(folder, address, more=""):
 def test_a_theatre_file_determines_leader_and_follower(tmp_path, worlds, address):
     found = theatre(tmp_path, address)
     for node, kind, hands in (("right", LeaderTicks, True), ("left", FollowerTicks, False)):
-        ticks = tick_source_maker(*found, node)(worlds[0], Pilot())
+        ticks = tick_source_maker(*found, node, {})(worlds[0], Pilot())
         assert isinstance(ticks, kind)
         assert (ticks.has_pilot, ticks.shared) == (hands, True)
         ticks.close()
@@ -186,7 +186,7 @@ def test_a_theatre_file_determines_leader_and_follower(tmp_path, worlds, address
 @pytest.mark.parametrize("resumes", [True, False])
 def test_a_leader_resumes_unless_told_otherwise(tmp_path, worlds, address, resumes):
     found, asked = theatre(tmp_path, address), []
-    lead = tick_source_maker(*found, "right", "", resumes)(worlds[0], Pilot())
+    lead = tick_source_maker(*found, "right", {}, resumes)(worlds[0], Pilot())
     lead._master.resume = asked.append
     check = object()
     lead.resume(check)
@@ -197,11 +197,13 @@ def test_a_leader_resumes_unless_told_otherwise(tmp_path, worlds, address, resum
 
 def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
     found = theatre(tmp_path, address)
-    lead = tick_source_maker(*found, "right", view="mono")(worlds[0], Pilot())
-    follow = tick_source_maker(*found, "left", view="anaglyph")(worlds[1], Pilot())
+    lead = tick_source_maker(*found, "right", view={"--display": "mono"})(worlds[0], Pilot())
+    follow = tick_source_maker(*found, "left", view={"--display": "anaglyph"})(worlds[1], Pilot())
     end = time.monotonic() + 60.0
     try:
-        with pytest.raises(UserError, match=r"refuses node left: .* another theatre file or calib"):
+        with pytest.raises(
+            UserError, match=r"refuses node left: .* --display anaglyph \(expected mono\)"
+        ):
             while time.monotonic() < end:
                 follow.advance(0.1)
                 lead.advance(0.0)
@@ -213,7 +215,7 @@ def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
 
 def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
     def caught(found, path, node, view, resumes):
-        raise UserError(view)
+        raise UserError(str(view))
 
     def view(*options):
         with pytest.raises(UserError) as met:
@@ -242,18 +244,18 @@ def test_no_resume_is_passed_on(tmp_path, monkeypatch):
 
 def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, worlds):
     found = theatre(tmp_path, "127.0.0.1:5560")
-    assert isinstance(tick_source_maker(*found, None)(worlds[0], Pilot()), LocalTicks)
+    assert isinstance(tick_source_maker(*found, None, {})(worlds[0], Pilot()), LocalTicks)
     with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
-        tick_source_maker(*theatre(tmp_path, "192.0.2.7:5560"), "left")
+        tick_source_maker(*theatre(tmp_path, "192.0.2.7:5560"), "left", {})
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')
     with pytest.raises(UserError, match=r"ours/right\.key_secret: no such file"):
-        tick_source_maker(*found, "right")
+        tick_source_maker(*found, "right", {})
     write_keys(tmp_path / "ours", ["left", "right"])
-    tick_source_maker(*found, "right")
+    tick_source_maker(*found, "right", {})
     (tmp_path / "ours" / "left.key").unlink()
     with pytest.raises(UserError, match=r"ours/left\.key: no such file"):
-        tick_source_maker(*found, "right")
-    tick_source_maker(*found, "left")  # which needs the master's key, and its own
+        tick_source_maker(*found, "right", {})
+    tick_source_maker(*found, "left", {})  # which needs the master's key, and its own
 
 
 def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):

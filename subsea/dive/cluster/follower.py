@@ -3,13 +3,14 @@
 import math
 import time
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 import zmq
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster import link
-from subsea.dive.cluster.identity import identity_of
+from subsea.dive.cluster.identity import NO_VIEW, identity_of
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.master import Say
 from subsea.dive.cluster.messages import (
@@ -53,7 +54,7 @@ class Follower:
         keys: Keys | None = None,
         timeout_s: float = 2.0,
         tell: Say = lambda message: None,
-        view: str = "",
+        view: Mapping[str, str] = NO_VIEW,
     ) -> None:
         """Connect to the node `master` at `address` as the node `name`.
 

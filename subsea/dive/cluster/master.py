@@ -4,7 +4,7 @@ import math
 import secrets
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,7 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster import link
-from subsea.dive.cluster.identity import difference, identity_of
+from subsea.dive.cluster.identity import NO_VIEW, difference, identity_of
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.messages import (
     SLICE,
@@ -66,12 +66,12 @@ class Master:
         keys: Keys | None = None,
         timeout_s: float = 2.0,
         tell: Say = lambda message: None,
-        view: str = "",
+        view: Mapping[str, str] = NO_VIEW,
     ) -> None:
         """Listen at `address` for `nodes`, which are all but the master itself.
 
         A node is waited for up to `timeout_s`. With `keys` only nodes with known keys may
-        connect, without keys only this computer. `view` describes the theatre and the display;
+        connect, without keys only this computer. `view` names parts of the theatre and the display;
         nodes with another view are refused. Raises UserErrors.
         """
         self.world = world

@@ -16,17 +16,21 @@ from subsea.core.errors import UserError
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
-PROTOCOL = 5
+PROTOCOL = 6
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")
 SMALL = 4096  # bytes; all messages but the state of a dive are smaller
 PART = 3800  # bytes of a state in a message to the master: with all around them below SMALL
 SLICE = 16 * PART  # bytes of a state that the master asks for at once
 MAX_HELMS = 16  # ticks in a picture
+MAX_PART = 60  # characters of a value of an identity
+HASH = "#"  # begins a value that only shows that something differs
 
 T = TypeVar("T")
 Name = Annotated[str, msgspec.Meta(pattern=r"^[\w.+-]{1,64}\Z")]
 Words = Annotated[str, msgspec.Meta(max_length=1000)]
 Hash = Annotated[str, msgspec.Meta(max_length=64)]
+PartName = Annotated[str, msgspec.Meta(pattern=r"^[\w./ -]{1,40}\Z")]
+PartValue = Annotated[str, msgspec.Meta(pattern=r"^[\w .,:'()/+#?-]{0,60}\Z")]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**48)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Command = Annotated[float, msgspec.Meta(ge=-1, le=1)]
@@ -42,15 +46,8 @@ class Message(msgspec.Struct, forbid_unknown_fields=True, tag=str.lower):
 class Identity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Data that must be equal on computers that show one dive: see `dive/cluster/identity.py`."""
 
-    version: Name  # of subsea
-    code: Name  # hash of the sources of a tick
-    title: Annotated[str, msgspec.Meta(max_length=200)]  # of the scenario, for messages
-    scenario: Hash
-    seed: Count
-    species: Hash
-    repertoires: Hash
-    sea: Hash  # of the constant state made of those
-    view: Hash  # of the theatre and display options
+    version: Name  # of subsea, for messages
+    parts: Annotated[dict[PartName, PartValue], msgspec.Meta(max_length=64)]
 
 
 class Hello(Message):

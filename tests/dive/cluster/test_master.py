@@ -3,7 +3,7 @@
 import socket
 import time
 
-import msgspec
+import numpy as np
 import pytest
 import zmq
 
@@ -13,7 +13,7 @@ from subsea.dive.cluster import identity
 from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.keys import Keys, read_keys, write_keys
 from subsea.dive.cluster.master import Master
-from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, WorldState, encode
+from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, Identity, WorldState, encode
 from subsea.world import snapshot
 
 
@@ -147,37 +147,68 @@ def test_another_scenario_or_seed_is_refused_on_both_sides(harness, seas, make_s
     left = harness.node(seas[1], "left")
     fault = refused(harness, harness.node(make_sea(seed=99), "right"))
     assert fault == (
-        f"the master refuses node right: it has subsea {__version__} with seed 99, expected 1"
+        f"the master refuses node right: it has subsea {__version__} with seed 99 (expected 1)"
     )
-    assert told(harness, "node right: has subsea", "seed 99, expected 1", "refused")
+    assert told(harness, "node right: has subsea", "seed 99 (expected 1)", "refused")
     fault = refused(harness, harness.node(make_sea(fish=5), "right"))
     assert "with another sea, made of the same scenario" in fault
     assert told(harness, "node right", "another sea")
     assert_all_show_the_same(harness, left)
 
 
+SEA_OF = "another sea, made of the same scenario: other fishes in number"
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"version": "0.0.9"}, "has subsea 0.0.9, expected "),
-        ({"code": "0123456789"}, "with other code (build 01234567, expected "),
-        ({"scenario": "0"}, "with another scenario 'A bare sea'"),
-        (
-            {"scenario": "0", "title": "Bay"},
-            "the scenario 'Bay', expected 'A bare sea'",
-        ),
-        ({"species": "0"}, "with other species"),
-        ({"repertoires": "0"}, "with other repertoires"),
-        (
-            {"view": "0"},
-            "with another theatre file or calibration, --display, --eye-distance or --c",
-        ),
+        ({"scenario": "Bay"}, "has subsea VERSION with scenario Bay (expected A bare sea)"),
+        ({"contents of the scenario": "#0"}, "with other contents of the scenario"),
+        ({"species": "#0"}, "with other species"),
+        ({"pictures of species": "#0"}, "with other pictures of species"),
+        ({"repertoires": "#0", "shaders": "#0"}, "with other repertoires, other shaders"),
+        ({"numpy": "1.0"}, f"with numpy 1.0 (expected {np.__version__})"),
+        ({"subsea/behavior": "#0"}, "with other code in subsea/behavior"),
+        ({"--comfort": "1.0"}, "with --comfort 1.0 (expected none)"),
+        ({identity.SEA: "#0"}, f"with {SEA_OF}"),
+        ({identity.SEA: "#0", "seed": "4"}, "with seed 4 (expected 1)"),
     ],
 )
 def test_differences_of_identity_are_named(seas, changes, words):
     ours = identity.identity_of(seas[0])
     assert identity.difference(identity.identity_of(seas[1]), ours) == ""
-    assert words in identity.difference(msgspec.structs.replace(ours, **changes), ours)
+    theirs = Identity("0.0.9", ours.parts | changes)
+    told = identity.difference(theirs, ours)
+    version = f"0.0.9 (expected {__version__})"
+    assert words.replace("VERSION", version) in told and version in told
+    # A version is no difference, nor is the sea if it follows from others.
+    assert identity.difference(Identity("0.0.9", ours.parts), ours) == ""
+    assert ("another sea" in told) == (set(changes) == {identity.SEA})
+
+
+def test_parts_that_only_one_side_has_are_differences(seas):
+    ours = identity.identity_of(seas[0])
+    fewer = Identity(ours.version, {k: v for k, v in ours.parts.items() if k != "seed"})
+    assert "seed none (expected 1)" in identity.difference(fewer, ours)
+    assert "seed 1 (expected none)" in identity.difference(ours, fewer)
+    told = identity.difference(Identity(ours.version, {}), ours)
+    assert told.endswith(" more differences") and len(told) < 500
+
+
+def test_an_identity_fits_a_message(seas):
+    assert len(encode(Hello("n" * 64, identity.identity_of(seas[0])))) < SMALL
+
+
+def test_code_assets_and_sheets_are_parts(make_sea, tmp_path, monkeypatch):
+    ours = identity.identity_of(make_sea())
+    assert {"subsea/rendering", "subsea/motor", "subsea"} <= set(ours.parts)
+    shader = tmp_path / "a.frag"
+    shader.write_text("1")
+    identity._program.cache_clear()
+    monkeypatch.setattr(identity, "resource_path", lambda name: tmp_path)
+    other = identity.identity_of(make_sea())
+    identity._program.cache_clear()
+    assert identity.difference(other, ours).endswith("with other shaders")
 
 
 def test_a_node_outside_the_theatre_is_refused(harness, seas):
@@ -188,7 +219,7 @@ def test_a_node_outside_the_theatre_is_refused(harness, seas):
 
 def test_repeated_attempts_do_not_flood_the_log(harness, seas):
     ours = identity.identity_of(seas[0])
-    other = msgspec.structs.replace(ours, seed=4)
+    other = Identity(ours.version, ours.parts | {"seed": "4"})
     with zmq.Context() as context:
         stranger = context.socket(zmq.DEALER)
         stranger.linger = 0
@@ -198,7 +229,7 @@ def test_repeated_attempts_do_not_flood_the_log(harness, seas):
             stranger.send(encode(Hello(f"node{k}", ours)))
         harness.show_until(lambda: harness.master._refusals == 30)
         stranger.close()
-    assert sum("seed 4, expected 1: refused" in line for line in harness.told) == 1
+    assert sum("seed 4 (expected 1): refused" in line for line in harness.told) == 1
     assert sum("not among the nodes" in line for line in harness.told) == 2
 
 
@@ -351,7 +382,8 @@ def test_an_address_in_use_is_refused(harness, seas):
 
 
 def test_two_builds_of_one_version_are_told_apart(harness, seas, monkeypatch):
-    monkeypatch.setattr(identity, "source_stamp", lambda file: "0123456789")
+    ours = identity._program()
+    monkeypatch.setattr(identity, "_program", lambda: ours | {"subsea/motor": "#01"})
     fault = refused(harness, harness.node(seas[1], "left"))
-    assert f"has subsea {__version__} with other code (build 01234567, expected" in fault
-    assert told(harness, "node left", "other code", "refused")
+    assert f"has subsea {__version__} with other code in subsea/motor" in fault
+    assert told(harness, "node left", "other code in subsea/motor", "refused")

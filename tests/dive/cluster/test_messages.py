@@ -30,7 +30,7 @@ from subsea.dive.cluster.messages import (
 )
 from subsea.submarine.helm import Helm
 
-IDENTITY = Identity("0.2.0", "f0", "Peaceful bay", "ab", 7, "cd", "ef", "01", "23")
+IDENTITY = Identity("0.2.0", {"scenario": "Bucht, früh", "subsea/fish": "#f0"})
 FROM_NODE = [
     Hello("left", IDENTITY, "dive", 7),
     PictureDrawn(12),
@@ -106,7 +106,7 @@ def test_deeply_nested_messages_are_refused(opening):
 
 def test_another_protocol_is_refused():
     data = encode(PictureDrawn(1))
-    with pytest.raises(UserError, match=r"protocol 9, expected 5: .* version .* than \d"):
+    with pytest.raises(UserError, match=r"protocol 9, expected 6: .* version .* than \d"):
         from_node(data[: len(MAGIC) - 1] + b"\x09" + data[len(MAGIC) :])
 
 
@@ -134,6 +134,10 @@ def test_another_protocol_is_refused():
         ("hello", {"node": "\x1b[2J"}),
         ("hello", {"node": "n" * 65}),
         ("hello", {"identity": {}}),
+        ("hello", {"identity": {"version": "1", "parts": {"seed": "7\x1b[2J"}}}),
+        ("hello", {"identity": {"version": "1", "parts": {"seed": "7" * 61}}}),
+        ("hello", {"identity": {"version": "1", "parts": {"a\nb": "7"}}}),
+        ("hello", {"identity": {"version": "1", "parts": {f"part{k}": "" for k in range(65)}}}),
         ("hello", {"tick": -1}),
         ("part", {"data": b""}),
         ("part", {"data": bytes(messages.PART + 1)}),
