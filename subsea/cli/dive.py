@@ -174,6 +174,7 @@ def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
 def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     """Group the options; a UserError for those that contradict each other."""
     from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions, TheatreOptions
+    from subsea.dive.settings import settings_path
     from subsea.view.display_rigs import HEADSET
 
     shared.check_target(options)
@@ -227,4 +228,5 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
             pace=options.pace,
         ),
         settings=settings,
+        settings_file=None if options.kiosk else options.settings or settings_path(),
     )

@@ -16,7 +16,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "film", "mute", "louder", "quieter", "recentre", "leave",
+    "picture", "film", "mute", "louder", "quieter", "language", "recentre", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -75,6 +75,7 @@ CONTROLS: dict[ControlName, Control] = {
     "mute": Control("sound off, and on", ("M",)),
     "louder": Control("sound up", ("=",)),
     "quieter": Control("sound down", ("-",)),
+    "language": Control("the next language", ("X",)),
     "recentre": Control("in a headset: take the place of the head as the pilot's", ("Home",)),
     "leave": Control("end the dive at once", ()),
 }  # fmt: skip
@@ -94,6 +95,7 @@ KEYS: dict[int, str] = {
     **{320 + k: f"Num{k}" for k in range(10)},
 }  # fmt: skip
 MODIFIERS = {2: "Ctrl", 4: "Alt", 1: "Shift", 8: "Super"}  # in the order in which they are named
+MODIFIER_KEYS = tuple(f"{side}{word}" for side in ("Left", "Right") for word in MODIFIERS.values())
 BUTTONS = ("left", "right", "middle", "4", "5", "6", "7", "8")  # of a mouse
 # Of a gamepad, in the order of the window library.
 PAD_BUTTONS = (
@@ -153,6 +155,11 @@ def key_name(key: int, modifiers: int = 0) -> str:
     if key not in KEYS:
         return ""
     return "+".join([*(word for bit, word in MODIFIERS.items() if modifiers & bit), KEYS[key]])
+
+
+def is_key(name: str) -> bool:
+    """True if an input is a key of the keyboard, alone or with modifiers."""
+    return not name.startswith(("mouse ", "pad "))
 
 
 def input_name(text: str) -> str:

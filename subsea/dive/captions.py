@@ -3,15 +3,16 @@
 `ui/subtitles.py` draws them in a window, `draw_caption` on the pictures of a film.
 """
 
-import importlib.util
+import re
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.core.fonts import CJK, font_of
+from subsea.core.language import translated
 from subsea.directing.director import latest
 from subsea.view.rig import CameraRig, Projection, front
 from subsea.view.text_viewports import text_viewports
@@ -28,6 +29,11 @@ LEADING = 1.3  # from line to line, in heights of letters
 INK, SHADE = (0.97, 0.98, 1.0), (0.0, 0.04, 0.06)
 # The part of an equirectangular picture in front of the viewer: left, top, width, height.
 BEFORE = 0.35, 0.25, 0.3, 0.42
+
+
+STOPS = "、。，．！？」』）ー々っゃゅょッャュョ"
+PIECE = re.compile(rf"(\s*)([{CJK}][{STOPS}]*|[^\s{CJK}]+)")
+"""The blanks before a piece of text, and the piece, which no line break divides."""
 
 
 class Caption(NamedTuple):
@@ -52,7 +58,7 @@ def caption_of(world: World, alpha: float) -> Caption:
     since_s = (world.state.tick - 1 + alpha - int(world.state.directions.began[cue])) * TICK_S
     left_s = shown_s(words, one.for_s) - since_s
     share = min(max(min(since_s, left_s) / FADE_S, 0.0), 1.0)
-    return Caption(words, share * share * (3.0 - 2.0 * share))
+    return Caption(translated(words), share * share * (3.0 - 2.0 * share))
 
 
 def room_of(rig: CameraRig) -> tuple[float, float, float, float]:
@@ -66,12 +72,15 @@ def letters_of(width: float, height: float) -> float:
 
 
 def lines_of(words: str, room: float, width_of: Callable[[str], float]) -> list[str]:
-    """Wrap words into the fewest lines, of about equal length."""
+    """Wrap words into the fewest lines, of about equal length.
+
+    Lines break at blanks, and between letters of Japanese but not before a stop.
+    """
 
     def broken(room: float) -> list[str]:
         lines: list[str] = []
-        for word in words.split():
-            longer = f"{lines[-1]} {word}" if lines else word
+        for gap, word in PIECE.findall(words.strip()):
+            longer = f"{lines[-1]}{gap and ' '}{word}" if lines else word
             if lines and width_of(longer) <= room:
                 lines[-1] = longer
             else:
@@ -113,7 +122,7 @@ def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
 
     width, height = max(size[0], 1), max(size[1], 1)
     tall = max(letters_of(width, height), 4.0)
-    font = ImageFont.truetype(str(_font()), tall)
+    font = ImageFont.truetype(str(font_of(words)), tall)
     lines = lines_of(words, ROOM * width, font.getlength)
     shade, ink = (tuple(round(255 * value) for value in rgb) for rgb in (SHADE, INK))
     sign = Image.new("RGBA", (width, height), (*shade, 0))
@@ -128,10 +137,3 @@ def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
             layer = layer.filter(ImageFilter.GaussianBlur(blur * tall))
         sign = Image.alpha_composite(sign, layer)
     return sign
-
-
-def _font() -> Path:
-    """The font of the windows."""
-    found = importlib.util.find_spec("imgui_bundle")
-    assert found is not None and found.origin is not None  # a dependency
-    return Path(found.origin).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"

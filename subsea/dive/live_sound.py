@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import msgspec
 
+from subsea.core.language import translated
 from subsea.dive.settings import SoundSettings
 from subsea.sound.device import Open, Player, open_device
 from subsea.sound.listening import Head, at_rest, listener_of
@@ -77,7 +78,14 @@ class LiveSound:
     @property
     def text(self) -> str:
         """The volume in words."""
-        return "sound off" if self.settings.mute else f"sound {self.settings.volume:.0%}"
+        if self.settings.mute:
+            return translated("sound off")
+        return translated("sound {volume}").format(volume=self.volume_text)
+
+    @property
+    def volume_text(self) -> str:
+        """The volume, for a line about sound."""
+        return translated("off") if self.settings.mute else f"{self.settings.volume:.0%}"
 
     def check(self) -> None:
         """Look after the device, once a frame."""
@@ -104,5 +112,5 @@ class LiveSound:
         for words, right, _ in sorted(moment.words, key=lambda one: -one[2]):
             if now - self._said.get(words, -CAPTION_S) >= CAPTION_S:
                 self._said[words] = now
-                self._note(f"[{words}, {side_of(right)}]")
+                self._note(f"[{translated(words)}, {translated(side_of(right))}]")
                 return

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from subsea.dive.settings import DEFAULTS, Settings
@@ -65,3 +66,4 @@ class DiveOptions:
     theatre: TheatreOptions | None = None
     start: StartOptions = StartOptions()
     settings: Settings = DEFAULTS
+    settings_file: Path | None = None  # which a visitor's changes go to

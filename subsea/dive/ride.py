@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.behavior.table import BEHAVIORS
 from subsea.core.arrays import Array
+from subsea.core.language import marked, translated
 from subsea.dive.options import RetinaColours
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
 from subsea.rendering.gl.id_buffer import IdMaps
@@ -113,12 +114,17 @@ class Ride:
         """The fish and its mental state, or that it is steered, in one line."""
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
-        state = [f"{one} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)]
-        doing = "steered by you" if steered else BEHAVIORS[minds.intention[fish]].name
-        parts = [f"{name} {fish}: {doing}", *state]
+        state = [
+            f"{translated(one)} {x:.0%}"
+            for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)
+        ]
+        intention = BEHAVIORS[minds.intention[fish]].name
+        doing = translated(marked("steered by you") if steered else intention)
+        parts = [f"{translated(name)} {fish}: {doing}", *state]
         if self.gaze != Gaze():
-            parts.append(f"gaze {self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°")
-        return "   ".join(parts if look == "colours" else [*parts, look])
+            angles = f"{self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°"
+            parts.append(f"{translated('gaze')} {angles}")
+        return "   ".join(parts if look == "colours" else [*parts, translated(look)])
 
 
 def with_insets(rig: CameraRig) -> tuple[CameraRig, tuple[Rect, ...]]:

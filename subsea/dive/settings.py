@@ -17,7 +17,7 @@ from subsea.dive.bindings import COMMANDS, CONTROLS, Bindings, Command, bindings
 
 # Commands of visitors; in a kiosk all others have no inputs.
 KIOSK_COMMANDS: tuple[Command, ...] = (
-    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "leave",
+    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "language", "leave",
 )  # fmt: skip
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
@@ -73,11 +73,13 @@ class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 COMFORTS = {
-    "calm": ComfortSettings(headset_vignette=0.9, snap_turn_deg=30.0, acceleration=0.5),
+    "calm": ComfortSettings(
+        vignette=0.6, headset_vignette=0.9, snap_turn_deg=30.0, acceleration=0.5
+    ),
     "usual": ComfortSettings(),
     "free": ComfortSettings(headset_vignette=0.0, horizon=False),
 }
-"""Presets of the menu in a headset."""
+"""Presets of the menu."""
 
 
 class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -96,6 +98,10 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     size: Annotated[
         tuple[Pixels, Pixels], Meta(description="of the window: width and height in pixels")
     ] = (1280, 720)
+    language: Annotated[
+        Literal["auto", "en", "de", "es", "fr", "ja"],
+        Meta(description="of what visitors read: auto (as the desktop), en, de, es, fr or ja"),
+    ] = "auto"
 
 
 class AttractSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subsea.core.console import say
+from subsea.core.language import marked
 from subsea.dive.warm_up import warm_up
 from subsea.frame.packet import make_scene, pack
 from subsea.scenario.load import load_scenario
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from subsea.rendering.renderer import Renderer
 
 Say = Callable[[str], None]
-WAKING = "waking the fishes"  # line on the progress
+WAKING = marked("waking the fishes")  # line on the progress
 
 
 def start_world(

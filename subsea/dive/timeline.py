@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.core.language import translated
 from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
 from subsea.world.step import Order, step
@@ -85,11 +86,12 @@ class Timeline:
     @property
     def text(self) -> str:
         """The state of time as a text, empty if normal."""
-        words = ["paused"] if self.paused else []
+        words = [translated("paused")] if self.paused else []
         if self.rate != 1.0:
-            words.append(f"time ×{self.rate:g}")
+            words.append(translated("time ×{rate}").format(rate=f"{self.rate:g}"))
         if self.paused and self.tick < self.latest:
-            words.append(f"{(self.latest - self.tick) * TICK_S:.1f} s back")
+            back_s = f"{(self.latest - self.tick) * TICK_S:.1f}"
+            words.append(translated("{seconds} s back").format(seconds=back_s))
         return ", ".join(words)
 
     def pause(self) -> None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.core.arrays import Array, Ints
+from subsea.core.language import marked
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.habitat.vents import SLOWEST, departures
@@ -119,14 +120,20 @@ def hear(world: World, listener: Listener, sources: Sources) -> Moment:
     return Moment(world.state.tick, world.state.seed, events, beds, tuple(words))
 
 
-CAPTIONS = {STRIKE: "a predator strikes", CRUNCH: "crunching", WHOOSH: "a fish darts off"}
+CAPTIONS = {
+    STRIKE: marked("a predator strikes"),
+    CRUNCH: marked("crunching"),
+    WHOOSH: marked("a fish darts off"),
+}
 HEARD = 0.02  # level from which a sound has a caption
-SCHOOL_WORDS, FEW, MOST_SCHOOL = "a school passes", 8, 0.15
+SCHOOL_WORDS, FEW, MOST_SCHOOL = marked("a school passes"), 8, 0.15
 
 
 def side_of(right: float) -> str:
     """The side of a direction in words."""
-    return "left" if right < -0.4 else "right" if right > 0.4 else "ahead"
+    if abs(right) <= 0.4:
+        return marked("ahead")
+    return marked("left") if right < 0.0 else marked("right")
 
 
 def _event(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from subsea.core.language import LANGUAGES, language, marked, translated
 from subsea.dive.bindings import Command, ControlName
 from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle
@@ -13,10 +14,10 @@ from subsea.view.retina import Gaze
 from subsea.view.unproject import front_view
 from subsea.world.world import TICK_S
 
-SHARED_TIME = "several computers show this dive: its time goes on"
+SHARED_TIME = marked("several computers show this dive: its time goes on")
 # These work while the menu is open.
 WITH_MENU: tuple[Command, ...] = (
-    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "recentre",
+    "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "recentre", "language",
 )  # fmt: skip
 
 
@@ -43,10 +44,11 @@ class Commands:
             "lights": self._toggle_lights,
             "picture": dive.take_picture,
             "film": lambda: dive.shots.film(dive.window.size),
-            "instruments": lambda: dive.overlay.note(f"instruments: {dive.overlay.hud.cycle()}"),
+            "instruments": lambda: self._note_instruments(),
             "mute": lambda: dive.sound.mute(),
             "louder": lambda: dive.sound.turn(up=True),
             "quieter": lambda: dive.sound.turn(up=False),
+            "language": self._next_language,
             "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,
             "recentre": lambda: dive.picture.recentre(),
@@ -92,7 +94,7 @@ class Commands:
 
     def _toggle_inspector(self) -> None:
         if self._dive.shared:
-            self._dive.overlay.note("no desk here: several computers show this dive")
+            self._dive.overlay.note(translated("no desk here: several computers show this dive"))
         elif not self._dive.picture.pattern:
             self._dive.window.take_keyboard()
             self._inspector.toggle()
@@ -103,6 +105,15 @@ class Commands:
     def _next_quality(self) -> None:
         self._dive.picture.choose_next()
         self._dive.overlay.note(self._dive.picture.quality_text)
+
+    def _note_instruments(self) -> None:
+        overlay = self._dive.overlay
+        mode = translated(overlay.hud.cycle())
+        overlay.note(translated("instruments: {mode}").format(mode=mode))
+
+    def _next_language(self) -> None:
+        self._dive.preferences.next_language()
+        self._dive.overlay.note(LANGUAGES[language()])
 
     def _toggle_lights(self) -> None:
         """Toggle the submarine's lights, on all computers that show this dive."""
@@ -116,7 +127,7 @@ class Commands:
 
     def _change_time(self, act: Callable[[Timeline], None]) -> None:
         if self._dive.timeline is None:
-            self._dive.overlay.note(SHARED_TIME)
+            self._dive.overlay.note(translated(SHARED_TIME))
         else:
             act(self._dive.timeline)
 
@@ -124,10 +135,12 @@ class Commands:
         """Go a second back; say to when, unless the state of paused time does."""
         tick = time.rewind()
         if not time.paused:
-            end = ", the earliest" if tick == time.earliest else ""
-            self._dive.overlay.note(f"back to second {tick * TICK_S:.0f} of the dive{end}")
+            words = marked("back to second {second} of the dive")
+            if tick == time.earliest:
+                words = marked("back to second {second} of the dive, the earliest")
+            self._dive.overlay.note(translated(words).format(second=f"{tick * TICK_S:.0f}"))
 
-    def _ride_nearest(self, follow_hint: str = "from behind") -> None:
+    def _ride_nearest(self, follow_hint: str = marked("from behind")) -> None:
         """Ride the chosen fish, or the one nearest to the middle of the view."""
         dive, picture = self._dive, self._dive.picture
         if picture.pattern or dive.shared:
@@ -139,14 +152,18 @@ class Commands:
             first = picture.ride is None
             dive.ride_fish(fish)
             if first:
-                self._hint(("follow", follow_hint), ("reins", "steer it"), ("alight", "back"))
+                self._hint(
+                    ("follow", follow_hint),
+                    ("reins", marked("steer it")),
+                    ("alight", marked("leave it")),
+                )
 
     def _toggle_behind(self) -> None:
         """Toggle between looking from behind a fish and through its eyes."""
         picture = self._dive.picture
         behind = picture.ride is None or not picture.ride.behind
         if picture.ride is None:
-            self._ride_nearest("through its eyes")
+            self._ride_nearest(marked("through its eyes"))
         if picture.ride is not None:
             picture.ride.look_from(behind)
             picture.jump()
@@ -159,10 +176,11 @@ class Commands:
             self._dive.pilot.full_stop()  # inputs held before must not steer the fish
             ticks.steered_fish = picture.ride.by.fish if ticks.steered_fish is None else None
             if ticks.steered_fish is not None:
-                self._hint(("reins", "let it go"), before="steer it as the submarine")
+                before = translated("steer it as the submarine")
+                self._hint(("reins", marked("let it go")), before=before)
 
     def _hint(self, *hints: tuple[ControlName, str], before: str = "") -> None:
         """Show for a while the current functions of keys."""
         inputs = ((self._dive.pilot.bindings.inputs(name), text) for name, text in hints)
-        words = [f"{names[0]} {text}" for names, text in inputs if names]
+        words = [f"{names[0]} {translated(text)}" for names, text in inputs if names]
         self._dive.overlay.note("   ".join([before, *words] if before else words))

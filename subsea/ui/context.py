@@ -14,6 +14,7 @@ from subsea.scenario.schema import Scenario
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
+from subsea.ui.preferences import Preferences
 from subsea.ui.window import GlWindow
 from subsea.world.world import World
 
@@ -30,6 +31,7 @@ class DiveContext(Protocol):
     gui: Gui
     overlay: Overlay
     picture: ScenePicture
+    preferences: Preferences
     shots: ScreenCapture
     sound: LiveSound
     window: GlWindow  # the pilot's
@@ -63,6 +65,9 @@ class DiveContext(Protocol):
 
         With `keep` the submarine and everything alive keep their state.
         """
+
+    def keep_preferences(self) -> None:
+        """Write what a visitor changed into the settings file; a fault is noted."""
 
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
 from subsea.core.errors import UserError
+from subsea.core.language import marked, set_language, translated
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
@@ -16,7 +17,7 @@ from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.ride import Ride
-from subsea.dive.settings import kiosk_settings
+from subsea.dive.settings import Settings, kiosk_settings
 from subsea.dive.tick_source import LocalTicks, TickSource
 from subsea.dive.timeline import RATES, Timeline
 from subsea.headset.session import HeadsetLostError
@@ -27,7 +28,7 @@ from subsea.scenario.storage import held
 from subsea.sound.listening import at_rest
 from subsea.ui.commands import Commands
 from subsea.ui.headset_display import GOES_ON, put_on
-from subsea.ui.help_overlay import NOT_SHARED, help_content
+from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
@@ -37,6 +38,7 @@ from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
+from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
@@ -71,6 +73,8 @@ class Dive:
         self.known = held(self.source)
         if options.kiosk:
             settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
+        set_language(settings.display.language)
+        self.preferences = Preferences(settings, options.settings_file, self._follow)
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
@@ -94,6 +98,7 @@ class Dive:
             )
             undo.callback(self.sound.close)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
+            undo.callback(self.keep_preferences)
             head = None
             self._seeks, self._looked_s = options.kiosk and display.mode == HEADSET, 0.0
             if display.mode == HEADSET:
@@ -111,16 +116,13 @@ class Dive:
             self._kiosk = Kiosk(self.window_set.windows) if options.kiosk else None
             start = self.scenario, self.source, options.seed
             self.world = self._loader.create(*start)
-            self._wait("starting OpenGL")
+            self._wait(marked("starting OpenGL"))
             self._of_world = ExitStack()  # closed when the world is replaced
             undo.callback(lambda: self._of_world.close())
             first_tour = None if options.tour is None else tour
             self._show_world(self.world, lambda: self._wait(None), first_tour)
             self._wait(None)
-            self.overlay.help = help_content(
-                settings.bindings, settings.mouse.steer, NOT_SHARED if self.shared else (),
-                head is not None,
-            )  # fmt: skip
+            self.overlay.help = self._help(settings)
             idle_s = 60.0 * settings.attract.after_min
             self.tours = IdleTours(self, tour, idle_s, start, self._kiosk)
             if options.tour is not None:
@@ -144,6 +146,23 @@ class Dive:
     def steers_fish(self) -> bool:
         """True if the pilot steers the ridden fish."""
         return self.tick_source.steered_fish is not None
+
+    def keep_preferences(self) -> None:
+        """Write what a visitor changed into the settings file; a fault is noted."""
+        try:
+            self.preferences.save()
+        except UserError as fault:
+            self.note(str(fault))
+
+    def _follow(self, settings: Settings) -> None:
+        """Follow settings that a visitor changed."""
+        self.pilot.settings, self.pilot.bindings = settings, settings.bindings
+        self.text.set_comfort(settings.comfort)
+        self.overlay.help = self._help(settings)
+
+    def _help(self, settings: Settings) -> HelpContent:
+        without, worn = NOT_SHARED if self.shared else (), self.picture.head is not None
+        return help_content(settings.bindings, settings.mouse.steer, without, worn)
 
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
@@ -276,6 +295,8 @@ class Dive:
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
         first = self._first
+        head, colon, rest = text.partition(": ")
+        text = translated(head) + colon + rest
         if self._loader.at_rest:
             self.picture.draw(clear=False, chosen=None)
             if first is not None:

@@ -8,6 +8,7 @@ from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
+from subsea.core.language import marked
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.tick_source import LocalTicks
@@ -65,5 +66,5 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 now = time.perf_counter()
                 running.frame(now - last)
                 last = now
-            running.show_message("closing")  # it may take seconds, and a film is completed
+            running.show_message(marked("closing"))  # it may take seconds, and a film is completed
     return 0

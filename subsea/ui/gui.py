@@ -1,15 +1,14 @@
 """Dear ImGui in the pilot's window: frames, input and drawing."""
 
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
 
 import glfw
-import imgui_bundle
 from imgui_bundle import imgui
 
+from subsea.core.fonts import japanese_font, latin_font
+from subsea.dive.bindings import MODIFIER_KEYS, key_name
 from subsea.ui.key_queue import MODIFIERS, KeyQueue
 from subsea.view.text_viewports import WHOLE, TextViewport
 
@@ -74,24 +73,31 @@ class Gui:
         """Attach to the window whose OpenGL context is current."""
         self.open = False
         self.heard = 0  # count of input events
+        self.take_key: Callable[[str], object] | None = (
+            None  # gets the next key, which acts no more
+        )
         self._navigated = False
         self._unsure = 0  # frames until it is known whether the last click was on a text field
         self._context = imgui.create_context()
         self._io = imgui.get_io()
         self._keys = KeyQueue()
         self._io.set_ini_filename(None)
-        self._io.config_error_recovery_enable_debug_log = False  # see `recovering_errors`
+        self._io.config_error_recovery_enable_debug_log = False  # see `ui/error_recovery.py`
         self._io.config_error_recovery_enable_tooltip = False
-        fonts = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto"
-        self._plain, self._bold = (
-            self._io.fonts.add_font_from_file_ttf(str(fonts / f"Roboto-{weight}.ttf"), TEXT_PT)
-            for weight in ("Regular", "Bold")
-        )
+        self._plain, self._bold = self._font("Regular"), self._font("Bold")
         imgui.backends.opengl3_init("#version 330")
         self._window = 1.0, 1.0
         self._viewports: Sequence[TextViewport] = (WHOLE,)
         self._last = time.perf_counter()
         _set_style(imgui.get_style())
+
+    def _font(self, weight: Literal["Regular", "Bold"]) -> Any:
+        """A font whose letters of Japanese are those of another."""
+        font = self._io.fonts.add_font_from_file_ttf(str(latin_font(weight)), TEXT_PT)
+        more = imgui.ImFontConfig()
+        more.merge_mode = True
+        self._io.fonts.add_font_from_file_ttf(str(japanese_font()), TEXT_PT, more)
+        return font
 
     def begin(
         self, points: tuple[int, int], pixels: tuple[int, int], scale: float,
@@ -212,6 +218,11 @@ class Gui:
         Also True just after a click, until it is known whether that was on a text field.
         """
         self.heard += 1
+        if self.take_key is not None and down and (input_ := key_name(key, modifiers)):
+            if input_.rpartition("+")[2] not in MODIFIER_KEYS:
+                take, self.take_key = self.take_key, None
+                take(input_)
+            return True
         if self.open or not down:
             for bit, name in MODIFIERS:
                 self._keys.press(name, bool(modifiers & bit))
@@ -248,20 +259,6 @@ class Gui:
         """Release resources; the window's context must still be current."""
         imgui.backends.opengl3_shutdown()
         imgui.destroy_context(self._context)
-
-
-@contextmanager
-def recovering_errors() -> Iterator[None]:
-    """End all open scopes of ImGui if drawing fails within."""
-    before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
-    imgui.internal.error_recovery_store_state(before)
-    try:
-        yield
-    except Exception:
-        io.config_error_recovery_enable_assert = False
-        imgui.internal.error_recovery_try_to_recover_state(before)
-        io.config_error_recovery_enable_assert = True
-        raise
 
 
 def button(label: str, enabled: bool) -> bool:

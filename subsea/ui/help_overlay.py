@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 
 from imgui_bundle import imgui
 
+from subsea.core.language import marked, translated
 from subsea.dive.bindings import Bindings, ControlName
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
 
-WIDE, HIGH = 32.0, 17.4  # of the help, in heights of letters
+WIDE, HIGH = 32.0, 18.8  # of the help, in heights of letters
 ROW = 1.38
 KEYS_X, WORDS_X = 17.0, 21.8  # left edges of the columns of keys and texts
 CAP = 1.15  # height of a key
@@ -20,30 +21,35 @@ ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (
 
 # Labels beside the mouse.
 BESIDE_MOUSE: dict[ControlName, str] = {
-    "ahead": "ahead", "astern": "back", "full stop": "stop", "left": "left", "right": "right",
-    "up": "nose up", "down": "nose down", "rise": "rise", "dive": "dive",
+    "ahead": marked("ahead"), "astern": marked("back"), "full stop": marked("stop"),
+    "left": marked("left"), "right": marked("right"), "up": marked("nose up"),
+    "down": marked("nose down"), "rise": marked("rise"), "dive": marked("dive"),
 }  # fmt: skip
 PAIRS: tuple[tuple[tuple[ControlName, ...], str], ...] = (
-    (("ahead", "astern"), "hold: ahead, back"),
-    (("left", "right"), "hold: turn"),
-    (("up", "down"), "hold: nose up, down"),
-    (("rise", "dive"), "hold: rise, dive"),
-    (("full stop",), "stop"),
-    (("ride",), "ride a fish"),
-    (("follow",), "follow a fish"),
-    (("reins",), "steer the fish"),
-    (("lights",), "lights"),
-    (("desk",), "panels"),
-    (("menu",), "menu"),
-    (("help",), "this help"),
+    (("ahead", "astern"), marked("hold: ahead, back")),
+    (("left", "right"), marked("hold: turn")),
+    (("up", "down"), marked("hold: nose up, down")),
+    (("rise", "dive"), marked("hold: rise, dive")),
+    (("full stop",), marked("stop")),
+    (("ride",), marked("ride a fish")),
+    (("follow",), marked("follow a fish")),
+    (("reins",), marked("steer the fish")),
+    (("lights",), marked("lights")),
+    (("desk",), marked("panels")),
+    (("menu",), marked("menu")),
+    (("language",), marked("language")),
+    (("help",), marked("this help")),
 )
 GREETING: tuple[tuple[tuple[tuple[ControlName, ...], str], ...], ...] = (
-    ((("follow",), "follow a fish"), (("reins",), "steer it")),
-    ((("help",), "all keys"), (("menu",), "menu")),
+    ((("follow",), marked("follow a fish")), (("reins",), marked("steer it"))),
+    ((("help",), marked("all keys")), (("menu",), marked("menu"))),
 )
 WORN = (
-    "left stick: go and turn, triggers: rise and dive; without sticks, point and pull the trigger",
-    "A: stop, Y: ride a fish, B: leave it, menu button: menu",
+    marked(
+        "left stick: go and turn, triggers: rise and dive; without sticks, point and pull the "
+        "trigger"
+    ),
+    marked("A: stop, Y: ride a fish, B: leave it, menu button: menu"),
 )
 """The lines for a new visitor in a headset."""
 NOT_SHARED: tuple[ControlName, ...] = ("follow", "ride", "reins", "desk")
@@ -58,7 +64,7 @@ class Row(NamedTuple):
 
 
 class HelpContent(NamedTuple):
-    """Texts of the help."""
+    """Texts of the help, in the language of visitors."""
 
     left: str  # function of the left mouse button
     right: str
@@ -85,18 +91,19 @@ def help_content(
     )
     lifts = {left, right} == {"ahead", "back"} and steers
     if left == "ahead" and steers:
-        first = [Row((), "point where to look, hold the left button to go there")]
+        first = [Row((), translated("point where to look, hold the left button to go there"))]
     else:
         first = _rows(bindings, (PAIRS[0], PAIRS[1]), without)
     greeting = [first, *(_rows(bindings, line, without) for line in GREETING)]
     if worn:
-        greeting = [[Row((), line)] for line in WORN]
+        greeting = [[Row((), translated(line))] for line in WORN]
+    wheel = marked("wheel: speed, press: {action}") if middle else marked("wheel: speed")
     return HelpContent(
-        left,
-        right,
-        f"wheel: speed, press: {middle}" if middle else "wheel: speed",
-        "move: look and turn" if steers else "",
-        "hold both and move: rise, dive" if lifts else "",
+        translated(left),
+        translated(right),
+        translated(wheel).format(action=translated(middle)),
+        translated("move: look and turn") if steers else "",
+        translated("hold both and move: rise, dive") if lifts else "",
         tuple(_rows(bindings, PAIRS, without)),
         tuple(tuple(line) for line in greeting if line),
     )
@@ -112,7 +119,7 @@ def _rows(
     for controls, what in pairs:
         keys = tuple(key for one in controls if (key := _key(bindings, one)))
         if keys and not set(controls) & set(without):
-            rows.append(Row(keys, what))
+            rows.append(Row(keys, translated(what)))
     return rows
 
 
@@ -189,8 +196,9 @@ def _mouse(
         (left - gap, content.left, 1.0),
         (right + gap, content.right, 0.0),
     ):
-        if text not in ("", BESIDE_MOUSE["full stop"]):
-            draw_shadowed_text((place, beside - line), "hold:", 0.85 * line, QUIET, opacity, share)
+        if text not in ("", translated(BESIDE_MOUSE["full stop"])):
+            hold = translated("hold:")
+            draw_shadowed_text((place, beside - line), hold, 0.85 * line, QUIET, opacity, share)
         draw_shadowed_text((place, beside), text, 1.1 * line, INK, opacity, share)
     draw_shadowed_text((x, y + 1.5 * line), content.wheel, line, INK, opacity, 0.5)
     if content.moving:

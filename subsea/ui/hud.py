@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from imgui_bundle import imgui
 
+from subsea.core.language import marked, translated
 from subsea.state import Submarine
 from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
 from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
@@ -16,10 +17,10 @@ TAPE = 15.0  # width of the compass, in heights of letters
 SPAN_DEG = 60.0  # range of the compass to either side
 BAR = 5.5  # length of the speed bar
 HIGH = 4.4  # height of all instruments
-POINTS = {0: "N", 90: "E", 180: "S", 270: "W"}
+POINTS = {0: marked("N"), 90: marked("E"), 180: marked("S"), 270: marked("W")}
 
 Mode = Literal["as needed", "always", "never"]
-MODES: tuple[Mode, ...] = ("as needed", "always", "never")
+MODES: tuple[Mode, ...] = (marked("as needed"), marked("always"), marked("never"))
 
 
 class Reading(NamedTuple):
@@ -130,7 +131,7 @@ def _compass(
         if large:
             name = POINTS.get(mark % 360)
             rgb = MARK if name == "N" else INK
-            text = name or f"{mark % 360}"
+            text = translated(name) if name else f"{mark % 360}"
             draw_shadowed_text((at, high + 0.15 * line), text, 0.85 * line, rgb, shown, 0.5)
     tip = high - 0.75 * line
     points = (x - 0.32 * line, tip - 0.42 * line), (x + 0.32 * line, tip - 0.42 * line), (x, tip)
@@ -144,7 +145,9 @@ def _depth(canvas: Any, right: float, foot: float, depth_m: float, opacity: floa
     draw_shadowed_text(
         (right, foot - 2.35 * line), f"{depth_m:.1f} m", 1.45 * line, INK, opacity, 1.0
     )
-    draw_shadowed_text((right, foot - 0.75 * line), "depth", 0.85 * line, INK, opacity, 1.0)
+    draw_shadowed_text(
+        (right, foot - 0.75 * line), translated("depth"), 0.85 * line, INK, opacity, 1.0
+    )
 
 
 def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) -> None:
@@ -152,8 +155,9 @@ def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) 
     line = imgui.get_font_size()
     figures = f"{abs(now.ahead_m_s):.1f} m/s"
     draw_shadowed_text((left, foot - 2.35 * line), figures, 1.45 * line, INK, opacity, 0.0)
-    moving = "ahead" if now.ahead_m_s > 0.05 else "astern" if now.ahead_m_s < -0.05 else "speed"
-    words = "full stop" if now.stopping else moving
+    way = 0.0 if abs(now.ahead_m_s) <= 0.05 else now.ahead_m_s
+    moving = marked("ahead") if way > 0.0 else marked("astern") if way else marked("speed")
+    words = translated(marked("full stop") if now.stopping else moving)
     draw_shadowed_text((left, foot - 0.75 * line), words, 0.85 * line, INK, opacity, 0.0)
     slow, fast = -ASTERN_CM_S / 100.0, AHEAD_CM_S / 100.0
     begin, y = left + 4.2 * line, foot - 0.32 * line

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from imgui_bundle import imgui
 
+from subsea.core.language import translated
 from subsea.dive.directed_camera import endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
 from subsea.dive.tour import steer_along
@@ -18,7 +19,6 @@ from subsea.ui.kiosk import Kiosk
 from subsea.ui.menu import Menu
 
 BREATH_S = 5.0  # period in which the invitation fades in and out
-INVITATION = "move the mouse to steer"
 
 
 class TouredDive(DiveContext, Protocol):
@@ -87,6 +87,8 @@ class IdleTours:
         if dive.inspector.open:
             dive.inspector.toggle()
         dive.ride_fish(None)
+        if self._kiosk is not None:
+            dive.preferences.restore()
         if self._kiosk is not None and not dive.shared:
             dive.picture.colours = "colours"
             dive.open_world(*self._start)
@@ -119,4 +121,5 @@ class IdleTours:
         if timer.touring:
             breath = 0.5 - 0.5 * math.cos(math.tau * timer.toured_s / BREATH_S)
             place = size.x / 2, size.y - 4.0 * line
-            draw_shadowed_text(place, INVITATION, 1.5 * line, INK, (0.25 + 0.6 * breath), 0.5)
+            invitation = translated("move the mouse to steer")
+            draw_shadowed_text(place, invitation, 1.5 * line, INK, (0.25 + 0.6 * breath), 0.5)

@@ -16,7 +16,8 @@ from subsea.core.background import CancelledByUserError
 from subsea.core.errors import UserError
 from subsea.dive.intention_text import name_of
 from subsea.ui.context import DiveContext, PanelContext
-from subsea.ui.gui import GLASS, MARK, colour, recovering_errors
+from subsea.ui.error_recovery import recovering_errors
+from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panel_layout import (
     OTHER_SIZE,
     SIZES,

@@ -13,8 +13,8 @@ import msgspec
 from imgui_bundle import imgui
 
 from subsea.core.errors import UserError
+from subsea.core.language import marked, translated
 from subsea.core.toml_files import load_toml
-from subsea.dive.settings import COMFORTS, ComfortSettings
 from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
@@ -22,61 +22,40 @@ from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.thumbnails import read_thumbnail
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
+from subsea.ui.menu_entry import ROW, Entry
 from subsea.ui.panels.fields import typed_whole
+from subsea.ui.settings_pages import KEYS, MORE, PARTS, SETTINGS, SettingsPages
 
 APPEAR_S = 0.25
 DIM = 0.5  # opacity of the shade over the sea
 LARGE = 2.0  # size of its letters over that of other text, if there is room
 LEAST = 0.74  # least size; then pages scroll
-ROW = 1.75  # height of an entry, in heights of letters
 PADDING = 0.25  # above and below its text
-ABOUT, ABOUT_SIZE = 0.65, 0.7  # height of the line below an entry, and of its letters
+LEAST_ABOUT = 0.75  # of the size of a long line below an entry over that of others
+ABOUT_SIZE = 0.7  # of the letters below an entry, over those of its text
 WIDE = 17.0  # width of an entry, in the same
 THUMBNAIL = 16 / 9 * 2.0, 2.0  # width and height of the picture at its left end
-COMFORTABLE = {
-    "calm": "Turns in steps, slow starts, a dark rim while moving.",
-    "usual": "Smooth turns, a dark rim while moving fast.",
-    "free": "Smooth turns, no rim.",
-}
-RECENTRE = "Look straight ahead first."
-SEED = "The same seed, the same dive; another one, another dive."
+RECENTRE = marked("Look straight ahead first.")
+SEED = marked("The same seed, the same dive; another one, another dive.")
 
 DISPLAYS = {
-    "mono": "One picture",
-    "side-by-side": "3D, side by side",
-    "top-bottom": "3D, one above the other",
-    "anaglyph": "3D, red and cyan",
-    "anaglyph-comfort": "3D, red and cyan, calm",
-    "interlaced": "3D, rows by turns",
-    "checkerboard": "3D, checkerboard",
-    "panorama": "Panorama",
-    "dome": "Dome",
-    "equirectangular": "All round",
-    "stereo": "3D, shutter glasses",
-    "headset": "Headset",
+    "mono": marked("One picture"),
+    "side-by-side": marked("3D, side by side"),
+    "top-bottom": marked("3D, one above the other"),
+    "anaglyph": marked("3D, red and cyan"),
+    "anaglyph-comfort": marked("3D, red and cyan, calm"),
+    "interlaced": marked("3D, rows by turns"),
+    "checkerboard": marked("3D, checkerboard"),
+    "panorama": marked("Panorama"),
+    "dome": marked("Dome"),
+    "equirectangular": marked("All round"),
+    "stereo": marked("3D, shutter glasses"),
+    "headset": marked("Headset"),
 }
-VOLUMES = (1.0, 0.8, 0.6, 0.4, 0.2)
-GROUPS = {"sea": "Reef and waves", "fishes": "Fishes", "vessel": "Vessel"}
-GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
 QUALITIES = {
-    "auto": "Automatic", "low": "Low", "medium": "Medium", "high": "High", "ultra": "Ultra",
+    "auto": marked("Automatic"), "low": marked("Low"), "medium": marked("Medium"),
+    "high": marked("High"), "ultra": marked("Ultra"),
 }  # fmt: skip
-
-
-class Entry(NamedTuple):
-    """A line of the menu."""
-
-    text: str
-    act: Callable[[], object]
-    aside: str = ""  # text at its right end
-    chosen: bool = False
-    about: str = ""  # a line below it
-    scenario: Path | None = None  # the file whose picture is at its left end
-
-    @property
-    def high(self) -> float:
-        """Its height, in heights of letters."""
-        return ROW + ABOUT if self.about else ROW
 
 
 class Menu:
@@ -96,9 +75,8 @@ class Menu:
             "": self._first,
             "Display": self._displays,
             "Quality": self._qualities,
-            "Sound": self._sounds,
-            "Comfort": self._comforts,
             "Scenario": self._scenarios,
+            **SettingsPages(dive, self._open_page, kiosk).pages,
         }
 
     def show(self) -> None:
@@ -113,6 +91,7 @@ class Menu:
     def hide(self) -> None:
         """Close it, and return to the helm or the inspector."""
         self.open = False
+        self.dive.keep_preferences()
         self.dive.gui.navigate(False)
         self.dive.gui.release_all()
         self.dive.gui.open = self._gui_was_open
@@ -125,9 +104,9 @@ class Menu:
         self._thumbnails.clear()
 
     def back(self) -> None:
-        """Return to the first page, or close it."""
+        """Return to the page before, or close it."""
         if self.page:
-            self._open_page("")
+            self._open_page(SETTINGS if self.page in PARTS else "")
         else:
             self.hide()
 
@@ -166,7 +145,7 @@ class Menu:
             | (flags.no_scrollbar.value if line <= high else 0)  # the page has room
             | flags.no_saved_settings.value,
         )
-        imgui.text_colored((*QUIET, 1.0), self.page or self.dive.scenario.title)
+        imgui.text_colored((*QUIET, 1.0), translated(self.page or self.dive.scenario.title))
         imgui.dummy((self._width * line, 0.15 * line))
         default = next((k for k, entry in enumerate(entries) if entry.chosen), 0)
         for number, entry in enumerate(entries):
@@ -206,6 +185,9 @@ class Menu:
             imgui.pop_font()
         if entry.about:
             imgui.push_font(None, ABOUT_SIZE * line)
+            share = (size[0] - (left + 0.5) * line) / imgui.calc_text_size(entry.about).x
+            imgui.pop_font()
+            imgui.push_font(None, ABOUT_SIZE * line * min(max(share, LEAST_ABOUT), 1.0))
             canvas.push_clip_rect(low, high, True)  # it may be long
             place = low.x + left * line, ground - 0.22 * line
             canvas.add_text(place, colour(QUIET), entry.about)
@@ -236,100 +218,69 @@ class Menu:
     @property
     def _width(self) -> float:
         """The width of the entries of this page, in heights of letters."""
-        return WIDE + (THUMBNAIL[0] if self.page == "Scenario" else 0.0)
+        return WIDE + {"Scenario": THUMBNAIL[0], KEYS: MORE}.get(self.page, 0.0)
 
     def _seed_field(self, line: float) -> None:
         imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + 0.7 * line)
         imgui.align_text_to_frame_padding()
-        imgui.text("Seed")
+        imgui.text(translated("Seed"))
         imgui.same_line()
         imgui.set_next_item_width((self._width - 4.5) * line)
         self.seed = typed_whole("##seed", self.seed, 0, MAX_SEED)
 
     def _first(self) -> Iterator[Entry]:
-        dive = self.dive
-        yield Entry("Continue", self.hide)
-        if dive.picture.head is not None:
-            yield Entry("Recentre", lambda: dive.run_command("recentre"), about=RECENTRE)
-            yield Entry("Comfort", partial(self._open_page, "Comfort"))
-        if not self.kiosk and dive.picture.displays:
-            yield Entry(
-                "Display", lambda: self._open_page("Display"), DISPLAYS[dive.picture.display]
-            )
+        dive, picture = self.dive, self.dive.picture
+        yield Entry(translated("Continue"), self.hide)
+        if picture.head is not None:
+            recentre = partial(dive.run_command, "recentre")
+            yield Entry(translated("Recentre"), recentre, about=translated(RECENTRE))
+        if not self.kiosk and picture.displays:
+            yield self._leads_to(marked("Display"), translated(DISPLAYS[picture.display]))
         if not self.kiosk:
-            now = QUALITIES[dive.picture.quality]
-            yield Entry("Quality", partial(self._open_page, "Quality"), now)
-        if not self.kiosk:
-            now = dive.sound.text.removeprefix("sound ")
-            yield Entry("Sound", partial(self._open_page, "Sound"), now)
+            yield self._leads_to(marked("Quality"), translated(QUALITIES[picture.quality]))
+        yield self._leads_to(SETTINGS)
         if not dive.shared:
-            yield Entry("Scenario", partial(self._open_page, "Scenario"), dive.scenario.title)
+            yield self._leads_to(marked("Scenario"), translated(dive.scenario.title))
         if not self.kiosk and not dive.window.fixed:
-            yield Entry("Full screen", dive.window.toggle_fullscreen)
-        yield Entry("Help", self._help)
+            yield Entry(translated("Full screen"), dive.window.toggle_fullscreen)
+        yield Entry(translated("Help"), self._help)
         if not self.kiosk:
-            yield Entry("Leave", dive.window.ask_to_close)
+            yield Entry(translated("Leave"), dive.window.ask_to_close)
+
+    def _leads_to(self, page: str, now: str = "") -> Entry:
+        return Entry(translated(page), partial(self._open_page, page), now)
 
     def _displays(self) -> Iterator[Entry]:
         picture = self.dive.picture
         for name in picture.displays:
             show = partial(picture.show_as, name)
-            yield Entry(DISPLAYS[name], show, chosen=name == picture.display)
+            yield Entry(translated(DISPLAYS[name]), show, chosen=name == picture.display)
         yield self._back()
 
     def _qualities(self) -> Iterator[Entry]:
         picture = self.dive.picture
         for name in CHOICES:
             choose = partial(picture.choose, name)
-            yield Entry(QUALITIES[name], choose, chosen=name == picture.quality)
+            yield Entry(translated(QUALITIES[name]), choose, chosen=name == picture.quality)
         yield self._back()
-
-    def _sounds(self) -> Iterator[Entry]:
-        sound = self.dive.sound
-        own = sound.settings
-        for volume in VOLUMES:
-            choose = partial(sound.change, volume=volume, mute=False)
-            now = not own.mute and own.volume == volume
-            yield Entry(f"{volume:.0%}", choose, chosen=now)
-        yield Entry("Off", partial(sound.change, mute=True), chosen=own.mute)
-        for group, title in GROUPS.items():
-            level = getattr(own, group)
-            lower = next((step for step in GROUP_LEVELS if step < level), GROUP_LEVELS[0])
-            yield Entry(title, partial(sound.change, **{group: lower}), f"{level:.0%}")
-        for name, on, about in (
-            ("night", own.night, "Loud sounds are softer."),
-            ("captions", own.captions, "Sounds are shown in words."),
-        ):
-            flip = partial(sound.change, **{name: not on})
-            yield Entry(name.capitalize(), flip, "on" if on else "off", about=about)
-        yield self._back()
-
-    def _comforts(self) -> Iterator[Entry]:
-        now = self.dive.pilot.settings.comfort
-        for name, comfort in COMFORTS.items():
-            choose = partial(self._choose_comfort, comfort)
-            yield Entry(name.capitalize(), choose, chosen=now == comfort, about=COMFORTABLE[name])
-        yield self._back()
-
-    def _choose_comfort(self, comfort: ComfortSettings) -> None:
-        pilot = self.dive.pilot
-        pilot.settings = msgspec.structs.replace(pilot.settings, comfort=comfort)
 
     def _scenarios(self) -> Iterator[Entry]:
         dive = self.dive
         if dive.source.resolve() not in self._files:
             now = dive.scenario
-            about, file = now.description, dive.source
-            yield Entry(now.title, self._restart, file.name, True, about, file)
+            title, about, file = translated(now.title), translated(now.description), dive.source
+            yield Entry(title, self._restart, file.name, True, about, file)
         for path, (title, description) in self._files.items():
             here = path == dive.source.resolve()
-            yield Entry(title, partial(self._enter, path), path.stem, here, description, path)
+            enter, about = partial(self._enter, path), translated(description)
+            yield Entry(translated(title), enter, path.stem, here, about, path)
         if not self.kiosk:
-            yield Entry("Restart", self._restart, f"with seed {self.seed}", about=SEED)
+            seed = translated("with seed {seed}").format(seed=self.seed)
+            yield Entry(translated("Restart"), self._restart, seed, about=translated(SEED))
         yield self._back()
 
     def _back(self) -> Entry:
-        return Entry("Back", partial(self._open_page, ""))
+        return Entry(translated("Back"), self.back)
 
     def _open_page(self, page: str) -> None:
         self.page = page

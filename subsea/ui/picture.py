@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from subsea.core.arrays import Bytes
+from subsea.core.language import marked, translated
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
@@ -220,7 +221,12 @@ class ScenePicture:
     def quality_text(self) -> str:
         """The quality, as a text."""
         name = name_of(self.renderer.quality)
-        return f"picture {name}" if self.quality != AUTO else f"picture auto: {name}"
+        words = (
+            marked("picture {quality}")
+            if self.quality != AUTO
+            else marked("picture auto: {quality}")
+        )
+        return translated(words).format(quality=translated(name))
 
     def adapt_quality(self, spent_s: float) -> None:
         """Adapt automatic quality to the time `spent_s` on this picture, without the display's.

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from imgui_bundle import imgui
 
+from subsea.core.language import translated
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine.hull import CLEARANCE_CM
@@ -13,7 +14,6 @@ from subsea.ui.gui import INK, MARK, colour, draw_backing, draw_shadowed_text
 FAR_CM, NEAR_CM = 110.0, 50.0  # from where it rests: the sign begins to show; shows fully
 TOP = 0.2  # its upper edge, share of the picture's height ...
 BELOW = 6.3  # ... and below the lines for a new visitor, in heights of letters
-TEXT = "The open sea begins here"
 
 
 class EdgeReading(NamedTuple):
@@ -39,11 +39,13 @@ def draw_sea_edge(edge: EdgeReading) -> None:
     if edge.opacity == 0.0:
         return
     size, line = imgui.get_io().display_size, imgui.get_font_size()
-    way = f"back this way: {round(edge.compass_deg) % 360:03d}°"
+    text = translated("The open sea begins here")
+    way = translated("back this way: {degrees}°")
+    way = way.format(degrees=f"{round(edge.compass_deg) % 360:03d}")
     large, top, middle = 1.2 * line, max(TOP * size.y, BELOW * line), size.x / 2
-    half = 0.5 * large / line * imgui.calc_text_size(TEXT).x + 0.3 * line  # the longer text
+    half = 0.5 * large / line * max(imgui.calc_text_size(one).x for one in (text, way)) + 0.3 * line
     draw_backing((middle - half, top), (middle + half, top + 4.9 * line), line, edge.opacity)
-    draw_shadowed_text((middle, top + 0.1 * line), TEXT, large, INK, edge.opacity, 0.5)
+    draw_shadowed_text((middle, top + 0.1 * line), text, large, INK, edge.opacity, 0.5)
     # The way back on the screen: x right, y down.
     ahead = -math.sin(edge.turn), -math.cos(edge.turn)
     across = ahead[1], -ahead[0]

@@ -6,7 +6,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.dive.captions import caption_of
-from subsea.dive.settings import Settings
+from subsea.dive.settings import ComfortSettings, Settings
 from subsea.frame.labels import Label
 from subsea.ui import subtitles
 from subsea.ui.comfort import Vignette, draw_horizon
@@ -32,6 +32,10 @@ class TextLayer:
         self.vignette = Vignette(settings.comfort.vignette)
         self.horizon = settings.comfort.horizon  # whether to draw one at the helm
         self._dive, self._menu, self._inspector = dive, menu, inspector
+
+    def set_comfort(self, comfort: ComfortSettings) -> None:
+        """Follow changed settings."""
+        self.vignette.most, self.horizon = comfort.vignette, comfort.horizon
 
     def draw(self, elapsed_s: float, tours: IdleTours) -> None:
         """Draw one frame, `elapsed_s` after the last.

@@ -25,7 +25,8 @@ from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
 from subsea.core.undo import History
 from subsea.ui.background_tasks import BackgroundTasks
-from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour, recovering_errors
+from subsea.ui.error_recovery import recovering_errors
+from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour
 from subsea.ui.open_windows import open_windows
 from subsea.ui.question import Answers, Question
 from subsea.ui.window import GlWindow

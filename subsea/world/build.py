@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from subsea.core.errors import UserError
+from subsea.core.language import marked
 from subsea.core.toml_files import locate_errors
 from subsea.directing.script import make_script
 from subsea.repertoire.library import LIVE_TABLES
@@ -40,16 +41,16 @@ def create_world(
     if live > MAX_SIMULATED:
         raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
     seed = scenario.seed if seed is None else seed
-    progress("reading repertoires")
+    progress(marked("reading repertoires"))
     recorded = motion_of(scenario.species)
     species = dict(zip(scenario.species, recorded.species, strict=True))
     library = with_live(recorded.library, live)
     dynamics = recorded.dynamics._replace(reach_cm=live_reach_cm)
-    progress("shaping the seabed and growing the reef")
+    progress(marked("shaping the seabed and growing the reef"))
     rng = np.random.default_rng([seed, 0x5EA])
     with locate_errors(scenario, source):
         sea, reef, seaweed = make_surroundings(scenario, rng, seed)
-    progress("letting the fishes in")
+    progress(marked("letting the fishes in"))
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
     submarine.previous_position[:] = submarine.position

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.dive.captions import FADE_S, Caption, caption_of, draw_caption, lines_of, shown_s
+from subsea.dive.captions import FADE_S, STOPS, Caption, caption_of, draw_caption, lines_of, shown_s
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, display_rig
@@ -48,6 +48,15 @@ def test_lines_are_few_and_even():
     assert lines_of("short", 60.0, len) == ["short"]
     assert lines_of("Donaudampfschifffahrt to", 9.0, len) == ["Donaudampfschifffahrt", "to"]
     assert lines_of(" ", 9.0, len) == []
+
+
+def test_lines_of_japanese_break_between_letters_but_not_before_a_stop():
+    words = "深い平原の上に、一万匹の魚がいます。"
+    for room in range(4, 20):
+        lines = lines_of(words, room, len)
+        assert "".join(lines) == words
+        assert all(line[0] not in STOPS and len(line) <= room for line in lines)
+    assert lines_of("ABC 魚 DEF", 5.0, len) == ["ABC 魚", "DEF"]
 
 
 @pytest.mark.parametrize("display", DISPLAYS)

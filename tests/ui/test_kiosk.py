@@ -6,7 +6,8 @@ from contextlib import closing
 import glfw
 import pytest
 
-from subsea.dive.settings import AttractSettings, Settings
+from subsea.core.language import language
+from subsea.dive.settings import COMFORTS, AttractSettings, Settings
 from subsea.ui.dive import Dive
 from tests.support.windows import dive_options, press_close_button
 
@@ -46,8 +47,12 @@ def test_it_fills_the_screen_and_stays(exhibit, user):
 def test_its_menu_has_no_way_out(exhibit, user):
     user.do("key", "Escape")
     user.until(exhibit, lambda: exhibit.menu.open)
-    assert [entry.text for entry in exhibit.menu.entries()] == ["Continue", "Scenario", "Help"]
-    user.do("key", "Down", "Return")
+    names = [entry.text for entry in exhibit.menu.entries()]
+    assert names == ["Continue", "Settings", "Scenario", "Help"]
+    exhibit.menu.page = "Settings"
+    assert [entry.text for entry in exhibit.menu.entries()] == ["Comfort", "Language", "Back"]
+    exhibit.menu.page = ""
+    user.do("key", "Down", "Down", "Return")
     user.glide(exhibit, 0.5)
     assert exhibit.menu.page == "Scenario"
     assert "Restart" not in [entry.text for entry in exhibit.menu.entries()]
@@ -71,6 +76,8 @@ def test_the_pointer_hides_while_it_rests(exhibit, user):
 
 def test_after_visitors_have_left_the_kiosk_restarts(exhibit, user):
     exhibit.open_world(exhibit.scenario, exhibit.source, seed=9)
+    exhibit.preferences.set_language("fr")
+    exhibit.preferences.set_comfort(COMFORTS["calm"])
     user.do("key", "r")
     user.until(exhibit, lambda: exhibit.pilot.riding)
     user.do("key", "Escape")
@@ -81,6 +88,7 @@ def test_after_visitors_have_left_the_kiosk_restarts(exhibit, user):
     user.glide(exhibit, AFTER_S + 3.0)
     assert exhibit.tours.timer.touring and exhibit.tick_source.steering.tour is not None
     assert exhibit.world.state.seed == 1
+    assert language() == "en" and exhibit.pilot.settings.comfort == COMFORTS["usual"]
     assert not exhibit.menu.open and not exhibit.pilot.riding
     user.do("mousemove_relative", 20, 20)
     user.until(exhibit, lambda: not exhibit.tours.timer.touring)

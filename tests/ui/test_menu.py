@@ -15,7 +15,15 @@ from subsea.scenario.load import own_scenarios
 from subsea.scenario.thumbnails import read_thumbnail
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
-from subsea.ui.menu import ABOUT_SIZE, DISPLAYS, QUALITIES, THUMBNAIL, WIDE, scenario_summaries
+from subsea.ui.menu import (
+    ABOUT_SIZE,
+    DISPLAYS,
+    LEAST_ABOUT,
+    QUALITIES,
+    THUMBNAIL,
+    WIDE,
+    scenario_summaries,
+)
 from subsea.view.display_rigs import DISPLAYS as ALL_DISPLAYS
 from subsea.view.display_rigs import HEADSET
 from tests.support.windows import dive_options
@@ -330,11 +338,6 @@ def test_help_is_shown_from_it(boat, menu, user, monkeypatch):
     press(boat, user, "h")
 
 
-def test_leaving_is_its_last_entry(boat, menu, user):
-    press(boat, user, *["Down"] * 7, "Return")
-    assert not boat.window.open
-
-
 def test_the_page_of_sound(boat, menu):
     menu.page = "Sound"
     before = boat.sound.settings
@@ -359,3 +362,103 @@ def test_the_page_of_sound(boat, menu):
     boat.sound.change(
         **{name: getattr(before, name) for name in ("volume", "mute", "night", "captions")}
     )
+
+
+@pytest.fixture
+def english(boat):
+    yield
+    boat.preferences.restore()
+    boat.preferences.set_language("en")
+
+
+def entry_of(menu, text):
+    return next(one for one in menu.entries() if one.text == text)
+
+
+def test_a_key_is_bound_by_pressing_it(boat, menu, user, english):
+    open_page(boat, "Settings")
+    open_page(boat, "Keys")
+    lights = boat.world.state.submarine.lights
+    entry_of(menu, "the submarine's lights").act()
+    assert entry_of(menu, "the submarine's lights").aside == "press a key, or Esc"
+    press(boat, user, "z")
+    assert entry_of(menu, "the submarine's lights").aside == "Z"
+    before = lights.copy()
+    menu.hide()
+    user.glide(boat, 0.3)
+    press(boat, user, "b")
+    assert (lights == before).all()
+    press(boat, user, "z")
+    assert (lights != before).all()
+    press(boat, user, "z")
+    assert any("z" in row.keys or "Z" in row.keys for row in boat.overlay.help.rows)
+    boat.preferences.usual_keys()
+
+
+def test_escape_leaves_a_key_as_it_is(boat, menu, user):
+    menu.page = "Keys"
+    entry_of(menu, "the menu").act()
+    press(boat, user, "Escape")
+    assert menu.open and menu.page == "Keys" and entry_of(menu, "the menu").aside == "Esc"
+    press(boat, user, "Escape")
+    assert menu.page == "Settings"
+    press(boat, user, "Escape")
+    assert menu.page == ""
+
+
+def test_a_visitor_changes_the_language(boat, menu, user, english):
+    menu.page = "Language"
+    user.glide(boat, 0.2)
+    shown = {"en": user.screen(boat)}
+    for code, name, back, title in (
+        ("de", "Deutsch", "Zurück", "Ein Bild"),
+        ("ja", "日本語", "戻る", "1 画面"),
+    ):
+        entry_of(menu, name).act()
+        assert entry_of(menu, name).chosen and entry_of(menu, back)
+        menu.page = ""
+        assert title in [one.aside for one in menu.entries()]
+        menu.page = "Language"
+        user.glide(boat, 0.2)
+        shown[code] = user.screen(boat)
+    assert np.abs(shown["ja"] - shown["de"]).max() > 50
+    menu.hide()
+    press(boat, user, "x")
+    assert boat.overlay.note_text == "English" and boat.overlay.help.moving == "move: look and turn"
+    press(boat, user, "x")
+    assert boat.overlay.note_text == "Deutsch"
+    assert boat.overlay.help.moving == "bewegen: schauen, drehen"
+
+
+@pytest.mark.parametrize("code", ["de", "es", "fr", "ja"])
+def test_sentences_below_entries_fit_in_every_language(boat, menu, monkeypatch, english, code):
+    boat.preferences.set_language(code)
+    wide, draw = {}, menu.draw_entry
+
+    def noted(entry, line):
+        room = menu._width - 1.4
+        about = imgui.calc_text_size(entry.about).x * ABOUT_SIZE * LEAST_ABOUT
+        about += THUMBNAIL[0] * line if entry.scenario else 0.0
+        both = imgui.calc_text_size(entry.text).x + 0.7 * imgui.calc_text_size(entry.aside).x
+        wide[entry.text] = max(about, both) / line < room
+        draw(entry, line)
+
+    monkeypatch.setattr(menu, "draw_entry", noted)
+    for menu.page in (
+        "",
+        "Settings",
+        "Keys",
+        "Comfort",
+        "Sound",
+        "Language",
+        "Scenario",
+        "Display",
+    ):
+        boat.frame(0.1)
+    menu.page = ""
+    assert [text for text, fits in wide.items() if not fits] == []
+
+
+def test_leaving_is_its_last_entry(boat, menu, user):
+    press(boat, user, *["Down"] * 7, "Return")
+    assert not boat.window.open

@@ -72,7 +72,7 @@ def _program() -> dict[str, str]:
 
 
 def hashed(*contents: bytes) -> str:
-    """The value of a part of which a message can only say that it is another."""
+    """The value of a part that a message can only call another."""
     whole = hashlib.blake2b(digest_size=SHORT)
     for one in contents:
         whole.update(hashlib.blake2b(one).digest())

@@ -181,7 +181,7 @@ def test_differences_of_identity_are_named(seas, changes, words):
     told = identity.difference(theirs, ours)
     version = f"0.0.9 (expected {__version__})"
     assert words.replace("VERSION", version) in told and version in told
-    # A version is no difference, nor is the sea if it follows from others.
+    # Versions are not compared, nor is a sea that follows from other parts.
     assert identity.difference(Identity("0.0.9", ours.parts), ours) == ""
     assert ("another sea" in told) == (set(changes) == {identity.SEA})
 

@@ -1,0 +1,97 @@
+"""Settings that a visitor changes in a dive: they act at once, and are kept for the next one."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from msgspec.structs import replace
+
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.core.language import next_language, set_language
+from subsea.core.toml_edit import edit_toml
+from subsea.dive.bindings import ControlName, is_key
+from subsea.dive.settings import ComfortSettings, Settings
+
+
+class Preferences:
+    """The current settings, and those that were changed."""
+
+    def __init__(
+        self, settings: Settings, file: Path | None, apply: Callable[[Settings], object]
+    ) -> None:
+        """`apply` makes the dive follow settings, but for sound. Changes go to `file`, if any."""
+        self.settings = settings
+        self._start, self._file, self._apply = settings, file, apply
+        self._changes: dict[str, dict[str, Any]] = {}  # by table and key; None: as it is without
+
+    def bind(self, control: ControlName, key: str) -> None:
+        """Bind a key to a control, in place of its other keys and from any other control."""
+        bindings = self.settings.bindings
+        own = [name for name in bindings.inputs(control) if not is_key(name)]
+        controls: dict[str, list[str]] = {control: [key, *own]}
+        for other in bindings.controls.get(key, ()):
+            if other not in (control, "alight"):
+                controls[other] = [name for name in bindings.inputs(other) if name != key]
+        self._change("controls", self.settings.controls | controls, controls)
+
+    def usual_keys(self) -> None:
+        """Give all keys, buttons and parts of a gamepad their usual controls."""
+        self._change("controls", {}, dict.fromkeys(self.settings.controls))
+
+    def set_comfort(self, comfort: ComfortSettings) -> None:
+        """Choose how gently the submarine moves."""
+        self._change("comfort", comfort, msgspec.to_builtins(comfort))
+
+    def keep_sound(self, **values: object) -> None:
+        """Keep settings of the sound for the next dive; the sound itself has changed."""
+        self._change("sound", replace(self.settings.sound, **values), values)
+
+    def set_language(self, code: str) -> None:
+        """Choose a language by its code."""
+        display = replace(self.settings.display, language=code)
+        self._change("display", display, {"language": code})
+
+    def next_language(self) -> None:
+        """Choose the next language, cyclically."""
+        self.set_language(next_language())
+
+    def restore(self) -> None:
+        """Return to the settings of the start, for the next visitor."""
+        if self.settings is not self._start:
+            self.settings, self._changes = self._start, {}
+            self._follow()
+
+    def save(self) -> None:
+        """Write what was changed into the file, and leave the rest of it; UserError if it fails."""
+        changes, self._changes = self._changes, {}
+        if self._file is None or not changes:
+            return
+        try:
+            text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
+            old = tomllib.loads(text)
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            with replacing(self._file) as part:
+                part.write_text(edit_toml(text, old, _merged(old, changes)), encoding="utf-8")
+        except (OSError, ValueError) as fault:
+            raise UserError(f"the settings were not kept ({fault})", file=self._file) from fault
+
+    def _change(self, table: str, whole: Any, values: dict[str, Any]) -> None:
+        self.settings = replace(self.settings, **{table: whole})
+        self._changes.setdefault(table, {}).update(values)
+        self._follow()
+
+    def _follow(self) -> None:
+        set_language(self.settings.display.language)
+        self._apply(self.settings)
+
+
+def _merged(old: dict[str, Any], changes: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """The content of a settings file with the changes; a value of None is left out."""
+    new = dict(old)
+    for table, values in changes.items():
+        both = old.get(table, {}) | values
+        new[table] = {key: value for key, value in both.items() if value is not None}
+    return new
