@@ -24,6 +24,7 @@ from msgspec.structs import replace
 from subsea.behavior.table import run_routine
 from subsea.core.background import CancelledByUserError
 from subsea.core.disk_cache import cache_folder
+from subsea.core.language import marked
 from subsea.core.own_files import make_own_folder
 from subsea.core.processors import cores
 from subsea.core.source_stamp import ROOT, source_stamp
@@ -46,6 +47,7 @@ from subsea.world.world import TICK_S, World
 CLOCK = Clock(0, 0, TICK_S)
 MODULE = "subsea.dive.warm_up"  # run as a program by each process, with the name of a job
 SCENARIO, FISHES = "peaceful", 12  # the world of the jobs
+COMPILING = marked("compiling the fishes' code, once")
 POLL_S = 0.1  # interval of checks for Ctrl-C and window events meanwhile
 ROCK = np.array([[0.0, 0.0, 10.0, 30.0, 20.0, 20.0, 0.0]])
 
@@ -155,7 +157,7 @@ def warm_up(
                     old.unlink(missing_ok=True)
                 marker.touch()
                 return
-    tell("compiling the fishes' code (a minute or more)")
+    tell(marked("compiling the fishes' code (a minute or more)"))
 
 
 class WarmUp:
@@ -234,7 +236,7 @@ def _one_at_a_time(tell: Callable[[str], None], check: Callable[[], None]) -> It
             told = False
             while not _locks(lambda: flock(lock, LOCK_EX | LOCK_NB)):
                 if not told:
-                    tell("waiting for another dive, which compiles the fishes' code")
+                    tell(marked("waiting for another dive, which compiles the fishes' code"))
                 told = True
                 check()
                 time.sleep(POLL_S)
@@ -261,7 +263,7 @@ def _run_all(
     running: dict[subprocess.Popen[bytes], str] = {}
     done = 0
     with ExitStack() as stack:
-        tell(f"compiling the fishes' code, once: 0 of {len(JOBS)} parts")
+        tell(f"{COMPILING}: 0/{len(JOBS)}")
         while waiting or running:
             while waiting and len(running) < processes:
                 job = waiting.pop(0)
@@ -275,7 +277,7 @@ def _run_all(
                 if running.pop(worker) == FIRST:
                     first()
                 done += 1
-                tell(f"compiling the fishes' code, once: {done} of {len(JOBS)} parts")
+                tell(f"{COMPILING}: {done}/{len(JOBS)}")
     return True
 
 

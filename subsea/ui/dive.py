@@ -295,8 +295,8 @@ class Dive:
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
         first = self._first
-        head, colon, rest = text.partition(": ")
-        text = translated(head) + colon + rest
+        words, colon, figures = text.partition(": ")
+        text = translated(words) + colon + figures
         if self._loader.at_rest:
             self.picture.draw(clear=False, chosen=None)
             if first is not None:

@@ -81,8 +81,7 @@ def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
     assert place > 0
     del lines[place]
     assert lines == [
-        f"compiling the fishes' code, once: {done} of {len(JOBS)} parts"
-        for done in range(len(JOBS) + 1)
+        f"compiling the fishes' code, once: {done}/{len(JOBS)}" for done in range(len(JOBS) + 1)
     ]
     assert _jobs(tmp_path) == sorted(JOBS)
 
