@@ -37,6 +37,7 @@ from subsea.view.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
 from subsea.view.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.view.theatre.png import MAX_BYTES as MAX_PICTURE
 from subsea.view.theatre.png import MAX_SIDE, parse_png, stretched
+from subsea.view.theatre.view_angles import ViewAngles
 from subsea.view.theatre.warp import from_grid, validated, without_invalid
 from subsea.view.theatre.warp_files import sources_of
 
@@ -47,18 +48,6 @@ MAX_POINTS = 2**27  # of the warps and maps of all regions together: eight proje
 PROFILES = {"a3": "advanced 3-D", "sl": "shader lamps"}  # known, but not shown
 USED = ("geometrywarpfile", "alphamap", "betamap")
 AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
-
-
-class ViewAngles(NamedTuple):
-    """Direction and field of a view of the 3d profile, in degrees."""
-
-    yaw_deg: float  # to the right
-    pitch_deg: float  # then up
-    roll_deg: float  # then the left side up
-    left_deg: float  # usually negative, as down is
-    right_deg: float
-    down_deg: float
-    up_deg: float
 
 
 class MpcdiRegion(NamedTuple):
