@@ -27,7 +27,7 @@ class ViewAngles(NamedTuple):
 
 def angles_of(view: ViewAngles, distance_cm: float = 300.0) -> Angles:
     """The table `angles` of a view; a UserError names the key that is out of range."""
-    yaw, pitch, roll, left, right, down, up = (float(angle) for angle in view)
+    yaw, pitch, roll, left, right, down, up = (round(float(angle), 5) + 0.0 for angle in view)
     turns = {"heading_deg": yaw, "pitch_deg": pitch, "roll_deg": roll}
     edges = {"left_deg": left, "right_deg": right, "down_deg": down, "up_deg": up}
     return convert(turns | edges | {"distance_cm": float(distance_cm)}, Angles)
