@@ -50,6 +50,7 @@ from subsea.study.record import read_record
 from subsea.study.simulate import simulate
 from subsea.study.sweep import read_result
 from subsea.view.theatre import pfm
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.mpcdi import read_mpcdi
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.warp_files import read_warp as read_any_warp
@@ -149,6 +150,23 @@ def squares(folder: Path) -> list[bytes]:
 def meshes(name: str, *made: bytes) -> Callable[[Path], list[bytes]]:
     """Meshes of another calibration program."""
     return lambda folder: [one for data in made for one in sound(data, folder / name, read_warp)]
+
+
+def configurations(folder: Path) -> list[bytes]:
+    """SGCT configurations with every projection, and the meshes that they name."""
+    (folder / "mesh.sgc").write_bytes(theatres.sgc())
+    for face in ("bottom", "left", "right", "top"):
+        squares(folder)
+        (folder / "sample.obj").rename(folder / f"{face}.obj")
+    (folder / "mesh.pfm").write_bytes(floats(folder)[0])
+    made = [theatres.text(theatres.sgct([view])) for view in theatres.viewports()]
+    return made + [theatres.text(theatres.sgct(theatres.viewports()))]
+
+
+def read_theatre(path: Path) -> object:
+    """The channels of a theatre; faulty ones are told."""
+    theatre, source = load_theatre(str(path))
+    return usable_channels(theatre, source)
 
 
 def read_warp(path: Path) -> object:
@@ -276,6 +294,10 @@ KINDS = {
     "archive": Kind(".mpcdi", archives, read_mpcdi),
     "warp": Kind(".obj", squares, read_warp),
     "mesh": Kind(".obj", squares, read_mesh),
+    "sgct": Kind(".json", configurations, read_theatre),
+    "ndisplay": Kind(
+        ".ndisplay", lambda unused: [theatres.text(theatres.ndisplay())], read_theatre
+    ),
     "sciss": Kind(
         ".sgc",
         meshes("a.sgc", theatres.sgc(1), theatres.sgc(2), theatres.sgc(2, False)),

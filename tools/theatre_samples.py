@@ -168,6 +168,33 @@ def sgct(viewports: list[dict[str, Any]] | None = None, **more: Any) -> dict[str
     return {"version": 1, "masteraddress": "localhost", "nodes": [node], "users": users} | more
 
 
+def viewports() -> list[dict[str, Any]]:
+    """A viewport of each projection, side by side."""
+    fov = {"left": 30.0, "right": 40.0, "down": 15.0, "up": 25.0}
+    turn = {"yaw": 20.0, "pitch": 10.0, "roll": 5.0}
+    crop = {"left": 0.0, "right": 0.1, "bottom": 0.2, "top": 0.0}
+    faces = {face: f"{face}.obj" for face in ("bottom", "left", "right", "top")}
+    projections: list[dict[str, Any]] = [
+        {"type": "PlanarProjection", "fov": fov, "orientation": turn, "offset": xyz(0, 0, 1)},
+        {"type": "PlanarProjection", "fov": {"hfov": 60.0, "vfov": 40.0}},
+        {"type": "ProjectionPlane", "lowerleft": xyz(-1, -1, -2), "upperleft": xyz(-1, 1, -2),
+         "upperright": xyz(1, 1, -2)},
+        {"type": "FisheyeProjection", "fov": 200.0, "tilt": 20.0, "crop": crop},
+        {"type": "EquirectangularProjection"},
+        {"type": "CylindricalProjection", "radius": 4.0, "rotation": 0.5},
+        {"type": "CubemapProjection", "channels": {"right": True, "top": False}},
+        {"type": "SphericalMirrorProjection", "tilt": 10.0, "geometry": faces},
+        {"type": "TextureMappedProjection", "fov": fov, "orientation": turn},
+    ]  # fmt: skip
+    meshes = {1: "mesh.sgc", 8: "mesh.pfm"}
+    share = 1 / len(projections)
+    return [
+        {"projection": projection, "pos": {"x": k * share, "y": 0.0},
+         "size": {"x": share, "y": 1.0}} | ({"mesh": meshes[k]} if k in meshes else {})
+        for k, projection in enumerate(projections)
+    ]  # fmt: skip
+
+
 def ndisplay() -> dict[str, Any]:
     """A configuration of nDisplay: two screens on two computers, one of them of a left eye."""
     still = {"pitch": 0, "yaw": 0, "roll": 0}

@@ -239,14 +239,15 @@ def float_map(path: Path, textured: bool) -> MeasuredMesh:
             raise UserError(f"{shown.shape[1]} columns for two eyes, expected 4", file=path)
         shown = shown[:, :columns]
     shown = np.where(np.abs(shown) < 100, shown, np.nan).reshape(-1, 2)
-    used = np.isfinite(shown).all(axis=1)
+    used = np.asarray(np.isfinite(shown).all(axis=1))
     grid = regular_sources(columns, rows)
     if not textured:
         grid = (grid * [columns - 1, rows - 1] + 0.5) / [columns, rows]
     triangles = grid_triangles(columns, rows)
     triangles = triangles[used[triangles].all(axis=1)]
-    pair = (grid, np.nan_to_num(shown)) if textured else (np.nan_to_num(shown), grid)
-    return MeasuredMesh(validated(mesh(*pair, triangles), str(path)))
+    measured = np.nan_to_num(shown)
+    places, sources = (grid, measured) if textured else (measured, grid)
+    return MeasuredMesh(validated(mesh(places, sources, triangles), str(path)))
 
 
 def mesh_view(view: ViewAngles, eye_m: Array) -> dict[str, Any]:

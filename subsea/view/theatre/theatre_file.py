@@ -208,7 +208,7 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
 
     if reader := READERS.get(Path(name).suffix.lower()):
         path = Path(name)
-        theatre = reader(path)
+        theatre: Theatre = reader(path)
     else:
         path = named_or_file(name, FOLDER, ".toml", "theatre")
         theatre = load_toml(path, Theatre)
