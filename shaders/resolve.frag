@@ -14,7 +14,7 @@ uniform vec2 u_size;    // pixels of the output
 uniform vec4 u_left;    // the same on the canvas, of the left eye ...
 uniform vec4 u_right;   // ... and of the right one
 uniform vec2 u_shown;   // pixels of the place, were it not squeezed
-uniform vec2 u_wide;    // angle of a panorama, tilt of a dome, rad
+uniform vec3 u_wide;    // angle of a panorama, tilt and angle of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
 uniform float u_margin; // tangent of half a cube face's angle of view
 
@@ -96,9 +96,10 @@ vec3 direction() {
     float r = length(p);
     if (r > 1.0)
         return vec3(0.0);
-    vec2 aside = p / max(r, 1e-6) * sin(0.5 * PI * r);
+    float away = 0.5 * u_wide.z * r;
+    vec2 aside = p / max(r, 1e-6) * sin(away);
     float c = cos(u_wide.y), s = sin(u_wide.y);
-    return cos(0.5 * PI * r) * vec3(0.0, c, s) + vec3(aside.x, aside.y * s, -aside.y * c);
+    return cos(away) * vec3(0.0, c, s) + vec3(aside.x, aside.y * s, -aside.y * c);
 }
 
 // The cube's faces: left, ahead, right in the lower row, below, astern, above in the upper.

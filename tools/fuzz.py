@@ -50,12 +50,17 @@ from subsea.study.record import read_record
 from subsea.study.simulate import simulate
 from subsea.study.sweep import read_result
 from subsea.view.theatre import pfm
+from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.mpcdi import read_mpcdi
 from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.warp_files import read_warp as read_any_warp
 from subsea.world import snapshot
 from subsea.world.build import create_world
 
+sys.path.insert(0, str(Path(__file__).parent))
+import theatre_samples as theatres
+
+TEXT = (".toml", ".json", ".obj", ".csv", ".simcad", ".ol", ".skyskan", ".ndisplay")
 SECONDS = 10  # for one file
 KILL_AFTER = 6  # times SECONDS, then the process is killed
 MEMORY = 2 * 2**30  # bytes
@@ -140,6 +145,28 @@ def squares(folder: Path) -> list[bytes]:
     corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
     faces = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
     return sound(f"{corners}{faces}".encode(), folder / "sample.obj", read_warp)
+
+
+def meshes(name: str, *made: bytes) -> Callable[[Path], list[bytes]]:
+    """Meshes of another calibration program."""
+    return lambda folder: [one for data in made for one in sound(data, folder / name, read_warp)]
+
+
+def configurations(folder: Path) -> list[bytes]:
+    """SGCT configurations with every projection, and the meshes that they name."""
+    (folder / "mesh.sgc").write_bytes(theatres.sgc())
+    for face in ("bottom", "left", "right", "top"):
+        squares(folder)
+        (folder / "sample.obj").rename(folder / f"{face}.obj")
+    (folder / "mesh.pfm").write_bytes(floats(folder)[0])
+    made = [theatres.text(theatres.sgct([view])) for view in theatres.viewports()]
+    return made + [theatres.text(theatres.sgct(theatres.viewports()))]
+
+
+def read_theatre(path: Path) -> object:
+    """The channels of a theatre; faulty ones are told."""
+    theatre, source = load_theatre(str(path))
+    return usable_channels(theatre, source)
 
 
 def read_warp(path: Path) -> object:
@@ -267,6 +294,20 @@ KINDS = {
     "archive": Kind(".mpcdi", archives, read_mpcdi),
     "warp": Kind(".obj", squares, read_warp),
     "mesh": Kind(".obj", squares, read_mesh),
+    "sgct": Kind(".json", configurations, read_theatre),
+    "ndisplay": Kind(
+        ".ndisplay", lambda unused: [theatres.text(theatres.ndisplay())], read_theatre
+    ),
+    "sciss": Kind(
+        ".sgc",
+        meshes("a.sgc", theatres.sgc(1), theatres.sgc(2), theatres.sgc(2, False)),
+        read_warp,
+    ),
+    "domeprojection": Kind(".csv", meshes("a.csv", theatres.csv()), read_warp),
+    "simcad": Kind(".simcad", meshes("a.simcad", theatres.simcad()), read_warp),
+    "scalable": Kind(".ol", meshes("a.ol", theatres.ol(), theatres.ol(99)), read_warp),
+    "skyskan": Kind(".skyskan", meshes("a.skyskan", theatres.skyskan()), read_warp),
+    "vioso": Kind(".vwf", meshes("a.vwf", theatres.vwf(2), theatres.vwf(bits=64)), read_warp),
 }
 
 
@@ -276,7 +317,7 @@ KINDS = {
 def damage(sample: bytes, suffix: str, rng: random.Random) -> bytes:
     """Damage a sample by one to four accidents typical of its kind."""
     accidents = [truncate, flip_bits, zero_range]
-    if suffix in (".toml", ".json", ".obj"):
+    if suffix in TEXT:
         accidents += [*3 * [replace_number], delete_line, duplicate_line]
         accidents += [insert_odd_line, nest_brackets]
     if suffix == ".h5":

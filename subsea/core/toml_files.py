@@ -93,9 +93,12 @@ def locate_errors(
 
 
 def _line(path: Path, key: str) -> int | None:
-    """The line of a key or of its table; None if the file has neither."""
-    with suppress(UserError):  # the file may have been deleted since
-        return line_of(key_lines(_read_text(path)), place_of(key))
+    """The line of a key or of its table; None if the file has neither, or is not TOML."""
+    # The file may have been deleted since, or may be another program's.
+    with suppress(UserError, ValueError, RecursionError):
+        text = _read_text(path)
+        if not _TOO_DEEP.search(text) and tomllib.loads(text):
+            return line_of(key_lines(text), place_of(key))
     return None
 
 

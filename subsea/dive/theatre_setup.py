@@ -19,8 +19,10 @@ from subsea.view.rig import CameraRig
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.channels import ProjectorChannel, usable_channels
+from subsea.view.theatre.imported import ImportedTheatre
 from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
 from subsea.view.theatre.theatre_rig import theatre_rig, visible_channels
+from subsea.view.theatre.theatre_writer import write_theatre
 from subsea.view.theatre.warp import describe_warp
 
 
@@ -53,6 +55,8 @@ def set_up_theatre(
     if node is not None and node not in theatre.nodes:
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
     theatre = shrink_theatre(theatre, shrink)
+    for line in left_out(theatre):
+        say(f"{path}: left out: {line}")
     found, faults = usable_channels(theatre, path)
     found, unseen = visible_channels(theatre, found, display, stereo)
     unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
@@ -107,9 +111,14 @@ def theatre_digest(name: str | None) -> str | None:
     if name is None:
         return None
     theatre, path = load_theatre(name)
-    named = [channel.warp for channel in theatre.channel if channel.warp is not None]
+    made = theatre.meshes if isinstance(theatre, ImportedTheatre) else {}
+    files = [file for one in theatre.channel for file in (one.warp, one.mask) if file is not None]
+    named = [file for file in files if file not in made]
     named += [archive.file for archive in theatre.mpcdi]
     whole = sha256()
+    for mesh in made.values():
+        whole.update(mesh.warp.vertices.tobytes())
+        whole.update(mesh.warp.triangles.tobytes())
     for file in (path, *(path.parent / one for one in named)):
         try:
             whole.update(bytes.fromhex(file_hash(file)))
@@ -179,13 +188,26 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
         )
 
 
-def describe(name: str) -> int:
-    """Print the parts and faults of a theatre; exit code 0 if all works, else 1."""
+def left_out(theatre: Theatre) -> tuple[str, ...]:
+    """A line for each thing of another program's file that the theatre lacks."""
+    return theatre.left_out if isinstance(theatre, ImportedTheatre) else ()
+
+
+def describe(name: str, write: Path | None = None, force: bool = False) -> int:
+    """Print the parts and faults of a theatre; exit code 0 if all works, else 1.
+
+    `write`: also write it as a theatre file of our own.
+    """
     theatre, path = load_theatre(name)
+    if write is not None:
+        for file in write_theatre(theatre, path, write, force):
+            print(f"wrote {file}")
     print(f"{path}: {theatre.title or 'a theatre'}")
     found: Sequence[ProjectorChannel]
     try:
         found, faults = usable_channels(theatre, path)
+        found, unseen = visible_channels(theatre, found)
+        faults = (*faults, *(error_at(path, one.key or "", one.message) for one in unseen))
     except UserError as fault:
         found, faults = (), (fault,)
     for number, window in enumerate(theatre.window):
@@ -214,6 +236,8 @@ def describe(name: str) -> int:
         others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
         print(f"master {master} at {address}, with {others}")
         faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
+    for fact in left_out(theatre):
+        print(f"left out: {fact}")
     for line in faults:
         print(f"does not work: {line}")
     return 1 if faults else 0

@@ -5,6 +5,7 @@ one for each window or projector. A rig is constant for a display at a size; onl
 carries its eyes moves.
 """
 
+import math
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
@@ -82,7 +83,8 @@ class DisplayPatch(NamedTuple):
     right: Rect  # the same for the right eye
     weave: Weave = Weave.PLAIN
     shape: Projection = Projection.FLAT
-    wide: tuple[float, float] = (0.0, 0.0)  # rad: angle of a panorama, tilt of a dome
+    # rad: angle of a panorama, tilt and angle of a dome
+    wide: tuple[float, float, float] = (0.0, 0.0, math.pi)
     squeezed: tuple[float, float] = (1.0, 1.0)  # factors by which it is shown narrower and lower
     apart: float = 0.0  # of cubes: half the eye separation over the screen distance
     output: int = 0

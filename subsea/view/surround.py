@@ -35,11 +35,13 @@ class Surround(NamedTuple):
 
     angle_deg: float = 160.0  # of a panorama, from left to right
     tilt_deg: float = 30.0  # of a dome toward the front; 0: zenith in the middle
+    dome_deg: float = 180.0  # of a dome, from edge to edge
 
     @property
-    def wide(self) -> tuple[float, float]:
-        """Both in radians, as `rig.DisplayPatch` has them."""
-        return float(np.radians(self.angle_deg)), float(np.radians(self.tilt_deg))
+    def wide(self) -> tuple[float, float, float]:
+        """All in radians, as `rig.DisplayPatch` has them."""
+        angle, tilt, dome = np.radians(self)
+        return float(angle), float(tilt), float(dome)
 
 
 ALL_ROUND = Surround()
@@ -50,7 +52,7 @@ def face_size(display: str, size: tuple[int, int], surround: Surround) -> int:
     width, height = size
     per_radian = {
         "equirectangular": width / (2 * np.pi),
-        "dome": min(width, height) / np.pi,
+        "dome": min(width, height) / np.radians(surround.dome_deg),
         "panorama": width / np.radians(surround.angle_deg),
     }[display]
     return int(np.clip(np.ceil(2 * per_radian), 16, LARGEST_FACE)) + 2 * MARGIN_PX
@@ -116,7 +118,7 @@ def directions(display: str, size: tuple[int, int], surround: Surround, pixels: 
     radius = min(width, height)
     p = (np.stack([x, y], axis=1) - 0.5) * [width, height] / (radius / 2)
     r = np.linalg.norm(p, axis=1)
-    away = r * np.pi / 2
+    away = r * np.radians(surround.dome_deg) / 2
     right, behind, middle = axes_of(0.0, np.pi / 2 - np.radians(surround.tilt_deg))
     aside = p / np.maximum(r, 1e-9)[:, None]
     found = np.cos(away)[:, None] * middle

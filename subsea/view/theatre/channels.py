@@ -10,12 +10,15 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError, unknown
+from subsea.core.input_files import read_input
 from subsea.core.toml_files import error_at
 from subsea.view.rig import Projection, Rect, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.blend import Projector, blend_mask
+from subsea.view.theatre.imported import ImportedTheatre
 from subsea.view.theatre.mpcdi import MpcdiRegion, read_mpcdi
 from subsea.view.theatre.mpcdi import mask as calibrated_mask
+from subsea.view.theatre.png import MAX_BYTES, parse_png, stretched
 from subsea.view.theatre.screens import (
     Flat,
     Screen,
@@ -30,6 +33,8 @@ from subsea.view.theatre.theatre_file import (
     Angles,
     Archive,
     Channel,
+    Dome,
+    Panorama,
     ScreenTable,
     Theatre,
     Window,
@@ -59,6 +64,7 @@ class ProjectorChannel:
     warp: Warp | None = None  # from the picture to the screen
     mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
     blend: bool = False
+    eye: str | None = None  # "left" or "right" of a projector for one eye
     key: str = ""  # of its table in the theatre file, such as channel[0]
 
 
@@ -135,15 +141,40 @@ def _file_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) ->
     number = names.index(channel.window)
     window = theatre.window[number]
     x, y, width, height = viewport(channel, window)
-    lighted = _channel_on(theatre, channel, channel.name, number, (x, y, width, height), None)
-    if channel.blend and lighted.screen is None:
-        kind = lighted.shape.name.lower()
-        raise UserError(f"`blend` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
-    lighted = replace(lighted, blend=channel.blend, key=key)
-    if channel.warp is None:
-        return lighted
-    warp, mask = read_warp(folder / channel.warp, (width, height))
-    return replace(lighted, warp=warp, mask=mask)
+    place = x, y, width, height
+    lighted = _channel_on(theatre, channel, channel.name, number, place, channel.part)
+    for word in ("blend", "eye"):
+        if getattr(channel, word) and lighted.screen is None:
+            kind = lighted.shape.name.lower()
+            raise UserError(f"`{word}` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
+    lighted = replace(lighted, blend=channel.blend, eye=channel.eye, key=key)
+    if channel.warp is not None:
+        made = theatre.meshes.get(channel.warp) if isinstance(theatre, ImportedTheatre) else None
+        warp, mask = made[:2] if made else read_warp(folder / channel.warp, (width, height))
+        lighted = replace(lighted, warp=warp, mask=mask)
+    if channel.part is not None and lighted.screen is None:
+        lighted = replace(lighted, warp=cropped(lighted.warp or identity(), channel.part))
+    if channel.mask is not None:
+        picture = _mask_picture(folder / channel.mask, (width, height))
+        lighted = replace(lighted, mask=_masked(lighted.mask, picture))
+    return lighted
+
+
+def _mask_picture(path: Path, most: tuple[int, int]) -> Array:
+    """The factors (h, w, 3) of a PNG picture, of at most `most` pixels."""
+    picture = parse_png(read_input(path, MAX_BYTES), str(path))
+    height, width, _ = picture.shape
+    return stretched(picture, min(width, most[0]), min(height, most[1]))
+
+
+def _masked(mask: Array | None, picture: Array) -> Array:
+    """A mask (h, w, 4) times the factors (h, w, 3) of a picture."""
+    found = np.zeros((*picture.shape[:2], 4), np.float32)
+    found[..., :3] = picture
+    if mask is not None:
+        height, width = picture.shape[:2]
+        found[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    return found
 
 
 def _mpcdi_channel(
@@ -214,9 +245,11 @@ def _channel_on(
     ):
         if table is not None:
             far = theatre.scale * table.distance_cm
+            wide = table.angle_deg if isinstance(table, Panorama) else ALL_ROUND.angle_deg
             surround = Surround(
-                getattr(table, "angle_deg", ALL_ROUND.angle_deg),
+                wide,
                 getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
+                table.angle_deg if isinstance(table, Dome) else ALL_ROUND.dome_deg,
             )
             return replace(common, distance_cm=far, shape=shape, surround=surround)
     flat = lit.plane or lit.cylinder or lit.angles

@@ -2,9 +2,10 @@
 
 The format (VESA MPCDI 1.0 and 2.0) and the sources of these statements:
 
-- A zip archive with ``mpcdi.xml`` (also seen: ``mpacs.xml``); all other files are found by path
-  from there. The root ``MPCDI`` has ``profile``: 2d (media), 3d (simulation), a3 (advanced 3-D) or
-  sl (shader lamps). ``display`` holds ``buffer``s, a buffer ``region``s, one for each projector;
+- A zip archive with ``mpcdi.xml`` (also seen: ``mpacs.xml``, ``mpcdi1_.xml``); all other files are
+  found by path from there. The root ``MPCDI`` has ``profile``: 2d (media), 3d (simulation), a3
+  (advanced 3-D) or sl (shader lamps). ``display`` holds ``buffer``s, a buffer ``region``s, one for
+  each projector;
   ``files`` holds a ``fileset`` for each region: ``geometryWarpFile``, ``alphaMap``, ``betaMap``,
   ``distortionMap``, each with ``path`` (Scalable's MPCDI library: mpcdiReaderIntern.cpp,
   mpcdiXMLStrings.h, mpcdiProfile.cpp). Programs differ in capitals: Xresolution, xResolution.
@@ -37,28 +38,18 @@ from subsea.view.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
 from subsea.view.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.view.theatre.png import MAX_BYTES as MAX_PICTURE
 from subsea.view.theatre.png import MAX_SIDE, parse_png, stretched
+from subsea.view.theatre.view_angles import ViewAngles
 from subsea.view.theatre.warp import from_grid, validated, without_invalid
 from subsea.view.theatre.warp_files import sources_of
 
 Rect = tuple[float, float, float, float]
 
 MAX_REGIONS = 256
+XML_NAMES = ("mpcdi.xml", "mpacs.xml", "mpcdi1_.xml")  # the last: SGCT's calibrator
 MAX_POINTS = 2**27  # of the warps and maps of all regions together: eight projectors of 4K
 PROFILES = {"a3": "advanced 3-D", "sl": "shader lamps"}  # known, but not shown
 USED = ("geometrywarpfile", "alphamap", "betamap")
 AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
-
-
-class ViewAngles(NamedTuple):
-    """Direction and field of a view of the 3d profile, in degrees."""
-
-    yaw_deg: float  # to the right
-    pitch_deg: float  # then up
-    roll_deg: float  # then the left side up
-    left_deg: float  # usually negative, as down is
-    right_deg: float
-    down_deg: float
-    up_deg: float
 
 
 class MpcdiRegion(NamedTuple):
@@ -87,7 +78,7 @@ class MpcdiArchive(NamedTuple):
 def read_mpcdi(path: Path) -> MpcdiArchive:
     """Read the projectors of an archive; a UserError if none can be used."""
     with open_archive(path) as fetch:
-        for name in ("mpcdi.xml", "mpacs.xml"):
+        for name in XML_NAMES:
             if (xml := fetch(name, MAX_XML)) is not None:
                 return _archive(parse_xml(xml, f"{path}: {name}"), fetch, str(path))
     raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)

@@ -21,6 +21,14 @@ IGNORED = ("vn", "vp", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod")
 
 def parse_obj(data: bytes, where: str) -> Warp:
     """A warp from a file's bytes; a UserError names `where`, and the line or how much is wrong."""
+    return validated(obj_mesh(data, where), where)
+
+
+def obj_mesh(data: bytes, where: str, signed: bool = False) -> Warp:
+    """The mesh in a file's bytes as it is, not yet checked; a UserError names `where`.
+
+    `signed`: x and y are from -1 to 1, whatever they are.
+    """
     points: list[list[float]] = []
     shown: list[list[float]] = []
     corners: list[tuple[int, int]] = []  # of all faces: indices of a point and its source
@@ -44,10 +52,10 @@ def parse_obj(data: bytes, where: str) -> Warp:
         raise UserError("an empty mesh, expected 'v', 'vt' and 'f' lines", file=where)
     used, numbers = np.unique(np.array(corners), axis=0, return_inverse=True)
     places = np.array(points)[used[:, 0]]
-    if places.min() < -0.5:
+    if signed or places.min() < -0.5:
         places = (places + 1) / 2
     faces = numbers.reshape(-1)[np.array(triangles)]
-    return validated(mesh(places, np.array(shown)[used[:, 1]], faces), where)
+    return mesh(places, np.array(shown)[used[:, 1]], faces)
 
 
 def _numbers(words: list[str], names: tuple[str, ...], at: str) -> list[float]:

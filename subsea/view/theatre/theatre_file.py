@@ -5,7 +5,7 @@ Lengths are real centimetres in the axes of somebody who looks ahead: x right, y
 
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
@@ -17,7 +17,7 @@ from subsea.view.surround import ALL_ROUND
 from subsea.view.theatre.node_names import NAME, parse_address
 
 FOLDER = "assets/theatres"
-MOST_WINDOWS, MOST_LOUDSPEAKERS = 32, 32
+MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32
 MAIN = "main"  # the node of windows that name none
 
 FEWEST_PIXELS = 16  # a side of a window or of a part of one
@@ -29,7 +29,8 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 Name = Annotated[str, msgspec.Meta(pattern=NAME)]
-Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
+Extent = Annotated[float, msgspec.Meta(ge=-10, le=10)]
+Span = Annotated[float, msgspec.Meta(ge=0.001, le=10)]
 
 
 class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -76,9 +77,10 @@ class Panorama(_Table, frozen=True, kw_only=True):
 
 
 class Dome(_Table, frozen=True, kw_only=True):
-    """An equidistant fisheye of 180 degrees, tilted to the front, which is below."""
+    """An equidistant fisheye, tilted to the front, which is below."""
 
     tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, le=360)] = ALL_ROUND.dome_deg
     distance_cm: Away = 500.0
 
 
@@ -134,7 +136,11 @@ class Channel(ScreenTable, frozen=True, kw_only=True):
     viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
                     Pixels, Pixels] | None = None  # fmt: skip
     blend: bool = False  # with all others that light the same part of the screen
-    warp: str | None = None  # a mesh: .obj, .pfm or .data, beside the theatre file
+    warp: str | None = None  # a mesh of `warp_files.FORMATS`, relative to the theatre file
+    mask: str | None = None  # a PNG picture of factors, relative to the theatre file
+    # x, y, width, height of the part that is shown, in shares of the screen from the lower left
+    part: tuple[Extent, Extent, Span, Span] | None = None
+    eye: Literal["left", "right"] | None = None  # of a projector for one eye; None: the mode's
 
 
 class Archive(ScreenTable, frozen=True, kw_only=True):
@@ -195,10 +201,23 @@ class Theatre(_Table, frozen=True, kw_only=True):
 def load_theatre(name: str) -> tuple[Theatre, Path]:
     """Load the theatre called `name`, or from the path `name`; return it with its file.
 
-    Raises a UserError; the geometry of screens is checked when they are built.
+    The suffix of a path tells which program's file it is. Raises a UserError; the geometry of
+    screens is checked when they are built.
     """
-    path = named_or_file(name, FOLDER, ".toml", "theatre")
-    theatre = load_toml(path, Theatre)
+    from subsea.view.theatre.foreign import READERS  # its modules import this one
+
+    if reader := READERS.get(Path(name).suffix.lower()):
+        path = Path(name)
+        theatre: Theatre = reader(path)
+    else:
+        path = named_or_file(name, FOLDER, ".toml", "theatre")
+        theatre = load_toml(path, Theatre)
+    _check(path, theatre)
+    return theatre, path
+
+
+def _check(path: Path, theatre: Theatre) -> None:
+    """Refuse names that are taken or unknown, and windows and channels that overlap."""
     _distinct(path, "window", [window.name for window in theatre.window])
     _distinct(path, "channel", [channel.name for channel in theatre.channel])
     if not theatre.channel and not theatre.mpcdi:
@@ -244,7 +263,6 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     if cluster is not None and cluster.master not in theatre.nodes:
         fault = unknown("node", cluster.master, list(theatre.nodes)).message
         raise error_at(path, "cluster.master", f"`cluster.master`: {fault}")
-    return theatre, path
 
 
 def viewport(channel: Channel, window: Window) -> Rect:

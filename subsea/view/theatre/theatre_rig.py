@@ -37,15 +37,16 @@ def theatre_rig(
     shown = {number: one for number, one in enumerate(channels) if one.window in windows}
     if not shown:
         raise UserError("no channel of this theatre is left to show")
-    offsets = _offsets(theatre, channels, display, stereo)
-    half = float(offsets[-1][0])
+    both = _offsets(theatre, channels, display, stereo)
+    half = float(both[-1][0])
     sizes = [size for one in shown.values() for size in _pictures(one, display)]
     corners, canvas = shelves(sizes)
     drawn = iter([(*corner, *size) for corner, size in zip(corners, sizes, strict=True)])
     eyes: list[Eye] = []
     patches: list[DisplayPatch] = []
     for number, one in shown.items():
-        rects = [next(drawn) for _ in offsets]
+        rects = [next(drawn) for _ in both]
+        offsets = _own_offsets(theatre, one, both, stereo)
         if one.shape in CUBES:
             for rect, offset in zip(rects, offsets, strict=True):
                 eyes += _cube_eyes(one, rect, offset)
@@ -80,7 +81,7 @@ def visible_channels(
     offsets = _offsets(theatre, channels, display, stereo)
     for one in channels:
         try:
-            for offset in offsets:
+            for offset in _own_offsets(theatre, one, offsets, stereo):
                 if one.shape not in CUBES:
                     _frustum(one, offset)
                 elif np.linalg.norm(offset) >= one.distance_cm:
@@ -123,6 +124,16 @@ def _offsets(
     eyes = stereo._replace(separation_cm=apart, screen_cm=nearest, screen_width_cm=None)
     half = eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
     return [np.array([x, 0.0, 0.0]) for x in (-half, half)]
+
+
+def _own_offsets(
+    theatre: Theatre, one: ProjectorChannel, offsets: list[Array], stereo: Stereo
+) -> list[Array]:
+    """The offsets of a channel's pictures: those of its one eye if it is for one."""
+    if one.eye is None:
+        return offsets
+    left, right = _offsets(theatre, [one], "side-by-side", stereo)
+    return [left if one.eye == "left" else right] * len(offsets)
 
 
 def _pictures(one: ProjectorChannel, display: str) -> list[tuple[int, int]]:
