@@ -64,6 +64,7 @@ NOT_TYPED = {
     "monado-service": "there is no runtime of headsets",
     "python -m tools.check_headset_dive": "there is no runtime of headsets",
     "python -m tools.measure_headset": "it takes minutes",
+    "subsea theatre --new --out": "it asks on a terminal; tests/dive/test_theatre_plan.py answers",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",

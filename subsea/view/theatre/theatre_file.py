@@ -178,6 +178,22 @@ class Loudspeaker(_Table, frozen=True, kw_only=True):
     node: Name = MAIN  # the computer that it is connected to
 
 
+class SphericalMirror(_Table, frozen=True, kw_only=True):
+    """A convex mirror that a projector shines on."""
+
+    centre_cm: Point
+    radius_cm: Positive
+
+
+class Room(_Table, frozen=True, kw_only=True):
+    """Things that only the picture of the room shows."""
+
+    floor_cm: Coordinate | None = None
+    dome: Dome | None = None  # that `angles` are projected on
+    projectors: dict[str, Point] = {}  # lenses, by channel
+    mirror: SphericalMirror | None = None
+
+
 class Theatre(_Table, frozen=True, kw_only=True):
     """A whole theatre."""
 
@@ -191,6 +207,7 @@ class Theatre(_Table, frozen=True, kw_only=True):
     mpcdi: Annotated[list[Archive], msgspec.Meta(max_length=MOST_WINDOWS)] = []
     loudspeaker: Annotated[list[Loudspeaker], msgspec.Meta(max_length=MOST_LOUDSPEAKERS)] = []
     cluster: Cluster | None = None
+    room: Room | None = None
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -230,6 +247,11 @@ def _check(path: Path, theatre: Theatre) -> None:
         if window.position is not None and window.monitor is not None:
             fault = f"window {window.name!r} has a `position` and a `monitor`, expected one"
             raise error_at(path, f"window[{k}].position", fault)
+    names = [channel.name for channel in theatre.channel]
+    for name in theatre.room.projectors if theatre.room else ():
+        if name not in names:
+            fault = unknown("channel", name, names).message
+            raise error_at(path, f"room.projectors.{name}", f"`room.projectors`: {fault}")
     _apart(path, theatre)
     windows = {window.name: window for window in theatre.window}
     for k, channel in enumerate(theatre.channel):

@@ -1,0 +1,110 @@
+"""The measures that a new theatre needs: options of the command line, and questions."""
+
+from argparse import ArgumentTypeError
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from subsea.core.command_line import NumberReader, number_reader
+from subsea.core.errors import UserError, unknown
+
+KINDS = {
+    "wall": "a flat wall, projectors side by side",
+    "curved": "a part of a cylinder around the audience, projectors side by side",
+    "dome": "a dome, projectors at its rim",
+    "cave": "a room of flat screens, one projector each",
+    "mirror": "a dome, one projector onto a convex mirror",
+}
+
+
+class Measure(NamedTuple):
+    """A measure, with its default for each kind of theatre that needs it."""
+
+    name: str
+    text: str
+    reader: NumberReader
+    defaults: Mapping[str, float]
+
+    @property
+    def option(self) -> str:
+        """The option of the command line."""
+        return f"--{self.name}"
+
+
+LENGTH = number_reader(float, 10, 10_000)
+MEASURES = (
+    Measure("projectors", "number of projectors", number_reader(int, 1, 32),
+             {"wall": 3, "curved": 3, "dome": 6, "cave": 3}),
+    Measure("across", "width of a projector's picture in pixels", number_reader(int, 320, 16384),
+             dict.fromkeys(KINDS, 1920)),
+    Measure("down", "height of a projector's picture in pixels", number_reader(int, 240, 16384),
+             dict.fromkeys(KINDS, 1080)),
+    Measure("overlap", "overlap of neighbours, percent of a picture", number_reader(float, 2, 40),
+             {"wall": 15, "curved": 15, "dome": 10}),
+    Measure("width", "width of the screen in cm", LENGTH, {"wall": 600, "cave": 250}),
+    Measure("height", "height of the screen in cm", LENGTH, {"curved": 140, "cave": 250}),
+    Measure("radius", "radius of the screen in cm", LENGTH,
+             {"curved": 275, "dome": 400, "mirror": 300}),
+    Measure("angle", "angle of the screen from left to right in degrees",
+             number_reader(float, 30, 300), {"curved": 120}),
+    Measure("distance", "distance of the best seat from the wall in cm", LENGTH, {"wall": 400}),
+    Measure("bottom", "height of the screen's lower edge above the floor in cm",
+             number_reader(float, 0, 10_000), {"wall": 60, "curved": 50}),
+    Measure("eye", "height of the audience's eyes above the floor in cm",
+             number_reader(float, 30, 1000), dict.fromkeys(KINDS, 120)),
+    Measure("tilt", "tilt of the dome to the front in degrees", number_reader(float, 0, 60),
+             {"dome": 0, "mirror": 0}),
+    Measure("mirror", "radius of the mirror's sphere in cm", number_reader(float, 5, 500),
+             {"mirror": 30}),
+    Measure("throw", "throw ratio of the lenses, distance over width; 0: find the longest",
+             number_reader(float, 0, 20), {"wall": 1.2, "curved": 0, "dome": 0, "mirror": 1.5}),
+)  # fmt: skip
+
+
+def chosen(kind: str, given: Mapping[str, float | None]) -> dict[str, float]:
+    """The measures of a kind: those given, else the defaults; UserError for a foreign one."""
+    if kind not in KINDS:
+        raise unknown("kind of theatre", kind, list(KINDS))
+    for question in MEASURES:
+        if given.get(question.name) is not None and kind not in question.defaults:
+            fitting = ", ".join(one.option for one in MEASURES if kind in one.defaults)
+            raise UserError(f"{question.option} is not for a {kind}, expected {fitting}")
+    found = {one.name: one.defaults[kind] for one in MEASURES if kind in one.defaults}
+    return found | {name: value for name, value in given.items() if value is not None}
+
+
+def ask(
+    given: Mapping[str, float | None],
+    read: Callable[[str], str],
+    tell: Callable[[str], object],
+    kind: str | None = None,
+) -> tuple[str, dict[str, float]]:
+    """Ask for the kind and for each measure that is not given; an empty answer is the default.
+
+    `read` shows a question and returns a line, `tell` shows why an answer does not fit.
+    """
+    while kind not in KINDS:
+        if kind:
+            tell(str(unknown("kind of theatre", kind, list(KINDS))))
+        kind = read(f"kind of theatre ({', '.join(KINDS)}) [wall]: ").strip() or "wall"
+    found = chosen(kind, given)
+    for question in MEASURES:
+        if kind in question.defaults and given.get(question.name) is None:
+            found[question.name] = _answer(question, question.defaults[kind], read, tell)
+    return kind, found
+
+
+def _answer(
+    question: Measure,
+    default: float,
+    read: Callable[[str], str],
+    tell: Callable[[str], object],
+) -> float:
+    """The answer to one question, asked until it fits."""
+    while True:
+        text = read(f"{question.text} [{default:g}]: ").strip()
+        if not text:
+            return default
+        try:
+            return question.reader(text)
+        except ArgumentTypeError as fault:
+            tell(str(fault))
