@@ -18,15 +18,8 @@ from subsea.dive.theatre_setup import (
     theatre_digest,
 )
 from subsea.view.stereo import Stereo
-from subsea.view.theatre.theatre_file import (
-    FOLDER,
-    Channel,
-    Cluster,
-    Dome,
-    Theatre,
-    Window,
-    load_theatre,
-)
+from subsea.view.theatre.load import load_theatre
+from subsea.view.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
 from tools import theatre_samples
 
 BAD = """

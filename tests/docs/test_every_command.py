@@ -43,7 +43,7 @@ from subsea.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.ui.window_set import WindowSet
-from subsea.view.theatre.theatre_file import load_theatre
+from subsea.view.theatre.load import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
 from tests.support.recording import forget_turns
 from tools import theatre_samples

@@ -7,8 +7,8 @@ import pytest
 
 from subsea.core.errors import UserError
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import load_theatre
 from tools import theatre_samples as samples
 
 CORNERS = np.array([[0, 0], [1, 0], [0, 1]])

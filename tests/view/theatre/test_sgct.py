@@ -9,9 +9,10 @@ from PIL import Image
 from subsea.core.errors import UserError
 from subsea.view.surround import Surround, directions
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on, screen_of
 from subsea.view.theatre.sgct_views import dome_shares
-from subsea.view.theatre.theatre_file import Angles, Plane, load_theatre
+from subsea.view.theatre.theatre_file import Angles, Plane
 from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre.warp import sources_at
 from tools import theatre_samples as samples

@@ -7,8 +7,9 @@ import pytest
 
 from subsea.core.errors import UserError
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import FOLDER, load_theatre
+from subsea.view.theatre.theatre_file import FOLDER
 from subsea.view.theatre.theatre_writer import write_theatre
 from subsea.view.theatre.warp import sources_at
 from tools import theatre_samples as samples
