@@ -51,8 +51,8 @@ from subsea.study.simulate import simulate
 from subsea.study.sweep import read_result
 from subsea.view.theatre import pfm
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.mpcdi import read_mpcdi
-from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.warp_files import read_warp as read_any_warp
 from subsea.world import snapshot
 from subsea.world.build import create_world
@@ -164,7 +164,7 @@ def configurations(folder: Path) -> list[bytes]:
 
 
 def read_theatre(path: Path) -> object:
-    """The channels of a theatre; faulty ones are told."""
+    """The channels of a theatre, and an error for each faulty one."""
     theatre, source = load_theatre(str(path))
     return usable_channels(theatre, source)
 

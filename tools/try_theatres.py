@@ -24,7 +24,7 @@ from subsea.view.theatre.channels import ProjectorChannel, usable_channels
 from subsea.view.theatre.domeprojection import frustum_file
 from subsea.view.theatre.foreign import READERS
 from subsea.view.theatre.lineup import lineup
-from subsea.view.theatre.theatre_file import load_theatre
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.view.theatre.warp import describe_warp
 

@@ -73,7 +73,8 @@ def _species() -> tuple[list[ListedFile], Path | None]:
 
 def _theatres() -> tuple[list[ListedFile], Path | None]:
     from subsea.core.resources import resource_names
-    from subsea.view.theatre.theatre_file import FOLDER, load_theatre
+    from subsea.view.theatre.load import load_theatre
+    from subsea.view.theatre.theatre_file import FOLDER
 
     shipped = resource_names(FOLDER, ".toml")
     return [*_entries(shipped, shipped, lambda name: load_theatre(name)[0].title)], None

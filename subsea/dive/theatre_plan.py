@@ -10,11 +10,11 @@ from subsea.core.errors import UserError
 from subsea.core.file_kinds import PICTURE, check_result
 from subsea.dive.theatre_setup import describe
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.planning.compose import compose_theatre, line_up, mesh_name
 from subsea.view.theatre.planning.layouts import layout
 from subsea.view.theatre.planning.lenses import nodes_text
 from subsea.view.theatre.planning.measures import KINDS, MEASURES, ask, chosen
-from subsea.view.theatre.theatre_file import load_theatre
 
 
 @dataclass(frozen=True)

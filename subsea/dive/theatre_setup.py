@@ -20,7 +20,8 @@ from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 from subsea.view.theatre.channels import ProjectorChannel, usable_channels
 from subsea.view.theatre.imported import ImportedTheatre
-from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window, load_theatre
+from subsea.view.theatre.load import load_theatre
+from subsea.view.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window
 from subsea.view.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.view.theatre.theatre_writer import write_theatre
 from subsea.view.theatre.warp import describe_warp

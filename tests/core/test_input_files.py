@@ -25,8 +25,8 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.study.record import read_record
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.mpcdi import read_mpcdi
-from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.warp_files import read_warp
 
 READERS = {

@@ -8,8 +8,8 @@ from subsea.cli.main import main
 from subsea.core.errors import UserError
 from subsea.dive.theatre_plan import NewTheatre, write_theatre
 from subsea.dive.theatre_setup import set_up_theatre
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.planning.measures import KINDS
-from subsea.view.theatre.theatre_file import load_theatre
 
 SMALL = "--across", "640", "--down", "480"
 

@@ -18,15 +18,9 @@ from subsea.dive.theatre_setup import (
     theatre_digest,
 )
 from subsea.view.stereo import Stereo
-from subsea.view.theatre.theatre_file import (
-    FOLDER,
-    Channel,
-    Cluster,
-    Dome,
-    Theatre,
-    Window,
-    load_theatre,
-)
+from subsea.view.theatre.load import load_theatre
+from subsea.view.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
+from tools import theatre_samples
 
 BAD = """
 [[window]]
@@ -289,3 +283,51 @@ master = "main"
     file.write_text(windows + '[[loudspeaker]]\nazimuth_deg = 0\nnode = "sied"\n')
     with pytest.raises(UserError, match="unknown node 'sied'"):
         set_up_theatre(str(file))
+
+
+def imported(folder):
+    """An SGCT configuration of every projection, with its meshes."""
+    square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1 2 3 4\n"
+    for face in ("bottom", "left", "right", "top"):
+        (folder / f"{face}.obj").write_text(square)
+    (folder / "mesh.sgc").write_bytes(theatre_samples.sgc())
+    x, y = np.meshgrid(np.linspace(0, 1, 8), np.linspace(1, 0, 6))
+    numbers = np.dstack([x, y, 0 * x]).astype("<f4")
+    (folder / "mesh.pfm").write_bytes(b"PF\n8 6\n-1.0\n" + numbers.tobytes())
+    content = theatre_samples.sgct(theatre_samples.viewports())
+    content["nodes"][0]["windows"][0] |= {"size": {"x": 1800, "y": 200}, "msaa": 4}
+    (folder / "dome.json").write_bytes(theatre_samples.text(content))
+    return str(folder / "dome.json")
+
+
+def test_the_command_describes_and_writes_a_theatre_of_another_program(tmp_path, capsys):
+    name, out = imported(tmp_path), tmp_path / "out" / "dome.toml"
+    assert main.main(["theatre", name, "--write", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert f"wrote {out}" in said
+    assert "left out: keys with no counterpart here: `msaa`" in said
+    assert main.main(["theatre", str(out)]) == 0
+    again = capsys.readouterr().out
+    channels = [line for line in said.splitlines() if line.startswith("  channel")]
+    assert len(channels) > 12  # a cube has faces, a cylinder quarters
+    ours = [line for line in again.splitlines() if line.startswith("  channel")]
+    assert [line.partition(" warped")[0] for line in channels] == [
+        line.partition(" warped")[0] for line in ours
+    ]
+    assert main.main(["theatre", name, "--write", str(out)]) == 2
+    assert "--force" in capsys.readouterr().err
+
+
+def test_a_theatre_of_another_program_has_a_rig_and_says_what_it_lacks(tmp_path, capsys):
+    house = set_up_theatre(imported(tmp_path), shrink=2)
+    assert house.rig.outputs == ((900, 100),)
+    assert "left out: keys with no counterpart" in capsys.readouterr().err
+
+
+def test_the_digest_of_a_theatre_covers_composed_meshes(tmp_path):
+    name = imported(tmp_path)
+    before = theatre_digest(name)
+    assert before == theatre_digest(name)
+    top = tmp_path / "top.obj"
+    top.write_text(top.read_text().replace("vt 1 1", "vt 0.9 1"))
+    assert theatre_digest(name) != before

@@ -19,7 +19,7 @@ from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.submarine.rail import Rail
 from subsea.ui import dive, theatre_windows
-from subsea.view.theatre.theatre_file import load_theatre
+from subsea.view.theatre.load import load_theatre
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

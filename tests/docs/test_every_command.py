@@ -43,9 +43,10 @@ from subsea.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.ui.window_set import WindowSet
-from subsea.view.theatre.theatre_file import load_theatre
+from subsea.view.theatre.load import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
 from tests.support.recording import forget_turns
+from tools import theatre_samples
 
 pytestmark = pytest.mark.timeout(900)  # a page of many commands may compile all kernels
 
@@ -184,6 +185,7 @@ class Workshop:
         theatre = (ROOT / "assets/theatres/three-computers.toml").read_text()
         for name in ("hall.toml", "my/theatre.toml"):
             (folder / name).write_text(theatre.replace("5560", str(port)))
+        (folder / "planetarium.json").write_bytes(theatre_samples.text(theatre_samples.sgct()))
 
     @staticmethod
     def _photograph():

@@ -1,4 +1,4 @@
-"""What a warp file of any format holds."""
+"""The content of a warp file of any format."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

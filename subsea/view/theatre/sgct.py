@@ -50,7 +50,7 @@ def read_sgct(path: Path, content: Any) -> ImportedTheatre:
         raise UserError(fault.message, file=path, key=fault.key) from fault
     if config.version != VERSION:
         raise UserError(f"`version` {config.version}, expected {VERSION}", file=path)
-    reader = _Reader(path, config)
+    reader = _SgctReader(path, config)
     for number, node in enumerate(config.nodes, 1):
         reader.node(node, MAIN if len(config.nodes) == 1 else f"node{number}")
     if unused := unused_keys(content, KNOWN, WHOLE):
@@ -59,7 +59,7 @@ def read_sgct(path: Path, content: Any) -> ImportedTheatre:
     return reader.builder.build()
 
 
-class _Reader:
+class _SgctReader:
     """Collects the theatre of a configuration."""
 
     def __init__(self, path: Path, config: SgctConfig) -> None:

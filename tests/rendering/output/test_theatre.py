@@ -10,8 +10,8 @@ from subsea.rendering.renderer import Renderer
 from subsea.view.rig import CUBES, pose_from_angles, views
 from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.lineup import lineup
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre.warp import mesh
 

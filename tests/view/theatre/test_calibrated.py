@@ -7,8 +7,8 @@ from subsea.core.errors import UserError
 from subsea.view.rig import Projection, seen_by
 from subsea.view.surround import MARGIN_PX
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import load_theatre
 from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre.warp import sources_at
 

@@ -1,8 +1,6 @@
 """Meshes of other calibration programs show what their files say, through the same view."""
 
-import importlib.util
 import struct
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,12 +9,9 @@ from subsea.core.errors import UserError
 from subsea.view.theatre.vioso import vioso_maps
 from subsea.view.theatre.warp import is_mirrored, sources_at
 from subsea.view.theatre.warp_files import read_mesh, read_warp
+from tools import theatre_samples as samples
 
 POINTS = np.random.default_rng(7).uniform(0.06, 0.94, (60, 2))
-TOOL = Path(__file__).parents[3] / "tools" / "theatre_samples.py"
-SPEC = importlib.util.spec_from_file_location("theatre_samples", TOOL)
-samples = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(samples)
 FILES = {
     "single.sgc": samples.sgc(),
     "strip.sgc": samples.sgc(2, False),

@@ -1,21 +1,16 @@
 """nDisplay configurations: screens of a left-handed scene in centimetres, nodes and eyes."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import load_theatre
+from tools import theatre_samples as samples
 
-TOOL = Path(__file__).parents[3] / "tools" / "theatre_samples.py"
-SPEC = importlib.util.spec_from_file_location("theatre_samples", TOOL)
-samples = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(samples)
 CORNERS = np.array([[0, 0], [1, 0], [0, 1]])
 
 

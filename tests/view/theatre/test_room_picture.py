@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.room_picture import EYE, SIZE, room_picture
 from subsea.view.theatre.test_pattern import colour_of
-from subsea.view.theatre.theatre_file import load_theatre
 
 FILE = """
 eye_cm = [{eye}, 0, 0]

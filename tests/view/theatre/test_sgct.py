@@ -1,8 +1,6 @@
 """SGCT configurations become the theatre that our own keys give, by closed forms."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,16 +9,14 @@ from PIL import Image
 from subsea.core.errors import UserError
 from subsea.view.surround import Surround, directions
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on, screen_of
 from subsea.view.theatre.sgct_views import dome_shares
-from subsea.view.theatre.theatre_file import Angles, Plane, load_theatre
+from subsea.view.theatre.theatre_file import Angles, Plane
 from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre.warp import sources_at
+from tools import theatre_samples as samples
 
-TOOL = Path(__file__).parents[3] / "tools" / "theatre_samples.py"
-SPEC = importlib.util.spec_from_file_location("theatre_samples", TOOL)
-samples = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(samples)
 CORNERS = np.array([[0, 0], [1, 0], [0, 1], [0.3, 0.8]])
 xyz = samples.xyz
 

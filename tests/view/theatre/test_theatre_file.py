@@ -8,7 +8,8 @@ from subsea.core.errors import UserError
 from subsea.core.resources import resource_names
 from subsea.view.rig import overlap
 from subsea.view.theatre.channels import usable_channels
-from subsea.view.theatre.theatre_file import FOLDER, load_theatre
+from subsea.view.theatre.load import load_theatre
+from subsea.view.theatre.theatre_file import FOLDER
 
 WINDOW = '[[window]]\nname = "a"\nsize = [640, 360]\n'
 CHANNEL = '[[channel]]\nname = "c"\nwindow = "a"\n'

@@ -15,16 +15,9 @@ from subsea.view.rig import CUBES, Projection, pose_from_angles, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import MARGIN_PX, directions
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import (
-    FOLDER,
-    Channel,
-    Cylinder,
-    Plane,
-    Theatre,
-    Window,
-    load_theatre,
-)
+from subsea.view.theatre.theatre_file import FOLDER, Channel, Cylinder, Plane, Theatre, Window
 from subsea.view.theatre.theatre_rig import MODES, shelves, theatre_rig, visible_channels
 from subsea.view.theatre.warp import sources_at
 

@@ -1,23 +1,19 @@
 """Theatres of other programs, written as files of our own, show the same."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from subsea.core.errors import UserError
 from subsea.view.theatre.channels import usable_channels
+from subsea.view.theatre.load import load_theatre
 from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_file import FOLDER, load_theatre
+from subsea.view.theatre.theatre_file import FOLDER
 from subsea.view.theatre.theatre_writer import write_theatre
 from subsea.view.theatre.warp import sources_at
+from tools import theatre_samples as samples
 
-TOOL = Path(__file__).parents[3] / "tools" / "theatre_samples.py"
-SPEC = importlib.util.spec_from_file_location("theatre_samples", TOOL)
-samples = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(samples)
 POINTS = np.random.default_rng(2).uniform(0.1, 0.9, (20, 2))
 
 
