@@ -37,6 +37,7 @@ from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
+from subsea.ui.show import BLACK, ShowScreens
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
@@ -59,6 +60,7 @@ class Dive:
         make_ticks: TickSourceMaker = LocalTicks,
         opening: Opening | None = None,
         check: Callable[[], None] = lambda: None,
+        show: ShowScreens | None = None,
     ) -> None:
         """Open the windows before loading the world, so that something shows at once.
 
@@ -71,6 +73,7 @@ class Dive:
         self.known = held(self.source)
         if options.kiosk:
             settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
+        self.show = show
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
@@ -78,6 +81,7 @@ class Dive:
         self._picture_wanted = False
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading, self._loader = True, Loader(self._wait)
+        self.pictures = 0  # of the sea, shown so far
         self._seen_tick = 0  # when the ridden fish last saw the light
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
@@ -126,6 +130,8 @@ class Dive:
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading, self._first = False, None
+            if show is not None:
+                undo.callback(show.close)
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
             self._undo = undo.pop_all()
@@ -144,6 +150,12 @@ class Dive:
     def steers_fish(self) -> bool:
         """True if the pilot steers the ridden fish."""
         return self.tick_source.steered_fish is not None
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of the picture: of a show's item, else of the scenario's directions."""
+        shown = Caption() if self.show is None else self.show.player.caption()
+        return shown if shown.opacity else caption_of(self.world, self.picture.alpha)
 
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
@@ -239,6 +251,12 @@ class Dive:
             self.note(line)
         self.world.notices.clear()
         self.sound.check()
+        if self.show is not None:
+            self.show.update(self, elapsed_s)
+            if self.show.rest():
+                self.pilot.was_active()  # nobody sees where they steer
+                self._present_black()
+                return
         self.tours.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
@@ -262,8 +280,10 @@ class Dive:
                 self.ride_fish(None)
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
         if not self.records_text:
-            self._record(elapsed_s, caption_of(self.world, picture.alpha))
+            self._record(elapsed_s, self.caption)
         self.text.draw(elapsed_s, self.tours)
+        if self.show is not None:
+            self.picture.darken(BLACK, self.show.player.shade)
         if self.records_text:
             self._record(elapsed_s)
         picture.end(self.text.vignette.opacity)
@@ -271,11 +291,15 @@ class Dive:
         if alpha is not None:
             self.tick_source.swap(picture.finish)
         self.window_set.present()
+        self.pictures += 1
         self.inspector.end_frame()
 
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
         first = self._first
+        if self.show is not None and not self._loading and self.show.player.shade >= 1.0:
+            self._present_black()  # between two items
+            return
         if self._loader.at_rest:
             self.picture.draw(clear=False, chosen=None)
             if first is not None:
@@ -285,6 +309,11 @@ class Dive:
             return
         self.text.message(text, fill=not self._loader.at_rest)
         self.window_set.present()
+
+    def _present_black(self) -> None:
+        self.picture.darken(BLACK, 1.0)
+        self.window_set.present()
+        self.pictures += 1
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""

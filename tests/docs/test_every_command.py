@@ -36,6 +36,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import ROOT, resource_names
 from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
+from subsea.dive.show_file import load_show
 from subsea.fish.photo.fitting import silhouette
 from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species
@@ -64,6 +65,8 @@ NOT_TYPED = {
     "monado-service": "there is no runtime of headsets",
     "python -m tools.check_headset_dive": "there is no runtime of headsets",
     "python -m tools.measure_headset": "it takes minutes",
+    "subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
+    ".venv/bin/subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",
@@ -121,6 +124,7 @@ SEAS = "dive", "film", "simulate", "benchmark", "soak"
 SEA_PAGES = "scenarios.md", "directing.md", "builder.md"
 SETTINGS_PAGES = ("settings.md",)
 THEATRE_PAGES = "theatre-file.md", "cluster.md"
+SHOW_PAGES = ("show.md",)
 
 SEA = """
 title = "A small sea"
@@ -420,6 +424,9 @@ def read_toml(block, folder):
         else:
             path.write_text(block.text)
         load_theatre(str(path))
+    elif block.page in SHOW_PAGES:
+        path.write_text(block.text)
+        load_show(path)
     else:
         assert block.page in SETTINGS_PAGES, "nobody knows what reads this: teach read_toml"
         path.write_text(block.text)
