@@ -220,8 +220,9 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         shared.refuse(
             options, ("tour", "follow", "eyes", "node", "fish"), "--playlist goes without {}"
         )
-        if options.changes:
-            raise UserError("--playlist goes without --set")
+        given = {word.partition("=")[0] for word in options.words}
+        for name in sorted(given & {"--scenario", "--set"}):
+            raise UserError(f"--playlist goes without {name}")
         if options.display == HEADSET:
             raise UserError(f"--playlist is for screens: expected no --display {HEADSET}")
     stereo, surround = shared.optics(options)

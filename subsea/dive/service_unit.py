@@ -13,6 +13,7 @@ from subsea.core.interrupts import INTERRUPTED
 from subsea.core.resources import is_path
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
+from subsea.dive.show_file import faults, load_show
 from subsea.dive.theatre_setup import set_up_theatre
 from subsea.dive.tick_source import tick_source_maker
 from subsea.scenario.load import load_scenario
@@ -64,6 +65,9 @@ def unit_path(node: str | None) -> Path:
 
 def check_dive(options: DiveOptions) -> None:
     """Raise a UserError if a dive with these options would end at its start."""
+    if options.playlist is not None:
+        for _, fault in faults(load_show(options.playlist), options.playlist):
+            raise fault
     scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
     check_tour(scenario, options.tour or options.settings.attract.tour)
     if (theatre := options.theatre) is not None:

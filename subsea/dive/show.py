@@ -17,7 +17,7 @@ JUMP_S = 5.0  # difference between clock and passed time that counts as a jump
 DAY = timedelta(days=1)
 
 
-class Clock(NamedTuple):
+class ShowClock(NamedTuple):
     """A moment: local time without zone, and seconds since 1970, which know no daylight saving."""
 
     local: datetime
@@ -25,7 +25,7 @@ class Clock(NamedTuple):
 
 
 class Progress(msgspec.Struct, frozen=True, kw_only=True):
-    """How far a show is."""
+    """The place in a show at a moment."""
 
     item: int = 0
     elapsed_s: float = 0.0  # since the item began
@@ -40,13 +40,13 @@ class ItemStart(NamedTuple):
     item: int
 
 
-def clock_now() -> Clock:
+def clock_now() -> ShowClock:
     """The clock of this computer."""
     now = datetime.now().astimezone()
-    return Clock(now.replace(tzinfo=None), now.timestamp())
+    return ShowClock(now.replace(tzinfo=None), now.timestamp())
 
 
-def begin(show: Show, now: Clock) -> Progress:
+def begin(show: Show, now: ShowClock) -> Progress:
     """The progress of a show that begins now: where it would be by the clock of today."""
     midnight = now.local.replace(hour=0, minute=0, second=0, microsecond=0)
     item, elapsed_s = 0, 0.0
@@ -57,7 +57,7 @@ def begin(show: Show, now: Clock) -> Progress:
 
 
 def advance(
-    show: Show, before: Progress, now: Clock, elapsed_s: float, cue: bool = False
+    show: Show, before: Progress, now: ShowClock, elapsed_s: float, cue: bool = False
 ) -> Progress:
     """The progress `elapsed_s` later, by a clock that does not jump; on a `cue` the next item.
 
@@ -76,7 +76,7 @@ def advance(
     return Progress(item=item, elapsed_s=passed, seen=seen, utc_s=now.utc_s)
 
 
-def resume(show: Show, saved: Progress, now: Clock) -> Progress:
+def resume(show: Show, saved: Progress, now: ShowClock) -> Progress:
     """The progress after a time without power: the saved one, or by the clock of a later item."""
     if not 0 <= saved.item < len(show.item) or saved.seen.date() != now.local.date():
         return begin(show, now)
@@ -85,7 +85,7 @@ def resume(show: Show, saved: Progress, now: Clock) -> Progress:
     return advance(show, saved, now, 0.0)
 
 
-def jump_s(before: Progress, now: Clock, elapsed_s: float) -> float:
+def jump_s(before: Progress, now: ShowClock, elapsed_s: float) -> float:
     """How far the clock was set forward, s; below 0: back."""
     return now.utc_s - before.utc_s - elapsed_s
 

@@ -8,8 +8,8 @@ from subsea.dive.captions import FADE_S, Caption, shown_s
 from subsea.dive.opening_hours import clock_text, is_open, spans_on
 from subsea.dive.show import (
     JUMP_S,
-    Clock,
     Progress,
+    ShowClock,
     advance,
     begin,
     clock_now,
@@ -44,7 +44,7 @@ class ShowPlayer:
         show: Show,
         tell: Callable[[str], object],
         saved: Progress | None = None,
-        clock: Callable[[], Clock] = clock_now,
+        clock: Callable[[], ShowClock] = clock_now,
     ) -> None:
         """Begin, or resume what was `saved`; `tell` gets a line on each jump of the clock."""
         self.show, self._tell, self._clock = show, tell, clock
@@ -53,7 +53,7 @@ class ShowPlayer:
         self.open = is_open(show.hours, now.local)
         self.shown: int | None = None  # the item whose sea is on the screens
         self.shade = 1.0  # of the screens
-        self._cue = False
+        self._cue, self._loaded = False, False
         self._caption_s = 0.0  # since the shown item became visible
 
     def next_cue(self) -> None:
@@ -95,6 +95,9 @@ class ShowPlayer:
         """Go on, `elapsed_s` after the last call."""
         now, before = self._clock(), self.progress
         cue, self._cue = self._cue, False
+        if not self._loaded:  # loading took time that is not of the show: the clock is right
+            before = msgspec.structs.replace(before, utc_s=now.utc_s - elapsed_s)
+            self._loaded = True
         if abs(jump := jump_s(before, now, elapsed_s)) > JUMP_S:
             way = "forward" if jump > 0.0 else "back"
             self._tell(f"the clock went {way} by {abs(jump):.0f} s; the show goes on")
@@ -136,7 +139,7 @@ class ShowPlayer:
         if not dark:
             self._caption_s += elapsed_s
 
-    def _next_opening(self, now: Clock) -> str:
+    def _next_opening(self, now: ShowClock) -> str:
         hours = self.show.hours
         later = [] if hours is None else spans_on(hours, now.local.date())
         minute = 60 * now.local.hour + now.local.minute

@@ -253,7 +253,7 @@ class Dive:
         self.sound.check()
         if self.show is not None:
             self.show.update(self, elapsed_s)
-            if self.show.rest():
+            if self.show.rest(self):
                 self.pilot.was_active()  # nobody sees where they steer
                 self._present_black()
                 return

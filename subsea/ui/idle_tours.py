@@ -103,6 +103,7 @@ class IdleTours:
         if tour is None:
             dive.tick_source.set_tour(None)
             return
+        self._visited = False
         self.timer.begin()
         dive.tick_source.set_tour(endless_tour(dive.world, tour, since_s))
         if dive.timeline is not None:

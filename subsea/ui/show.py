@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Protocol
 
 from subsea.core.errors import UserError
+from subsea.dive.live_sound import LiveSound
 from subsea.dive.show_file import Show, faults, load_show, open_item, scenario_name, show_digest
 from subsea.dive.show_player import ShowPlayer
 from subsea.dive.show_state import ShowStore, Tell
@@ -30,6 +31,7 @@ class ShownDive(Protocol):
     """The parts of a dive that a show changes."""
 
     world: World
+    sound: LiveSound
 
     @property
     def tours(self) -> ItemTours:
@@ -65,6 +67,7 @@ class ShowScreens:
         resumes = saved is not None and saved.progress.item == saved.shown == item
         resumes &= saved is not None and elapsed_s >= saved.progress.elapsed_s
         self._saved = saved if resumes else None
+        self._muted: bool | None = None  # the sound before the screens went blank
         self._fresh, self._since_s, self._since_save_s = True, 0.0, 0.0
 
     def restore(self, world: World) -> None:
@@ -91,11 +94,18 @@ class ShowScreens:
             self._since_save_s = 0.0
             self._store.save(player.progress, player.shown, lambda: snapshot.take(dive.world))
 
-    def rest(self) -> bool:
-        """Wait a moment if the screens are blank outside the opening hours."""
-        if self.player.closed:
+    def rest(self, dive: ShownDive) -> bool:
+        """Wait, and be silent, outside the opening hours; True while the screens are blank."""
+        closed, sound = self.player.closed, dive.sound
+        if closed and self._muted is None:
+            self._muted = sound.settings.mute
+            sound.change(mute=True)
+        elif not closed and self._muted is not None:
+            sound.change(mute=self._muted)
+            self._muted = None
+        if closed:
             time.sleep(REST_S)
-        return self.player.closed
+        return closed
 
     def end(self) -> None:
         """Forget the state: the operator ended the show, and the next one begins by the clock."""

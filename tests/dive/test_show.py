@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.dive.opening_hours import OpeningHours
-from subsea.dive.show import Clock, advance, begin, next_item, resume, timetable, waits_for
+from subsea.dive.show import ShowClock, advance, begin, next_item, resume, timetable, waits_for
 from subsea.dive.show_file import Show, ShowItem
 from subsea.dive.show_player import ShowPlayer
 
@@ -24,13 +24,13 @@ MORNING = Show(
 
 
 def clock(local, utc_s=None):
-    return Clock(local, (local - NINE).total_seconds() if utc_s is None else utc_s)
+    return ShowClock(local, (local - NINE).total_seconds() if utc_s is None else utc_s)
 
 
 def play(show, now, progress, seconds, step_s=1.0, **rest):
     """The progress after a time in which the clock is right."""
     for _ in range(round(seconds / step_s)):
-        now = Clock(now.local + timedelta(seconds=step_s), now.utc_s + step_s)
+        now = ShowClock(now.local + timedelta(seconds=step_s), now.utc_s + step_s)
         progress = advance(show, progress, now, step_s, **rest)
     return now, progress
 
@@ -85,7 +85,7 @@ def test_a_clock_that_jumps_never_shortens_an_item_of_a_show_without_times(jumps
     progress, passed = begin(show, now), 0.0
     for jump, elapsed_s in jumps:
         local = now.local + timedelta(seconds=jump + elapsed_s)
-        now, passed = Clock(local, now.utc_s + jump + elapsed_s), passed + elapsed_s
+        now, passed = ShowClock(local, now.utc_s + jump + elapsed_s), passed + elapsed_s
         progress = advance(show, progress, now, elapsed_s)
         at = passed % 150.0
         expected = (0, at) if at < 100.0 else (1, at - 100.0)
@@ -101,7 +101,7 @@ def test_any_clock_leaves_a_show_at_one_of_its_items(jumps):
     for jump, elapsed_s in jumps:
         before = progress
         moved = jump + elapsed_s
-        now = Clock(now.local + timedelta(seconds=moved), now.utc_s + moved)
+        now = ShowClock(now.local + timedelta(seconds=moved), now.utc_s + moved)
         progress = advance(MORNING, progress, now, elapsed_s)
         assert 0 <= progress.item < len(MORNING.item) and progress.elapsed_s >= 0.0
         if jump < -5.0:  # set back: the item goes on, or the next follows it
@@ -123,15 +123,15 @@ def test_daylight_saving_starts_an_item_once():
     show = Show(item=[ShowItem(scenario="a"), ShowItem(scenario="b", start="02:30", for_s=60.0),
                       ShowItem(scenario="c")])  # fmt: skip
     two = datetime(2026, 10, 25, 2, 0)
-    now = Clock(two, 0.0)
+    now = ShowClock(two, 0.0)
     now, progress = play(show, now, begin(show, now), 3599, 1.0)
     assert progress.item == 2
-    now = Clock(two, now.utc_s + 1.0)  # autumn: three o'clock is two again
+    now = ShowClock(two, now.utc_s + 1.0)  # autumn: three o'clock is two again
     progress = advance(show, progress, now, 1.0)
     _, progress = play(show, now, progress, 3599)
     assert progress.item == 2
-    now = Clock(datetime(2026, 3, 29, 1, 59, 59), 0.0)  # spring: half past two is left out
-    progress = advance(show, begin(show, now), Clock(datetime(2026, 3, 29, 3, 0), 1.0), 1.0)
+    now = ShowClock(datetime(2026, 3, 29, 1, 59, 59), 0.0)  # spring: half past two is left out
+    progress = advance(show, begin(show, now), ShowClock(datetime(2026, 3, 29, 3, 0), 1.0), 1.0)
     assert progress.item == 2 and progress.elapsed_s == 1740.0  # half an hour of local time
 
 
@@ -162,7 +162,7 @@ class Running:
     def go(self, seconds, step_s=0.1, jump_s=0.0):
         for _ in range(round(seconds / step_s)):
             moved = step_s + jump_s
-            self.now = Clock(self.now.local + timedelta(seconds=moved), self.now.utc_s + moved)
+            self.now = ShowClock(self.now.local + timedelta(seconds=moved), self.now.utc_s + moved)
             jump_s = 0.0
             self.player.update(step_s)
             if (due := self.player.due) is not None:
@@ -206,6 +206,7 @@ def test_screens_are_dark_between_items_and_outside_the_hours():
 
 def test_a_jump_of_the_clock_is_one_line():
     running = Running(MORNING)
+    running.now = clock(NINE + timedelta(minutes=1))  # loading took a minute
     running.go(5.0)
     assert not running.told
     running.go(1.0, jump_s=-7200.0)

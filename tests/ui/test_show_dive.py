@@ -137,6 +137,7 @@ def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
     with closing(dive) as running:
         user.glide(running, 1.0)
         assert show.player.closed and display_pixels().max() == 0
+        assert running.sound.settings.mute
         before = running.pictures, running.world.state.tick
         user.glide(running, 0.5)
         assert running.pictures > before[0]  # the watchdog stays calm
@@ -179,7 +180,14 @@ def test_the_command_checks_a_show(playlist, capsys):
 
 
 @pytest.mark.parametrize(
-    "words", [["--tour", "auto"], ["--set", "seed=1"], ["--display", "headset"], ["--fish", "3"]]
+    "words",
+    [
+        ["--tour", "auto"],
+        ["--set", "seed=1"],
+        ["--display", "headset"],
+        ["--fish", "3"],
+        ["--scenario", "visitors"],
+    ],
 )
 def test_options_that_a_show_chooses_are_refused(words, playlist, capsys):
     assert main(["dive", "--playlist", str(playlist), *words]) == 2
