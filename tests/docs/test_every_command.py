@@ -79,6 +79,7 @@ STANDS_FOR = (
     (r"--theatre NAME", "--theatre three-projectors"),
     (r"--(theatre|node) FILE", r"--\1 hall.toml"),
     (r"theatre FILE", "theatre hall.toml"),
+    (r"show FILE", "show show.toml"),
     (r"--node NAME", "--node middle"),
     (r"--tour NAME", "--tour reef"),
     (r"--settings FILE", "--settings my_settings.toml"),
@@ -172,6 +173,7 @@ class Workshop:
         for name in ("made", "my", "some", "kept"):
             (folder / name).mkdir()
         (folder / "sea.toml").write_text(SEA)
+        (folder / "show.toml").write_text('[[item]]\nscenario = "sea.toml"\n')
         (folder / "my.toml").write_text(SEA)
         (folder / "my_settings.toml").write_text("[mouse]\nsteer = false\n")
         (folder / "sardine.obj").write_text(TRIANGLE)
@@ -348,7 +350,7 @@ def shortened(words):
         short = ["sea.toml", "--seeds", "1", "--seconds", "0.2", "--jobs", "1"]
     if program == "subsea" and name in SEAS and "--paper" not in words:
         chosen = words[words.index("--scenario") + 1] if "--scenario" in words else "peaceful"
-        if not chosen.endswith(".toml"):
+        if not chosen.endswith(".toml") and "--playlist" not in words:
             assert chosen in resource_names("assets/scenarios", ".toml"), chosen
             short += ["--scenario", "sea.toml"]
         if "--theatre" in words:
