@@ -68,6 +68,8 @@ LONG = (
     "test_faults.py",
     "ui/fish_builder/test_window.py",
     "ui/test_cluster_windows.py",
+    "ui/test_kiosk_service.py",
+    "ui/test_show_dive.py",
     "motor/test_switching.py",
     "ui/skin_editor/test_window.py",
     "media/test_film.py",
@@ -113,6 +115,7 @@ def nobodys_settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         patch.setenv("LANGUAGE", "en")
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
         yield
 
 

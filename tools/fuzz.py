@@ -36,6 +36,7 @@ from subsea.core.input_files import read_input
 from subsea.core.resources import resource_path
 from subsea.dive.cluster import messages
 from subsea.dive.settings import default_text, read_settings
+from subsea.dive.show_file import load_show
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
 from subsea.fish.photo.dress import load_mesh, save_mesh
@@ -265,6 +266,23 @@ class Skin:
 
 SKIN = Skin()
 
+SHOW = b"""title = "a show"
+fade_s = 2
+[hours]
+monday = "10:00-17:30"
+friday = ["10:00-12:00", "18:00-02:00"]
+[[item]]
+scenario = "peaceful"
+tour = "reef"
+for_s = 60
+[[item]]
+start = "10:30"
+caption = "half past ten"
+[[item]]
+start = "cue"
+scenario = "some/sea.toml"
+"""
+
 KINDS = {
     "repertoire": Kind(".h5", shipped("repertoires", ".h5"), read_repertoire),
     "record": Kind(".h5", records, read_record),
@@ -281,6 +299,7 @@ KINDS = {
         ".toml", lambda unused: [resource_path("assets/swimming.toml").read_bytes()], load_measured
     ),
     "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
+    "show": Kind(".toml", lambda unused: [SHOW], load_show),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
     "snapshot": Kind(".bin", SEA.samples, SEA.read),
     "from-node": Kind(".bin", node_messages, lambda p: messages.from_node(p.read_bytes())),

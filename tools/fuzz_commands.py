@@ -2,10 +2,10 @@
 
     python tools/fuzz_commands.py [KIND…] [--rounds N] [--seed S]
 
-A command may succeed, or end with exit code 1, 2 or 130 and one line. Anything else is a finding: a
-traceback, another code, a line that is not a message, more than SECONDS. A command that shows its
-progress is ended after PATIENCE_S and counted apart. Commands that open windows get no display.
-Prints how often each exit code came; exit code 1 if there is any finding. Needs Linux.
+A command may succeed, or end with exit code 1, 2, 75 or 130 and one line. Anything else is a
+finding: a traceback, another code, a line that is not a message, more than SECONDS. A command that
+shows its progress is ended after PATIENCE_S and counted apart. Commands that open windows get no
+display. Prints how often each exit code came; exit code 1 if there is any finding. Needs Linux.
 
 A command starts as a fork of this process, which has imported the program, in a tenth of the time.
 Cases with environment variables or redirections start a new interpreter.
@@ -50,7 +50,7 @@ from subsea.study.simulate import simulate
 ROOT = Path(__file__).parents[1]
 SECONDS = 150
 PATIENCE_S = 25  # with a command that shows its progress
-CODES = 0, 1, 2, 130
+CODES = 0, 1, 2, 75, 130
 ODD_VALUES = [
     *("--", "-", "", " ", "nan", "-1", "1e400", "9" * 5000, "²", "a" * 255, "a" * 300, "é"),
     *("\udcff\udcfe", "x\ny", "/dev/null", "a=b", "a.b=1", "0x10", "%s", "{}", "~"),

@@ -4,9 +4,9 @@
 
 Starts each command and sends it Ctrl-C or SIGTERM, sometimes twice, between the first line of the
 program and its usual end, until N processes of each have received a signal. The window of a dive
-opens on a virtual display (Xvfb). A command must end with 0, 1, 2 or 130, within LIMIT_S, without a
-stack trace. Prints the counts, and the output of each process that ended in another way; the exit
-code is 1 if there was one. Needs Linux.
+opens on a virtual display (Xvfb). A command must end with 0, 1, 2, 75 or 130, within LIMIT_S,
+without a stack trace. Prints the counts, and the output of each process that ended in another way;
+the exit code is 1 if there was one. Needs Linux.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from monkey import virtual_display
 
 HERE = Path(__file__).resolve().parent.parent
 LIMIT_S = 60.0  # from the signal to the end
-CODES = 0, 1, 2, 130
+CODES = 0, 1, 2, 75, 130
 FAULTS = "Traceback", "Exception ignored", "KeyboardInterrupt", "Fatal Python error"
 
 # For a folder with a record `run.h5`.

@@ -69,6 +69,12 @@ def add(commands: Any) -> None:
         action="store_true",
         help="for exhibitions: full screen, only controls of visitors; Ctrl+Shift+Q quits",
     )
+    parser.add_argument(
+        "--playlist",
+        type=Path,
+        metavar="FILE",
+        help="a show of several scenarios, by the clock or on cue: docs/how-to/show.md",
+    )
     shared.add(parser, "fish", "seed")
     parser.add_argument(
         "--seconds", type=number_reader(float, 0.1, 86400), metavar="S", help="quit after S seconds"
@@ -85,6 +91,15 @@ def add(commands: Any) -> None:
         type=Path,
         metavar="FILE",
         help="settings file (default: see `subsea settings`)",
+    )
+    parser.add_argument(
+        "--write-unit",
+        type=Path,
+        nargs="?",
+        const=Path(),
+        metavar="FILE",
+        help="check the other options and write a systemd unit for this dive instead: "
+        "docs/how-to/operating.md (default: of this user)",
     )
     group = parser.add_argument_group("on a fish", "as by keys in a dive: docs/how-to/ride.md")
     shared.add(group, "follow")
@@ -131,11 +146,16 @@ def run(options: Namespace) -> int:
 
         settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
     chosen = _dive_options(options, settings)
+    if options.write_unit is not None:
+        from subsea.dive.service_unit import write_unit
+
+        out = None if options.write_unit == Path() else options.write_unit
+        return write_unit(options.words, chosen, out)
     with ExitStack() as undo:
         opening = None
         scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
         # Report a misspelt name before a window appears.
-        if scenario.is_file() and chosen.theatre is None:
+        if scenario.is_file() and chosen.theatre is None and chosen.playlist is None:
             from subsea.ui.first_picture import FirstPicture, picture_name
             from subsea.ui.open_windows import open_windows
             from subsea.view.display_rigs import HEADSET
@@ -197,6 +217,15 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         raise UserError("--node needs --theatre too")
     if options.no_resume and options.node is None:
         raise UserError("--no-resume needs --theatre and --node too")
+    if options.playlist is not None:
+        shared.refuse(
+            options, ("tour", "follow", "eyes", "node", "fish"), "--playlist goes without {}"
+        )
+        given = {word.partition("=")[0] for word in options.words}
+        for name in sorted(given & {"--scenario", "--set"}):
+            raise UserError(f"--playlist goes without {name}")
+        if options.display == HEADSET:
+            raise UserError(f"--playlist is for screens: expected no --display {HEADSET}")
     stereo, surround = shared.optics(options)
     return DiveOptions(
         scenario=options.scenario,
@@ -206,6 +235,7 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         seconds=options.seconds,
         tour=options.tour,
         kiosk=options.kiosk,
+        playlist=options.playlist,
         see_brightness=options.see_brightness,
         display=DisplayOptions(
             mode=options.display,

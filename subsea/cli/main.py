@@ -15,6 +15,7 @@ from subsea.cli import (
     keys,
     listing,
     settings,
+    show,
     simulate,
     skin,
     soak,
@@ -28,7 +29,7 @@ GROUPS = {
     "dive and film": (dive, film),
     "simulate and study": (simulate, study, sweep, benchmark, soak),
     "make fishes": (build, skin),
-    "scenarios and theatres": (listing, theatre, keys),
+    "scenarios and theatres": (listing, theatre, keys, show),
     "this machine": (doctor, settings),
 }
 
@@ -36,8 +37,8 @@ GROUPS = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `subsea` with these arguments (default: the process's) and return its exit code.
 
-    0 done, 1 a negative finding of `doctor`, `soak` or `theatre`, 2 an error that the user can fix
-    (one line on standard error), 130 interrupted.
+    0 done, 1 a negative finding of `doctor`, `soak` or `theatre`, 2 an error that the user can fix,
+    75 one that may also pass by itself (one line on standard error), 130 interrupted.
     """
     # A start allocates a million objects that stay: collect less often.
     gc.set_threshold(100_000)

@@ -7,6 +7,7 @@ from typing import Any
 
 from subsea.cli import options as shared
 from subsea.core.command_line import add_command, add_force, number_reader
+from subsea.core.errors import UserError
 
 
 def add(commands: Any) -> None:
@@ -19,6 +20,7 @@ def add(commands: Any) -> None:
         "display modes and theatres. Reports NaN and infinity, fishes outside the sea, inside\n"
         "rock or stuck, replays that differ, and memory leaks. Exit code 1 for any of these.",
         [
+            "subsea soak --kiosk --minutes 30",
             "subsea soak --minutes 60",
             "subsea soak --scenario open-ocean --minutes 5 --json soak.json",
             "subsea soak --scenario open-ocean --minutes 5 --compare soak.json",
@@ -30,7 +32,7 @@ def add(commands: Any) -> None:
         type=number_reader(float, 0.01, 1440),
         default=10.0,
         metavar="M",
-        help="simulated time (default 10)",
+        help="simulated time, of a kiosk real time (default 10)",
     )
     parser.add_argument(
         "--draw",
@@ -45,12 +47,27 @@ def add(commands: Any) -> None:
         metavar="FILE",
         help="compare checksums with a report of the same soak",
     )
+    group = parser.add_argument_group("a kiosk", "in real time, on this display")
+    group.add_argument(
+        "--kiosk",
+        action="store_true",
+        help="start a real kiosk, cut its power at random moments, and fill its disk",
+    )
+    group.add_argument("--playlist", type=Path, metavar="FILE", help="show of the kiosk")
     add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: Namespace) -> int:
     """Soak; 1 if anything was found."""
+    if options.kiosk:
+        from subsea.profiling.kiosk_soak import soak_kiosk
+
+        shared.refuse(options, ("json", "compare", "fish"), "soak: --kiosk goes without {}")
+        if options.changes:
+            raise UserError("soak: --kiosk goes without --set")
+        return soak_kiosk(options.scenario, options.minutes, options.seed, options.playlist)
+    shared.refuse(options, ("playlist",), "soak: {} needs --kiosk")
     from subsea.core.file_kinds import check_result
     from subsea.profiling.soak import REPORT, soak
 

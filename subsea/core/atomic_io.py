@@ -95,6 +95,30 @@ def replacing(path: Path) -> Iterator[Path]:
                 folder.rmdir()
 
 
+def remove_abandoned(path: Path) -> None:
+    """Remove partial files of `path` whose processes, of this computer, have ended.
+
+    Only for files that no other computer writes.
+    """
+    with suppress(OSError):
+        for part in path.parent.glob(f".{_short(path.name)}.*.part"):
+            number = int(part.name.split(".")[-2])
+            if part.is_file() and not _is_running(number):
+                part.unlink()
+
+
+def _is_running(process: int) -> bool:
+    if os.name != "posix":  # elsewhere a signal of 0 is not a question
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
 def _short(name: str) -> str:
     """The name, or a digest of one that is too long for a partial file."""
     data = os.fsencode(name)

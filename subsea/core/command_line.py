@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from subsea import __version__
-from subsea.core.errors import UserError, nearest, printable, unknown
+from subsea.core.errors import TransientError, UserError, nearest, printable, unknown
 from subsea.core.extras import BASE_COMMAND
 from subsea.core.interrupts import INTERRUPTED, raised_interrupts
 from subsea.core.output_streams import tolerant_output
 
+TRANSIENT = 75  # exit code of an error that may pass by itself: EX_TEMPFAIL of sysexits.h
 NAME_WIDTH = 12  # of the column of commands in the help
 
 
@@ -24,7 +25,8 @@ def run_command(program: str, run: Callable[[], int]) -> int:
     """Run a command and return the exit code of the process.
 
     The code is the return value of ``run`` (0 done, 1 a negative finding), 2 for an error that the
-    user can fix (one line on standard error), or 130 after Ctrl-C or SIGTERM.
+    user can fix, 75 for one that may also pass by itself (one line on standard error), or 130 after
+    Ctrl-C or SIGTERM.
     """
     with tolerant_output() as check, warnings.catch_warnings():
         # An unreadable setting: otherwise numba warns in ten lines.
@@ -41,7 +43,7 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             return code
         except UserError as fault:
             print(f"{program}: {fault}", file=sys.stderr)
-            return 2
+            return TRANSIENT if isinstance(fault, TransientError) else 2
         except KeyboardInterrupt as interrupt:
             print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
             return INTERRUPTED
@@ -49,7 +51,7 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             if not (reason := _reason(fault)):
                 raise
             print(f"{program}: {printable(reason)}", file=sys.stderr)
-            return 2
+            return TRANSIENT if _is_full_disk(fault) else 2
 
 
 def _check_cpu_features() -> None:
@@ -80,10 +82,13 @@ def _reason(fault: Exception) -> str | None:
         return f"{fault}; run `{BASE_COMMAND}`"
     if isinstance(fault, FileNotFoundError) and not _has_folder():
         return "the current folder was deleted; change to another one"
-    if isinstance(fault, OSError) and fault.errno in (errno.ENOSPC, errno.EDQUOT):
-        # Results or compiled code fill the disk.
+    if isinstance(fault, OSError) and _is_full_disk(fault):  # of results or compiled code
         return f"{f'{fault.filename}: ' if fault.filename else ''}{fault.strerror}"
     return None
+
+
+def _is_full_disk(fault: Exception) -> bool:
+    return isinstance(fault, OSError) and fault.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
 def _has_folder() -> bool:

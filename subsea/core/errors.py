@@ -39,6 +39,10 @@ class UserError(Exception):
         super().__init__(printable(short))
 
 
+class TransientError(UserError):
+    """An error that may pass by itself, such as a missing display: a service tries again."""
+
+
 def unreadable(path: Path, fault: OSError | ValueError) -> UserError:
     """The error for a file that cannot be opened, or is not UTF-8 text."""
     if isinstance(fault, FileNotFoundError):

@@ -16,7 +16,7 @@ Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive
 Command = Literal[
     "help", "menu", "desk", "quality", "pattern", "ride", "look", "follow", "reins", "alight",
     "lights", "instruments", "fullscreen", "pause", "slower", "faster", "tick", "rewind",
-    "picture", "film", "mute", "louder", "quieter", "language", "recentre", "leave",
+    "picture", "film", "mute", "louder", "quieter", "language", "recentre", "cue", "leave",
 ]  # fmt: skip
 ControlName = Action | Command
 ACTIONS: tuple[Action, ...] = get_args(Action)
@@ -77,6 +77,7 @@ CONTROLS: dict[ControlName, Control] = {
     "quieter": Control("sound down", ("-",)),
     "language": Control("the next language", ("X",)),
     "recentre": Control("in a headset: take the place of the head as the pilot's", ("Home",)),
+    "cue": Control("in a show: go on to the next item", ("N",)),
     "leave": Control("end the dive at once", ()),
 }  # fmt: skip
 

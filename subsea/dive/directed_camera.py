@@ -70,11 +70,11 @@ def tour_steering(world: World, tour: str) -> Steer:
     return steer_along(world, None if tour == AUTOPILOT else course_of(world.scenario, tour))
 
 
-def endless_tour(world: World, name: str) -> Steer:
+def endless_tour(world: World, name: str, since_s: float = 0.0) -> Steer:
     """Steer on a tour from now on, then by the autopilot.
 
-    A named tour starts at its beginning; directions continue from their state. The autopilot also
-    takes over if the scenario has no tour of that name.
+    A named tour starts `since_s` after its beginning; directions continue from their state. The
+    autopilot also takes over if the scenario has no tour of that name.
     """
     autopilot = Tour()
     if name == DIRECTED and is_directed(world.scenario):
@@ -83,7 +83,7 @@ def endless_tour(world: World, name: str) -> Steer:
     if name not in {tour.name for tour in world.scenario.tour}:
         return autopilot.helm
     course = course_of(world.scenario, name)
-    first, start = world.state.tick, rail_at(course, world.state, 0.0)
+    first, start = world.state.tick - since_s / TICK_S, rail_at(course, world.state, since_s)
     board(world.state.submarine, start, start)
 
     def steer(world: World) -> Helm | Rail:

@@ -61,6 +61,7 @@ class DiveOptions:
     seconds: float | None = None  # the dive ends after; None: never
     tour: str | None = None  # begins at once; None: that of the settings, after their idle time
     kiosk: bool = False
+    playlist: Path | None = None  # the file of a show, which chooses scenarios and tours
     see_brightness: bool = False  # a ridden fish reacts to the light in its eyes
     display: DisplayOptions = DisplayOptions()
     theatre: TheatreOptions | None = None

@@ -17,7 +17,8 @@ from subsea.dive.bindings import COMMANDS, CONTROLS, Bindings, Command, bindings
 
 # Commands of visitors; in a kiosk all others have no inputs.
 KIOSK_COMMANDS: tuple[Command, ...] = (
-    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "language", "leave",
+    "help", "menu", "ride", "look", "follow", "reins", "alight", "lights", "language", "cue",
+    "leave",
 )  # fmt: skip
 
 Pixels = Annotated[int, Meta(ge=64, le=8192)]
@@ -121,6 +122,9 @@ class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
         "Ctrl+Shift+Q"
     )
+    cue: Annotated[str, Meta(description="the operator's key to the next item of a show")] = (
+        "Ctrl+Shift+N"
+    )
     volume: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: of the sound, instead of `sound.volume`")
     ] = 0.6
@@ -194,6 +198,7 @@ def read_settings(path: Path) -> Settings:
         ("controls", lambda: settings.bindings),
         ("display.mode", lambda: _check_mode(settings.display.mode)),
         ("kiosk.leave", lambda: input_name(settings.kiosk.leave)),
+        ("kiosk.cue", lambda: input_name(settings.kiosk.cue)),
     ):
         try:
             check()
@@ -224,20 +229,24 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
 
 
 def kiosk_settings(settings: Settings) -> Settings:
-    """The same settings with inputs for visitors only, and the operator's key to leave.
+    """The same settings with inputs for visitors only, and the operator's keys.
 
-    A UserError if that key is an input of visitors.
+    A UserError if one of these is an input of visitors.
     """
     nothing: dict[str, list[str]] = {wish: [] for wish in COMMANDS if wish not in KIOSK_COMMANDS}
     controls = settings.controls | nothing
-    key = input_name(settings.kiosk.leave)
-    if others := bindings_of(controls | {"leave": []}).controls.get(key):
-        raise UserError(
-            f"--kiosk: {key!r} cannot be both 'leave' and {others[0]!r}, "
-            "at `kiosk.leave` of the settings"
-        )
+    keys = {name: input_name(getattr(settings.kiosk, name)) for name in ("cue", "leave")}
+    for name, key in keys.items():
+        free = controls | {"cue": [], "leave": []}
+        others: list[str] = [*bindings_of(free).controls.get(key, ())]
+        others += [other for other in keys if other > name and keys[other] == key]
+        if others:
+            raise UserError(
+                f"--kiosk: {key!r} cannot be both {name!r} and {others[0]!r}, "
+                f"at `kiosk.{name}` of the settings"
+            )
     sound = msgspec.structs.replace(settings.sound, volume=settings.kiosk.volume)
-    controls |= {"leave": [key]}
+    controls |= {name: [key] for name, key in keys.items()}
     return msgspec.structs.replace(settings, controls=controls, sound=sound)
 
 

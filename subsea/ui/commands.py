@@ -18,6 +18,7 @@ SHARED_TIME = marked("several computers show this dive: its time goes on")
 # These work while the menu is open.
 WITH_MENU: tuple[Command, ...] = (
     "fullscreen", "leave", "picture", "film", "mute", "louder", "quieter", "recentre", "language",
+    "cue",
 )  # fmt: skip
 
 
@@ -52,6 +53,7 @@ class Commands:
             "fullscreen": dive.window.toggle_fullscreen,
             "menu": self._open_menu,
             "recentre": lambda: dive.picture.recentre(),
+            "cue": self._next_cue,
             "leave": dive.window.ask_to_close,
         }
 
@@ -98,6 +100,10 @@ class Commands:
         elif not self._dive.picture.pattern:
             self._dive.window.take_keyboard()
             self._inspector.toggle()
+
+    def _next_cue(self) -> None:
+        if self._dive.show is not None:
+            self._dive.show.player.next_cue()
 
     def _toggle_pattern(self) -> None:
         self._dive.picture.show_pattern(self._dive.overlay.help_hidden)

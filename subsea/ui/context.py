@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from subsea.dive.bindings import Command
+from subsea.dive.captions import Caption
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import TickSource
@@ -15,6 +16,7 @@ from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
+from subsea.ui.show import ShowScreens
 from subsea.ui.window import GlWindow
 from subsea.world.world import World
 
@@ -37,6 +39,7 @@ class DiveContext(Protocol):
     window: GlWindow  # the pilot's
     pilot: Pilot
     tick_source: TickSource
+    show: ShowScreens | None  # None: no show is played
     see_brightness: bool  # a ridden fish reacts to the light in its eyes
 
     @property
@@ -54,6 +57,10 @@ class DiveContext(Protocol):
     @property
     def steers_fish(self) -> bool:
         """True if the pilot steers the ridden fish."""
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of the picture."""
 
     def ride_fish(self, fish: int | None, behind: bool | None = None) -> None:
         """Ride a fish from now on; None: return to the submarine."""

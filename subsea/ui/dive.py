@@ -39,6 +39,7 @@ from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
+from subsea.ui.show import BLACK, ShowScreens
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
@@ -61,6 +62,7 @@ class Dive:
         make_ticks: TickSourceMaker = LocalTicks,
         opening: Opening | None = None,
         check: Callable[[], None] = lambda: None,
+        show: ShowScreens | None = None,
     ) -> None:
         """Open the windows before loading the world, so that something shows at once.
 
@@ -75,6 +77,7 @@ class Dive:
             settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
         set_language(settings.display.language)
         self.preferences = Preferences(settings, options.settings_file, self._follow)
+        self.show = show
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self._make_ticks, self._check = make_ticks, check
@@ -82,6 +85,7 @@ class Dive:
         self._picture_wanted = False
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading, self._loader = True, Loader(self._wait)
+        self.pictures = 0  # of the sea, shown so far
         self._seen_tick = 0  # when the ridden fish last saw the light
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
@@ -128,6 +132,8 @@ class Dive:
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading, self._first = False, None
+            if show is not None:
+                undo.callback(show.close)
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
             self._undo = undo.pop_all()
@@ -163,6 +169,12 @@ class Dive:
     def _help(self, settings: Settings) -> HelpContent:
         without, worn = NOT_SHARED if self.shared else (), self.picture.head is not None
         return help_content(settings.bindings, settings.mouse.steer, without, worn)
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of the picture: of a show's item, else of the scenario's directions."""
+        shown = Caption() if self.show is None else self.show.player.caption()
+        return shown if shown.opacity else caption_of(self.world, self.picture.alpha)
 
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
@@ -258,6 +270,12 @@ class Dive:
             self.note(line)
         self.world.notices.clear()
         self.sound.check()
+        if self.show is not None:
+            self.show.update(self, elapsed_s)
+            if self.show.rest(self):
+                self.pilot.was_active()  # nobody sees where they steer
+                self._present_black()
+                return
         self.tours.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
@@ -281,8 +299,10 @@ class Dive:
                 self.ride_fish(None)
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
         if not self.records_text:
-            self._record(elapsed_s, caption_of(self.world, picture.alpha))
+            self._record(elapsed_s, self.caption)
         self.text.draw(elapsed_s, self.tours)
+        if self.show is not None:
+            self.picture.darken(BLACK, self.show.player.shade)
         if self.records_text:
             self._record(elapsed_s)
         picture.end(self.text.vignette.opacity)
@@ -290,11 +310,15 @@ class Dive:
         if alpha is not None:
             self.tick_source.swap(picture.finish)
         self.window_set.present()
+        self.pictures += 1
         self.inspector.end_frame()
 
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
         first = self._first
+        if self.show is not None and not self._loading and self.show.player.shade >= 1.0:
+            self._present_black()  # between two items
+            return
         words, colon, figures = text.partition(": ")
         text = translated(words) + colon + figures
         if self._loader.at_rest:
@@ -306,6 +330,11 @@ class Dive:
             return
         self.text.message(text, fill=not self._loader.at_rest)
         self.window_set.present()
+
+    def _present_black(self) -> None:
+        self.picture.darken(BLACK, 1.0)
+        self.window_set.present()
+        self.pictures += 1
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""

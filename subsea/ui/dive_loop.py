@@ -3,21 +3,26 @@
 import time
 from collections.abc import Sequence
 from contextlib import closing, suppress
+from dataclasses import replace
 
 from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
 from subsea.core.errors import UserError
 from subsea.core.interrupts import deferred_interrupts
 from subsea.core.language import marked
+from subsea.core.service_manager import PictureReports, notify
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
-from subsea.dive.tick_source import LocalTicks
+from subsea.dive.pilot import Pilot
+from subsea.dive.tick_source import LocalTicks, TickSource
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.ui.dive import Dive, TickSourceMaker
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
+from subsea.ui.show import ShowScreens
 from subsea.world.populate import with_total
+from subsea.world.world import World
 
 
 def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:
@@ -39,15 +44,21 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
         fish = None if fish_name is None else find_fish(fish_name, scenario)
         if options.tour is not None or kiosk:
             check_tour(scenario, options.tour or options.settings.attract.tour)
+    show = None
+    if options.playlist is not None:
+        show = ShowScreens(options.playlist, say)
+        options = replace(options, scenario=show.first_scenario)
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
         from subsea.ui.theatre_windows import theatre_windows
 
         installation, make_ticks = theatre_windows(theatre, options.display)
+    if show is not None:
+        make_ticks = restoring(show, make_ticks)
     # An interrupt raised within compiled code or the window library could be lost.
     with suppress(CancelledByUserError), deferred_interrupts() as check:
-        running = Dive(options, installation, make_ticks, opening, check)
+        running = Dive(options, installation, make_ticks, opening, check, show)
         if kiosk:
             say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
         for line in notes:
@@ -58,6 +69,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 running.commands.start_ride(start.gaze, start.colours, start.teleop)
             if start.pace is not None:
                 running.commands.set_pace(start.pace)
+            reports = PictureReports()
             begun = last = time.perf_counter()
             while running.window_set.open and (
                 options.seconds is None or last - begun < options.seconds
@@ -66,5 +78,19 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 now = time.perf_counter()
                 running.frame(now - last)
                 last = now
+                reports.update(running.pictures, running.tick_source.waiting or running.source.stem)
+            notify(STOPPING=1)
+            if show is not None:
+                show.end()
             running.show_message(marked("closing"))  # it may take seconds, and a film is completed
     return 0
+
+
+def restoring(show: ShowScreens, make_ticks: TickSourceMaker) -> TickSourceMaker:
+    """Ticks of a show, whose first sea goes on where a power cut ended it."""
+
+    def made(world: World, pilot: Pilot) -> TickSource:
+        show.restore(world)
+        return make_ticks(world, pilot)
+
+    return made

@@ -1,14 +1,17 @@
 """Start and end tours of an unattended dive, and draw over the picture."""
 
 import math
+from datetime import date
 from pathlib import Path
 from typing import Protocol
 
 from imgui_bundle import imgui
 
+from subsea.core.console import say
 from subsea.core.language import translated
 from subsea.dive.directed_camera import endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
+from subsea.dive.show_state import DiveCount
 from subsea.dive.tour import steer_along
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.ui.context import DiveContext
@@ -43,6 +46,8 @@ class IdleTours:
         self.timer = IdleTimer(after_s, leaps=False)
         self._dive, self._start, self._kiosk = dive, start, kiosk
         self._worn: bool | None = None  # the headset, in a kiosk
+        self._dives = None if kiosk is None else DiveCount(say)
+        self._visited = False  # somebody steers since the last tour
         # The autopilot and directions go on from where the submarine is: no need to fade to dark.
         leaps = name not in (AUTOPILOT, DIRECTED) or kiosk is not None
         self.timer.leaps = leaps and not dive.shared
@@ -51,6 +56,9 @@ class IdleTours:
         """Begin or end a tour, `elapsed_s` after the last frame."""
         dive, ticks = self._dive, self._dive.tick_source
         active = dive.pilot.was_active()
+        if active and not self._visited and self._dives is not None and ticks.has_pilot:
+            self._visited = True
+            self._dives.add(date.today())
         if self._kiosk is not None:
             self._kiosk.update(active, elapsed_s)
         if self._kiosk is not None and dive.picture.head is not None:
@@ -79,14 +87,41 @@ class IdleTours:
         if dive.timeline is not None:
             dive.timeline.paused = not worn
 
-    def begin(self) -> None:
-        """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""
+    def start_item(
+        self, tour: str | None, since_s: float, start: tuple[Scenario, Path, int | None] | None
+    ) -> None:
+        """Begin a tour of a show, `since_s` after its beginning; None: the pilot steers.
+
+        Later tours begin in the scenario of the `start`; None: in the one of before.
+        """
+        dive = self._dive
+        self._close_what_is_open()
+        self.name, self._start = tour or AUTOPILOT, start or self._start
+        dive.pilot.reset()
+        dive.pilot.was_active()
+        self.timer.idle_s, self.timer.touring = 0.0, False
+        if tour is None:
+            dive.tick_source.set_tour(None)
+            return
+        self._visited = False
+        self.timer.begin()
+        dive.tick_source.set_tour(endless_tour(dive.world, tour, since_s))
+        if dive.timeline is not None:
+            dive.timeline.touch()
+
+    def _close_what_is_open(self) -> None:
         dive = self._dive
         if dive.menu.open:
             dive.menu.hide()
         if dive.inspector.open:
             dive.inspector.toggle()
         dive.ride_fish(None)
+
+    def begin(self) -> None:
+        """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""
+        dive = self._dive
+        self._visited = False
+        self._close_what_is_open()
         if self._kiosk is not None:
             dive.preferences.restore()
         if self._kiosk is not None and not dive.shared:

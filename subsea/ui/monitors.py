@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
-from subsea.core.errors import UserError
+from subsea.core.errors import TransientError
 from subsea.sound.space import Layout
 from subsea.view.rig import CameraRig
 
@@ -69,14 +69,14 @@ class DesktopDisplay(NamedTuple):
 def on_display(without: str = FILM) -> Iterator[DesktopDisplay]:
     """Start the window library, and stop it in the end.
 
-    A UserError without a display, with the alternative `without` one.
+    A TransientError without a display, with the alternative `without` one.
     """
     glfw.ERROR_REPORTING = "exception"
     try:
         if not glfw.init():
             raise glfw.GLFWError("the window library cannot start")
     except glfw.GLFWError as fault:
-        raise UserError(
+        raise TransientError(
             f"no display to open a window on ({reason(fault)}); without one, {without}"
         ) from fault
     try:
@@ -116,7 +116,7 @@ def placed(
 ) -> list[tuple[int, Monitor | None]]:
     """Indices of the screens that can be shown, with the monitors that they ask for.
 
-    Screens whose monitor is missing or taken are reported and left out; a UserError if none is
+    Screens whose monitor is missing or taken are reported and left out; a TransientError if none is
     left.
     """
     found: list[tuple[int, Monitor | None]] = []
@@ -142,7 +142,7 @@ def placed(
         else:
             faults.append(f"{window}: no monitor {screen.monitor!r}; there are: {_list(connected)}")
     if not found:
-        raise UserError(faults[0])
+        raise TransientError(faults[0])
     for fault in faults:
         warn(f"{fault}; this window is left out")
     return found

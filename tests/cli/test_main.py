@@ -16,7 +16,7 @@ from subsea.study.record import read_record
 
 COMMANDS = (
     "dive", "film", "simulate", "study", "sweep", "benchmark", "soak", "build", "skin", "list",
-    "theatre", "keys", "doctor", "settings",
+    "theatre", "keys", "show", "doctor", "settings",
 )  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 

@@ -16,13 +16,14 @@ from subsea.core.command_line import (
     parse_arguments,
     run_command,
 )
-from subsea.core.errors import UserError
+from subsea.core.errors import TransientError, UserError
 
 
 @pytest.mark.parametrize(
     ("fault", "code", "line"),
     [
         (UserError("reef.toml: `seed` is -1"), 2, "diver: reef.toml: `seed` is -1"),
+        (TransientError("no display"), 75, "diver: no display"),
         (KeyboardInterrupt(), 130, "diver: interrupted"),
         (KeyboardInterrupt("7 of 9 are kept"), 130, "diver: interrupted: 7 of 9 are kept"),
         (
@@ -32,7 +33,7 @@ from subsea.core.errors import UserError
         ),
         (
             OSError(errno.ENOSPC, "No space left on device", "/cache/x.nbi"),
-            2,
+            75,
             "diver: /cache/x.nbi: No space left on device",
         ),
     ],

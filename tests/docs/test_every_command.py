@@ -36,6 +36,7 @@ from subsea.core.errors import UserError
 from subsea.core.resources import ROOT, resource_names
 from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
+from subsea.dive.show_file import load_show
 from subsea.fish.photo.fitting import silhouette
 from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species
@@ -66,6 +67,8 @@ NOT_TYPED = {
     "python -m tools.check_headset_dive": "there is no runtime of headsets",
     "python -m tools.measure_headset": "it takes minutes",
     "subsea theatre --new --out": "it asks on a terminal; tests/dive/test_theatre_plan.py answers",
+    "subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
+    ".venv/bin/subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",
@@ -78,6 +81,7 @@ STANDS_FOR = (
     (r"--theatre NAME", "--theatre three-projectors"),
     (r"--(theatre|node) FILE", r"--\1 hall.toml"),
     (r"theatre FILE", "theatre hall.toml"),
+    (r"show FILE", "show show.toml"),
     (r"--node NAME", "--node middle"),
     (r"--tour NAME", "--tour reef"),
     (r"--settings FILE", "--settings my_settings.toml"),
@@ -123,6 +127,7 @@ SEAS = "dive", "film", "simulate", "benchmark", "soak"
 SEA_PAGES = "scenarios.md", "directing.md", "builder.md"
 SETTINGS_PAGES = ("settings.md",)
 THEATRE_PAGES = "theatre-file.md", "cluster.md"
+SHOW_PAGES = ("show.md",)
 
 SEA = """
 title = "A small sea"
@@ -170,6 +175,7 @@ class Workshop:
         for name in ("made", "my", "some", "kept"):
             (folder / name).mkdir()
         (folder / "sea.toml").write_text(SEA)
+        (folder / "show.toml").write_text('[[item]]\nscenario = "sea.toml"\n')
         (folder / "my.toml").write_text(SEA)
         (folder / "my_settings.toml").write_text("[mouse]\nsteer = false\n")
         (folder / "sardine.obj").write_text(TRIANGLE)
@@ -347,7 +353,7 @@ def shortened(words):
         short = ["sea.toml", "--seeds", "1", "--seconds", "0.2", "--jobs", "1"]
     if program == "subsea" and name in SEAS and "--paper" not in words:
         chosen = words[words.index("--scenario") + 1] if "--scenario" in words else "peaceful"
-        if not chosen.endswith(".toml"):
+        if not chosen.endswith(".toml") and "--playlist" not in words:
             assert chosen in resource_names("assets/scenarios", ".toml"), chosen
             short += ["--scenario", "sea.toml"]
         if "--theatre" in words:
@@ -423,6 +429,9 @@ def read_toml(block, folder):
         else:
             path.write_text(block.text)
         load_theatre(str(path))
+    elif block.page in SHOW_PAGES:
+        path.write_text(block.text)
+        load_show(path)
     else:
         assert block.page in SETTINGS_PAGES, "nobody knows what reads this: teach read_toml"
         path.write_text(block.text)

@@ -1,5 +1,6 @@
 """Sockets of master and nodes, with keys and limits."""
 
+import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import zmq
 from zmq.utils.monitor import parse_monitor_message
 
-from subsea.core.errors import UserError
+from subsea.core.errors import TransientError, UserError
 from subsea.dive.cluster.gate import Gate
 from subsea.dive.cluster.keys import Keys
 from subsea.view.theatre.node_names import parse_address
@@ -95,12 +96,17 @@ def failed(monitor: Any) -> int:
 
 @contextmanager
 def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
-    """Turn a ZMQError into a UserError and close the socket, so that its context can end."""
+    """Turn a ZMQError into a UserError and close the socket, so that its context can end.
+
+    At power-on the network may come later than the dive: that error is a TransientError.
+    """
     try:
         yield
     except zmq.ZMQError as reason:
         socket.close(0)
-        raise UserError(f"{fault} ({reason.strerror})") from reason
+        late = reason.errno in (errno.EADDRNOTAVAIL, errno.ENODEV, errno.EADDRINUSE)
+        kind = TransientError if late else UserError
+        raise kind(f"{fault} ({reason.strerror})") from reason
 
 
 def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
