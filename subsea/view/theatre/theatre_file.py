@@ -9,12 +9,13 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from subsea.core.addresses import parse_address
 from subsea.core.errors import UserError, unknown
 from subsea.core.resources import named_or_file
 from subsea.core.toml_files import error_at, load_toml
 from subsea.view.rig import Rect, overlap
 from subsea.view.surround import ALL_ROUND
-from subsea.view.theatre.node_names import NAME, parse_address
+from subsea.view.theatre.node_names import NAME
 
 FOLDER = "assets/theatres"
 MOST_WINDOWS, MOST_LOUDSPEAKERS = 32, 32
