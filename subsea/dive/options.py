@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
+
+if TYPE_CHECKING:  # loaded only for a console
+    from subsea.console.options import ConsoleOptions
 
 RetinaColours = Literal["colours", "identity", "range"]
 RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
@@ -65,3 +68,4 @@ class DiveOptions:
     theatre: TheatreOptions | None = None
     start: StartOptions = StartOptions()
     settings: Settings = DEFAULTS
+    console: "ConsoleOptions | None" = None  # the presenter's

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from subsea.dive.bindings import Command
+from subsea.dive.captions import Caption
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import TickSource
@@ -69,6 +70,10 @@ class DiveContext(Protocol):
 
     def note(self, text: str) -> None:
         """Show a line on the terminal, and for a while in the window."""
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of this picture."""
 
     def take_picture(self) -> None:
         """Save a picture of the next frame."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
@@ -12,6 +13,7 @@ from subsea.core.errors import UserError
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
+from subsea.dive.fault_log import FaultLog
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
@@ -45,6 +47,10 @@ from subsea.world.migrate import migrate
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
+if TYPE_CHECKING:  # loaded only for a console
+    from subsea.ui.remote_control import RemoteControl
+
+BLACK = 0.0, 0.0, 0.0
 LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 TickSourceMaker = Callable[[World, Pilot], TickSource]
 
@@ -79,6 +85,9 @@ class Dive:
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading, self._loader = True, Loader(self._wait)
         self._seen_tick = 0  # when the ridden fish last saw the light
+        self.faults = FaultLog()
+        self.remote: RemoteControl | None = None  # the presenter's, if a console is open
+        self._patterned = False  # what a presenter last wanted
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
@@ -90,7 +99,7 @@ class Dive:
             undo.callback(opening.close)
             speakers = None if installation is None else installation.loudspeakers
             self.sound = LiveSound(
-                settings.sound, lambda text: self.overlay.note(text), say, speakers
+                settings.sound, lambda text: self.overlay.note(text), self.faults.say, speakers
             )
             undo.callback(self.sound.close)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
@@ -149,14 +158,23 @@ class Dive:
         """Run the command as a key bound to it does."""
         self.commands.run(command)
 
-    def _caption(self, text: str) -> None:
-        """Show a line for a while in the window only."""
-        self.overlay.note(text)
-
     def note(self, text: str) -> None:
         """Show a line on the terminal, and for a while in the window."""
         say(text)
         self.overlay.note(text)
+
+    def note_fault(self, text: str) -> None:
+        """Note a fault after which the dive goes on, for its presenter too."""
+        self.note(text)
+        self.faults.add(text)
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of this picture: the presenter's, else that of the directions."""
+        shown = self.tick_source.presented
+        if shown.caption:
+            return Caption(shown.caption, shown.opacity)
+        return caption_of(self.world, self.picture.alpha)
 
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
@@ -178,7 +196,7 @@ class Dive:
             else:
                 world = self._loader.create(scenario, source, seed)
         except UserError as fault:
-            self.note(str(fault))
+            self.note_fault(str(fault))
             return False
         self.ride_fish(None)
         self._of_world.close()
@@ -215,7 +233,7 @@ class Dive:
         except HeadsetLostError as fault:
             self.picture.take_off()
             self.sound.head = at_rest
-            self.note(f"{fault}; {GOES_ON}")
+            self.note_fault(f"{fault}; {GOES_ON}")
 
     def _look_for_headset(self, elapsed_s: float) -> None:
         """Put on the headset of a kiosk again, some time after it was lost."""
@@ -239,6 +257,8 @@ class Dive:
             self.note(line)
         self.world.notices.clear()
         self.sound.check()
+        if self.remote is not None:
+            self.remote.update(elapsed_s)
         self.tours.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
@@ -251,6 +271,10 @@ class Dive:
             return  # nothing new to draw
         start += self.tick_source.idle_s
         picture, ride = self.picture, self.picture.ride
+        if self._patterned != (patterned := self.tick_source.presented.pattern):
+            self._patterned = patterned
+            if picture.pattern != patterned:
+                picture.show_pattern(self.overlay.help_hidden)
         picture.alpha = picture.alpha if alpha is None else alpha
         last_eye, picture.eye = picture.eye, self.tick_source.eye()
         if is_cut(last_eye, picture.eye, RATES[-1] * elapsed_s):
@@ -262,10 +286,14 @@ class Dive:
                 self.ride_fish(None)
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
         if not self.records_text:
-            self._record(elapsed_s, caption_of(self.world, picture.alpha))
+            self._record(elapsed_s, self.caption)
         self.text.draw(elapsed_s, self.tours)
         if self.records_text:
             self._record(elapsed_s)
+        if (blank := self.tick_source.presented.blank) > 0.0:
+            picture.darken(BLACK, blank)
+        if self.remote is not None:
+            self.remote.look()
         picture.end(self.text.vignette.opacity)
         picture.adapt_quality(time.perf_counter() - start)
         if alpha is not None:
@@ -284,10 +312,14 @@ class Dive:
             self._opening.show(text)
             return
         self.text.message(text, fill=not self._loader.at_rest)
+        if self.remote is not None:
+            self.picture.darken(BLACK, self.remote.presented.blank)
         self.window_set.present()
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""
+        if self.remote is not None:
+            self.remote.close()
         self._undo.close()
 
     def _show_world(
@@ -305,6 +337,8 @@ class Dive:
                 self._loader.wake(world)
             self.tick_source = self._make_ticks(world, self.pilot)
             undo.callback(self._close_ticks)
+            if self.remote is not None:
+                self.tick_source.presented = self.remote.presented
             self.tick_source.resume(check)
             if tour is not None:
                 # Before other computers join: a tour puts the submarine at its beginning.
@@ -346,6 +380,8 @@ class Dive:
     def _wait(self, message: str | None) -> None:
         """Handle events while loading and show a message; raise if the visitor leaves."""
         self._check()
+        if self.remote is not None:
+            self.remote.beat()
         commands = self.window_set.poll()
         if "leave" in commands:
             self.window.ask_to_close()

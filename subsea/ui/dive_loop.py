@@ -51,6 +51,10 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
             say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
         for line in notes:
             running.overlay.note(line)
+        if options.console is not None:
+            from subsea.ui.remote_control import open_console
+
+            open_console(running, options.console)
         with closing(running):
             if fish is not None:
                 running.ride_fish(fish, behind=start.eyes is None)

@@ -6,9 +6,9 @@ from typing import Protocol
 
 from imgui_bundle import imgui
 
-from subsea.dive.directed_camera import endless_tour, is_directed, is_over
+from subsea.core.errors import UserError
+from subsea.dive.directed_camera import check_tour, endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
-from subsea.dive.tour import steer_along
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
@@ -39,7 +39,7 @@ class IdleTours:
 
         In a `kiosk` it begins in the world of the `start`: a scenario, its file and the seed.
         """
-        self.name = name
+        self.name = self.current = name  # of an idle dive, and of the last tour
         self.timer = IdleTimer(after_s, leaps=False)
         self._dive, self._start, self._kiosk = dive, start, kiosk
         self._worn: bool | None = None  # the headset, in a kiosk
@@ -80,24 +80,52 @@ class IdleTours:
             dive.timeline.paused = not worn
 
     def begin(self) -> None:
-        """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""
+        """Close what is open, and begin the tour; in a kiosk, in the scenario of its start."""
+        dive = self._dive
+        self._close_panels()
+        if self._kiosk is not None and not dive.shared:
+            dive.picture.colours = "colours"
+            dive.open_world(*self._start)
+        dive.overlay.greet()  # the next visitor sees the help again
+        if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
+            follows = self.name == DIRECTED and is_directed(dive.world.scenario)
+            self._steer(self.name if follows else AUTOPILOT)
+        else:
+            self._steer(self.name)
+
+    def start(self, name: str) -> None:
+        """Begin a tour of this scenario for a presenter; a UserError if it is unknown.
+
+        In a cluster only the autopilot and directions: other tours begin elsewhere.
+        """
+        check_tour(self._dive.world.scenario, name)
+        if self._dive.shared and name not in (AUTOPILOT, DIRECTED):
+            raise UserError(
+                f"tour {name!r} begins elsewhere, but several computers show this dive: "
+                f"expected {AUTOPILOT!r} or {DIRECTED!r}"
+            )
+        self._close_panels()
+        self._steer(name)
+        self.timer.begin()
+
+    def stop(self) -> None:
+        """End the tour, as input does."""
+        self.timer.end()
+        self._dive.tick_source.set_tour(None)
+
+    def _close_panels(self) -> None:
         dive = self._dive
         if dive.menu.open:
             dive.menu.hide()
         if dive.inspector.open:
             dive.inspector.toggle()
         dive.ride_fish(None)
-        if self._kiosk is not None and not dive.shared:
-            dive.picture.colours = "colours"
-            dive.open_world(*self._start)
+
+    def _steer(self, name: str) -> None:
+        dive = self._dive
         dive.pilot.reset()
-        dive.overlay.greet()  # the next visitor sees the help again
-        if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
-            follows = self.name == DIRECTED and is_directed(dive.world.scenario)
-            tour = endless_tour(dive.world, self.name) if follows else steer_along(dive.world, None)
-            dive.tick_source.set_tour(tour)
-            return
-        dive.tick_source.set_tour(endless_tour(dive.world, self.name))
+        self.current = name
+        dive.tick_source.set_tour(endless_tour(dive.world, name))
         if dive.timeline is not None:
             dive.timeline.touch()
             dive.timeline.run_at(1.0)

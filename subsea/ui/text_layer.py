@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.dive.captions import caption_of
 from subsea.dive.settings import Settings
 from subsea.frame.labels import Label
 from subsea.ui import subtitles
@@ -44,7 +43,7 @@ class TextLayer:
         self._begin()
         _draw_labels(picture.labels, picture.front_view)
         if not self._menu.open:  # nor draw a caption behind the help
-            caption = caption_of(dive.world, picture.alpha)
+            caption = dive.caption
             opacity = caption.opacity * (1.0 - overlay.covered)
             subtitles.draw(caption._replace(opacity=opacity), picture.rig)
         if dive.tick_source.has_pilot:
