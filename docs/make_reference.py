@@ -1,7 +1,7 @@
-"""Write the tables of commands.md, settings.md and state.md: `python docs/make_reference.py`.
+"""Write the tables of the reference: `python docs/make_reference.py`.
 
-From the programs' parsers, the types of the settings and the declarations of the state. A test
-fails when a page is out of date.
+From the programs' parsers, the types of the settings, the console's commands and the declarations
+of the state. A test fails when a page is out of date.
 """
 
 import argparse
@@ -18,6 +18,7 @@ from msgspec import inspect
 
 import capture.cli.main
 import subsea.cli.main
+from subsea.console import commands as console
 from subsea.core.atomic_io import replacing
 from subsea.core.command_line import NumberReader
 from subsea.dive.bindings import CONTROLS
@@ -133,7 +134,9 @@ def names(action: argparse.Action) -> str:
     """The syntax of an argument or option."""
     if not action.option_strings:
         return f"`{cell(usage(action))}`"
-    value = "" if action.nargs == 0 else f" {action.metavar or '|'.join(action.choices or ())}"
+    value = action.metavar or "|".join(action.choices or ())
+    value = " ".join(value) if isinstance(value, tuple) else value
+    value = "" if action.nargs == 0 else f" [{value}]" if action.nargs == "?" else f" {value}"
     return ", ".join(f"`{option}{cell(value)}`" for option in action.option_strings)
 
 
@@ -224,7 +227,17 @@ def state() -> Iterator[str]:
     yield ""
 
 
+def console_commands() -> Iterator[str]:
+    """List the commands of the presenter's console."""
+    yield from ("", "| command | what | keys |", "| --- | --- | --- |")
+    for one in console.described():
+        keys = [f"`{key['name']}`: {key['about']}" for key in one["parameters"]]
+        yield f"| `{one['command']}` | {one['what']} | {'; '.join(keys)} |"
+    yield ""
+
+
 MADE = {
+    "reference/console.md": console_commands,
     "reference/commands.md": commands,
     "reference/settings.md": settings,
     "developers/state.md": state,

@@ -1,6 +1,7 @@
 """`subsea dive`: pilot the submarine in a window."""
 
 import argparse
+import dataclasses
 import gc
 import os
 import sys
@@ -112,6 +113,43 @@ def add(commands: Any) -> None:
     )
     group.add_argument("--reins", action="store_true", help="steer the fish")
     shared.add(group, "see-brightness")
+    group = parser.add_argument_group(
+        "presenter's console", "a page for a tablet at the side: docs/how-to/console.md"
+    )
+    group.add_argument(
+        "--console",
+        nargs="?",
+        const="127.0.0.1:8880",
+        metavar="ADDRESS:PORT",
+        help="serve the page there (default: 127.0.0.1:8880, for this computer only)",
+    )
+    group.add_argument(
+        "--console-tls",
+        nargs=2,
+        type=Path,
+        metavar=("CERTIFICATE", "KEY"),
+        help="PEM files for an address that other computers reach",
+    )
+    group.add_argument(
+        "--console-token",
+        type=Path,
+        metavar="FILE",
+        help="file of the token that the page asks for (default: for other computers, one that is "
+        "generated in the folder of the settings)",
+    )
+    group.add_argument(
+        "--console-name",
+        action="append",
+        metavar="HOST",
+        help="a name in the network under which the page may be called",
+    )
+    group.add_argument(
+        "--console-osc",
+        nargs="?",
+        const="127.0.0.1:8881",
+        metavar="ADDRESS:PORT",
+        help="take commands by OSC there (default: 127.0.0.1:8881), beside the page",
+    )
     # Options that are not given come from the settings.
     parser.set_defaults(run=run, display=None, quality=None)
 
@@ -151,6 +189,18 @@ def run(options: Namespace) -> int:
 
         out = None if options.write_unit == Path() else options.write_unit
         return write_unit(options.words, chosen, out)
+    if options.console is not None:
+        from subsea.console.options import console_options
+        from subsea.core.extras import require
+
+        require("console", "--console")
+        console, lines = console_options(
+            options.console, options.console_osc, options.console_token, options.console_tls,
+            tuple(options.console_name or ()),
+        )  # fmt: skip
+        for line in lines:
+            say(line)
+        chosen = dataclasses.replace(chosen, console=console)
     with ExitStack() as undo:
         opening = None
         scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
@@ -203,6 +253,12 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     if not (options.follow or options.eyes):
         names = ("gaze", "look", "reins")
         shared.refuse(options, names, "dive: {} needs --eyes FISH or --follow FISH")
+    if options.console is None:
+        shared.refuse(
+            options,
+            ("console-tls", "console-token", "console-name", "console-osc"),
+            "dive: {} needs --console",
+        )
     shared.settle_size(options)
     theatre = None
     if options.theatre is not None and options.display == HEADSET:

@@ -16,10 +16,11 @@ EXTRAS = {
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
     "headset": {"xr": "pyopenxr"},
+    "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
-BENCH = "headset", "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
+BENCH = "console", "headset", "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
 
 
 def install_command(extra: str) -> str:

@@ -15,11 +15,11 @@ clusters include it. Of direction `k` of `scenario.direction`, a reader finds th
 
 import numpy as np
 
-from subsea.directing.events import triggered_cast
+from subsea.directing.events import cast_of, triggered_cast
 from subsea.directing.influences import advance, start
 from subsea.directing.script import DirectingContext, Script
 from subsea.scenario.schema import Scenario
-from subsea.state import Clock, Nature, State
+from subsea.state import NOBODY, Clock, Nature, State
 
 
 def direct(
@@ -36,6 +36,14 @@ def direct(
         if log.running[k]:
             log.running[k] = advance(context, int(k))
     log.alive[:], log.courtship[:] = state.fishes.alive, state.minds.courtship
+
+
+def cue(context: DirectingContext, k: int) -> None:
+    """Start direction k in the coming tick, whatever its conditions.
+
+    Its fishes are those of its event, if that happens now, else nobody.
+    """
+    start(context, k, cast_of(context, k) or (NOBODY, NOBODY))
 
 
 def latest(scenario: Scenario, state: State, what: str) -> int | None:

@@ -25,7 +25,7 @@ def triggered_cast(context: DirectingContext, k: int) -> Cast | None:
     if log.times[k] and one.once and one.every_s is None:
         return None
     since = _watched_since(context, k)
-    cast = None if since is None else _cast_of(context, k)
+    cast = None if since is None else cast_of(context, k)
     begins = since is not None and cast is not None and _begins(context, k, since)
     log.ready[k] = cast is not None
     return cast if begins else None
@@ -53,7 +53,7 @@ def _begins(context: DirectingContext, k: int, since: int) -> bool:
     return not one.once and bool(again)
 
 
-def _cast_of(context: DirectingContext, k: int) -> Cast | None:
+def cast_of(context: DirectingContext, k: int) -> Cast | None:
     """The fishes of direction k if its event happens and few enough are left."""
     cue, state = context.script.cues[k], context.state
     one = cue.direction

@@ -20,6 +20,10 @@ class IdleTimer:
         """Start a tour now."""
         self.touring, self.toured_s = True, 0.0
 
+    def end(self) -> None:
+        """End the tour, and wait for the whole time again."""
+        self.touring, self.idle_s = False, 0.0
+
     def update(
         self, active: bool, dt: float, allowed: bool = True
     ) -> Literal["begin", "end"] | None:

@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
+
+if TYPE_CHECKING:  # loaded only for a console
+    from subsea.console.options import ConsoleOptions
 
 RetinaColours = Literal["colours", "identity", "range"]
 RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
@@ -68,3 +71,4 @@ class DiveOptions:
     start: StartOptions = StartOptions()
     settings: Settings = DEFAULTS
     settings_file: Path | None = None  # which a visitor's changes go to
+    console: "ConsoleOptions | None" = None  # the presenter's

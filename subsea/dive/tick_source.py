@@ -6,11 +6,14 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from subsea.behavior.teleop import TeleopCommand
 from subsea.core.console import say
 from subsea.dive.clock import TickClock
 from subsea.dive.pilot import Pilot
 from subsea.dive.prediction import Prediction
+from subsea.dive.presented import NOTHING, Presented
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
 from subsea.submarine.helm import NEUTRAL, Helm
@@ -29,6 +32,20 @@ PATIENCE_S = 0.02  # a follower waits for the next picture before it handles win
 HOLD_S = 0.25  # the same while the master is silent
 
 
+class NodeStatus(msgspec.Struct, frozen=True):
+    """A node of a cluster, and how long the master waited for it."""
+
+    name: str
+    connected: bool
+    in_step: bool
+    last_ms: float  # of the last picture
+    mean_ms: float
+    longest_ms: float
+    late: int  # times that the master went on without it
+    dropped: int  # lost connections
+    diverged: int  # times that its world differed
+
+
 class TickSource(ABC):
     """Makes the ticks of each picture, and synchronises when it is shown."""
 
@@ -39,6 +56,7 @@ class TickSource(ABC):
     steering: "SteeringSource | None" = None  # None: the master steers
     waiting = ""  # the cause of a wait; empty while the dive runs
     idle_s = 0.0  # time that the last call of `advance` spent waiting
+    presented: Presented = NOTHING  # over the sea; of a cluster, the master's
 
     @abstractmethod
     def advance(self, elapsed_s: float) -> float | None:
@@ -65,6 +83,10 @@ class TickSource(ABC):
 
     def swap(self, drawn: Callable[[], None]) -> None:  # noqa: B027 - one computer never waits
         """Wait until the picture may be shown; `drawn` waits until it is drawn."""
+
+    def nodes(self) -> list[NodeStatus]:
+        """The nodes that a master leads."""
+        return []
 
     def close(self) -> list[str]:
         """End the dive; returns lines to report."""
@@ -147,6 +169,7 @@ class LeaderTicks(TickSource):
     def advance(self, elapsed_s: float) -> float:
         """Make the ticks that are due, here and on all nodes."""
         ticks = self.steering.ticks(self._clock.advance(elapsed_s))
+        self._master.presented = self.presented
         # The pilot's commands do not depend on the world: they can be sent ahead of the ticks.
         self._master.picture(ticks if self.steering.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
@@ -159,6 +182,23 @@ class LeaderTicks(TickSource):
         """Wait until all nodes have drawn."""
         drawn()
         self._master.swap()
+
+    def nodes(self) -> list[NodeStatus]:
+        """All nodes of the theatre but the master's own."""
+        return [
+            NodeStatus(
+                name=one.name,
+                connected=one.route is not None,
+                in_step=one.in_step,
+                last_ms=1e3 * one.waits.recent_s[-1] if one.waits.frames else 0.0,
+                mean_ms=1e3 * one.waits.mean_s,
+                longest_ms=1e3 * one.waits.longest_s,
+                late=one.waits.late,
+                dropped=one.waits.dropped,
+                diverged=one.waits.diverged,
+            )
+            for one in self._master.nodes.values()
+        ]
 
     def close(self) -> list[str]:
         """Report the wait times for each node."""
@@ -186,6 +226,7 @@ class FollowerTicks(TickSource):
             alpha = self._clock.alpha
         self.idle_s = time.perf_counter() - start
         self._alpha = self._alpha if alpha is None else alpha
+        self.presented = self._node.presented
         return alpha
 
     def eye(self) -> CameraPose:
@@ -204,9 +245,12 @@ class FollowerTicks(TickSource):
         return []
 
 
+TickSourceMaker = Callable[[World, Pilot], TickSource]
+
+
 def tick_source_maker(
     theatre: Theatre, path: Path, node: str | None, view: Mapping[str, str], resumes: bool = True
-) -> Callable[[World, Pilot], TickSource]:
+) -> TickSourceMaker:
     """The maker of the tick source on the computer `node` of a theatre.
 
     None: this computer shows all windows. `view` names parts of theatre and display that are equal

@@ -32,6 +32,7 @@ class ScreenCapture:
     ) -> None:
         """Write into `folder`, created when first needed; `tell` shows a line."""
         self._folder, self._tell, self._now = folder, tell, now
+        self.wanted = False  # a picture of the next screen
         self._film: ExitStack | None = None  # while recording
         self._write: Write
         self._path = folder
@@ -80,7 +81,13 @@ class ScreenCapture:
         self._tell(f"filming: {self._path}")
 
     def frame(self, pixels: Pixels, elapsed_s: float) -> None:
-        """Add pixels shown `elapsed_s` after the last ones; a film has FPS frames a second."""
+        """Write the picture that is wanted, and add to the film.
+
+        The pixels are shown `elapsed_s` after the last ones; a film has FPS frames a second.
+        """
+        if self.wanted:
+            self.wanted = False
+            self.picture(pixels)
         if self._film is None:
             return
         width, height = self._size

@@ -73,9 +73,6 @@ class DiveContext(Protocol):
         With `keep` the submarine and everything alive keep their state.
         """
 
-    def keep_preferences(self) -> None:
-        """Write what a visitor changed into the settings file; a fault is noted."""
-
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
 

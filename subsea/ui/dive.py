@@ -4,7 +4,9 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from subsea.core.background import CancelledByUserError
 from subsea.core.console import say
@@ -13,12 +15,13 @@ from subsea.core.language import marked, set_language, translated
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
+from subsea.dive.fault_log import FaultLog
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
-from subsea.dive.pilot import Pilot
+from subsea.dive.presented import NOTHING
 from subsea.dive.ride import Ride
-from subsea.dive.settings import Settings, kiosk_settings
-from subsea.dive.tick_source import LocalTicks, TickSource
+from subsea.dive.settings import kiosk_settings
+from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.headset.session import HeadsetLostError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
@@ -27,8 +30,8 @@ from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.sound.listening import at_rest
 from subsea.ui.commands import Commands
-from subsea.ui.headset_display import GOES_ON, put_on
-from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
+from subsea.ui.headset_display import GOES_ON, HeadsetDisplay, LostHeadset, put_on
+from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.kiosk import Kiosk
@@ -38,8 +41,8 @@ from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
-from subsea.ui.preferences import Preferences
-from subsea.ui.show import BLACK, ShowScreens
+from subsea.ui.preferences import Preferences, follow, help_of
+from subsea.ui.show import ShowScreens
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
@@ -48,8 +51,8 @@ from subsea.world.migrate import migrate
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
-LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
-TickSourceMaker = Callable[[World, Pilot], TickSource]
+if TYPE_CHECKING:  # loaded only for a console
+    from subsea.ui.remote_control import RemoteControl
 
 
 class Dive:
@@ -76,17 +79,18 @@ class Dive:
         if options.kiosk:
             settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
         set_language(settings.display.language)
-        self.preferences = Preferences(settings, options.settings_file, self._follow)
+        self.preferences = Preferences(settings, options.settings_file, partial(follow, self))
         self.show = show
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
+        self.overlay: Overlay
         self._make_ticks, self._check = make_ticks, check
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
-        self._picture_wanted = False
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading, self._loader = True, Loader(self._wait)
         self.pictures = 0  # of the sea, shown so far
-        self._seen_tick = 0  # when the ridden fish last saw the light
+        self.faults = FaultLog()
+        self.remote: RemoteControl | None = None  # the presenter's, if a console is open
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
@@ -96,19 +100,18 @@ class Dive:
         self.window = self.window_set.front
         with ExitStack() as undo:
             undo.callback(opening.close)
-            speakers = None if installation is None else installation.loudspeakers
+            speakers = installation and installation.loudspeakers
             self.sound = LiveSound(
-                settings.sound, lambda text: self.overlay.note(text), say, speakers
+                settings.sound, lambda text: self.overlay.note(text), self.faults.say, speakers
             )
             undo.callback(self.sound.close)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
-            undo.callback(self.keep_preferences)
+            undo.callback(lambda: self.preferences.keep(self.note))
             head = None
-            self._seeks, self._looked_s = options.kiosk and display.mode == HEADSET, 0.0
+            self._lost_headset = LostHeadset(options.kiosk and display.mode == HEADSET)
             if display.mode == HEADSET:
                 try:
-                    head = put_on(self.window_set, self.gui, self.note)
-                    self.sound.head = head.pose
+                    head = self._put_on()
                 except UserError as fault:
                     self.note(f"{fault}; {GOES_ON}")
             self.picture = ScenePicture(self.window_set, opening.rig, display, head)
@@ -123,12 +126,12 @@ class Dive:
             self._wait(marked("starting OpenGL"))
             self._of_world = ExitStack()  # closed when the world is replaced
             undo.callback(lambda: self._of_world.close())
-            first_tour = None if options.tour is None else tour
-            self._show_world(self.world, lambda: self._wait(None), first_tour)
+            self._show_world(self.world, lambda: self._wait(None), options.tour)
             self._wait(None)
-            self.overlay.help = self._help(settings)
-            idle_s = 60.0 * settings.attract.after_min
-            self.tours = IdleTours(self, tour, idle_s, start, self._kiosk)
+            self.overlay.help = help_of(self, settings)
+            self.tours = IdleTours(
+                self, tour, 60.0 * settings.attract.after_min, start, self._kiosk
+            )
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading, self._first = False, None
@@ -153,45 +156,31 @@ class Dive:
         """True if the pilot steers the ridden fish."""
         return self.tick_source.steered_fish is not None
 
-    def keep_preferences(self) -> None:
-        """Write what a visitor changed into the settings file; a fault is noted."""
-        try:
-            self.preferences.save()
-        except UserError as fault:
-            self.note(str(fault))
-
-    def _follow(self, settings: Settings) -> None:
-        """Follow settings that a visitor changed."""
-        self.pilot.settings, self.pilot.bindings = settings, settings.bindings
-        self.text.set_comfort(settings.comfort)
-        self.overlay.help = self._help(settings)
-
-    def _help(self, settings: Settings) -> HelpContent:
-        without, worn = NOT_SHARED if self.shared else (), self.picture.head is not None
-        return help_content(settings.bindings, settings.mouse.steer, without, worn)
-
-    @property
-    def caption(self) -> Caption:
-        """The caption of the picture: of a show's item, else of the scenario's directions."""
-        shown = Caption() if self.show is None else self.show.player.caption()
-        return shown if shown.opacity else caption_of(self.world, self.picture.alpha)
-
     def run_command(self, command: Command) -> None:
         """Run the command as a key bound to it does."""
         self.commands.run(command)
-
-    def _caption(self, text: str) -> None:
-        """Show a line for a while in the window only."""
-        self.overlay.note(text)
 
     def note(self, text: str) -> None:
         """Show a line on the terminal, and for a while in the window."""
         say(text)
         self.overlay.note(text)
 
+    def note_fault(self, text: str) -> None:
+        """Note a fault after which the dive goes on, for its presenter too."""
+        self.note(text)
+        self.faults.add(text)
+
+    @property
+    def caption(self) -> Caption:
+        """The caption of this picture: of presenter or show, else of the directions."""
+        shown = self.tick_source.presented
+        if shown.caption:
+            return Caption(shown.caption, shown.opacity)
+        return caption_of(self.world, self.picture.alpha)
+
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
-        self._picture_wanted = True
+        self.shots.wanted = True
 
     def open_world(
         self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
@@ -209,7 +198,7 @@ class Dive:
             else:
                 world = self._loader.create(scenario, source, seed)
         except UserError as fault:
-            self.note(str(fault))
+            self.note_fault(str(fault))
             return False
         self.ride_fish(None)
         self._of_world.close()
@@ -233,7 +222,6 @@ class Dive:
         self.inspector.chosen = self.inspector.chosen if fish is None else fish
         self.tick_source.steered_fish = None
         self.world.seen_light.clear()
-        self._seen_tick = 0
         self.sound.fish = fish
         self.pilot.set_riding(self.picture.ride is not None)
         self.picture.jump()
@@ -246,21 +234,17 @@ class Dive:
         except HeadsetLostError as fault:
             self.picture.take_off()
             self.sound.head = at_rest
-            self.note(f"{fault}; {GOES_ON}")
+            self.note_fault(f"{fault}; {GOES_ON}")
 
-    def _look_for_headset(self, elapsed_s: float) -> None:
-        """Put on the headset of a kiosk again, some time after it was lost."""
-        self._looked_s += elapsed_s
-        if not self._seeks or self.picture.head is not None or self._looked_s < LOOK_S:
-            return
-        self._looked_s = 0.0
-        with suppress(UserError):
-            head = put_on(self.window_set, self.gui, self.note)
-            self.picture.put_on(head)
-            self.sound.head = head.pose
+    def _put_on(self) -> HeadsetDisplay:
+        head = put_on(self.window_set, self.gui, self.note)
+        self.sound.head = head.pose
+        return head
 
     def _frame(self, elapsed_s: float) -> None:
-        self._look_for_headset(elapsed_s)
+        if self._lost_headset.due(elapsed_s, self.picture.head is not None):
+            with suppress(UserError):
+                self.picture.put_on(self._put_on())
         start = time.perf_counter()
         for command in self.window_set.poll():
             self.run_command(command)
@@ -270,16 +254,20 @@ class Dive:
             self.note(line)
         self.world.notices.clear()
         self.sound.check()
+        if self.remote is not None:
+            self.remote.update(elapsed_s)
         if self.show is not None:
             self.show.update(self, elapsed_s)
             if self.show.rest(self):
                 self.pilot.was_active()  # nobody sees where they steer
                 self._present_black()
                 return
+        self._set_overlays()
         self.tours.update(elapsed_s)
         if self.menu.open:
             self.pilot.full_stop()  # arrows choose entries there
-        self._see_light()
+        if self.see_brightness:
+            self.picture.see_light()
         before = self.world.state.tick
         alpha = self.tick_source.advance(elapsed_s)
         if self.world.state.tick < before:
@@ -288,6 +276,7 @@ class Dive:
             return  # nothing new to draw
         start += self.tick_source.idle_s
         picture, ride = self.picture, self.picture.ride
+        picture.follow_pattern(self.tick_source.presented.pattern, self.overlay.help_hidden)
         picture.alpha = picture.alpha if alpha is None else alpha
         last_eye, picture.eye = picture.eye, self.tick_source.eye()
         if is_cut(last_eye, picture.eye, RATES[-1] * elapsed_s):
@@ -301,10 +290,12 @@ class Dive:
         if not self.records_text:
             self._record(elapsed_s, self.caption)
         self.text.draw(elapsed_s, self.tours)
-        if self.show is not None:
-            self.picture.darken(BLACK, self.show.player.shade)
         if self.records_text:
             self._record(elapsed_s)
+        if (blank := self.tick_source.presented.blank) > 0.0:
+            picture.blacken(blank)
+        if self.remote is not None:
+            self.remote.look()
         picture.end(self.text.vignette.opacity)
         picture.adapt_quality(time.perf_counter() - start)
         if alpha is not None:
@@ -316,8 +307,9 @@ class Dive:
     def show_message(self, text: str) -> None:
         """Fill the pilot's window with one line of text, or write it under a world at rest."""
         first = self._first
-        if self.show is not None and not self._loading and self.show.player.shade >= 1.0:
-            self._present_black()  # between two items
+        blank = 0.0 if self._loading else self.tick_source.presented.blank
+        if blank >= 1.0:
+            self._present_black()
             return
         words, colon, figures = text.partition(": ")
         text = translated(words) + colon + figures
@@ -329,15 +321,24 @@ class Dive:
             self._opening.show(text)
             return
         self.text.message(text, fill=not self._loader.at_rest)
+        self.picture.blacken(blank)
         self.window_set.present()
 
+    def _set_overlays(self) -> None:
+        """Lay what presenter and show want over the sea; a node shows what its master does."""
+        if self.remote is not None or self.show is not None:
+            over = NOTHING if self.remote is None else self.remote.presented
+            self.tick_source.presented = over if self.show is None else self.show.under(over)
+
     def _present_black(self) -> None:
-        self.picture.darken(BLACK, 1.0)
+        self.picture.blacken(1.0)
         self.window_set.present()
         self.pictures += 1
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""
+        if self.remote is not None:
+            self.remote.close()
         self._undo.close()
 
     def _show_world(
@@ -355,13 +356,14 @@ class Dive:
                 self._loader.wake(world)
             self.tick_source = self._make_ticks(world, self.pilot)
             undo.callback(self._close_ticks)
+            self._set_overlays()
             self.tick_source.resume(check)
             if tour is not None:
                 # Before other computers join: a tour puts the submarine at its beginning.
                 self.tick_source.set_tour(endless_tour(world, tour))
                 if self.timeline is not None:
                     self.timeline.touch()
-            self.world, self._seen_tick = world, 0
+            self.world = world
             self.sound.fish = None
             self.sound.attend(world)
             self.picture.eye = self.tick_source.eye()
@@ -372,30 +374,21 @@ class Dive:
         for line in self.tick_source.close():
             say(line)
 
-    def _see_light(self) -> None:
-        """Let the ridden fish react to the light it sees now, until the next picture."""
-        ride, tick = self.picture.ride, self.world.state.tick
-        if ride is None or not self.see_brightness or self._seen_tick == tick:
-            return
-        self._seen_tick = tick
-        self.world.seen_light[ride.by.fish] = self.picture.brightness(ride)
-
     def _record(self, elapsed_s: float, caption: Caption | None = None) -> None:
         """Save what is drawn so far, with a caption, if a picture or film was asked for."""
-        if not (self._picture_wanted or self.shots.filming):
+        if not (self.shots.wanted or self.shots.filming):
             return
         pixels = self.window_set.picture()
         if caption is not None and not self.picture.pattern:
             rig = self.picture.rig
             pixels = draw_caption(pixels, rig, front(rig).output, caption)
         self.shots.frame(pixels, elapsed_s)
-        if self._picture_wanted:
-            self._picture_wanted = False
-            self.shots.picture(pixels)
 
     def _wait(self, message: str | None) -> None:
         """Handle events while loading and show a message; raise if the visitor leaves."""
         self._check()
+        if self.remote is not None:
+            self.remote.beat()
         commands = self.window_set.poll()
         if "leave" in commands:
             self.window.ask_to_close()

@@ -14,10 +14,10 @@ from subsea.core.service_manager import PictureReports, notify
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import LocalTicks, TickSource
+from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
-from subsea.ui.dive import Dive, TickSourceMaker
+from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
 from subsea.ui.show import ShowScreens
@@ -63,6 +63,10 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
             say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
         for line in notes:
             running.overlay.note(line)
+        if options.console is not None:
+            from subsea.ui.remote_control import open_console
+
+            open_console(running, options.console)
         with closing(running):
             if fish is not None:
                 running.ride_fish(fish, behind=start.eyes is None)

@@ -37,6 +37,7 @@ from subsea.view.text_viewports import WHOLE, TextViewport
 from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 
+LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 GOES_ON = "the dive goes on in the window"
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
@@ -274,3 +275,18 @@ def _pointing(left: Hand, right: Hand, home: Home) -> GamepadState:
         climb = min(max(math.asin(min(max(up, -1.0), 1.0)) / FULL_CLIMB, -1.0), 1.0)
         axes[5 if climb > 0.0 else 4] = 2.0 * abs(climb) - 1.0
     return GamepadState("headset", buttons, axes)
+
+
+class LostHeadset:
+    """Says when to look for the headset of a kiosk that was lost."""
+
+    def __init__(self, seeks: bool) -> None:
+        self._seeks, self._looked_s = seeks, 0.0
+
+    def due(self, elapsed_s: float, worn: bool) -> bool:
+        """True if it is time to look, `elapsed_s` after the last call."""
+        self._looked_s += elapsed_s
+        if not self._seeks or worn or self._looked_s < LOOK_S:
+            return False
+        self._looked_s = 0.0
+        return True

@@ -8,11 +8,11 @@ from typing import Protocol
 from imgui_bundle import imgui
 
 from subsea.core.console import say
+from subsea.core.errors import UserError
 from subsea.core.language import translated
-from subsea.dive.directed_camera import endless_tour, is_directed, is_over
+from subsea.dive.directed_camera import check_tour, endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
 from subsea.dive.show_state import DiveCount
-from subsea.dive.tour import steer_along
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
@@ -42,7 +42,7 @@ class IdleTours:
 
         In a `kiosk` it begins in the world of the `start`: a scenario, its file and the seed.
         """
-        self.name = name
+        self.name = self.current = name  # of an idle dive, and of the last tour
         self.timer = IdleTimer(after_s, leaps=False)
         self._dive, self._start, self._kiosk = dive, start, kiosk
         self._worn: bool | None = None  # the headset, in a kiosk
@@ -87,6 +87,23 @@ class IdleTours:
         if dive.timeline is not None:
             dive.timeline.paused = not worn
 
+    def begin(self) -> None:
+        """Close what is open, and begin the tour; in a kiosk, in the scenario of its start."""
+        dive = self._dive
+        self._visited = False
+        self._close_panels()
+        if self._kiosk is not None:
+            dive.preferences.restore()
+        if self._kiosk is not None and not dive.shared:
+            dive.picture.colours = "colours"
+            dive.open_world(*self._start)
+        dive.overlay.greet()  # the next visitor sees the help again
+        if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
+            follows = self.name == DIRECTED and is_directed(dive.world.scenario)
+            self._steer(self.name if follows else AUTOPILOT)
+        else:
+            self._steer(self.name)
+
     def start_item(
         self, tour: str | None, since_s: float, start: tuple[Scenario, Path, int | None] | None
     ) -> None:
@@ -95,21 +112,39 @@ class IdleTours:
         Later tours begin in the scenario of the `start`; None: in the one of before.
         """
         dive = self._dive
-        self._close_what_is_open()
+        self._close_panels()
         self.name, self._start = tour or AUTOPILOT, start or self._start
-        dive.pilot.reset()
-        dive.pilot.was_active()
         self.timer.idle_s, self.timer.touring = 0.0, False
         if tour is None:
+            dive.pilot.reset()
             dive.tick_source.set_tour(None)
-            return
-        self._visited = False
-        self.timer.begin()
-        dive.tick_source.set_tour(endless_tour(dive.world, tour, since_s))
-        if dive.timeline is not None:
-            dive.timeline.touch()
+        else:
+            self._visited = False
+            self._steer(tour, since_s)
+            self.timer.begin()
+        dive.pilot.was_active()
 
-    def _close_what_is_open(self) -> None:
+    def start(self, name: str) -> None:
+        """Begin a tour of this scenario for a presenter; a UserError if it is unknown.
+
+        In a cluster only the autopilot and directions: other tours begin elsewhere.
+        """
+        check_tour(self._dive.world.scenario, name)
+        if self._dive.shared and name not in (AUTOPILOT, DIRECTED):
+            raise UserError(
+                f"tour {name!r} begins elsewhere, but several computers show this dive: "
+                f"expected {AUTOPILOT!r} or {DIRECTED!r}"
+            )
+        self._close_panels()
+        self._steer(name)
+        self.timer.begin()
+
+    def stop(self) -> None:
+        """End the tour, as input does."""
+        self.timer.end()
+        self._dive.tick_source.set_tour(None)
+
+    def _close_panels(self) -> None:
         dive = self._dive
         if dive.menu.open:
             dive.menu.hide()
@@ -117,24 +152,11 @@ class IdleTours:
             dive.inspector.toggle()
         dive.ride_fish(None)
 
-    def begin(self) -> None:
-        """Close what is open, and begin a tour; in a kiosk, in the scenario of its start."""
+    def _steer(self, name: str, since_s: float = 0.0) -> None:
         dive = self._dive
-        self._visited = False
-        self._close_what_is_open()
-        if self._kiosk is not None:
-            dive.preferences.restore()
-        if self._kiosk is not None and not dive.shared:
-            dive.picture.colours = "colours"
-            dive.open_world(*self._start)
         dive.pilot.reset()
-        dive.overlay.greet()  # the next visitor sees the help again
-        if dive.shared:  # only ticks may move the submarine there, so it cannot be put elsewhere
-            follows = self.name == DIRECTED and is_directed(dive.world.scenario)
-            tour = endless_tour(dive.world, self.name) if follows else steer_along(dive.world, None)
-            dive.tick_source.set_tour(tour)
-            return
-        dive.tick_source.set_tour(endless_tour(dive.world, self.name))
+        self.current = name
+        dive.tick_source.set_tour(endless_tour(dive.world, name, since_s))
         if dive.timeline is not None:
             dive.timeline.touch()
             dive.timeline.run_at(1.0)

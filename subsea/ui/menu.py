@@ -91,7 +91,7 @@ class Menu:
     def hide(self) -> None:
         """Close it, and return to the helm or the inspector."""
         self.open = False
-        self.dive.keep_preferences()
+        self.dive.preferences.keep(self.dive.note)
         self.dive.gui.navigate(False)
         self.dive.gui.release_all()
         self.dive.gui.open = self._gui_was_open

@@ -75,6 +75,8 @@ class ScenePicture:
         self.viewports: tuple[TextViewport, ...]  # for text
         self._window_set, self._fixed, self._options = window_set, fixed, display
         self.insets: tuple[Rect, ...] = ()  # of retina pictures on the canvas
+        self._wanted_pattern = False  # what a presenter last wanted
+        self._saw: tuple[Ride, int] | None = None  # the last ride and tick that saw the light
         self._drawn: Packet | None = None
         self._seen: tuple[View, ...] = ()  # views of the current picture
         self._context = window_set.context
@@ -187,6 +189,13 @@ class ScenePicture:
         self._pace = adaptive_quality.resumed(self._pace)
         self.arrange(clear)
 
+    def follow_pattern(self, wanted: bool, clear: bool) -> None:
+        """Show or hide the test pattern when a presenter's wish changes."""
+        if wanted != self._wanted_pattern:
+            self._wanted_pattern = wanted
+            if self.pattern != wanted:
+                self.show_pattern(clear)
+
     def show_as(self, display: str) -> None:
         """Change to another display mode, one of `displays`."""
         self.display = display
@@ -274,11 +283,18 @@ class ScenePicture:
         self._context.screen.use()  # text is still to be drawn over the picture
         return picked.number if picked is not None and picked.kind == FISH else None
 
-    def brightness(self, ride: Ride) -> float:
-        """Brightness in the eyes of the ridden fish, in [0, 1]."""
-        light = retina_brightness(self.renderer, self._world, ride.by)
+    def blacken(self, opacity: float) -> None:
+        """Draw black over what was drawn so far."""
+        self.darken((0.0, 0.0, 0.0), opacity)
+
+    def see_light(self) -> None:
+        """Let the ridden fish react to the light it sees now, until the next picture."""
+        if self.ride is None or self._saw == (now := (self.ride, self._world.state.tick)):
+            return
+        self._saw = now
+        light = retina_brightness(self.renderer, self._world, self.ride.by)
+        self._world.seen_light[self.ride.by.fish] = light
         self._draw_pattern()  # the renderer's pictures were overwritten
-        return light
 
     @property
     def counts(self) -> dict[str, int]:

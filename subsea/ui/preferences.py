@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import msgspec
 from msgspec.structs import replace
@@ -13,7 +13,11 @@ from subsea.core.errors import UserError
 from subsea.core.language import next_language, set_language
 from subsea.core.toml_edit import edit_toml
 from subsea.dive.bindings import ControlName, is_key
+from subsea.dive.pilot import Pilot
 from subsea.dive.settings import ComfortSettings, Settings
+from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
+from subsea.ui.overlay import Overlay
+from subsea.ui.picture import ScenePicture
 
 
 class Preferences:
@@ -64,6 +68,13 @@ class Preferences:
             self.settings, self._changes = self._start, {}
             self._follow()
 
+    def keep(self, note: Callable[[str], object]) -> None:
+        """Save, and note a fault."""
+        try:
+            self.save()
+        except UserError as fault:
+            note(str(fault))
+
     def save(self) -> None:
         """Write what was changed into the file, and leave the rest of it; UserError if it fails."""
         changes, self._changes = self._changes, {}
@@ -86,6 +97,42 @@ class Preferences:
     def _follow(self) -> None:
         set_language(self.settings.display.language)
         self._apply(self.settings)
+
+
+class ComfortableText(Protocol):
+    """Text that follows settings of comfort."""
+
+    def set_comfort(self, comfort: ComfortSettings) -> None:
+        """Follow them."""
+
+
+class FollowingDive(Protocol):
+    """The parts of a dive that follow a visitor's settings."""
+
+    pilot: Pilot
+    overlay: Overlay
+    picture: ScenePicture
+
+    @property
+    def shared(self) -> bool:
+        """True if other computers show the same dive."""
+
+    @property
+    def text(self) -> "ComfortableText":
+        """The text over the picture."""
+
+
+def follow(dive: FollowingDive, settings: Settings) -> None:
+    """Make a dive follow settings that a visitor changed."""
+    dive.pilot.settings, dive.pilot.bindings = settings, settings.bindings
+    dive.text.set_comfort(settings.comfort)
+    dive.overlay.help = help_of(dive, settings)
+
+
+def help_of(dive: FollowingDive, settings: Settings) -> HelpContent:
+    """The help of a dive with these settings."""
+    without, worn = NOT_SHARED if dive.shared else (), dive.picture.head is not None
+    return help_content(settings.bindings, settings.mouse.steer, without, worn)
 
 
 def _merged(old: dict[str, Any], changes: dict[str, dict[str, Any]]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from subsea.core.errors import UserError
 from subsea.dive.live_sound import LiveSound
+from subsea.dive.presented import Presented, with_show
 from subsea.dive.show_file import Show, faults, load_show, open_item, scenario_name, show_digest
 from subsea.dive.show_player import ShowPlayer
 from subsea.dive.show_state import ShowStore, Tell
@@ -15,7 +16,6 @@ from subsea.world.world import World
 
 SAVE_S = 15.0  # between two saved states
 REST_S = 0.1  # between two black pictures outside the opening hours
-BLACK = 0.0, 0.0, 0.0
 
 
 class ItemTours(Protocol):
@@ -106,6 +106,10 @@ class ShowScreens:
         if closed:
             time.sleep(REST_S)
         return closed
+
+    def under(self, presenter: Presented) -> Presented:
+        """The overlays of a presenter over the black and the caption of the show."""
+        return with_show(presenter, self.player.shade, self.player.caption())
 
     def end(self) -> None:
         """Forget the state: the operator ended the show, and the next one begins by the clock."""

@@ -19,7 +19,8 @@ from subsea.behavior.table import (
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels.threads import cut, run_all, share
-from subsea.directing.director import direct
+from subsea.directing.director import cue, direct
+from subsea.directing.script import DirectingContext
 from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.contact import keep_in_free_water
@@ -83,6 +84,13 @@ def step(world: World, order: Order) -> None:
     state.tick += 1
     for observe in world.observers:
         observe(world)
+
+
+def cue_direction(world: World, k: int) -> None:
+    """Start a direction of the scenario between two ticks, whatever its conditions."""
+    state = world.state
+    clock = Clock(state.seed, state.tick, TICK_S)
+    cue(DirectingContext(world.script, state, world.nature, world.current_cm_s, clock), k)
 
 
 def move_water(world: World, everyone: Ints, clock: Clock) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from subsea.cli.main import main
+from tests.console.conftest import Console, free_port
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels
 
@@ -32,6 +33,7 @@ def theatre(folder):
             "bottom_cm = -75, top_cm = 75 }\n"
         )
     (folder / "hall.toml").write_text(text)
+    (folder / "console").write_text(str(free_port()))
     assert main(["keys", str(folder / "keys"), *NODES]) == 0
 
 
@@ -42,6 +44,8 @@ class Node:
         self._file = folder / f"{call}.told"
         command = [sys.executable, "-m", "subsea", "dive", "--theatre", str(folder / "hall.toml")]
         command += ["--node", name, "--scenario", str(BARE), "--quality", "low"]
+        if name == "middle":
+            command += ["--console", f"127.0.0.1:{(folder / 'console').read_text()}"]
         with self._file.open("w") as file:
             self.process = subprocess.Popen(command, stderr=file)
 
@@ -83,11 +87,26 @@ def hall(display, tmp_path_factory):
     try:
         for name in NODES:
             start(name, name)
-        yield nodes, start
+        yield nodes, start, int((folder / "console").read_text())
     finally:
         for node in nodes.values():
             node.process.kill()
             node.process.wait()
+
+
+def until(true, seconds=60.0):
+    """Wait until something is true."""
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.2)
+
+
+def patterned(shown):
+    """True if every window shows a picture that is not black and stands still."""
+    time.sleep(1.0)
+    again = windows()
+    return all((shown[k] == again[k]).all() and shown[k].max() > 100.0 for k in shown)
 
 
 def sea(picture):
@@ -101,7 +120,7 @@ def white_pixels(picture):
 
 
 def test_three_windows_show_one_sea_when_a_node_dies(hall):
-    nodes, start = hall
+    nodes, start, console = hall
     master = nodes["middle"]
     for name in ("left", "right"):
         master.until(f"node {name}: is in step")
@@ -111,6 +130,21 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
     # The picture continues over this edge; the help covers the other edge of the middle window.
     seam = np.abs(shown["middle"][:100, -1] - shown["right"][:100, 0]).mean()
     assert seam < 3.0  # of 255
+
+    presenter = Console.__new__(Console)
+    presenter.port, presenter.host = console, f"127.0.0.1:{console}"
+    command = {"command": "blank", "on": True}
+    assert presenter.ask("/api/commands", command)[0] == 200
+    until(lambda: all(picture.max() <= 2.0 for picture in windows().values()))
+    _, state, _ = presenter.ask("/api/state")
+    assert {one["name"]: one["in_step"] for one in state["nodes"]} == {"left": True, "right": True}
+    assert presenter.ask("/api/commands", {"command": "line-up", "on": True})[0] == 200
+    assert presenter.ask("/api/commands", command | {"on": False})[0] == 200
+    until(lambda: patterned(windows()))
+    refused = {"command": "scenario", "name": "peaceful"}
+    assert presenter.ask("/api/commands", refused)[0] == 409
+    assert presenter.ask("/api/commands", {"command": "line-up", "on": False})[0] == 200
+    until(lambda: all(sea(picture) for picture in windows().values()))
 
     nodes["left"].process.kill()
     master.until("node left: is gone; going on without it")

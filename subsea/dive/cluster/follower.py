@@ -32,6 +32,7 @@ from subsea.dive.cluster.messages import (
     from_master,
     ticks_of,
 )
+from subsea.dive.presented import NOTHING
 from subsea.submarine.helm import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
@@ -63,6 +64,7 @@ class Follower:
         """
         self.world = world
         self.waiting = ""  # cause of a wait
+        self.presented = NOTHING  # over the sea of the last picture
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
         self._dive = ""  # ID of the dive that it takes part in
@@ -159,6 +161,7 @@ class Follower:
         for one in ticks_of(picture):
             step(self.world, one)
         self._number, self._alpha = picture.number, picture.alpha
+        self.presented = picture.presented
         return True
 
     def _take(self, state: WorldState) -> None:

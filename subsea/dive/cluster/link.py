@@ -8,10 +8,10 @@ from typing import Any
 import zmq
 from zmq.utils.monitor import parse_monitor_message
 
+from subsea.core.addresses import parse_address
 from subsea.core.errors import TransientError, UserError
 from subsea.dive.cluster.gate import Gate
 from subsea.dive.cluster.keys import Keys
-from subsea.view.theatre.node_names import parse_address
 
 PROBE_S, PROBES = 1, 4  # to notice a pulled cable
 LINGER_MS = 300  # for the last messages

@@ -34,6 +34,7 @@ from subsea.dive.cluster.messages import (
     ticks_of,
 )
 from subsea.dive.cluster.node_record import MAX_ASKED, SOON_S, NodeRecord
+from subsea.dive.presented import NOTHING
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 from subsea.world import snapshot
@@ -74,10 +75,10 @@ class Master:
         connect, without keys only this computer. `view` names parts of the theatre and the display;
         nodes with another view are refused. Raises UserErrors.
         """
-        self.world = world
+        self.world, self.presented = world, NOTHING
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
         self._identity = identity_of(world, view)
-        self._nodes = {name: NodeRecord(name) for name in nodes}
+        self.nodes = {name: NodeRecord(name) for name in nodes}
         self._dive = secrets.token_hex(8)
         self._number = 0
         self._checked = -CHECK_TICKS  # the tick of the last checksum
@@ -109,7 +110,7 @@ class Master:
         it is.
         """
         end = self._begun_s + GATHER_S
-        while len(self._present()) < len(self._nodes) and time.monotonic() < end:
+        while len(self._present()) < len(self.nodes) and time.monotonic() < end:
             check()
             self._hear(NUDGE_S)
         source = max(self._present(), key=lambda node: node.tick, default=None)
@@ -161,7 +162,7 @@ class Master:
             check, self._checked = snapshot.checksum(self.world), tick
         self._number += 1
         if isinstance(ticks, Sequence):
-            picture = picture_of(self._number, tick, alpha, ticks, check, lights)
+            picture = picture_of(self._number, tick, alpha, ticks, check, lights, self.presented)
             self._send_all(picture)
             for one in ticks_of(picture):
                 step(self.world, one)
@@ -171,7 +172,7 @@ class Master:
             [exact] = ticks_of(picture_of(self._number, tick, alpha, [one], check))
             step(self.world, exact)
             made.append(exact)
-        self._send_all(picture_of(self._number, tick, alpha, made, check, lights))
+        self._send_all(picture_of(self._number, tick, alpha, made, check, lights, self.presented))
 
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
@@ -202,7 +203,7 @@ class Master:
 
     def report(self) -> list[str]:
         """One line for each node with its wait times and events."""
-        return [f"node {node.name}: {node.waits.words()}" for node in self._nodes.values()]
+        return [f"node {node.name}: {node.waits.words()}" for node in self.nodes.values()]
 
     def in_step(self) -> list[str]:
         """The names of the nodes that are waited for."""
@@ -302,7 +303,7 @@ class Master:
             self._refuse(hello.node, reason)
             self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
             return
-        node = self._nodes[hello.node]
+        node = self.nodes[hello.node]
         if time.monotonic() < node.out_until_s:
             return
         if node.route == route and hello.dive == self._dive:
@@ -317,10 +318,10 @@ class Master:
 
     def _refuse(self, name: str, reason: str) -> None:
         """Report a refused node now and then, as it may try again and again."""
-        if name not in self._nodes:
+        if name not in self.nodes:
             self._report_refused(f"node {name}: {reason}")
             return
-        node, now = self._nodes[name], time.monotonic()
+        node, now = self.nodes[name], time.monotonic()
         repeated = reason == node.refusal and now - node.refused_s[-1] <= SOON_S
         if not repeated and now - node.refused_s[0] > SOON_S:
             node.refusal = reason
@@ -329,8 +330,8 @@ class Master:
 
     def _objection(self, hello: Hello, frame: Any) -> str:
         """Why a node may not take part, to follow its name; empty if it may."""
-        if hello.node not in self._nodes:
-            return f"is not among the nodes of the theatre: {', '.join(self._nodes)}"
+        if hello.node not in self.nodes:
+            return f"is not among the nodes of the theatre: {', '.join(self.nodes)}"
         if self._keys and frame.get("User-Id").encode() != self._keys.others[hello.node]:
             return "has the key of another node"
         return difference(hello.identity, self._identity)
@@ -350,7 +351,7 @@ class Master:
         self._ask(node)
 
     def _present(self) -> list[NodeRecord]:
-        return [node for node in self._nodes.values() if node.route is not None]
+        return [node for node in self.nodes.values() if node.route is not None]
 
     def _awaited(self, node: NodeRecord) -> bool:
         return node.in_step and node.drawn < self._number

@@ -13,6 +13,7 @@ import numpy as np
 
 from subsea import __version__
 from subsea.core.errors import UserError
+from subsea.dive.presented import NOTHING, Presented
 from subsea.submarine.helm import Helm
 from subsea.submarine.rail import Rail
 
@@ -98,6 +99,7 @@ class Picture(Message):
     rails: Annotated[list[RailRow], msgspec.Meta(max_length=MAX_HELMS)] = []
     checksum: Hash = ""  # of the world before them, or empty
     lights: bool = False  # whether the submarine's lights are on
+    presented: Presented = NOTHING  # over the sea, or instead of it
 
 
 class Swap(Message):
@@ -150,12 +152,12 @@ def ticks_of(picture: Picture) -> list[Helm | Rail]:
 
 def picture_of(
     number: int, tick: int, alpha: float, ticks: Sequence[Helm | Rail], checksum: str,
-    lights: bool = False,
+    lights: bool = False, presented: Presented = NOTHING,
 ) -> Picture:  # fmt: skip
     """The message of a picture; its rails must come before its helms."""
     rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
     helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
-    return Picture(number, tick, float(alpha), helms, rails, checksum, lights)
+    return Picture(number, tick, float(alpha), helms, rails, checksum, lights, presented)
 
 
 def _helm_row(helm: Helm) -> HelmRow:

@@ -28,13 +28,17 @@ class WaitStatistics:
         self.longest_s = max(self.longest_s, wait_s)
         self.recent_s.append(wait_s)
 
+    @property
+    def mean_s(self) -> float:
+        """Mean wait time."""
+        return self.total_s / max(self.frames, 1)
+
     def words(self) -> str:
         """One line with the number of pictures, the wait times and the events."""
-        mean = self.total_s / max(self.frames, 1)
         late = float(np.percentile(self.recent_s, 95)) if self.frames else 0.0
         line = (
             f"{self.frames} picture{'s' * (self.frames != 1)}, "
-            f"waited for {1e3 * mean:.1f} ms on average, "
+            f"waited for {1e3 * self.mean_s:.1f} ms on average, "
             f"p95 {1e3 * late:.1f} ms, at most {1e3 * self.longest_s:.1f} ms"
         )
         for what in ("late", "dropped", "rejoined", "diverged"):

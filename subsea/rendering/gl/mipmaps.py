@@ -59,8 +59,8 @@ def cached_texture(
     texture = _plain(context, base, srgb)
     texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
     # moderngl cannot upload single levels.
-    write = _function(context, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
-    limit = _function(context, "glTexParameteri", *[ctypes.c_int] * 3)
+    write = gl_function(context, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
+    limit = gl_function(context, "glTexParameteri", *[ctypes.c_int] * 3)
     texture.use()
     for level, data in enumerate(smaller, start=1):
         height, width, planes = data.shape
@@ -83,6 +83,7 @@ def _format(texels: Texels, srgb: bool) -> int:
     return SRGB8_ALPHA8 if srgb else formats[texels.shape[2] - 1]
 
 
-def _function(context: Any, name: str, *types: Any) -> Any:
+def gl_function(context: Any, name: str, *types: Any) -> Any:
+    """A function of OpenGL that moderngl does not wrap, with the types of its arguments."""
     address = context.mglo._context.load_opengl_function(name)
     return ctypes.CFUNCTYPE(None, *types)(address)

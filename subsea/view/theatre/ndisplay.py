@@ -15,12 +15,12 @@ from typing import Annotated, Any
 import msgspec
 import numpy as np
 
+from subsea.core.addresses import parse_address
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError, unknown
 from subsea.core.validation import convert
 from subsea.view.camera import axes_of
 from subsea.view.theatre.imported import ImportedTheatre, TheatreBuilder, printable_word
-from subsea.view.theatre.node_names import parse_address
 from subsea.view.theatre.theatre_file import MAIN, Cluster, Coordinate, Window
 
 MAX_DEPTH = 64  # of parents

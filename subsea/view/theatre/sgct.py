@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from subsea.core.addresses import parse_address
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError, nearest
 from subsea.core.validation import convert
@@ -16,7 +17,6 @@ from subsea.view.theatre.imported import (
     printable_word,
     unused_keys,
 )
-from subsea.view.theatre.node_names import parse_address
 from subsea.view.theatre.sgct_file import (
     KNOWN,
     WHOLE,

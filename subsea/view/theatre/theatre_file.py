@@ -7,9 +7,10 @@ from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
+from subsea.core.addresses import parse_address
 from subsea.view.rig import Rect
 from subsea.view.surround import ALL_ROUND
-from subsea.view.theatre.node_names import NAME, parse_address
+from subsea.view.theatre.node_names import NAME
 
 FOLDER = "assets/theatres"
 MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32

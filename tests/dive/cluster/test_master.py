@@ -14,6 +14,7 @@ from subsea.dive.cluster.follower import Follower
 from subsea.dive.cluster.keys import Keys, read_keys, write_keys
 from subsea.dive.cluster.master import Master
 from subsea.dive.cluster.messages import MAGIC, SMALL, Hello, Identity, WorldState, encode
+from subsea.dive.presented import NOTHING, Presented
 from subsea.world import snapshot
 
 
@@ -69,6 +70,17 @@ def test_lights_are_switched_on_for_all(harness, seas):
         assert_all_show_the_same(harness, left, right)
         assert all(bool(sea.state.submarine.lights[0]) == on for sea in seas)
     assert not told(harness, "differs")
+
+
+def test_what_a_presenter_shows_reaches_all(harness, seas):
+    left, right = both_in_step(harness, seas)
+    shown = Presented(0.5, True, "Good evening", 1.0)
+    harness.master.presented = shown
+    assert_all_show_the_same(harness, left, right)
+    assert left.node.presented == right.node.presented == shown
+    harness.master.presented = NOTHING
+    assert_all_show_the_same(harness, left, right)
+    assert left.node.presented == right.node.presented == NOTHING
 
 
 def test_a_late_node_is_skipped_until_it_catches_up(make_harness, seas, address):

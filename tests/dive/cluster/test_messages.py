@@ -28,9 +28,11 @@ from subsea.dive.cluster.messages import (
     picture_of,
     ticks_of,
 )
+from subsea.dive.presented import Presented
 from subsea.submarine.helm import Helm
 
 IDENTITY = Identity("0.2.0", {"scenario": "Bucht, früh", "subsea/fish": "#f0"})
+SHOWN = Presented(0.5, True, "Good evening", 1.0)
 FROM_NODE = [
     Hello("left", IDENTITY, "dive", 7),
     PictureDrawn(12),
@@ -39,7 +41,16 @@ FROM_NODE = [
 ]
 FROM_MASTER = [
     WorldState("dive", 3, b"\x00bytes"),
-    Picture(4, 77, 0.5, [(0.1, -1.0, 1.0, 0.0, True)], [(*(1.0,) * 8, True)], "checksum", True),
+    Picture(
+        4,
+        77,
+        0.5,
+        [(0.1, -1.0, 1.0, 0.0, True)],
+        [(*(1.0,) * 8, True)],
+        "checksum",
+        True,
+        Presented(0.5, True, "Good evening", 1.0),
+    ),
     Swap(4),
     Resume(3),
     Refused("because"),
@@ -63,7 +74,7 @@ def test_a_picture_carries_input_and_rails():
     assert [*carried.position, *carried.velocity, *carried.angles] == [1.0] * 8
     assert carried.cut
     rebuilt = picture_of(
-        4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True
+        4, 77, np.float32(0.5), [carried, steered._replace(yaw=-7)], "checksum", True, SHOWN
     )
     assert rebuilt == FROM_MASTER[1]
 

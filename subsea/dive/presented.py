@@ -1,0 +1,60 @@
+"""Overlays of a presenter on all computers of a dive: black, test pattern, caption."""
+
+from typing import Annotated
+
+import msgspec
+
+from subsea.dive.captions import FADE_S, Caption, shown_s
+
+MAX_CAPTION = 300  # characters, as in a direction
+BLANK_S = 0.5  # in which the screens become black
+
+Opacity = Annotated[float, msgspec.Meta(ge=0, le=1)]
+
+
+class Presented(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The overlays of one picture."""
+
+    blank: Opacity = 0.0  # of black over the whole picture
+    pattern: bool = False  # the test pattern instead of the sea
+    caption: Annotated[str, msgspec.Meta(max_length=MAX_CAPTION)] = ""  # the presenter's own
+    opacity: Opacity = 0.0  # of the caption
+
+
+NOTHING = Presented()
+
+
+def with_show(presenter: Presented, shade: float, caption: Caption) -> Presented:
+    """The overlays of a presenter over the black and the caption of a show."""
+    words, opacity = presenter.caption, presenter.opacity
+    if not words:
+        words, opacity = caption.words[:MAX_CAPTION], caption.opacity
+    return Presented(max(presenter.blank, shade), presenter.pattern, words, opacity)
+
+
+class Presentation:
+    """The wishes of a presenter, faded in and out by the wall clock."""
+
+    def __init__(self) -> None:
+        self.blank = self.pattern = False
+        self.caption = ""
+        self._left_s = self._gone_s = 0.0  # of the caption
+        self._shade = 0.0
+
+    def show_caption(self, words: str, for_s: float | None = None) -> None:
+        """Show a caption for a time, or the time to read it; no words: end the one before."""
+        self.caption, self._gone_s = words, 0.0
+        self._left_s = shown_s(words, for_s)
+
+    def update(self, elapsed_s: float) -> Presented:
+        """What to show, `elapsed_s` after the last picture."""
+        step = elapsed_s / BLANK_S
+        self._shade = min(max(self._shade + (step if self.blank else -step), 0.0), 1.0)
+        self._gone_s += elapsed_s
+        self._left_s -= elapsed_s
+        if self._left_s <= 0.0:
+            self.caption = ""
+        share = min(max(min(self._gone_s, self._left_s) / FADE_S, 0.0), 1.0)
+        share *= bool(self.caption)
+        opacity = share * share * (3.0 - 2.0 * share)
+        return Presented(self._shade, self.pattern, self.caption, opacity)
