@@ -1,5 +1,6 @@
 """Check output paths before the work, and write files atomically."""
 
+import glob
 import hashlib
 import os
 import re
@@ -100,11 +101,12 @@ def remove_abandoned(path: Path) -> None:
 
     Only for files that no other computer writes.
     """
+    begin = f".{_short(path.name)}."
     with suppress(OSError):
-        for part in path.parent.glob(f".{_short(path.name)}.*.part"):
-            number = int(part.name.split(".")[-2])
-            if part.is_file() and not _is_running(number):
-                part.unlink()
+        for part in path.parent.glob(f"{glob.escape(begin)}*.part"):
+            number = part.name[len(begin) :].removesuffix(".part")
+            if number.isdecimal() and len(number) < 10 and not _is_running(int(number)):
+                part.unlink(missing_ok=True)
 
 
 def _is_running(process: int) -> bool:

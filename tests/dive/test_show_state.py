@@ -86,7 +86,9 @@ def test_partial_files_of_ended_processes_are_removed(folder, dead):
     parts = {number: folder / f".show.state.{number}.part" for number in (dead, os.getpid())}
     for part in parts.values():
         part.write_text("half")
-    other = folder / ".other.file.part"
-    other.write_text("")
+    others = [folder / f".{name}.part" for name in ("other.7", "show.state.x", "show.state.9.9")]
+    for other in others:
+        other.write_text("")
     ShowStore("this", print).load()
-    assert not parts[dead].exists() and parts[os.getpid()].exists() and other.exists()
+    assert not parts[dead].exists() and parts[os.getpid()].exists()
+    assert all(other.exists() for other in others)
