@@ -129,9 +129,8 @@ class Dive:
             self._show_world(self.world, lambda: self._wait(None), options.tour)
             self._wait(None)
             self.overlay.help = help_of(self, settings)
-            self.tours = IdleTours(
-                self, tour, 60.0 * settings.attract.after_min, start, self._kiosk
-            )
+            after_s = 60.0 * settings.attract.after_min
+            self.tours = IdleTours(self, tour, after_s, start, self._kiosk)
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading, self._first = False, None
@@ -389,8 +388,7 @@ class Dive:
         self._check()
         if self.remote is not None:
             self.remote.beat()
-        commands = self.window_set.poll()
-        if "leave" in commands:
+        if "leave" in (commands := self.window_set.poll()):
             self.window.ask_to_close()
         if not self.window_set.open or (
             "menu" in commands and self._loading and self._kiosk is None
