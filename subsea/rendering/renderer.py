@@ -25,6 +25,7 @@ from subsea.rendering.gl.textures import near_and_far, noise, repeating
 from subsea.rendering.output.lines import LineRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
+from subsea.rendering.output.theatre_vessel import TheatreVesselRenderer
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
@@ -106,6 +107,7 @@ class Renderer(GpuOwner):
         self._particles = self.own(ParticleRenderer(context, scene, quality))
         self._lines = self.own(LineRenderer(context))
         self._resolve = self.own(ResolvePass(context, rig.patches, quality.smooth, scene.grade))
+        self.vessel = self.own(TheatreVesselRenderer(context))
         self._sized = self.own(GpuOwner())  # released when the size changes
         # Made when first needed.
         self._ids: IdBuffer | None = None
@@ -253,6 +255,7 @@ class Renderer(GpuOwner):
                 self.triangles += self._bubbles.draw(packet, number, uniforms)
                 self.triangles += self._particles.draw(packet, number, uniforms)
                 self.triangles += self._lines.draw(packet, number, view, uniforms)
+            self.vessel.draw(self.rig, number, np.array(self._scene.water.far))
             self._target.framebuffer.depth_mask = True
         context.scissor = None
         with stage("output"):

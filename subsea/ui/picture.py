@@ -36,7 +36,8 @@ from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
-from subsea.view.text_viewports import TextViewport, text_viewports
+from subsea.view.text_viewports import WHOLE, TextViewport, text_viewports
+from subsea.view.theatre_vessel import PANEL_SIZE
 from subsea.view.unproject import FrontView, front_screen
 from subsea.world.world import World
 
@@ -141,6 +142,8 @@ class ScenePicture:
         if self.head is not None:
             light = np.sqrt(self._world.scenario.water.far)  # a final colour
             self.head.end(self.rig, light, vignette)
+        elif self.text_panel is not None:
+            self._context.screen.use()
 
     def recentre(self) -> None:
         """Take the place of the head in a headset, if there is one, as the pilot's."""
@@ -269,6 +272,16 @@ class ScenePicture:
         return self.eye if self.head is None else self.head.turned(self.eye)
 
     @property
+    def text_panel(self) -> TextViewport | None:
+        """The viewport of the panel in a theatre's vessel, shown with the next picture; or None."""
+        vessel = self.rig.vessel if self.head is None and self.ride is None else None
+        if vessel is None or vessel.panel_angle is None:
+            return None
+        width, height = self._window_set.front.points
+        shape = width / height * PANEL_SIZE[1] / PANEL_SIZE[0]
+        return WHOLE._replace(screen=(1.0, shape), page=self._use_panel)
+
+    @property
     def front_view(self) -> FrontView | None:
         """The view on the screen ahead; None if that is not a flat picture."""
         if self.head is not None:
@@ -324,6 +337,7 @@ class ScenePicture:
         marked = chosen if ride is None else ride.by.fish
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
         self.renderer.wireframe = self.wireframe
+        self.renderer.vessel.shown = ride is None
         packet = pack(
             self._world, seen, self.alpha, options=quality.packing,
             memory=self._memory, lines=lines, pilot=self.eye,
@@ -364,6 +378,11 @@ class ScenePicture:
         self.viewports = text_viewports(self.rig, self._window_set.page)
         if self.head is not None:
             self.viewports = self.head.text_viewports(self.viewports[0])
+
+    def _use_panel(self, number: int) -> None:
+        panel = self.renderer.vessel.panel(self.rig)
+        panel.use()
+        panel.clear(0.0, 0.0, 0.0, 0.0)
 
     def _chosen(self) -> Quality:
         return LADDER[self._pace.rung] if self.quality == AUTO else PRESETS[self.quality]

@@ -26,12 +26,12 @@ SOFT = tuple(
 )  # offsets in heights of letters, and opacities, of a soft shadow
 
 
-def draw(caption: Caption, rig: CameraRig) -> None:
-    """Draw a caption near the foot of the picture of a rig."""
+def draw(caption: Caption, rig: CameraRig | None) -> None:
+    """Draw a caption near the foot of the picture of a rig; None: of all of the gui's screen."""
     if caption.opacity == 0.0 or not caption.words:
         return
     size = imgui.get_io().display_size
-    left, top, across, down = room_of(rig)
+    left, top, across, down = (0.0, 0.0, 1.0, 1.0) if rig is None else room_of(rig)
     left, top, width, height = left * size.x, top * size.y, across * size.x, down * size.y
     tall = letters_of(width, height)
     foot = min(top + FOOT * height, size.y - CLEAR * imgui.get_font_size())

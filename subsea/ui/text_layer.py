@@ -16,8 +16,11 @@ from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
 from subsea.ui.sea_edge import draw_sea_edge, edge_reading
+from subsea.view.text_viewports import TextViewport
+from subsea.view.theatre_vessel import PANEL_SIZE
 from subsea.view.unproject import FrontView
 
+LARGEST = 99.0  # factor on the size of letters, which the panel then limits
 LABEL_SIZE = 0.8  # factor on the size of letters
 RED = (0.95, 0.15, 0.12)  # while a film is recorded
 
@@ -44,22 +47,25 @@ class TextLayer:
         dive, picture, overlay = self._dive, self._dive.picture, self._dive.overlay
         if picture.pattern:
             return
-        self._begin()
-        _draw_labels(picture.labels, picture.front_view)
+        panel = picture.text_panel
+        self._begin(panel)
+        if panel is None:
+            _draw_labels(picture.labels, picture.front_view)
         if not self._menu.open:  # nor draw a caption behind the help
             caption = dive.caption
             opacity = caption.opacity * (1.0 - overlay.covered)
-            subtitles.draw(caption._replace(opacity=opacity), picture.rig)
+            room = None if panel is not None else picture.rig
+            subtitles.draw(caption._replace(opacity=opacity), room)
         if dive.tick_source.has_pilot:
             submarine = dive.world.state.submarine
             at_helm = picture.ride is None and not tours.timer.touring
             tilts = at_helm and not picture.rig.level
-            if tilts and self.horizon and picture.front_view:
+            if tilts and self.horizon and picture.front_view and panel is None:
                 draw_horizon(picture.front_view, picture.eye.forward)
             self.vignette.update(submarine.rates, submarine.velocity, elapsed_s)
-            if picture.head is None:
+            if picture.head is None and panel is None:
                 self.vignette.draw()
-            else:  # it is drawn around each eye
+            elif picture.head is not None:  # it is drawn around each eye
                 self.vignette.most = dive.pilot.settings.comfort.headset_vignette
             if not self._menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
@@ -70,6 +76,10 @@ class TextLayer:
                     draw_sea_edge(edge._replace(opacity=opacity))
                 self._inspector.draw()
             tours.draw()
+        elif panel is not None:  # other computers show parts of it
+            now = instrument_reading(dive.world.state.submarine, 0.0, False)
+            overlay.hud.update(now, elapsed_s)
+            overlay.hud.draw(now)
         if self._menu.open:
             self._menu.draw(elapsed_s)
         if dive.shots.filming:
@@ -96,11 +106,13 @@ class TextLayer:
             parts.append(dive.timeline.text)
         return "   ".join(parts)
 
-    def _begin(self) -> None:
-        window = self._dive.window
-        self._dive.gui.begin(
-            window.points, window.size, window.text_scale, self._dive.picture.viewports
-        )
+    def _begin(self, panel: TextViewport | None = None) -> None:
+        """Begin a frame, on the vessel's panel or on the window."""
+        window, gui = self._dive.window, self._dive.gui
+        if panel is not None:
+            gui.begin(window.points, PANEL_SIZE, LARGEST, (panel,))
+        else:
+            gui.begin(window.points, window.size, window.text_scale, self._dive.picture.viewports)
 
 
 def _draw_film_mark(seconds: float) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.view.camera import View, look
+from subsea.view.theatre_vessel import TheatreVessel
 
 Rect = tuple[int, int, int, int]  # x, y, width, height in pixels, origin lower left
 
@@ -107,6 +108,7 @@ class CameraRig(NamedTuple):
     patches: tuple[DisplayPatch, ...]
     level: bool = False  # keep the horizon level
     main: int | None = None  # index of the patch with text; None: the one ahead
+    vessel: TheatreVessel | None = None  # drawn around the observer in every view
 
     @property
     def exact(self) -> bool:

@@ -14,12 +14,13 @@ from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.view.camera import edge_tangents
 from subsea.view.panel import PANEL
 from subsea.view.rig import Eye
+from subsea.view.theatre_vessel import panel_quad, torus
 
 FLOOR_CM = 120.0  # below the eyes of a seated observer
 RADIUS_CM = 78.0  # of the hoops
 RAIL_CM = 52.0  # of the rail, below the eyes
 TUBE_CM = 2.2
-AROUND, ACROSS = 72, 8  # corners of a hoop, and of its tube
+AROUND = 72  # corners of a hoop
 DARK_FLOOR = 0.35  # brightness of the floor over that of the hoops
 RIM = 0.31, 0.73  # rad, of the vignette: where it begins, where it is darkest
 EVERYWHERE = -1.0, -0.5  # the same for a shade
@@ -33,12 +34,12 @@ class Cabin(GpuOwner):
         super().__init__()
         self._context = context
         self._metal, self._glass = (
-            self.own(program(context, "cabin", PANEL=panel)) for panel in (0, 1)
+            self.own(program(context, "cabin", PANEL=panel, LINEAR=0)) for panel in (0, 1)
         )
         self._shade = self.own(program(context, "vignette"))
         self._whole = self.own(context.vertex_array(self._shade, []))
         self._hoops = self._array(self._metal, vessel())
-        self._quad = self._array(self._glass, _panel_quad())
+        self._quad = self._array(self._glass, panel_quad(PANEL))
         self._eyes: dict[int, Any] = {}  # framebuffers by the names of their textures
         self._held = self.own(GpuOwner())  # the panel
         self._panel: Any = None
@@ -131,16 +132,8 @@ def vessel() -> Array:
 
 
 def _hoop(middle: Array, along: Array, up: Array, begin: float, end: float) -> Array:
-    """Corners of an arc of a torus in the plane of two unit vectors, between angles, rad."""
-    turn = np.linspace(begin, end, AROUND + 1)[:, None, None]
-    tube = np.linspace(0.0, 2.0 * np.pi, ACROSS + 1)[None, :, None]
-    outward = np.cos(turn) * along + np.sin(turn) * up
-    normal = np.cos(tube) * outward + np.sin(tube) * np.cross(along, up)
-    place = middle + RADIUS_CM * outward + TUBE_CM * normal
-    corners = np.concatenate([place, normal, np.ones((*normal.shape[:2], 1))], axis=2)
-    a, b = corners[:-1, :-1], corners[1:, :-1]
-    c, d = corners[1:, 1:], corners[:-1, 1:]
-    return np.stack([a, c, b, a, d, c], axis=2).reshape(-1, 7)
+    """Corners of an arc of a hoop in the plane of two unit vectors, between angles, rad."""
+    return torus(middle, (along, up), (begin, end), (RADIUS_CM, TUBE_CM), AROUND)
 
 
 def _floor() -> Array:
@@ -151,10 +144,3 @@ def _floor() -> Array:
     place = np.stack([middle, rim[:-1], rim[1:]], axis=1).reshape(-1, 3) - (0.0, FLOOR_CM, 0.0)
     look = np.tile([0.0, 1.0, 0.0, DARK_FLOOR], (len(place), 1))
     return np.concatenate([place, look], axis=1)
-
-
-def _panel_quad() -> Array:
-    """Corners of the two triangles of the panel, with texture coordinates."""
-    shares = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1.0]])
-    places = PANEL.places(shares[:, 0], 1.0 - shares[:, 1])
-    return np.concatenate([places, shares, np.zeros((6, 2))], axis=1)

@@ -29,7 +29,7 @@ VIEWS = {
 STEPS_CM = 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 100_000  # of the scale bar
 
 
-class Stroke(NamedTuple):
+class RoomLine(NamedTuple):
     """A line through points of the room."""
 
     points: Array  # (n, 3) cm
@@ -79,7 +79,7 @@ def room_picture(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> Byte
     return np.asarray(picture.resize(SIZE, Image.Resampling.LANCZOS))
 
 
-def _strokes(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> Iterator[Stroke]:
+def _strokes(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> Iterator[RoomLine]:
     """Floor, dome, mirror, screens, their light and the sight lines, the farthest first."""
     room, eye = theatre.room or Room(), np.array(theatre.eye_cm)
     edges = [_edge(theatre, one) for one in channels]
@@ -88,27 +88,27 @@ def _strokes(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> Iterator
         (left, _, back), (right, _, front) = whole.min(axis=0) - 20.0, whole.max(axis=0) + 20.0
         y = room.floor_cm
         corners = [(left, y, back), (right, y, back), (right, y, front), (left, y, front)]
-        yield Stroke(np.array([*corners, corners[0]]), FAINT, 2.0)
-        yield Stroke(np.array([eye, [eye[0], y, eye[2]]]), EYE, 1.0)
+        yield RoomLine(np.array([*corners, corners[0]]), FAINT, 2.0)
+        yield RoomLine(np.array([eye, [eye[0], y, eye[2]]]), EYE, 1.0)
     if room.dome is not None:
         yield from _dome(eye, room.dome.distance_cm, room.dome.tilt_deg)
     for number, (one, edge) in enumerate(zip(channels, edges, strict=True), 1):
         colour = colour_of(number)
         pale = tuple((3 * p + c) // 4 for p, c in zip(PAPER, colour, strict=True))
         for corner in edge[:: max(len(edge) // 4, 1)][:4]:
-            yield Stroke(np.array([eye, corner]), FAINT)
+            yield RoomLine(np.array([eye, corner]), FAINT)
             if one.name in room.projectors:
                 lens = np.array(room.projectors[one.name])
                 way = [lens, corner]
                 if room.mirror is not None:
                     way = [lens, np.array(room.mirror.centre_cm), corner]
-                yield Stroke(np.array(way), (pale[0], pale[1], pale[2]), 1.5)
-        yield Stroke(edge, (colour[0] * 3 // 4, colour[1] * 3 // 4, colour[2] * 3 // 4), 3.0)
+                yield RoomLine(np.array(way), (pale[0], pale[1], pale[2]), 1.5)
+        yield RoomLine(edge, (colour[0] * 3 // 4, colour[1] * 3 // 4, colour[2] * 3 // 4), 3.0)
     if room.mirror is not None:
         for a, b in ((0, 1), (1, 2), (2, 0)):
             ring = np.zeros((len(ROUND), 3))
             ring[:, a], ring[:, b] = np.cos(ROUND), np.sin(ROUND)
-            yield Stroke(np.array(room.mirror.centre_cm) + room.mirror.radius_cm * ring, INK, 1.5)
+            yield RoomLine(np.array(room.mirror.centre_cm) + room.mirror.radius_cm * ring, INK, 1.5)
 
 
 def _edge(theatre: Theatre, one: ProjectorChannel) -> Array:
@@ -144,16 +144,16 @@ def _middle(theatre: Theatre, one: ProjectorChannel) -> Array:
     return np.asarray((edge.min(axis=0) + edge.max(axis=0)) / 2.0)
 
 
-def _dome(eye: Array, radius: float, tilt_deg: float) -> Iterator[Stroke]:
+def _dome(eye: Array, radius: float, tilt_deg: float) -> Iterator[RoomLine]:
     """The rim and the meridians of a dome about the eye."""
     axes = axes_of(0.0, -math.radians(tilt_deg))
     rim = np.stack([np.cos(ROUND), np.zeros_like(ROUND), np.sin(ROUND)], axis=1)
-    yield Stroke(eye + radius * rim @ axes, INK, 2.0)
+    yield RoomLine(eye + radius * rim @ axes, INK, 2.0)
     half = ROUND[: len(ROUND) // 2 + 1]
     for turn in np.radians([0.0, 45.0, 90.0, 135.0]):
         flat = np.cos(half)
         arch = np.stack([flat * np.sin(turn), np.sin(half), flat * np.cos(turn)], axis=1)
-        yield Stroke(eye + radius * arch @ axes, FAINT, 1.5)
+        yield RoomLine(eye + radius * arch @ axes, FAINT, 1.5)
 
 
 def _scale(flat: Array, wide: float, high: float) -> float:

@@ -174,6 +174,16 @@ class Loudspeaker(_Table, frozen=True, kw_only=True):
     node: Name = MAIN  # the computer that it is connected to
 
 
+class VesselTable(_Table, frozen=True, kw_only=True):
+    """The vessel drawn around the audience, at rest on the hull."""
+
+    spring_deg: Annotated[float, msgspec.Meta(ge=-80, le=60)] = 0.0  # elevation of the lower edge
+    rim_deg: Annotated[float, msgspec.Meta(ge=0.5, le=30)] = 4.0  # height of the rim
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = 0.0  # to the front, as that of a dome
+    instruments: bool = True  # text and instruments on a panel that stands on the rim
+    panel_deg: Annotated[float, msgspec.Meta(ge=10, le=90)] = 50.0  # width of the panel
+
+
 class SphericalMirror(_Table, frozen=True, kw_only=True):
     """A convex mirror that a projector shines on."""
 
@@ -204,6 +214,7 @@ class Theatre(_Table, frozen=True, kw_only=True):
     loudspeaker: Annotated[list[Loudspeaker], msgspec.Meta(max_length=MOST_LOUDSPEAKERS)] = []
     cluster: Cluster | None = None
     room: Room | None = None
+    vessel: VesselTable | None = None
 
     @property
     def nodes(self) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from subsea.view.surround import COLUMNS, MARGIN_PX, ROWS, face_size, inner, vis
 from subsea.view.theatre.channels import ProjectorChannel, screen_grid, screen_mesh
 from subsea.view.theatre.screens import Flat, Frustum, frustum_of, points_on, seen_at
 from subsea.view.theatre.theatre_file import Theatre
+from subsea.view.theatre_vessel import TheatreVessel
 
 FINEST = 1.5  # largest number of pixels of a curved screen's view per pixel of the projector
 WIDEST = 8192  # pixels of a row on the canvas, unless a single picture is wider
@@ -66,7 +67,10 @@ def theatre_rig(
             patch = patch._replace(shape=Projection.WARPED, warp=_warp(one, offsets, frusta))
         patches += (patch,) if display == "mono" else patches_of(LAYOUTS[display], patch)
     outputs = tuple(theatre.window[number].size for number in windows)
-    return CameraRig(canvas, outputs, tuple(eyes), tuple(patches), theatre.level)
+    return CameraRig(
+        canvas, outputs, tuple(eyes), tuple(patches), theatre.level,
+        vessel=_vessel(theatre, channels),
+    )  # fmt: skip
 
 
 def visible_channels(
@@ -109,6 +113,20 @@ def shelves(sizes: Sequence[tuple[int, int]]) -> tuple[list[tuple[int, int]], tu
         x, row = x + width, max(row, height)
         right = max(right, x)
     return corners, (right, y + row)
+
+
+def _vessel(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> TheatreVessel | None:
+    """The vessel of a theatre; all channels count, so all nodes draw the same."""
+    table = theatre.vessel
+    if table is None:
+        return None
+    return TheatreVessel(
+        max(min(one.distance_cm for one in channels), 2.0 * NEAR_CM),
+        float(np.radians(table.spring_deg)),
+        float(np.radians(table.rim_deg)),
+        float(np.radians(table.tilt_deg)),
+        float(np.radians(table.panel_deg)) if table.instruments else None,
+    )
 
 
 def _offsets(

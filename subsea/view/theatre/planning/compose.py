@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import msgspec
 
 from subsea.core.arrays import Array
-from subsea.view.theatre.planning.layouts import Layout
+from subsea.view.theatre.planning.layouts import TheatreLayout
 from subsea.view.theatre.theatre_file import Angles, Cylinder, Dome, Plane
 
 IN_A_ROW = 6  # windows of a row of the desktop
@@ -18,7 +18,7 @@ def mesh_name(stem: str, channel: str) -> str:
 
 
 def compose_theatre(
-    layout: Layout, stem: str, size: tuple[int, int], computers: bool, command: str
+    layout: TheatreLayout, stem: str, size: tuple[int, int], computers: bool, command: str
 ) -> str:
     """The text of a theatre file; `size` is that of every window, `command` made it.
 
@@ -64,7 +64,7 @@ def compose_theatre(
     return "\n".join(lines) + "\n"
 
 
-def line_up(layout: Layout, computers: bool) -> list[str]:
+def line_up(layout: TheatreLayout, computers: bool) -> list[str]:
     """The steps to line up the projectors of a layout, in their order."""
     warped = any(channel.nodes is not None for channel in layout.channels)
     blended = layout.blend and len(layout.channels) > 1

@@ -44,7 +44,7 @@ class PlannedChannel(NamedTuple):
     nodes: Array | None = None  # (rows, columns, 5) of its mesh
 
 
-class Layout(NamedTuple):
+class TheatreLayout(NamedTuple):
     """Projectors and screens of a theatre, and the room for its picture."""
 
     title: str
@@ -56,7 +56,7 @@ class Layout(NamedTuple):
     notes: Sequence[str] = ()
 
 
-def layout(kind: str, measures: Mapping[str, float]) -> Layout:
+def layout(kind: str, measures: Mapping[str, float]) -> TheatreLayout:
     """The layout of a kind with its measures; a UserError if it is impossible."""
     makers = {"wall": _wall, "curved": _curved, "dome": _dome, "cave": _cave, "mirror": _mirror}
     return makers[kind](measures)
@@ -75,7 +75,7 @@ def spans(whole: float, count: int, overlap: float) -> list[tuple[float, float]]
     return [(k * step, k * step + part) for k in range(count)]
 
 
-def _wall(measures: Mapping[str, float]) -> Layout:
+def _wall(measures: Mapping[str, float]) -> TheatreLayout:
     """Pictures side by side on a wall; lenses with shift, so that no picture is a trapezium."""
     count, width, far = int(measures["projectors"]), measures["width"], measures["distance"]
     aspect, throw = _aspect(measures), measures["throw"] or 1.2
@@ -98,12 +98,12 @@ def _wall(measures: Mapping[str, float]) -> Layout:
         f"each picture is {across:.0f} x {across / aspect:.0f} cm, "
         f"{overlap * across:.0f} cm of it shared with each neighbour"
     ]
-    return Layout(
+    return TheatreLayout(
         f"A flat wall, projectors: {count}", channels, -measures["eye"], True, notes=notes
     )
 
 
-def _curved(measures: Mapping[str, float]) -> Layout:
+def _curved(measures: Mapping[str, float]) -> TheatreLayout:
     """Pictures side by side on a cylinder about the best seat."""
     count, radius, angle = int(measures["projectors"]), measures["radius"], measures["angle"]
     bottom = measures["bottom"] - measures["eye"]
@@ -139,7 +139,7 @@ def _curved(measures: Mapping[str, float]) -> Layout:
             return places_on(screen, on_cylinder(place, ways, radius))
 
         channels.append(PlannedChannel(name, table, lens, _mesh(lens, shares)))
-    return Layout(
+    return TheatreLayout(
         f"A curved screen, projectors: {count}", channels, -measures["eye"], True,
         notes=[
             f"each picture takes {wide:.1f} degrees, {overlap * wide:.1f} of them shared with each "
@@ -149,7 +149,7 @@ def _curved(measures: Mapping[str, float]) -> Layout:
     )  # fmt: skip
 
 
-def _cave(measures: Mapping[str, float]) -> Layout:
+def _cave(measures: Mapping[str, float]) -> TheatreLayout:
     """Walls, floor, ceiling and back of a room whose middle is the eye's place."""
     count, half, high = int(measures["projectors"]), measures["width"] / 2.0, measures["height"]
     if not 2 <= count <= 6:
@@ -180,10 +180,10 @@ def _cave(measures: Mapping[str, float]) -> Layout:
         lens = Lens(first + (along + up) / 2.0 + behind, axes, (0.5 / 1.2, 0.5 / 1.2))
         plane = Plane(lower_left=corners[0], lower_right=corners[1], upper_left=corners[2])
         channels.append(PlannedChannel(name, plane, lens))
-    return Layout(f"A room of {count} screens", channels, -measures["eye"])
+    return TheatreLayout(f"A room of {count} screens", channels, -measures["eye"])
 
 
-def _dome(measures: Mapping[str, float]) -> Layout:
+def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     """Rings of pictures and one around the zenith, from lenses at the far side of the rim."""
     count, radius = int(measures["projectors"]), measures["radius"]
     dome = Dome(tilt_deg=measures["tilt"], distance_cm=max(radius, 50.0))
@@ -191,7 +191,7 @@ def _dome(measures: Mapping[str, float]) -> Layout:
     if count == 1:
         lens = Lens(np.zeros(3), _tilted(np.eye(3), measures["tilt"]), (1.0, 1.0))
         fisheye = PlannedChannel("dome", dome, lens)
-        return Layout(title, [fisheye], -measures["eye"], dome=dome)
+        return TheatreLayout(title, [fisheye], -measures["eye"], dome=dome)
     if count < 4:
         raise UserError(f"--projectors {count}: a dome has 1 (a fisheye), or 4 or more")
     overlap, turned = measures["overlap"] / 100.0, _tilted(np.eye(3), measures["tilt"])
@@ -211,7 +211,9 @@ def _dome(measures: Mapping[str, float]) -> Layout:
             return places_on(screen, on_sphere(place, ways, radius))
 
         channels.append(PlannedChannel(name, table, lens, _mesh(lens, shares)))
-    return Layout(title, channels, -measures["eye"], True, dome, notes=[_lens_note(channels)])
+    return TheatreLayout(
+        title, channels, -measures["eye"], True, dome, notes=[_lens_note(channels)]
+    )
 
 
 def _patches(count: int, overlap: float) -> list[tuple[float, Angles]]:
@@ -270,7 +272,7 @@ def _turned(angles: Angles, axes: Array, radius: float) -> Angles:
     )  # fmt: skip
 
 
-def _mirror(measures: Mapping[str, float]) -> Layout:
+def _mirror(measures: Mapping[str, float]) -> TheatreLayout:
     """One projector onto a convex mirror at the rear of a dome."""
     radius, tilt = measures["radius"], measures["tilt"]
     setup = mirror_setup(
@@ -281,7 +283,7 @@ def _mirror(measures: Mapping[str, float]) -> Layout:
     centre = (_rounded(setup.centre[0]), _rounded(setup.centre[1]), _rounded(setup.centre[2]))
     sphere = SphericalMirror(centre_cm=centre, radius_cm=measures["mirror"])
     notes = [f"the mirror lights {100 * setup.lit:.0f}% of the dome"]
-    return Layout(
+    return TheatreLayout(
         "A dome with a spherical mirror", [channel], -measures["eye"], False, dome, sphere, notes
     )
 

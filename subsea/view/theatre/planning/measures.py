@@ -2,6 +2,7 @@
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import NamedTuple
 
 from subsea.core.command_line import NumberReader, number_reader
@@ -16,7 +17,7 @@ KINDS = {
 }
 
 
-class Measure(NamedTuple):
+class RoomMeasure(NamedTuple):
     """A measure, with its default for each kind of theatre that needs it."""
 
     name: str
@@ -30,34 +31,68 @@ class Measure(NamedTuple):
         return f"--{self.name}"
 
 
-LENGTH = number_reader(float, 10, 10_000)
+_whole, _real = partial(number_reader, int), partial(number_reader, float)
+LENGTH = _real(10, 10_000)
 MEASURES = (
-    Measure("projectors", "number of projectors", number_reader(int, 1, 32),
-             {"wall": 3, "curved": 3, "dome": 6, "cave": 3}),
-    Measure("across", "width of a projector's picture in pixels", number_reader(int, 320, 16384),
-             dict.fromkeys(KINDS, 1920)),
-    Measure("down", "height of a projector's picture in pixels", number_reader(int, 240, 16384),
-             dict.fromkeys(KINDS, 1080)),
-    Measure("overlap", "overlap of neighbours, percent of a picture", number_reader(float, 2, 40),
-             {"wall": 15, "curved": 15, "dome": 10}),
-    Measure("width", "width of the screen in cm", LENGTH, {"wall": 600, "cave": 250}),
-    Measure("height", "height of the screen in cm", LENGTH, {"curved": 140, "cave": 250}),
-    Measure("radius", "radius of the screen in cm", LENGTH,
-             {"curved": 275, "dome": 400, "mirror": 300}),
-    Measure("angle", "angle of the screen from left to right in degrees",
-             number_reader(float, 30, 300), {"curved": 120}),
-    Measure("distance", "distance of the best seat from the wall in cm", LENGTH, {"wall": 400}),
-    Measure("bottom", "height of the screen's lower edge above the floor in cm",
-             number_reader(float, 0, 10_000), {"wall": 60, "curved": 50}),
-    Measure("eye", "height of the audience's eyes above the floor in cm",
-             number_reader(float, 30, 1000), dict.fromkeys(KINDS, 120)),
-    Measure("tilt", "tilt of the dome to the front in degrees", number_reader(float, 0, 60),
-             {"dome": 0, "mirror": 0}),
-    Measure("mirror", "radius of the mirror's sphere in cm", number_reader(float, 5, 500),
-             {"mirror": 30}),
-    Measure("throw", "throw ratio of the lenses, distance over width; 0: find the longest",
-             number_reader(float, 0, 20), {"wall": 1.2, "curved": 0, "dome": 0, "mirror": 1.5}),
-)  # fmt: skip
+    RoomMeasure(
+        "projectors",
+        "number of projectors",
+        _whole(1, 32),
+        {"wall": 3, "curved": 3, "dome": 6, "cave": 3},
+    ),
+    RoomMeasure(
+        "across",
+        "width of a projector's picture in pixels",
+        _whole(320, 16384),
+        dict.fromkeys(KINDS, 1920),
+    ),
+    RoomMeasure(
+        "down",
+        "height of a projector's picture in pixels",
+        _whole(240, 16384),
+        dict.fromkeys(KINDS, 1080),
+    ),
+    RoomMeasure(
+        "overlap",
+        "overlap of neighbours, percent of a picture",
+        _real(2, 40),
+        {"wall": 15, "curved": 15, "dome": 10},
+    ),
+    RoomMeasure("width", "width of the screen in cm", LENGTH, {"wall": 600, "cave": 250}),
+    RoomMeasure("height", "height of the screen in cm", LENGTH, {"curved": 140, "cave": 250}),
+    RoomMeasure(
+        "radius", "radius of the screen in cm", LENGTH, {"curved": 275, "dome": 400, "mirror": 300}
+    ),
+    RoomMeasure(
+        "angle",
+        "angle of the screen from left to right in degrees",
+        _real(30, 300),
+        {"curved": 120},
+    ),
+    RoomMeasure("distance", "distance of the best seat from the wall in cm", LENGTH, {"wall": 400}),
+    RoomMeasure(
+        "bottom",
+        "height of the screen's lower edge above the floor in cm",
+        _real(0, 10_000),
+        {"wall": 60, "curved": 50},
+    ),
+    RoomMeasure(
+        "eye",
+        "height of the audience's eyes above the floor in cm",
+        _real(30, 1000),
+        dict.fromkeys(KINDS, 120),
+    ),
+    RoomMeasure(
+        "tilt", "tilt of the dome to the front in degrees", _real(0, 60), {"dome": 0, "mirror": 0}
+    ),
+    RoomMeasure("mirror", "radius of the mirror's sphere in cm", _real(5, 500), {"mirror": 30}),
+    RoomMeasure(
+        "throw",
+        "throw ratio of the lenses, distance over width; 0: one that fits",
+        _real(0, 20),
+        {"wall": 1.2, "curved": 0, "dome": 0, "mirror": 1.5},
+    ),
+)
 
 
 def chosen(kind: str, given: Mapping[str, float | None]) -> dict[str, float]:
@@ -94,7 +129,7 @@ def ask(
 
 
 def _answer(
-    question: Measure,
+    question: RoomMeasure,
     default: float,
     read: Callable[[str], str],
     tell: Callable[[str], object],
