@@ -16,6 +16,7 @@ from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
 from subsea.behavior.table import BEHAVIORS
+from subsea.console.words import PAGE, SCRIPT
 from subsea.core.atomic_io import replacing
 from subsea.core.language import LANGUAGES
 from subsea.core.resources import ROOT, resource_names
@@ -90,6 +91,8 @@ def data() -> list[str]:
         *MENTAL_STATES,
         *RETINA_COLOURS,
         *CHOICES,
+        *PAGE.values(),
+        *SCRIPT.values(),
         *(load_species(name).name for name in shipped_species()),
         *(words for one in scenarios for words in (one.title, one.description)),
         *(cue.caption for one in scenarios for cue in one.direction if cue.caption),

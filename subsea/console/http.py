@@ -2,6 +2,7 @@
 
 import asyncio
 import hmac
+import html
 import ipaddress
 import json
 import logging
@@ -20,8 +21,9 @@ from subsea.console.board import RETRY, Board
 from subsea.console.commands import described, from_json
 from subsea.console.limits import RateLimit
 from subsea.console.options import ConsoleOptions
-from subsea.console.words import LANGUAGE, PAGE, SCRIPT
+from subsea.console.words import PAGE, SCRIPT
 from subsea.core.errors import UserError
+from subsea.core.language import first_known, translated
 from subsea.core.resources import resource_path
 
 MAX_BODY = 4096  # bytes
@@ -65,8 +67,7 @@ class HttpConsole:
         self._names = {"localhost", socket.gethostname().lower(), *options.names}
         self._pages = {path: resource_path(f"assets/console/{name}").read_bytes()
                        for path, (name, _) in ASSETS.items()}  # fmt: skip
-        page = resource_path("assets/console/index.html").read_text("utf-8")
-        self._index = filled(page, bool(options.token))
+        self._index = resource_path("assets/console/index.html").read_text("utf-8")
         self._jpeg, self._jpeg_number = b"", 0
         self.answered: dict[Any, float] = {}  # when each connection last had an answer
 
@@ -154,7 +155,8 @@ class HttpConsole:
         return name in self._names
 
     async def _page(self, request: web.Request) -> web.Response:
-        return web.Response(text=self._index, content_type="text/html")
+        page = filled(self._index, bool(self._options.token), language_of(request))
+        return web.Response(text=page, content_type="text/html")
 
     async def _asset(self, request: web.Request) -> web.Response:
         return web.Response(
@@ -193,7 +195,8 @@ class HttpConsole:
         return answer
 
     async def _words(self, request: web.Request) -> web.Response:
-        return web.json_response(SCRIPT)
+        code = language_of(request)
+        return web.json_response({name: translated(one, code) for name, one in SCRIPT.items()})
 
     async def _state(self, request: web.Request) -> web.Response:
         alive = {"Dive": "alive" if self._board.alive else "stuck"}
@@ -238,9 +241,15 @@ class HttpConsole:
         return web.json_response({"done": done.result()})
 
 
-def filled(text: str, token: bool = False) -> str:
-    """The page with its words, and whether it needs a `token`; a KeyError for an unknown word."""
-    words = {"language": LANGUAGE, "needs_token": "yes" if token else "no", **PAGE}
+def language_of(request: web.Request) -> str:
+    """The first of the browser's languages that the catalogues have."""
+    return first_known(request.headers.get("Accept-Language", "").split(","))
+
+
+def filled(text: str, token: bool = False, code: str = "en") -> str:
+    """The page in a language, and whether it needs a `token`; a KeyError for an unknown word."""
+    words = {name: html.escape(translated(one, code)) for name, one in PAGE.items()}
+    words |= {"language": code, "needs_token": "yes" if token else "no"}
     return re.sub(r"\{\{(\w+)\}\}", lambda found: words[found[1]], text)
 
 

@@ -1,9 +1,9 @@
 """All words of the console's page, by the names that it gives them.
 
-`{{name}}` in `assets/console/index.html` stands for one; its script asks for the others.
+`{{name}}` in `assets/console/index.html` stands for one; its script asks for the others. They are
+English and are translated for the browser that asks.
 """
 
-LANGUAGE = "en"
 PAGE = {
     "title": "Presenter's console",
     "skip": "Skip to the controls",

@@ -8,6 +8,8 @@ panels, errors) stay English.
 import gettext
 import os
 import re
+from collections.abc import Iterable
+from functools import cache
 from typing import TypeVar
 
 from subsea.core.resources import resource_path
@@ -20,12 +22,11 @@ VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")  # of the environment,
 Words = TypeVar("Words", bound=str)
 
 _current = "en"
-_catalogue: gettext.NullTranslations = gettext.NullTranslations()
 
 
-def translated(words: str) -> str:
-    """The words in the current language; the words themselves where its catalogue lacks them."""
-    return _catalogue.gettext(words) if words else ""
+def translated(words: str, code: str = "") -> str:
+    """The words in the language `code`, or in the current one; as they are without translation."""
+    return _catalogue(code or _current).gettext(words) if words else ""
 
 
 def marked(words: Words) -> Words:
@@ -40,10 +41,8 @@ def language() -> str:
 
 def set_language(code: str) -> None:
     """Choose one of LANGUAGES, or AUTO. Without its catalogue words stay English."""
-    global _current, _catalogue
+    global _current
     _current = usual_language() if code == AUTO else code
-    folder = str(resource_path("assets/locale"))
-    _catalogue = gettext.translation("subsea", folder, [_current], fallback=True)
 
 
 def next_language() -> str:
@@ -55,8 +54,16 @@ def next_language() -> str:
 def usual_language() -> str:
     """The first of LANGUAGES that the environment asks for; English if it asks for others."""
     asked = next((value for name in VARIABLES if (value := os.environ.get(name))), "")
-    for one in asked.split(":"):
-        code = re.split(r"[_.@-]", one)[0].lower()
-        if code in LANGUAGES:
-            return code
-    return "en"
+    return first_known(asked.split(":"))
+
+
+def first_known(tags: Iterable[str]) -> str:
+    """The first of LANGUAGES among tags such as ``de_AT.UTF-8`` or ``de-AT``; else English."""
+    codes = (re.split(r"[_.@-]", tag)[0].strip().lower() for tag in tags)
+    return next((code for code in codes if code in LANGUAGES), "en")
+
+
+@cache
+def _catalogue(code: str) -> gettext.NullTranslations:
+    folder = str(resource_path("assets/locale"))
+    return gettext.translation("subsea", folder, [code], fallback=True)

@@ -177,6 +177,24 @@ def test_the_page_has_no_scripts_of_its_own_and_all_of_its_words():
     assert not [name for name in SCRIPT if f'"{name}"' not in script]
 
 
+@pytest.mark.parametrize(
+    ("asked", "code", "blank"),
+    [
+        ("de-AT,de;q=0.9,en;q=0.8", "de", "Schwarz"),
+        ("ja", "ja", "黒画面"),
+        ("pt-BR, fr;q=0.5", "fr", "Noir"),
+        ("tlh", "en", "Blank"),
+        ("\u00ff;,,-;q=x" * 50, "en", "Blank"),
+    ],
+)
+def test_the_page_is_in_the_browsers_language(console, asked, code, blank):
+    page = console.ask("/", Accept_Language=asked)[1].decode()
+    assert f'<html lang="{code}">' in page and f">{blank}<" in page
+    words = console.ask("/words", Accept_Language=asked)[1]
+    assert words.keys() == SCRIPT.keys()
+    assert (words["no_tour"] == SCRIPT["no_tour"]) == (code == "en")
+
+
 def test_tls_and_a_token_as_for_other_computers(secure, certificate):
     context = ssl.create_default_context(cafile=certificate[0])
     request = urllib.request.Request(

@@ -12,6 +12,7 @@ from subsea.core.language import (
     AUTO,
     LANGUAGES,
     VARIABLES,
+    _catalogue,
     language,
     marked,
     next_language,
@@ -67,9 +68,11 @@ def test_words_without_a_translation_stay(monkeypatch, tmp_path):
     set_language("de")
     assert translated("Back") == "Zurück" and translated("Xyzzy") == "Xyzzy" == marked("Xyzzy")
     assert translated("") == ""  # not the header of the catalogue
+    assert translated("Back", "fr") == "Retour"
     monkeypatch.setattr("subsea.core.language.resource_path", lambda name: tmp_path / name)
-    set_language("de")
+    _catalogue.cache_clear()
     assert translated("Back") == "Back"
+    _catalogue.cache_clear()
 
 
 def test_catalogues_have_the_words_of_the_code_and_no_others():
