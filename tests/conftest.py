@@ -66,6 +66,8 @@ LONG = (
     "capture/recording/test_batch.py",
     "repertoire/test_conformance.py",
     "test_faults.py",
+    "view/theatre/planning/test_layouts.py",
+    "dive/test_theatre_plan.py",
     "ui/fish_builder/test_window.py",
     "ui/test_cluster_windows.py",
     "ui/test_kiosk_service.py",
