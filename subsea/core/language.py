@@ -59,7 +59,7 @@ def usual_language() -> str:
 
 def first_known(tags: Iterable[str]) -> str:
     """The first of LANGUAGES among tags such as ``de_AT.UTF-8`` or ``de-AT``; else English."""
-    codes = (re.split(r"[_.@-]", tag)[0].strip().lower() for tag in tags)
+    codes = (re.split(r"[_.@;-]", tag)[0].strip().lower() for tag in tags)
     return next((code for code in codes if code in LANGUAGES), "en")
 
 
