@@ -94,11 +94,22 @@
     get("stop-tour").disabled = !state.tour;
     get("helm").disabled = !state.fish;
     get("next-cue").disabled = state.next_cue === null;
+    drawShow();
     drawCues();
     drawHealth();
     for (const id of ["scenario-form", "fish-form"])
       for (const one of get(id).querySelectorAll("button[type=submit], #ride, select"))
         one.disabled = state.several_computers;
+  }
+
+  function drawShow() {
+    const one = state.show;
+    get("show-card").hidden = !one;
+    if (!one) return;
+    get("next-item").disabled = !one.open;
+    write("show-now", one.open
+      ? say("item", { item: one.item, items: one.items, title: one.title, time: span(one.elapsed_s) })
+      : say("closed", { title: one.title }));
   }
 
   function drawCues() {
@@ -195,6 +206,7 @@
     on("tour-form", "submit", () => command("tour", { name: get("tour").value }));
     on("stop-tour", "click", () => command("stop-tour"));
     on("next-cue", "click", () => command("cue"));
+    on("next-item", "click", () => command("next-item"));
     on("caption-form", "submit", () => command("caption", { text: get("caption").value }));
     on("clear-caption", "click", () => command("caption", { text: "" }));
     on("fish-form", "submit", () => command("follow", { fish: get("fish").value }));

@@ -51,6 +51,10 @@ class StartCue(PresenterCommand, frozen=True, tag="cue"):
     ] = -1
 
 
+class NextItem(PresenterCommand, frozen=True, tag="next-item"):
+    """Go on to the next item of the show."""
+
+
 class ShowCaption(PresenterCommand, frozen=True, tag="caption"):
     """Show a caption; an empty one ends the one before."""
 
@@ -104,8 +108,8 @@ class ShowLineUp(PresenterCommand, frozen=True, tag="line-up"):
 
 
 COMMANDS: tuple[type[PresenterCommand], ...] = (
-    OpenScenario, StartTour, StopTour, StartCue, ShowCaption, FollowFish, RideFish, LeaveFish,
-    SetQuality, SetVolume, BlankScreens, ShowLineUp,
+    OpenScenario, StartTour, StopTour, StartCue, NextItem, ShowCaption, FollowFish, RideFish,
+    LeaveFish, SetQuality, SetVolume, BlankScreens, ShowLineUp,
 )  # fmt: skip
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}
 

@@ -17,6 +17,7 @@ from subsea.dive.directed_camera import is_directed
 from subsea.dive.fault_log import FaultLog, FaultState
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
+from subsea.dive.show_player import ShowStatus
 from subsea.dive.tick_source import NodeStatus
 from subsea.rendering.output.small_picture import SmallPicture
 from subsea.scenario.fish_lookup import find_fish
@@ -82,6 +83,7 @@ class DiveState(msgspec.Struct, frozen=True, kw_only=True):
     tour: str | None
     cues: list[CueState]
     next_cue: int | None
+    show: ShowStatus | None
     caption: str
     fish: FishState | None
     species: list[Option]
@@ -117,6 +119,7 @@ class RemoteControl:
             commands.StartTour: self._start_tour,
             commands.StopTour: self._stop_tour,
             commands.StartCue: self._start_cue,
+            commands.NextItem: self._next_item,
             commands.ShowCaption: self._show_caption,
             commands.FollowFish: lambda one: self._ride(one.fish, behind=True),
             commands.RideFish: lambda one: self._ride(one.fish, behind=False),
@@ -212,6 +215,12 @@ class RemoteControl:
         if dive.timeline is not None:
             dive.timeline.touch()
         return f"started {directions[number].name or f'cue {number}'}"
+
+    def _next_item(self, _: commands.NextItem) -> str:
+        if self._dive.show is None:
+            raise UserError("no show is played: begin the dive with --playlist FILE")
+        self._dive.show.player.next_cue()
+        return "on to the next item"
 
     def _show_caption(self, command: commands.ShowCaption) -> str:
         words = " ".join(printable(command.text.replace("\n", " ")).split())
@@ -327,6 +336,7 @@ class RemoteControl:
                 for k, one in enumerate(scenario.direction)
             ],
             next_cue=self._next_cue,
+            show=None if dive.show is None else dive.show.player.state(),
             caption=dive.caption.words,
             fish=None
             if ride is None

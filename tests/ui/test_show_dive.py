@@ -1,5 +1,6 @@
 """A show in a window: its items, cues, fades and captions, and a cut of the power."""
 
+import json
 from contextlib import closing
 from dataclasses import replace
 from datetime import date
@@ -7,12 +8,15 @@ from datetime import date
 import pytest
 
 from subsea.cli.main import main
+from subsea.console.commands import BlankScreens, NextItem, ShowCaption
 from subsea.dive.settings import AttractSettings, Settings
 from subsea.dive.show_state import DiveCount, state_folder
 from subsea.dive.tick_source import LocalTicks
 from subsea.ui.dive import Dive
 from subsea.ui.dive_loop import restoring
+from subsea.ui.remote_control import open_console
 from subsea.ui.show import ShowScreens
+from tests.console.conftest import local
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels, dive_options
 
@@ -55,6 +59,26 @@ def opened(path, coarse, told, kiosk=False):
     options = dive_options(show.first_scenario, (320, 240), coarse, settings=settings, kiosk=kiosk)
     options = replace(options, playlist=path)
     return show, Dive(options, None, restoring(show, LocalTicks), show=show)
+
+
+def test_a_presenter_sees_the_show_and_leads_it(display, user, coarse, playlist):
+    _, dive = opened(playlist, coarse, [])
+    with closing(dive) as running:
+        open_console(running, local())
+        user.glide(running, 1.0)
+        state = json.loads(running.remote._board.state)["show"]
+        assert (state["title"], state["item"], state["items"]) == ("a short one", 1, 5)
+        done = running.remote._board.put(NextItem())
+        user.until(running, lambda: running.source.name == "second.toml")
+        assert done.result() == "on to the next item"
+        # A node of a cluster would get the black between two items with the picture.
+        assert running.tick_source.presented.blank > 0.0
+        running.remote._board.put(ShowCaption("Welcome"))
+        user.until(running, lambda: running.caption.words == "Welcome")
+        running.remote._board.put(BlankScreens(True))
+        user.until(running, lambda: running.tick_source.presented.blank == 1.0)
+        running.remote._board.put(BlankScreens(False))
+        user.until(running, lambda: running.tick_source.presented.blank == 0.0)
 
 
 def brightness():
