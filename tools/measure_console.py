@@ -5,7 +5,8 @@
 Opens a dive on a virtual display and draws frames for a second each, in turn: without a console,
 with one that nobody uses, with one page, and with 100 clients that ask as fast as they can, from a
 process of their own. Prints the median of a frame by the clock and of the processor time of its
-thread, and the ratio to the frames without a console.
+thread, the ratio to the frames without a console, and what hardly depends on other programs: the
+processor time that the console takes of the frame's thread and in its own, as shares of a second.
 """
 
 import argparse
@@ -16,6 +17,7 @@ import os
 import socket
 import threading
 import time
+from collections.abc import Callable
 from contextlib import closing, suppress
 from ipaddress import ip_address
 from typing import Any
@@ -26,7 +28,7 @@ from subsea.console.options import ConsoleOptions, ListenAddress
 from subsea.core.interrupts import deferred_interrupts
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
-from subsea.ui.remote_control import open_console
+from subsea.ui.remote_control import RemoteControl, open_console
 from tools.monkey import virtual_display
 
 SLICE_S, SETTLE_S = 1.0, 3.0  # of a case in each round, and before it
@@ -62,19 +64,42 @@ def measure(dive: Dive, rounds: int) -> None:
     crowd.start()
     spent: dict[str, list[tuple[float, float]]] = {what: [] for what in CLIENTS}
     answers = dict.fromkeys(CLIENTS, 0)
+    own: dict[str, list[float]] = {what: [0.0, 0.0] for what in CLIENTS}
+    within = timed(remote)
+    assert remote._server is not None and remote._server._thread.ident is not None
+    clock = time.pthread_getcpuclockid(remote._server._thread.ident)
     frames(dive, 3.0)
     for _ in range(rounds):
         for what, clients in CLIENTS.items():
             dive.remote = None if what == "no console" else remote
             wanted.value = clients
             frames(dive, SETTLE_S)
-            before = answered.value
+            before, start = answered.value, (within[0], time.clock_gettime(clock))
             spent[what] += frames(dive, SLICE_S)
             answers[what] += answered.value - before
+            own[what][0] += within[0] - start[0]
+            own[what][1] += time.clock_gettime(clock) - start[1]
     wanted.value = -1
     crowd.join(10.0)
     dive.remote = remote
-    report(spent, answers, rounds * SLICE_S)
+    report(spent, own, answers, rounds * SLICE_S)
+
+
+def timed(remote: RemoteControl) -> list[float]:
+    """Measure the calls of the remote control; returns where their processor time adds up, s."""
+    total = [0.0]
+
+    def wrapped(act: Callable[..., None]) -> Callable[..., None]:
+        def measured(*given: float) -> None:
+            start = time.thread_time()
+            act(*given)
+            total[0] += time.thread_time() - start
+
+        return measured
+
+    for name in ("update", "look"):
+        setattr(remote, name, wrapped(getattr(remote, name)))
+    return total
 
 
 def frames(dive: Dive, seconds: float) -> list[tuple[float, float]]:
@@ -119,7 +144,10 @@ def visit(port: int, wanted: Any, answered: Any) -> None:
 
 
 def report(
-    spent: dict[str, list[tuple[float, float]]], answers: dict[str, int], seconds: float
+    spent: dict[str, list[tuple[float, float]]],
+    own: dict[str, list[float]],
+    answers: dict[str, int],
+    seconds: float,
 ) -> None:
     """Print the frames of each case."""
     plain = np.median(spent["no console"], axis=0)
@@ -132,6 +160,8 @@ def report(
             "cpu_ms": round(1e3 * float(median[1]), 2),
             "ratio": round(float(median[0] / plain[0]), 3),
             "cpu_ratio": round(float(median[1] / plain[1]), 3),
+            "of_frames_percent": round(100.0 * own[what][0] / seconds, 2),
+            "server_percent": round(100.0 * own[what][1] / seconds, 2),
             "answers_a_s": round(answers[what] / seconds, 1),
         }
         print(json.dumps(row), flush=True)

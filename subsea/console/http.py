@@ -108,7 +108,8 @@ class HttpConsole:
         answer.headers.update(HEADERS)
         if answer.status >= 400:
             answer.force_close()
-        self.answered[request.protocol] = asyncio.get_running_loop().time()
+        if request.transport is not None:  # else the client has gone
+            self.answered[request.protocol] = asyncio.get_running_loop().time()
         return answer
 
     async def _checked(self, request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -177,7 +178,7 @@ class HttpConsole:
         """Take the token of `{"token": …}`; the answer sets a cookie."""
         try:
             given = msgspec.json.decode(await body_of(request), type=dict[str, str]).get("token")
-        except (msgspec.DecodeError, RecursionError):
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             return fault(422, 'expected {"token": TEXT}')
         if self._options.token and not same(given or "", self._options.token):
             return fault(401, "the token is wrong")

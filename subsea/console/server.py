@@ -23,6 +23,7 @@ class ConsoleServer:
         """Begin to listen; a UserError if that is impossible, as when a port is taken."""
         self._options, self._board = options, board
         self._listening = Event()
+        self._began = False
         self._fault: str | None = None
         self._stop: Callable[[], object] = lambda: None
         sockets = _bound(options.http, socket.SOCK_STREAM, "--console")
@@ -35,7 +36,7 @@ class ConsoleServer:
             raise
         self._thread = Thread(target=self._run, args=(sockets, heard), name="console", daemon=True)
         self._thread.start()
-        if not self._listening.wait(BEGIN_S) or self._fault is not None:
+        if not (self._listening.wait(BEGIN_S) and self._began):
             self.close()
             raise UserError(f"the console: {self._fault or 'cannot begin'}")
 
@@ -79,6 +80,7 @@ class ConsoleServer:
                 lambda: OscConsole(self._board), sock=osc
             )
         self._stop = lambda: loop.call_soon_threadsafe(stopped.set)
+        self._began = True
         self._listening.set()
         await stopped.wait()
         self._stop = lambda: None

@@ -90,6 +90,13 @@ def test_the_cookie_of_a_login_is_as_good_as_the_token_and_does_not_show_it(guar
 
 
 @pytest.mark.parametrize(
+    "content", [b"", b"\xff", b"[]", b'{"token": 7}', b'{"token": "\\ud800"}', b"[" * 4000, b"{}"]
+)
+def test_a_login_without_a_token_is_refused(guarded, content):
+    assert guarded.ask("/login", content)[0] in (401, 422)
+
+
+@pytest.mark.parametrize(
     ("host", "status"),
     [("127.0.0.1:PORT", 200), ("localhost:PORT", 200), ("[::1]:PORT", 200), ("10.0.0.7:PORT", 200),
      ("evil.example:PORT", 421), ("127.0.0.1", 421), ("127.0.0.1:1", 421),
