@@ -67,7 +67,7 @@ class _SgctReader:
         self.config = config
         title = config.meta.get("name") or config.meta.get("description") or path.stem
         self.builder = TheatreBuilder(path, str(title))
-        self.tried = 0  # viewports so far, each of which may have a large mesh
+        self.tried = 0  # viewports so far: each may have a large mesh
         self.users = {user.name: user for user in config.users}
         default = self.users.get("", next(iter(self.users.values()), SgctUser()))
         self.eye_m = self._eye(default)
