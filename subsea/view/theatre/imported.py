@@ -49,12 +49,16 @@ class TheatreBuilder:
         self.meshes: dict[str, MeasuredMesh] = {}
         self.cluster: Cluster | None = None
         self.keys: dict[str, Any] = {}  # of the theatre
-        self._lines: list[str] = []
+        self._lines: dict[str, None] = {}
+        self._more = 0  # lines beyond MAX_LINES
 
     def leave_out(self, line: str) -> None:
         """Note a thing that the theatre lacks."""
         if line not in self._lines:
-            self._lines.append(line)
+            if len(self._lines) < MAX_LINES:
+                self._lines[line] = None
+            else:
+                self._more += 1
 
     def name(self, words: str, kind: str = "channel") -> str:
         """A valid name like `words` that no other window, or channel, has."""
@@ -116,9 +120,9 @@ class TheatreBuilder:
         """The theatre; a UserError if nothing is left."""
         self._drop_empty()
         self._move_apart()
-        lines = self._lines[:MAX_LINES]
-        if len(self._lines) > MAX_LINES:
-            lines.append(f"{len(self._lines) - MAX_LINES} more things")
+        lines = list(self._lines)
+        if self._more:
+            lines.append(f"{self._more} more things")
         if not self.channels and not self.archives:
             why = f"; left out: {lines[0]}" if lines else ""
             more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""

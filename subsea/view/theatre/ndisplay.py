@@ -21,9 +21,10 @@ from subsea.core.errors import UserError, unknown
 from subsea.core.validation import convert
 from subsea.view.camera import axes_of
 from subsea.view.theatre.imported import ImportedTheatre, TheatreBuilder, printable_word
-from subsea.view.theatre.theatre_file import MAIN, Cluster, Coordinate, Window
+from subsea.view.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Coordinate, Window
 
 MAX_DEPTH = 64  # of parents
+MAX_PARTS = 1000  # of the scene
 POLICIES = ("camera", "manual", "mesh", "mpcdi", "easyblend", "domeprojection", "vioso")
 Angle = Annotated[float, msgspec.Meta(ge=-3600, le=3600)]
 
@@ -150,12 +151,27 @@ class _NdisplayReader:
         self.builder = TheatreBuilder(path, config.description or path.stem)
         scene = config.scene
         self.parts = {**scene.xforms, **scene.cameras, **scene.screens}
+        if len(self.parts) > MAX_PARTS:
+            raise UserError(
+                f"{len(self.parts)} parts of the scene, expected {MAX_PARTS} at most", file=path
+            )
         used = Counter(
             viewport.camera for node in self.nodes.values() for viewport in node.viewports.values()
         )
-        self.camera = max(
-            scene.cameras, key=lambda name: (self._seen(name), used[name]), default=""
-        )
+        eyes: dict[str, Array] = {}
+        for name in scene.cameras:
+            with suppress(UserError):
+                eyes[name] = self._pose(name)[1]
+        screens = []
+        for name in scene.screens:
+            with suppress(UserError):
+                screens.append(self._pose(name))
+
+        def seen(name: str) -> int:
+            """The number of screens that a camera has before it."""
+            return sum(bool((at - eyes[name]) @ turn[2] > 1.0) for turn, at in screens)
+
+        self.camera = max(eyes, key=lambda name: (seen(name), used[name]), default="")
         self.eye = self._eye(self.camera)
         self.names: dict[str, str] = {}
 
@@ -192,7 +208,9 @@ class _NdisplayReader:
             return
         self.names[name] = window.node
         left_out: set[str] = set()
-        for words, viewport in node.viewports.items():
+        if len(node.viewports) > MOST_WINDOWS:
+            self.builder.leave_out(f"viewports of {printable_word(name)!r} beyond {MOST_WINDOWS}")
+        for words, viewport in list(node.viewports.items())[:MOST_WINDOWS]:
             if words in left_out:
                 continue
             other = self._other_eye(words, node)
@@ -259,15 +277,6 @@ class _NdisplayReader:
             ):
                 return name
         return None
-
-    def _seen(self, camera: str) -> int:
-        """The number of screens that a camera has before it."""
-        count = 0
-        for name in self.config.scene.screens:
-            with suppress(UserError):
-                turn, middle = self._pose(name)
-                count += bool((middle - self._eye(camera)) @ turn[2] > 1.0)
-        return count
 
     def _eye(self, camera: str) -> Array:
         """The place (3,) of a camera, right, up, ahead; the origin if it is not there."""

@@ -27,12 +27,13 @@ from subsea.view.theatre.sgct_file import (
     SgctViewport,
     SgctWindow,
 )
-from subsea.view.theatre.theatre_file import MAIN, Cluster, Window
+from subsea.view.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Window
 from subsea.view.theatre.warp_files import FORMATS, read_mesh
 
 VERSION = 1
 SIZE = (640, 480)  # of a window without one
 MAX_EYES_CM = 20.0
+MOST_TRIED = 2 * MOST_WINDOWS  # viewports, with those that are left out
 DISPLAYS = {
     "none": "", "active": "stereo", "side_by_side": "side-by-side", "top_bottom": "top-bottom",
     "anaglyph_red_cyan": "anaglyph", "checkerboard": "checkerboard",
@@ -66,6 +67,7 @@ class _SgctReader:
         self.config = config
         title = config.meta.get("name") or config.meta.get("description") or path.stem
         self.builder = TheatreBuilder(path, str(title))
+        self.tried = 0  # viewports so far: each may have a large mesh
         self.users = {user.name: user for user in config.users}
         default = self.users.get("", next(iter(self.users.values()), SgctUser()))
         self.eye_m = self._eye(default)
@@ -143,6 +145,10 @@ class _SgctReader:
         if made is None:
             return
         for number, viewport in enumerate(window.viewports, 1):
+            self.tried += 1
+            if self.tried > MOST_TRIED:
+                self.builder.leave_out(f"viewports beyond the first {MOST_TRIED}")
+                return
             name = words if len(window.viewports) == 1 else f"{words}-{number}"
             try:
                 self._viewport(viewport, made, name)

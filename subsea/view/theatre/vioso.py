@@ -82,7 +82,7 @@ def vioso_maps(data: bytes, where: str) -> tuple[list[ViosoMap], tuple[str, ...]
                 unused += 1
         else:
             raise UserError(
-                f"block {number + 1} at byte {at} is neither a map ('vwf0') nor a bitmap ('BM')",
+                f"block {number + 1} at byte {at} is neither a map ('vwf0') nor its bitmap ('BM')",
                 file=where,
             )
     notes = (f"{where}: {unused} bitmaps for black and white levels",) if unused else ()

@@ -8,6 +8,7 @@ from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.output.target import ResolvePass
 from subsea.rendering.renderer import Renderer
 from subsea.view.rig import CUBES, pose_from_angles, views
+from subsea.view.surround import Surround, directions
 from subsea.view.theatre.channels import usable_channels
 from subsea.view.theatre.lineup import lineup
 from subsea.view.theatre.load import load_theatre
@@ -173,3 +174,25 @@ def test_the_pattern_that_lines_up_three_projectors(context, scene, same_picture
     renderer.show(lineup(rig))
     same_picture("pattern", np.hstack([renderer.read_pixels(k) for k in range(len(rig.outputs))]))
     renderer.release()
+
+
+def test_a_dome_of_another_angle_shows_the_directions_of_its_pixels(
+    context, tmp_path, directions_on
+):
+    """Shader and `surround.directions` agree, as for half a sphere."""
+    path = tmp_path / "theatre.toml"
+    path.write_text(
+        '[[window]]\nname = "a"\nsize = [160, 120]\n[[channel]]\nname = "a"\nwindow = "a"\n'
+        "dome = { tilt_deg = 20, angle_deg = 220 }\n"
+    )
+    theatre = load_theatre(str(path))[0]
+    (one,), _ = usable_channels(theatre, path)
+    rig = theatre_rig(theatre, [one], [0])
+    (picture,) = shown(context, rig, directions_on(rig, pose_from_angles(np.zeros(3), 0.0, 0.0)))
+    x, y = np.meshgrid(np.arange(160) + 0.5, 120 - (np.arange(120) + 0.5))
+    pixels = np.column_stack([x.ravel(), y.ravel()])
+    expected = directions("dome", (160, 120), Surround(tilt_deg=20.0, dome_deg=220.0), pixels)
+    inside = np.hypot(*(pixels - [80, 60]).T) < 57
+    found = (2 * picture - 1).reshape(-1, 3)
+    np.testing.assert_allclose(found[inside], expected[inside], atol=0.03)
+    assert (picture.reshape(-1, 3)[np.hypot(*(pixels - [80, 60]).T) > 62] == 0).all()

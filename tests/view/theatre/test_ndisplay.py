@@ -119,6 +119,17 @@ def test_circles_and_unknown_parents_are_left_out_with_a_line(tmp_path, content)
     assert any("parent 'nowhere'" in line for line in theatre.left_out)
 
 
+def test_large_scenes_are_bounded(tmp_path, content):
+    scene, cluster = content["nDisplay"]["scene"], content["nDisplay"]["cluster"]
+    node = cluster["nodes"]["node_front"]
+    node["viewports"] = {f"v{k}": node["viewports"]["vp_front"] for k in range(5000)}
+    theatre, _ = loaded(tmp_path, content)
+    assert any("beyond 64" in line for line in theatre.left_out)
+    scene["cameras"] = {f"c{k}": scene["cameras"]["head"] for k in range(2000)}
+    with pytest.raises(UserError, match="parts of the scene, expected 1000 at most"):
+        loaded(tmp_path, content)
+
+
 def test_faulty_files_are_refused_in_a_line(tmp_path, content):
     content["nDisplay"]["scene"]["screens"]["front"]["size"]["width"] = "wide"
     with pytest.raises(UserError) as error:

@@ -1,6 +1,7 @@
 """SGCT configurations become the theatre that our own keys give, by closed forms."""
 
 import json
+import time
 
 import numpy as np
 import pytest
@@ -341,6 +342,17 @@ def test_two_hundred_viewports_are_bounded(tmp_path):
     theatre, _ = loaded(tmp_path, content)
     assert len(theatre.channel) == 64
     assert "viewports beyond the first 64" in theatre.left_out
+    assert "viewports beyond the first 128" in theatre.left_out
+
+
+def test_thousands_of_faulty_viewports_are_counted_and_not_all_listed(tmp_path):
+    content = samples.sgct()
+    windows = content["nodes"][0]["windows"]
+    windows += [windows[0] | {"name": f"w{k}", "draw3d": False} for k in range(20_000)]
+    begin = time.monotonic()
+    theatre, _ = loaded(tmp_path, content)
+    assert time.monotonic() - begin < 10
+    assert len(theatre.left_out) == 101 and theatre.left_out[-1] == "19900 more things"
 
 
 @pytest.mark.parametrize(
