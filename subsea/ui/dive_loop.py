@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 
 from subsea.core.background import CancelledByUserError
@@ -62,7 +62,8 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
             say(f"a kiosk: {options.settings.kiosk.leave} leaves it, in its window")
         for line in notes:
             running.overlay.note(line)
-        with closing(running):
+        with closing(running), ExitStack() as ending:
+            ending.callback(notify, STOPPING=1)  # also after a signal
             if fish is not None:
                 running.ride_fish(fish, behind=start.eyes is None)
                 running.commands.start_ride(start.gaze, start.colours, start.teleop)
@@ -78,7 +79,6 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 running.frame(now - last)
                 last = now
                 reports.update(running.pictures, running.tick_source.waiting or running.source.stem)
-            notify(STOPPING=1)
             if show is not None:
                 show.end()
             running.show_message("closing")  # it may take seconds, and a film is completed
