@@ -16,6 +16,7 @@ from subsea.ui.show import ShowScreens
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels, dive_options
 
+pytestmark = pytest.mark.timeout(900)  # a first start compiles
 SHOW = """
 title = "a short one"
 fade_s = 0.4
