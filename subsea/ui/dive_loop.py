@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 
 from subsea.core.background import CancelledByUserError
@@ -67,7 +67,8 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
             from subsea.ui.remote_control import open_console
 
             open_console(running, options.console)
-        with closing(running):
+        with closing(running), ExitStack() as ending:
+            ending.callback(notify, STOPPING=1)  # also after a signal
             if fish is not None:
                 running.ride_fish(fish, behind=start.eyes is None)
                 running.commands.start_ride(start.gaze, start.colours, start.teleop)
@@ -83,7 +84,6 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 running.frame(now - last)
                 last = now
                 reports.update(running.pictures, running.tick_source.waiting or running.source.stem)
-            notify(STOPPING=1)
             if show is not None:
                 show.end()
             running.show_message(marked("closing"))  # it may take seconds, and a film is completed

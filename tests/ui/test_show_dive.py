@@ -20,6 +20,7 @@ from tests.console.conftest import local
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels, dive_options
 
+pytestmark = pytest.mark.timeout(900)  # a first start compiles
 SHOW = """
 title = "a short one"
 fade_s = 0.4
