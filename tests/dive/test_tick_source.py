@@ -271,6 +271,7 @@ def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):
         _close_ticks=None,
         pilot=None,
         timeline=None,
+        remote=None,
         picture=SimpleNamespace(open_world=lambda *given: done.append("scene"), close_world=None),
         inspector=SimpleNamespace(reset=lambda: None),
         sound=SimpleNamespace(fish=None, attend=lambda world: done.append("heard")),
