@@ -26,8 +26,7 @@ from subsea.dive.show_state import MOST_BYTES, SavedShow
 FIRST_S, START_S = 900.0, 180.0  # until a start must show the sea; the first one compiles
 STILL_S = 60.0  # a kiosk that shows no picture for this long hangs
 RUNS_S = 30.0  # longest time between the first picture and the cut: a state is saved meanwhile
-EARLY = 0.25  # share of cuts while it still loads
-FULL = 0.34  # share of starts with a full disk
+EARLY, FULL = 4, 3  # each such start is cut while it loads, or has a full disk
 END_S = 60.0  # to end when it is asked to
 MOST_FAULTS = 5
 
@@ -127,8 +126,9 @@ def _rounds(command: list[str], folder: Path, seconds: float, rng: random.Random
     end, limit_s = time.monotonic() + seconds, FIRST_S
     while len(report.faults) < MOST_FAULTS:
         last = bool(report.starts_s) and time.monotonic() > end
-        full = not last and bool(report.starts_s) and rng.random() < FULL
-        early = not last and len(report.starts_s) > 1 and rng.random() < EARLY
+        number = len(report.starts_s) + report.early  # of starts so far
+        full = not last and number % FULL == 1
+        early = not last and number % EARLY == EARLY - 1
         resumed = (folder / "state/subsea/show.state").exists()
         report = report._replace(
             full=report.full + full, early=report.early + early, resumed=report.resumed + resumed

@@ -13,14 +13,13 @@ pytestmark = pytest.mark.timeout(900)  # a first start compiles
 
 def test_a_kiosk_survives_cuts_of_the_power_and_a_full_disk(display, capsys, monkeypatch):
     monkeypatch.setattr(kiosk_soak, "RUNS_S", 20.0)
-    monkeypatch.setattr(kiosk_soak, "FULL", 0.5)
     words = ["soak", "--kiosk", "--minutes", "1", "--seed", "3", "--scenario", str(BARE)]
     assert main(words) == 0, capsys.readouterr()
     out = capsys.readouterr().out
     starts, full, saved = map(
         int, re.findall(r"(\d+) starts?, (\d+) with a full disk, (\d+) with", out)[0]
     )
-    assert starts >= 3 and full >= 1 and saved >= 1
+    assert starts >= 2 and full >= 1 and saved < starts
     assert out.endswith("sound\n")
 
 
