@@ -274,9 +274,7 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     if options.no_resume and options.node is None:
         raise UserError("--no-resume needs --theatre and --node too")
     if options.playlist is not None:
-        shared.refuse(
-            options, ("tour", "follow", "eyes", "node", "fish"), "--playlist goes without {}"
-        )
+        shared.refuse(options, ("tour", "follow", "eyes", "fish"), "--playlist goes without {}")
         given = {word.partition("=")[0] for word in options.words}
         for name in sorted(given & {"--scenario", "--set"}):
             raise UserError(f"--playlist goes without {name}")

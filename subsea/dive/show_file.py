@@ -14,7 +14,7 @@ from subsea.core.toml_files import error_at, load_toml
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.opening_hours import OpeningHours, minutes_of
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Scenario
+from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 
 AFTER, CUE = "after", "cue"
 MOST_ITEMS = 200
@@ -100,6 +100,23 @@ def open_item(show: Show, path: Path, number: int) -> tuple[Scenario, Path]:
     if (tour := show.item[number].tour) is not None:
         check_tour(scenario, tour)
     return scenario, file
+
+
+def check_for_cluster(show: Show, path: Path) -> None:
+    """Refuse what several computers cannot play together, with line and key.
+
+    Nodes open scenarios by name, and a submarine that is under way cannot be put elsewhere.
+    """
+    for k, one in enumerate(show.item):
+        if one.scenario is not None and is_path(one.scenario, ".toml"):
+            message = (
+                f"{one.scenario!r} is a path, expected a name that all computers of a cluster know"
+            )
+            raise error_at(path, f"item[{k}].scenario", f"`item[{k}].scenario`: {message}")
+        if one.tour not in (None, AUTOPILOT, DIRECTED):
+            message = f"{one.tour!r} begins elsewhere; in a cluster expected "
+            message += f"{AUTOPILOT!r} or {DIRECTED!r}"
+            raise error_at(path, f"item[{k}].tour", f"`item[{k}].tour`: {message}")
 
 
 def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:

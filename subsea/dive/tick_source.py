@@ -16,6 +16,7 @@ from subsea.dive.prediction import Prediction
 from subsea.dive.presented import NOTHING, Presented
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
+from subsea.scenario.load import scenario_file, scenario_names
 from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.rail import Rail
 from subsea.view.display_rigs import cockpit
@@ -57,6 +58,7 @@ class TickSource(ABC):
     waiting = ""  # the cause of a wait; empty while the dive runs
     idle_s = 0.0  # time that the last call of `advance` spent waiting
     presented: Presented = NOTHING  # over the sea; of a cluster, the master's
+    wanted: tuple[str, int] | None = None  # name and seed of the scenario that a master waits with
 
     @abstractmethod
     def advance(self, elapsed_s: float) -> float | None:
@@ -75,6 +77,9 @@ class TickSource(ABC):
 
         `check` is called while waiting, and may raise.
         """
+
+    def offer(self, scenario: Path) -> None:  # noqa: B027 - only a master does
+        """Let nodes open the scenario of this file, if it has a name, to take part."""
 
     def set_tour(self, tour: Steer | None) -> None:
         """Let a tour steer from the next tick on, until there is input; None: the pilot steers."""
@@ -156,10 +161,18 @@ class LeaderTicks(TickSource):
     steering: SteeringSource
 
     def __init__(
-        self, master: "Master", pilot: Pilot, tour: Steer | None = None, resumes: bool = True
-    ) -> None:
+        self, master: "Master", pilot: Pilot, tour: Steer | None = None, resumes: bool = True,
+        leads: bool = False,
+    ) -> None:  # fmt: skip
+        """`leads`: nodes open the scenario that this computer shows."""
         self._master, self._clock, self._resumes = master, TickClock(TICK_S), resumes
+        self._leads = leads
         self.steering = SteeringSource(master.world, pilot, tour)
+
+    def offer(self, scenario: Path) -> None:
+        """Let nodes open this scenario, if they can by its name."""
+        named = scenario.stem in scenario_names() and scenario_file(scenario.stem) == scenario
+        self._master.offers = scenario.stem if self._leads and named else ""
 
     def resume(self, check: Callable[[], object]) -> None:
         """Go on from the state of the nodes, unless the dive is to start from its beginning."""
@@ -226,7 +239,7 @@ class FollowerTicks(TickSource):
             alpha = self._clock.alpha
         self.idle_s = time.perf_counter() - start
         self._alpha = self._alpha if alpha is None else alpha
-        self.presented = self._node.presented
+        self.presented, self.wanted = self._node.presented, self._node.wanted
         return alpha
 
     def eye(self) -> CameraPose:
@@ -249,12 +262,14 @@ TickSourceMaker = Callable[[World, Pilot], TickSource]
 
 
 def tick_source_maker(
-    theatre: Theatre, path: Path, node: str | None, view: Mapping[str, str], resumes: bool = True
-) -> TickSourceMaker:
+    theatre: Theatre, path: Path, node: str | None, view: Mapping[str, str], resumes: bool = True,
+    leads: bool = False,
+) -> TickSourceMaker:  # fmt: skip
     """The maker of the tick source on the computer `node` of a theatre.
 
     None: this computer shows all windows. `view` names parts of theatre and display that are equal
-    on all computers. A master that `resumes` goes on with the dive of its nodes. A UserError if
+    on all computers. A master that `resumes` goes on with the dive of its nodes; one that `leads`
+    has nodes open its scenarios. A UserError if
     keys are missing, raised here rather than after the world is loaded. `path` is the theatre's.
     """
     cluster = theatre.cluster
@@ -267,11 +282,12 @@ def tick_source_maker(
     keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     others = [name for name in theatre.nodes if name != node]
+    resuming = [resumes]  # only the first sea of a master goes on with that of its nodes
 
     def made(world: World, pilot: Pilot) -> TickSource:
         if node == master:
             led = Master(world, others, address, keys, timeout_s, say, view)
-            return LeaderTicks(led, pilot, resumes=resumes)
+            return LeaderTicks(led, pilot, None, bool(resuming and resuming.pop()), leads)
         return FollowerTicks(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

@@ -356,6 +356,7 @@ class Dive:
             self.tick_source = self._make_ticks(world, self.pilot)
             undo.callback(self._close_ticks)
             self._set_overlays()
+            self.tick_source.offer(self.source)
             self.tick_source.resume(check)
             if tour is not None:
                 # Before other computers join: a tour puts the submarine at its beginning.

@@ -14,13 +14,16 @@ from subsea.core.service_manager import PictureReports, notify
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
+from subsea.dive.show_file import check_for_cluster
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.ui.dive import Dive
+from subsea.ui.master_scenario import MasterScenario
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
 from subsea.ui.show import ShowScreens
+from subsea.view.theatre.load import load_theatre
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
@@ -53,7 +56,13 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     if theatre is not None:
         from subsea.ui.theatre_windows import theatre_windows
 
-        installation, make_ticks = theatre_windows(theatre, options.display)
+        if show is not None and theatre.node is not None:
+            cluster = load_theatre(theatre.name)[0].cluster
+            if cluster is not None and theatre.node != cluster.master:
+                raise UserError(f"--playlist is for the master of the cluster, {cluster.master!r}")
+            check_for_cluster(show.show, show.path)
+        leads = show is not None or options.console is not None
+        installation, make_ticks = theatre_windows(theatre, options.display, leads)
     if show is not None:
         make_ticks = restoring(show, make_ticks)
     # An interrupt raised within compiled code or the window library could be lost.
@@ -75,6 +84,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
             if start.pace is not None:
                 running.commands.set_pace(start.pace)
             reports = PictureReports()
+            follow = MasterScenario().follow
             begun = last = time.perf_counter()
             while running.window_set.open and (
                 options.seconds is None or last - begun < options.seconds
@@ -82,6 +92,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
                 check()
                 now = time.perf_counter()
                 running.frame(now - last)
+                follow(running)
                 last = now
                 reports.update(running.pictures, running.tick_source.waiting or running.source.stem)
             if show is not None:

@@ -40,10 +40,10 @@ def theatre(folder):
 class Node:
     """`subsea dive --node NAME` in its own process, and its output."""
 
-    def __init__(self, folder, name, call):
+    def __init__(self, folder, name, call, more=("--scenario", str(BARE))):
         self._file = folder / f"{call}.told"
         command = [sys.executable, "-m", "subsea", "dive", "--theatre", str(folder / "hall.toml")]
-        command += ["--node", name, "--scenario", str(BARE), "--quality", "low"]
+        command += ["--node", name, *more, "--quality", "low"]
         if name == "middle":
             command += ["--console", f"127.0.0.1:{(folder / 'console').read_text()}"]
         with self._file.open("w") as file:
@@ -141,7 +141,7 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
     assert presenter.ask("/api/commands", {"command": "line-up", "on": True})[0] == 200
     assert presenter.ask("/api/commands", command | {"on": False})[0] == 200
     until(lambda: patterned(windows()))
-    refused = {"command": "scenario", "name": "peaceful"}
+    refused = {"command": "follow", "fish": "0"}
     assert presenter.ask("/api/commands", refused)[0] == 409
     assert presenter.ask("/api/commands", {"command": "line-up", "on": False})[0] == 200
     until(lambda: all(sea(picture) for picture in windows().values()))

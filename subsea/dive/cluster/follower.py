@@ -21,6 +21,7 @@ from subsea.dive.cluster.messages import (
     FromMaster,
     FromNode,
     Hello,
+    OpenScenario,
     Picture,
     PictureDrawn,
     Refused,
@@ -65,6 +66,7 @@ class Follower:
         self.world = world
         self.waiting = ""  # cause of a wait
         self.presented = NOTHING  # over the sea of the last picture
+        self.wanted: tuple[str, int] | None = None  # name and seed of the master's scenario
         self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
         self._identity = identity_of(world, view)
         self._dive = ""  # ID of the dive that it takes part in
@@ -101,6 +103,9 @@ class Follower:
             if isinstance(message, WorldState):
                 self._take(message)
                 made = False
+            elif isinstance(message, OpenScenario):
+                self.wanted = message.name, message.seed
+                return None
             elif isinstance(message, Resume):
                 self._give(message.offset)
             elif isinstance(message, Picture) and self._dive:

@@ -27,6 +27,11 @@ from subsea.world.world import World
 
 DIVE = ROOT / "subsea/ui/dive.py"  # imports all that makes and shows a sea
 SEA = "the sea"  # made of the other parts
+OPENED = (
+    "scenario", "contents of the scenario", "seed", "species", "pictures of species",
+    "repertoires", SEA,
+)  # fmt: skip
+"""The parts that opening another scenario changes."""
 SHORT = 5  # bytes of a hash: it finds accidents, keys keep out who means harm
 MOST_NAMED = 6  # differences in a message
 NO_VIEW: Mapping[str, str] = MappingProxyType({})
@@ -101,6 +106,12 @@ def difference(theirs: Identity, ours: Identity) -> str:
     if version != ours.version:
         version += f" (expected {ours.version})"
     return f"has subsea {version} with {', '.join(told)}"
+
+
+def may_open(theirs: Identity, ours: Identity) -> bool:
+    """True if another computer differs in nothing that opening our scenario does not change."""
+    names = {*ours.parts, *theirs.parts} - {*OPENED}
+    return all(theirs.parts.get(name) == ours.parts.get(name) for name in names)
 
 
 def _told(name: str, theirs: Identity, ours: Identity) -> str:

@@ -14,7 +14,7 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.core.errors import UserError
 from subsea.dive.cluster import link
-from subsea.dive.cluster.identity import NO_VIEW, difference, identity_of
+from subsea.dive.cluster.identity import NO_VIEW, difference, identity_of, may_open
 from subsea.dive.cluster.keys import Keys
 from subsea.dive.cluster.messages import (
     SLICE,
@@ -22,6 +22,7 @@ from subsea.dive.cluster.messages import (
     Diverged,
     FromMaster,
     Hello,
+    OpenScenario,
     PictureDrawn,
     Refused,
     Resume,
@@ -76,15 +77,15 @@ class Master:
         nodes with another view are refused. Raises UserErrors.
         """
         self.world, self.presented = world, NOTHING
+        self.offers = ""  # the scenario that nodes may open to take part; empty: none
         self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
         self._identity = identity_of(world, view)
         self.nodes = {name: NodeRecord(name) for name in nodes}
         self._dive = secrets.token_hex(8)
-        self._number = 0
+        self._number = self._refusals = 0
         self._checked = -CHECK_TICKS  # the tick of the last checksum
-        self._refusals = 0
         self._source: NodeRecord | None = None  # the node whose state was asked for ...
-        self._parts: deque[StatePart] = deque(maxlen=64)  # ... and its parts that have come
+        self._parts: deque[StatePart] = deque(maxlen=64)  # ... and its parts
         self._context: Any = zmq.Context()
         self._authenticator = None
         try:
@@ -195,11 +196,10 @@ class Master:
             probation_s = min(2.0 * node.waits.late * self._timeout_s, LONGEST_PROBATION_S)
             node.not_before_s = now + probation_s
             self._tell(f"node {node.name}: has not drawn in {self._timeout_s:g} s; going on")
-        message = encode(Swap(self._number))
         for node in self._present():
             if node.in_step:
                 node.waits.add(max(node.drawn_s - start, 0.0))
-            self._send(node, message)
+            self._send(node, encode(Swap(self._number)))
 
     def report(self) -> list[str]:
         """One line for each node with its wait times and events."""
@@ -298,7 +298,11 @@ class Master:
             self._send(node, state)
 
     def _welcome(self, route: bytes, hello: Hello, frame: Any) -> None:
-        reason = self._objection(hello, frame)
+        if not (reason := self._objection(hello, frame)):
+            reason = difference(hello.identity, self._identity)
+            if reason and self.offers and may_open(hello.identity, self._identity):
+                self._reply(route, OpenScenario(self.offers, self.world.state.seed))
+                return
         if reason:
             self._refuse(hello.node, reason)
             self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
@@ -329,12 +333,12 @@ class Master:
             self._tell(f"node {name}: {reason}: refused")
 
     def _objection(self, hello: Hello, frame: Any) -> str:
-        """Why a node may not take part, to follow its name; empty if it may."""
+        """Why a computer is not a node of this theatre, to follow its name; empty if it is."""
         if hello.node not in self.nodes:
             return f"is not among the nodes of the theatre: {', '.join(self.nodes)}"
         if self._keys and frame.get("User-Id").encode() != self._keys.others[hello.node]:
             return "has the key of another node"
-        return difference(hello.identity, self._identity)
+        return ""
 
     def _resynchronize(self, node: NodeRecord, tick: int) -> None:
         """Send the state again to a node whose world differs; refuse it the second time."""

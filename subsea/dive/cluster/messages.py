@@ -114,6 +114,13 @@ class Resume(Message):
     offset: Count
 
 
+class OpenScenario(Message, tag="open"):
+    """To a node: the master's scenario, by its name, and its seed; the node is to open it."""
+
+    name: Name
+    seed: Count
+
+
 class Refused(Message):
     """To a node: why it is refused."""
 
@@ -121,7 +128,7 @@ class Refused(Message):
 
 
 FromNode = Hello | PictureDrawn | Diverged | StatePart
-FromMaster = WorldState | Picture | Swap | Resume | Refused
+FromMaster = WorldState | Picture | Swap | Resume | OpenScenario | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
 _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)

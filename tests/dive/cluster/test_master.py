@@ -223,6 +223,20 @@ def test_code_assets_and_sheets_are_parts(make_sea, tmp_path, monkeypatch):
     assert identity.difference(other, ours).endswith("with other shaders")
 
 
+def test_a_leading_master_has_nodes_open_its_scenario(harness, seas, make_sea, monkeypatch):
+    harness.master.offers = "two"
+    node = harness.node(make_sea(seed=99), "left")
+    harness.show_until(lambda: node.node.wanted == ("two", 1))
+    assert node.fault is None and harness.master.in_step() == []
+    # Not a stranger, nor a node with other code.
+    fault = refused(harness, harness.node(make_sea(seed=99), "middle"))
+    assert "not among the nodes" in fault
+    ours = identity._program()
+    monkeypatch.setattr(identity, "_program", lambda: ours | {"subsea/motor": "#01"})
+    fault = refused(harness, harness.node(make_sea(seed=99), "right"))
+    assert "other code in subsea/motor" in fault
+
+
 def test_a_node_outside_the_theatre_is_refused(harness, seas):
     fault = refused(harness, harness.node(seas[1], "middle"))
     assert "not among the nodes of the theatre: left, right" in fault
