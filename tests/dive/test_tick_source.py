@@ -214,7 +214,7 @@ def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
 
 
 def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
-    def caught(found, path, node, view, resumes):
+    def caught(found, path, node, view, resumes, leads):
         raise UserError(str(view))
 
     def view(*options):
@@ -232,7 +232,7 @@ def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
 
 
 def test_no_resume_is_passed_on(tmp_path, monkeypatch):
-    def caught(found, path, node, view, resumes):
+    def caught(found, path, node, view, resumes, leads):
         raise UserError(f"resumes: {resumes}")
 
     monkeypatch.setattr(theatre_windows, "tick_source_maker", caught)
@@ -265,13 +265,15 @@ def test_a_tour_starts_in_the_resumed_dive(worlds, monkeypatch):
         resume=lambda check: done.append("resumed"),
         set_tour=lambda tour: done.append(tour),
         eye=lambda: None,
+        offer=lambda source: None,
     )
     running = SimpleNamespace(
         _make_ticks=lambda world, pilot: done.append("listens") or ticks,
         _close_ticks=None,
         pilot=None,
         timeline=None,
-        remote=None,
+        source=None,
+        _set_overlays=lambda: None,
         picture=SimpleNamespace(open_world=lambda *given: done.append("scene"), close_world=None),
         inspector=SimpleNamespace(reset=lambda: None),
         sound=SimpleNamespace(fish=None, attend=lambda world: done.append("heard")),
