@@ -28,7 +28,7 @@ from subsea.view.theatre.test_pattern import pattern
 
 GAMMA = 2.2
 SHRINK = 4
-WIDE, GAP = 1500, 10
+WIDE, GAP = 1200, 8
 DOME = 760  # pixels of its side
 PICTURES = {
     "first-projectors.jpg": ("curved", "--projectors", "3"),

@@ -206,7 +206,7 @@ class Snapshots:
 
 def node_messages(unused: Path) -> list[bytes]:
     """Messages of nodes of a cluster."""
-    who = messages.Identity("0.2.0", "c", "A bay", "s" * 8, 1, "p", "r", "a", "v")
+    who = messages.Identity("0.2.0", {"scenario": "A bay", "seed": "1", "subsea/fish": "#0f"})
     sent = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
     sent.append(messages.StatePart(40, 20, bytes(20)))
     return [messages.encode(one) for one in sent]
@@ -217,6 +217,7 @@ def master_messages(unused: Path) -> list[bytes]:
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
     state = messages.WorldState("d", 7, bytes(40))
     sent = [state, picture, messages.Swap(7), messages.Refused("no"), messages.Resume(9)]
+    sent.append(messages.OpenScenario("two", 3))
     return [messages.encode(one) for one in sent]
 
 

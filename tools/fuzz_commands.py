@@ -94,6 +94,7 @@ COMMANDS = {
         "soak": ["--minutes=0.01", "--fish=1", "--no-draw"],
         "list": ["scenarios"],
         "theatre": ["dome"],
+        "show": ["show.toml"],
         "keys": ["keys", "left"],
         "settings": [],
         "doctor": [],

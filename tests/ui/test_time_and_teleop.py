@@ -85,7 +85,7 @@ def test_a_key_switches_between_behind_a_fish_and_its_eyes(boat, user, monkeypat
     user.glide(boat, 0.3)
     (view,) = boat.picture.views()[:1]
     assert view.without != fish
-    assert told == ["C through its eyes   G steer it   Esc back"]
+    assert told == ["C through its eyes   G steer it   Esc leave it"]
     away = boat.world.state.fishes.position[fish] - view.eye
     assert -(view.view[2, :3] @ away) > 0.9 * np.linalg.norm(away)  # it is ahead and visible
     pressed(boat, user, "c", lambda: not boat.picture.ride.behind)
