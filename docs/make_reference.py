@@ -237,7 +237,7 @@ def console_commands() -> Iterator[str]:
 
 
 MADE = {
-    "reference/console.md": console_commands,
+    "reference/console-interface.md": console_commands,
     "reference/commands.md": commands,
     "reference/settings.md": settings,
     "developers/state.md": state,

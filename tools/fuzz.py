@@ -217,7 +217,7 @@ def master_messages(unused: Path) -> list[bytes]:
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
     state = messages.WorldState("d", 7, bytes(40))
     sent = [state, picture, messages.Swap(7), messages.Refused("no"), messages.Resume(9)]
-    sent.append(messages.OpenScenario("two", 3))
+    sent.append(messages.OpenSea("two", 3))
     return [messages.encode(one) for one in sent]
 
 

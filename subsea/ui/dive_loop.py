@@ -23,7 +23,6 @@ from subsea.ui.master_scenario import MasterScenario
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
 from subsea.ui.show import ShowScreens
-from subsea.view.theatre.load import load_theatre
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
@@ -57,6 +56,8 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
         from subsea.ui.theatre_windows import theatre_windows
 
         if show is not None and theatre.node is not None:
+            from subsea.view.theatre.load import load_theatre
+
             cluster = load_theatre(theatre.name)[0].cluster
             if cluster is not None and theatre.node != cluster.master:
                 raise UserError(f"--playlist is for the master of the cluster, {cluster.master!r}")

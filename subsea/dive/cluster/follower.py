@@ -21,7 +21,7 @@ from subsea.dive.cluster.messages import (
     FromMaster,
     FromNode,
     Hello,
-    OpenScenario,
+    OpenSea,
     Picture,
     PictureDrawn,
     Refused,
@@ -103,7 +103,7 @@ class Follower:
             if isinstance(message, WorldState):
                 self._take(message)
                 made = False
-            elif isinstance(message, OpenScenario):
+            elif isinstance(message, OpenSea):
                 self.wanted = message.name, message.seed
                 return None
             elif isinstance(message, Resume):

@@ -22,7 +22,7 @@ from subsea.dive.cluster.messages import (
     Diverged,
     FromMaster,
     Hello,
-    OpenScenario,
+    OpenSea,
     PictureDrawn,
     Refused,
     Resume,
@@ -301,7 +301,7 @@ class Master:
         if not (reason := self._objection(hello, frame)):
             reason = difference(hello.identity, self._identity)
             if reason and self.offers and may_open(hello.identity, self._identity):
-                self._reply(route, OpenScenario(self.offers, self.world.state.seed))
+                self._reply(route, OpenSea(self.offers, self.world.state.seed))
                 return
         if reason:
             self._refuse(hello.node, reason)

@@ -114,7 +114,7 @@ class Resume(Message):
     offset: Count
 
 
-class OpenScenario(Message, tag="open"):
+class OpenSea(Message, tag="open"):
     """To a node: the master's scenario, by its name, and its seed; the node is to open it."""
 
     name: Name
@@ -128,7 +128,7 @@ class Refused(Message):
 
 
 FromNode = Hello | PictureDrawn | Diverged | StatePart
-FromMaster = WorldState | Picture | Swap | Resume | OpenScenario | Refused
+FromMaster = WorldState | Picture | Swap | Resume | OpenSea | Refused
 
 _from_node: msgspec.msgpack.Decoder[FromNode] = msgspec.msgpack.Decoder(FromNode)
 _from_master: msgspec.msgpack.Decoder[FromMaster] = msgspec.msgpack.Decoder(FromMaster)

@@ -8,8 +8,8 @@ from subsea.rendering.renderer import Renderer
 from subsea.view.rig import pose_from_angles, views
 from subsea.view.surround import Surround, directions
 from subsea.view.theatre.channels import usable_channels
-from subsea.view.theatre.screens import places_on
 from subsea.view.theatre.load import load_theatre
+from subsea.view.theatre.screens import places_on
 from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre_vessel import PANEL_SIZE, TheatreVessel
 
