@@ -167,8 +167,8 @@ def run(options: Namespace) -> int:
     from msgspec.structs import replace
 
     from subsea.core.console import say
-    from subsea.core.resources import named_or_file
     from subsea.dive.settings import read_settings, settings_path, usual_settings
+    from subsea.scenario.load import scenario_file
 
     messages: list[str] = []
     file = options.settings
@@ -203,7 +203,7 @@ def run(options: Namespace) -> int:
         chosen = dataclasses.replace(chosen, console=console)
     with ExitStack() as undo:
         opening = None
-        scenario = named_or_file(chosen.scenario, "assets/scenarios", ".toml", "scenario")
+        scenario = scenario_file(chosen.scenario)
         # Report a misspelt name before a window appears.
         if scenario.is_file() and chosen.theatre is None and chosen.playlist is None:
             from subsea.ui.first_picture import FirstPicture, picture_name

@@ -239,7 +239,9 @@ class FollowerTicks(TickSource):
             alpha = self._clock.alpha
         self.idle_s = time.perf_counter() - start
         self._alpha = self._alpha if alpha is None else alpha
-        self.presented, self.wanted = self._node.presented, self._node.wanted
+        self.wanted = self._node.wanted
+        if self._node.waiting == "":
+            self.presented = self._node.presented
         return alpha
 
     def eye(self) -> CameraPose:

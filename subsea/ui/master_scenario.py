@@ -47,4 +47,6 @@ class MasterScenario:
             self._tried, self._told = wanted, True
             dive.note(f"the master opens {name!r}: {fault}; this node waits for the next one")
             return
+        before = dive.tick_source.presented
         dive.open_world(scenario, source, seed)
+        dive.tick_source.presented = before  # until the master's first picture

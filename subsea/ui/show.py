@@ -69,6 +69,7 @@ class ShowScreens:
         self._saved = saved if resumes else None
         self._muted: bool | None = None  # the sound before the screens went blank
         self._fresh, self._since_s, self._since_save_s = True, 0.0, 0.0
+        self._black = False  # in the last picture
 
     def restore(self, world: World) -> None:
         """Put the first world, before its first tick in a dive, into the saved state."""
@@ -87,8 +88,10 @@ class ShowScreens:
         """Go on, `elapsed_s` after the last picture."""
         player = self.player
         player.update(elapsed_s)
-        if (due := player.due) is not None:
+        due, black = player.due, player.shade >= 1.0
+        if due is not None and (self._fresh or self._black):  # a picture later: all screens are
             self._begin(dive, due)
+        self._black = black
         self._since_save_s += elapsed_s
         if self._since_save_s > SAVE_S and player.open and player.shown == player.progress.item:
             self._since_save_s = 0.0

@@ -26,7 +26,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path):
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.count("40 damaged files, 0 findings") == 28
+    assert done.stdout.count("40 damaged files, 0 findings") == 29
     assert not (tmp_path / "kept").exists()
 
 

@@ -92,7 +92,7 @@ def test_only_the_master_plays_a_show(tmp_path):
     theatre(tmp_path)
     for text, words in (
         (SHOW, "--playlist is for the master of the cluster, 'middle'"),
-        (SHOW.replace('"two"', '"two.toml"'), "'two.toml' is a path; in a cluster expected a name"),
+        (SHOW.replace('"two"', '"two.toml"'), "'two.toml' is a path, expected a name"),
         (SHOW.replace('tour = "auto"', 'tour = "glide"', 1), "'glide' begins elsewhere"),
     ):
         text = text.replace('scenario = "one"', 'scenario = "peaceful"')
