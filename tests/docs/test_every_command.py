@@ -576,6 +576,12 @@ def test_what_is_not_typed_is_in_some_page():
         )
 
 
+def test_no_two_pages_have_one_name():
+    """Else one would hide the other from all tests of pages."""
+    names = [path.name for path in (ROOT / "docs").rglob("*.md")]
+    assert len(names) == len(set(names))
+
+
 def test_every_block_says_what_it_is():
     kinds = "sh", "toml", "python", "text", "ini", "bibtex", "glsl", "js"
     for page in PAGES:
