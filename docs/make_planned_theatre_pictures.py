@@ -16,7 +16,7 @@ from PIL import Image
 from subsea.cli.main import main as subsea
 from subsea.core.arrays import Array, Bytes
 from subsea.dive.start import headless
-from subsea.dive.theatre_setup import set_up_theatre
+from subsea.dive.theatre_setup import TheatreSetup, set_up_theatre
 from subsea.rendering.output.target import ResolvePass
 from subsea.view.surround import Surround, directions
 from subsea.view.theatre.blend import Projector, light_shares
@@ -56,9 +56,9 @@ def main() -> None:
         save(sheet, folder / name)
 
 
-def _projectors(house: object) -> list[Image.Image]:
+def _projectors(house: TheatreSetup) -> list[Image.Image]:
     """Rows of three pictures that the projectors get: the test pattern."""
-    rig = house.rig  # type: ignore[attr-defined]
+    rig = house.rig
     canvas, found = lineup(rig), []
     with headless() as context:
         data = np.ascontiguousarray(canvas[::-1]).tobytes()

@@ -86,7 +86,7 @@ class Browser:
         path.write_bytes(base64.b64decode(data))
 
     def tree(self) -> list[dict[str, Any]]:
-        """What a screen reader finds: role, name and properties of each thing that it speaks of."""
+        """The page as a screen reader finds it: role, name and properties of each part."""
         nodes = self.call("Accessibility.getFullAXTree")["nodes"]
         return [
             {

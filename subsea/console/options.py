@@ -1,4 +1,4 @@
-"""Where the console listens, and who may come: the options of `subsea dive --console`."""
+"""Addresses, token and certificate of the console: the options of `subsea dive --console`."""
 
 import ipaddress
 import os

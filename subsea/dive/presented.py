@@ -47,7 +47,7 @@ class Presentation:
         self._left_s = shown_s(words, for_s)
 
     def update(self, elapsed_s: float) -> Presented:
-        """What to show, `elapsed_s` after the last picture."""
+        """The overlays, `elapsed_s` after the last picture."""
         step = elapsed_s / BLANK_S
         self._shade = min(max(self._shade + (step if self.blank else -step), 0.0), 1.0)
         self._gone_s += elapsed_s

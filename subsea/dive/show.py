@@ -1,4 +1,4 @@
-"""Where a show is at a moment: pure functions of the clock and the state before.
+"""The moment of a show: pure functions of the clock and the state before.
 
 Items last by the time that passes, so that a clock that jumps shortens none. The clock starts
 items of a fixed time, each once a day.
@@ -98,7 +98,7 @@ def next_item(show: Show, item: int) -> int | None:
 
 
 def waits_for(show: Show, progress: Progress) -> str:
-    """What starts the next item: "cue", a time, how many seconds are left, or nothing."""
+    """The start of the next item: "cue", a time, or the seconds left; empty if there is none."""
     following = next_item(show, progress.item)
     if following is None:
         return ""

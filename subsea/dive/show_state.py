@@ -1,4 +1,4 @@
-"""What outlives a power cut: the state of a show, and the number of dives of each day.
+"""Keep what a power cut must not erase: the state of a show, and the number of dives of each day.
 
 Both files are written whole, to the disk, and renamed. A damaged one is set aside by its reader.
 """

@@ -1,4 +1,4 @@
-"""Where the console may listen, and with what."""
+"""Addresses, tokens and certificates of the console."""
 
 import stat
 import subprocess

@@ -64,7 +64,7 @@ def give(boat, user):
 
 
 def shown(boat, user):
-    """What the board shows of the window, after frames that want it: (h, w, 3)."""
+    """The board's picture of the window, after frames that want it: (h, w, 3)."""
     board = boat.remote._board
     board.want_picture()
     before = board.picture_number
