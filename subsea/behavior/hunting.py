@@ -10,7 +10,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops
@@ -21,12 +21,9 @@ AIM_RAD = np.radians(30.0)  # ... if it heads for the prey, ...
 BRAKED = 0.12  # ... else it slows down to turn on the spot
 READY_S = 1.5  # burst spent below which it begins to burst
 STRAIN = 6.0  # s of fatigue per second of a burst; approach and turns cost none
-ATTENTION_TICKS = 5  # before its attention may pass to another fish of a crowd, 0.17 s
+ATTENTION_TICKS = 20  # before its attention may pass to another fish of a crowd, 0.67 s
 CROWD_BL = 5.0  # distance, in lengths of the prey, within which fishes confuse the hunter
-ASTRAY_BL = 2.5  # lengths of the prey by which it aims beside it, in a large crowd ...
-HALF_CROWD = 2.0  # ... the number of companions that lead it half as far astray ...
-SURE_BL = 0.08  # ... and the distance, in its lengths, within which its aim gets better
-ATTENTION_PURPOSE, AIM_PURPOSE = np.int64(82), np.int64(83)  # keys of the random numbers
+ATTENTION_PURPOSE = np.int64(82)  # key of the random numbers
 RESTED_S = 25.0  # fatigue below which a hunter that gave up hunts again
 CHEW_S = 5.0  # chewing the catch: time for the others to scatter
 CHEWS_PER_S = 2.5
@@ -66,16 +63,12 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
             fishes.gape[i] = 0.15 + 0.15 * np.sin(2.0 * np.pi * CHEWS_PER_S * since)
         return
     length = fishes.length[i]
-    crowd, astray = 0, ZERO
+    sure = True
     if norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) < BURST_BL * length:
-        crowd = companions(fishes, minds, j)
-        j = attended(fishes, minds, i, j, crowd, clock)
-        near = norm(minus(vector(fishes.position[j]), mouth_of(fishes, i))) / (SURE_BL * length)
-        astray = times(min(near, 1.0), aim_error(fishes.length[j], i, crowd, clock))
+        j, sure = attended(fishes, minds, i, j, companions(fishes, minds, j), clock)
     minds.target[i] = j
-    aim = plus(vector(fishes.position[j]), astray)
     strikes = fishes.goal_speed[i] > 1.0  # since its last decision
-    distance = chase(fishes, minds, i, aim, vector(fishes.velocity[j]))
+    distance = chase(fishes, minds, i, vector(fishes.position[j]), vector(fishes.velocity[j]))
     strain = 0.0
     if distance > BURST_BL * length:
         fishes.goal_speed[i] = STALK
@@ -90,7 +83,7 @@ def hunt(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     fatigue = minds.fatigue[EAT, i] + (strain - 1.0) * minds.pause[i]
     minds.fatigue[EAT, i] = max(fatigue, 0.0)
     gap = norm(minus(vector(fishes.position[j]), mouth_of(fishes, i)))
-    fishes.gape[i] = 1.0 if gap < OPEN_BL * length else 0.0
+    fishes.gape[i] = 1.0 if gap < OPEN_BL * length and sure else 0.0
 
 
 @kernel
@@ -105,32 +98,24 @@ def companions(fishes: Fishes, minds: Minds, j: int) -> int:
 
 
 @kernel
-def aim_error(length: float, i: int, crowd: int, clock: Clock) -> Vector:
-    """The way from prey of `length` cm to the point that hunter i aims at from afar, cm.
+def attended(
+    fishes: Fishes, minds: Minds, i: int, j: int, crowd: int, clock: Clock
+) -> tuple[int, bool]:
+    """The fish that hunter i attends to, and whether it is sure of it.
 
-    The more companions the prey has, the farther beside it: confusion (Neill and Cullen, J. Zool.
-    172:549, 1974).
-    """
-    spell = clock.tick // ATTENTION_TICKS
-    angle = 2.0 * np.pi * uniform(clock.seed, i, spell, AIM_PURPOSE)
-    error = ASTRAY_BL * length * crowd / (crowd + HALF_CROWD)
-    return error * np.cos(angle), error * np.sin(angle), 0.0
-
-
-@kernel
-def attended(fishes: Fishes, minds: Minds, i: int, j: int, crowd: int, clock: Clock) -> int:
-    """The fish that hunter i attends to: prey j, or one of its `crowd` companions.
-
-    In a crowd attention wanders, and the hunter aims at none for long.
+    For a spell of ATTENTION_TICKS it is drawn to prey j or to one of its `crowd` companions, all
+    alike. It opens its mouth only if it stays with its prey, so companions confuse it (Neill and
+    Cullen, J. Zool. 172:549, 1974).
     """
     spell = clock.tick // ATTENTION_TICKS
     drawn = int((crowd + 1) * uniform(clock.seed, i, spell, ATTENTION_PURPOSE))
-    if clock.tick % ATTENTION_TICKS != 0 or drawn == 0:
-        return j
+    before = clock.tick - round(minds.pause[i] / clock.dt)  # its last decision
+    if drawn == 0 or before // ATTENTION_TICKS == spell:
+        return j, drawn == 0
     k = int(minds.neighbour[j, drawn - 1])
     first, end, kind = minds.quarry[i]
     quarry = first <= k < end and (kind < 0 or fishes.species[k] == kind)
-    return k if quarry and fishes.alive[k] and minds.kind[k] == PREY else j
+    return (k if quarry and fishes.alive[k] and minds.kind[k] == PREY else j), False
 
 
 @kernel

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from subsea.behavior import eating
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.hunting import (
-    ASTRAY_BL,
     ATTENTION_TICKS,
     BRAKED,
     BURST_BL,
@@ -22,7 +21,6 @@ from subsea.behavior.hunting import (
     STRAIN,
     SUCK_BL,
     SUCK_BL_S,
-    aim_error,
     attended,
     companions,
     inhale,
@@ -268,24 +266,33 @@ def test_in_a_crowd_attention_is_divided_evenly(around):
         return attended(fishes, minds, 0, 1, crowd, CLOCK._replace(tick=int(tick)))
 
     seen = [chosen(tick) for tick in ticks]
-    assert np.bincount(seen, minlength=5) / 600 == pytest.approx(
+    assert np.bincount([fish for fish, _ in seen], minlength=5) / 600 == pytest.approx(
         [0, 1, 1, 1, 0] / np.float64(3), abs=0.08
     )
-    assert chosen(ATTENTION_TICKS + 1) == 1
+    assert all(sure == (fish == 1) for fish, sure in seen)
+    # It is unsure for the whole spell, and passes to another at its first decision in it.
+    assert [chosen(tick + 1) for tick in ticks] == [(1, sure) for _, sure in seen]
+    minds.pause[0] = 8 * DT
+    assert [chosen(tick + 7) for tick in ticks] == seen
     minds.quarry[0] = 0, 3, -1  # directed
-    assert {chosen(tick) for tick in ticks} == {1, 2}
+    assert {fish for fish, _ in map(chosen, ticks)} == {1, 2}
     minds.neighbour[1] = -1
-    assert {chosen(tick) for tick in ticks} == {1}
+    assert {chosen(tick) for tick in ticks} == {(1, True)}
 
 
-def test_a_crowd_leads_the_aim_astray():
-    """Straight at a lone prey; beside one in a crowd, on every side alike, for a third of a s."""
-    assert aim_error(20.0, 0, 0, CLOCK) == (0.0, 0.0, 0.0)
-    spells = [CLOCK._replace(tick=ATTENTION_TICKS * k) for k in range(400)]
-    errors = {n: np.array([aim_error(20.0, 0, n, one) for one in spells]) for n in (2, 6)}
-    for crowd, share in ((2, 0.5), (6, 0.75)):
-        far = np.linalg.norm(errors[crowd], axis=1)
-        np.testing.assert_allclose(far, share * ASTRAY_BL * 20.0, rtol=1e-6)
-        assert np.linalg.norm(errors[crowd].mean(axis=0)) < 0.1 * far[0]
-    later = spells[0]._replace(tick=spells[0].tick + ATTENTION_TICKS - 1)
-    assert aim_error(20.0, 0, 6, later) == tuple(errors[6][0])
+def test_a_hunter_that_is_not_sure_keeps_its_mouth_shut(around):
+    """It goes on bursting, and tires."""
+    near = 0.5 * OPEN_BL * LENGTH
+    seen = set()
+    for tick in ATTENTION_TICKS * np.arange(40) + 1:
+        fishes, minds = _hunter((near, 0, 0), (near, 2, 0), (near, -2, 0))
+        fishes.burst[:] = 3.0
+        minds.neighbour[1, :2] = 2, 3
+        fishes.gape[0] = 0.0
+        clock = CLOCK._replace(tick=int(tick))
+        _, sure = attended(fishes, minds, 0, 1, 2, clock)
+        eating.act(np.array([0]), fishes, minds, *around, clock)
+        assert fishes.goal_speed[0] > 1.0
+        assert fishes.gape[0] == (1.0 if sure else 0.0)
+        seen.add(sure)
+    assert seen == {True, False}
