@@ -226,7 +226,7 @@ def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array
 
     The way is the cubic through both ends with their velocities; it avoids solids.
     """
-    boat, sea = world.state.submarine, world.state.sea
+    boat = world.state.submarine
     place, speed = goal.place, goal.velocity
     if hidden(world, vector(place), vector(boat.position), HULL_CM):
         place, speed = _detour(world, place), np.zeros(3)
@@ -237,10 +237,7 @@ def _nearer(world: World, goal: CameraGoal, left_s: float) -> tuple[Array, Array
     velocity = boat.velocity + TICK_S * push
     velocity *= min(1.0, AHEAD_CM_S / max(float(np.linalg.norm(velocity)), 1e-9))
     later = Submarine(position=boat.position.copy(), velocity=velocity)
-    keep_clear(
-        later, lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
-        sea.pillars, sea.rocks,
-    )  # fmt: skip
+    keep_clear(later.position, later.velocity, world.state.sea)
     return _clear(world, boat.position + TICK_S * later.velocity), later.velocity
 
 

@@ -21,7 +21,6 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels.threads import cut, run_all, share
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
-from subsea.geometry.height_field import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.contact import keep_in_free_water
 from subsea.habitat.current import flow_at
@@ -178,12 +177,7 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:
     """Advance a submarine in the sea of a world by one tick, in place."""
-    sea = world.state.sea
-    step_hull(
-        submarine, helm, TICK_S,
-        lambda x, y: height_at(sea.floor, sea.half_width, x, y), world.scenario.bounds,
-        sea.pillars, sea.rocks,
-    )  # fmt: skip
+    step_hull(submarine, helm, TICK_S, world.state.sea)
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.hull import step_hull
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.support.seas import bare_sea
 
 NO_PILLARS = np.zeros((0, 4))
 SEED = st.integers(0, 2**32 - 1)
@@ -67,14 +68,15 @@ def test_an_arch_stands_and_is_open(seed, span, height, thick, yaw):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_hull_passes_through_the_least_arch_and_through_no_stone(seed):
-    bounds = load_scenario("peaceful")[0].bounds
     rows = arch(Arch(position_cm=(0, 0), span_cm=220, height_cm=160, yaw_deg=90, seed=seed), level)
+
+    around = bare_sea(level(0.0, 0.0), rocks=rows)
 
     def steer(y):
         hull = Submarine(position=np.array([-400.0, y, -525.0]))
         nearest = np.inf
         for _ in range(500):
-            step_hull(hull, Helm(surge=1.0), 0.033, level, bounds, NO_PILLARS, rows)
+            step_hull(hull, Helm(surge=1.0), 0.033, around)
             nearest = min(nearest, clearances(NO_PILLARS, rows, hull.position[None])[0])
         return hull.position, nearest
 

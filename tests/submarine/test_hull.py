@@ -7,15 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine import hull
 from subsea.submarine.helm import NEUTRAL, Helm
+from tests.support.seas import bare_sea
 
 DT = 0.033
-SEA = Bounds(radius_cm=1300.0, depth_cm=600.0)
-OCEAN = Bounds(radius_cm=20000.0, depth_cm=5000.0)
 
 
 def submarine(position=(0.0, 0.0, -300.0), heading=0.0):
@@ -29,20 +28,23 @@ def submarine(position=(0.0, 0.0, -300.0), heading=0.0):
     )
 
 
-def flat(depth):
-    return lambda x, y: -depth
+def flat(depth, **solids):
+    return bare_sea(-depth, 20000.0, 21000.0, **solids)
+
+
+ALONG = np.linspace(-1400.0, 1400.0, 281)
+DUNES = -600.0 + 70.0 * np.sin(ALONG / 67.0) * np.cos(ALONG[:, None] / 67.0)
+DUNES = DUNES.astype(np.float32)
+BAY, DEEP = bare_sea(DUNES), flat(5000.0)
 
 
 def dunes(x, y):
-    return -600.0 + 70.0 * math.sin(x / 67.0) * math.cos(y / 67.0)
+    return height_at(BAY.floor, BAY.half_width, x, y)
 
 
-DEEP = flat(5000.0)
-
-
-def sail(boat, helm, seconds, floor=DEEP, bounds=OCEAN):
+def sail(boat, helm, seconds, around=DEEP):
     for _ in range(round(seconds / DT)):
-        hull.step_hull(boat, helm, DT, floor, bounds)
+        hull.step_hull(boat, helm, DT, around)
     return boat
 
 
@@ -73,7 +75,7 @@ def test_signs_are_left_and_up():
 
 def test_inertia_no_speed_at_once_and_none_lost_at_once():
     boat = submarine((0.0, 0.0, -2000.0))
-    hull.step_hull(boat, Helm(surge=1.0), DT, DEEP, OCEAN)
+    hull.step_hull(boat, Helm(surge=1.0), DT, DEEP)
     assert 0.0 < boat.velocity[0] < 5.0
     sail(boat, Helm(surge=1.0), 30.0)
     sail(boat, NEUTRAL, 1.0)
@@ -94,7 +96,7 @@ def test_no_helm_asks_more_of_a_passenger_than_is_comfortable():
     for helm in (Helm(1.0, 1.0, 1.0, 1.0), Helm(-1.0, -1.0, -1.0, -1.0), Helm(full_stop=True)):
         for _ in range(200):
             velocity, rate = boat.velocity.copy(), boat.rates[1]
-            hull.step_hull(boat, helm, DT, DEEP, OCEAN)
+            hull.step_hull(boat, helm, DT, DEEP)
             hardest = max(hardest, float(np.linalg.norm(boat.velocity - velocity)) / DT)
             quickest = max(quickest, abs(boat.rates[1] - rate) / DT)
             assert abs(boat.rates[1]) < math.radians(37.0)
@@ -105,7 +107,7 @@ def test_no_helm_asks_more_of_a_passenger_than_is_comfortable():
 def test_pitch_is_limited_and_levels_itself():
     boat = submarine((0.0, 0.0, -2000.0))
     for _ in range(200):
-        hull.step_hull(boat, Helm(pitch=1.0), DT, DEEP, OCEAN)
+        hull.step_hull(boat, Helm(pitch=1.0), DT, DEEP)
         assert boat.angles[1] <= hull.MAX_PITCH + 1e-12
     assert boat.angles[1] == pytest.approx(hull.MAX_PITCH, abs=1e-3)
     sail(boat, NEUTRAL, 4.0)
@@ -115,7 +117,7 @@ def test_pitch_is_limited_and_levels_itself():
 def test_the_previous_state_is_kept_for_interpolation():
     boat = sail(submarine(), Helm(surge=1.0, yaw=1.0), 1.0)
     position, angles = boat.position.copy(), boat.angles.copy()
-    hull.step_hull(boat, NEUTRAL, DT, dunes, SEA)
+    hull.step_hull(boat, NEUTRAL, DT, BAY)
     assert (boat.previous_position == position).all()
     assert (boat.previous_angles == angles).all()
 
@@ -141,21 +143,21 @@ def test_no_pilot_leaves_the_sea_or_feels_a_jerk(helms, bearing, radius):
     for helm, ticks in helms:
         for _ in range(ticks):
             before = boat.velocity.copy()
-            hull.step_hull(boat, helm, DT, dunes, SEA)
+            hull.step_hull(boat, helm, DT, BAY)
             x, y, z = boat.position
             assert dunes(x, y) + 0.5 * hull.CLEARANCE_CM <= z <= -0.9 * hull.CLEARANCE_CM
-            assert math.hypot(x, y) <= SEA.radius_cm - 0.9 * hull.CLEARANCE_CM
+            assert math.hypot(x, y) <= BAY.radius - 0.9 * hull.CLEARANCE_CM
             # A seabed that rises suddenly is the hardest that a visitor may feel.
             assert np.linalg.norm(boat.velocity - before) / DT < 350.0
 
 
 @pytest.mark.parametrize("helm", [Helm(surge=1.0, pitch=-1.0), Helm(heave=-1.0)])
 def test_a_dive_at_the_seabed_ends_softly_above_it(helm):
-    boat = submarine()
+    boat, around = submarine(), flat(600.0)
     slowing = 0.0
     for _ in range(600):
         sinking = boat.velocity[2]
-        hull.step_hull(boat, helm, DT, flat(600.0), OCEAN)
+        hull.step_hull(boat, helm, DT, around)
         slowing = max(slowing, (boat.velocity[2] - sinking) / DT)
     assert 0.0 <= boat.position[2] + 600.0 - hull.CLEARANCE_CM < 15.0
     assert slowing < 200.0
@@ -164,7 +166,7 @@ def test_a_dive_at_the_seabed_ends_softly_above_it(helm):
 def test_the_same_helms_give_the_same_bits():
     one, two = submarine(), submarine()
     for boat in (one, two):
-        sail(boat, Helm(0.7, 0.3, -0.2, 0.1), 5.0, dunes, SEA)
+        sail(boat, Helm(0.7, 0.3, -0.2, 0.1), 5.0, BAY)
     assert one.position.tobytes() == two.position.tobytes()
     assert one.angles.tobytes() == two.angles.tobytes()
 
@@ -182,9 +184,10 @@ def distance(boat):
 @pytest.mark.parametrize(("start", "heading"), [((0.0, 5.0, -300.0), 0.0), ((0, 0, -530), 2.76)])
 def test_a_run_at_a_solid_ends_softly_before_it(start, heading):
     boat, hardest = submarine(start, heading), 0.0
+    around = flat(700.0, pillars=PILLARS, rocks=ROCKS)
     for _ in range(900):
         before = boat.velocity.copy()
-        hull.step_hull(boat, Helm(surge=1.0), DT, flat(700.0), OCEAN, PILLARS, ROCKS)
+        hull.step_hull(boat, Helm(surge=1.0), DT, around)
         hardest = max(hardest, float(np.linalg.norm(boat.velocity - before)) / DT)
         assert distance(boat) > 0.95 * hull.CLEARANCE_CM
     assert hardest < 300.0
@@ -195,10 +198,11 @@ def test_a_run_at_a_solid_ends_softly_before_it(start, heading):
 @given(HELMS, st.floats(0.0, math.tau), st.floats(-500.0, -60.0))
 def test_no_pilot_touches_a_pillar_or_a_rock(helms, heading, depth):
     boat = submarine((0.0, 0.0, depth), heading)
+    around = bare_sea(DUNES, pillars=PILLARS, rocks=ROCKS)
     for helm, ticks in helms:
         for _ in range(2 * ticks):
             before = boat.velocity.copy()
-            hull.step_hull(boat, helm, DT, dunes, SEA, PILLARS, ROCKS)
+            hull.step_hull(boat, helm, DT, around)
             assert distance(boat) >= 0.49 * hull.CLEARANCE_CM
             x, y, z = boat.position
             assert z >= dunes(x, y) + 0.5 * hull.CLEARANCE_CM - 1e-9
@@ -207,7 +211,8 @@ def test_no_pilot_touches_a_pillar_or_a_rock(helms, heading, depth):
 
 def test_solids_that_are_far_change_nothing():
     one, two = submarine(), submarine()
+    around = bare_sea(DUNES, pillars=PILLARS + [900, 0, 0, 0])
     for _ in range(60):
-        hull.step_hull(one, Helm(surge=0.5), DT, dunes, SEA)
-        hull.step_hull(two, Helm(surge=0.5), DT, dunes, SEA, PILLARS + [900, 0, 0, 0], ROCKS[:0])
+        hull.step_hull(one, Helm(surge=0.5), DT, BAY)
+        hull.step_hull(two, Helm(surge=0.5), DT, around)
     assert one.position.tobytes() == two.position.tobytes()

@@ -10,6 +10,7 @@ from subsea.state import Submarine
 from subsea.submarine.helm import Helm
 from subsea.submarine.hull import step_hull
 from subsea.ui.sea_edge import edge_reading
+from tests.support.seas import bare_sea
 
 BOUNDS = Bounds(radius_cm=900.0, depth_cm=500.0)
 
@@ -24,8 +25,9 @@ def test_it_shows_where_the_submarine_comes_to_rest_and_not_inside():
     boat = at(500.0, 100.0)
     assert edge_reading(boat, BOUNDS).opacity == 0.0
     shown = []
+    around = bare_sea(-500.0, BOUNDS.radius_cm, 1000.0)
     for _ in range(400):
-        step_hull(boat, Helm(surge=1.0), 0.033, lambda x, y: -500.0, BOUNDS)
+        step_hull(boat, Helm(surge=1.0), 0.033, around)
         shown.append(edge_reading(boat, BOUNDS).opacity)
     assert math.hypot(*boat.position[:2]) < 900.0
     assert shown[0] == 0.0 and shown[-1] == 1.0 and sorted(shown) == shown
