@@ -25,12 +25,11 @@ def detour(
     """Level unit vector past the pillars and rocks that wish or heading lead into, or ZERO.
 
     Candidates are the tangents to all solids near `here` that lead into no other solid. A fish of
-    `length` cm takes the one with the least turn, so that it does not change its mind before the
-    obstacle; tangents that lead away from the wish cost more, or it might circle for ever. An
-    angle between tangent and wish costs `direct` as much as one of turning. Each fish decides for
-    itself: a school splits at an obstacle. A fish that is turning back ignores
-    what lies on its old heading. A rock counts as round, as wide as it is long, with its width at
-    the height of the fish.
+    `length` cm takes the one with the least turn from `heading`, so that it does not change its
+    mind before the obstacle; tangents that lead away from the wish cost more, or it might circle
+    for ever. An angle between tangent and wish costs `direct` as much as one of turning. A fish
+    that is turning back ignores what lies on its old heading. A rock counts as round, as wide as
+    it is long, with its width at the height of the fish.
     """
     nearest, found = np.inf, -1
     onward = wish[0] * heading[0] + wish[1] * heading[1] >= 0.0  # else it is about to turn back

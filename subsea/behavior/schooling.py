@@ -99,7 +99,7 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         alarmed = minds.mental[i, FEAR] > nature.alarmed
         school = known_by(minds, i)
         spacing = CLOSED if alarmed else 1.0
-        urge, pace = _company(fishes, minds, i, spacing)
+        urge, heading, pace = _company(fishes, minds, i, spacing)
         cruising = CRUISING
         if minds.errand[school] > 0.0:
             cruising = minds.errand[school] * np.sqrt(fishes.length[school] / length)
@@ -116,7 +116,8 @@ def act(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock
         outside = min(max(norm(middle) / radius - WITHIN, 0.0), 1.0)
         middle = times(outside / max(norm(middle), 1.0), middle)
         wish = plus(urge, times(REJOIN, middle))
-        way = detour(wish, vector(fishes.velocity[i]), here, length, sea.pillars, sea.rocks,
+        # All take the side that most head to, or the school would split at an obstacle.
+        way = detour(wish, heading, here, length, sea.pillars, sea.rocks,
                      DIRECT * outside)  # fmt: skip
         if norm(way) > 0.0:
             # It rejoins the others behind the obstacle.
@@ -135,10 +136,11 @@ def is_informed(i: int, school: int, clock: Clock) -> bool:
 
 
 @kernel
-def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vector, float]:
-    """Alignment, separation and attraction of the neighbours, and the pace that keeps with them.
+def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vector, Vector, float]:
+    """Alignment, separation and attraction of the neighbours, their heading, and their pace.
 
-    `spacing` is a factor on the distances. Separation counts most from the nearest.
+    `spacing` is a factor on the distances. Separation counts most from the nearest. The heading,
+    of any length, is the mean with that of fish i.
     """
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
     apart, toward, heading = ZERO, ZERO, ahead
@@ -164,8 +166,8 @@ def _company(fishes: Fishes, minds: Minds, i: int, spacing: float) -> tuple[Vect
     keep = plus(times(SEPARATE, apart), times(ATTRACT * share, toward))
     urge = plus(times(ALIGN / (count + 1.0), heading), keep)
     if count == 0:
-        return urge, CRUISING
-    return urge, share * speed / fishes.fast[i] + ALONG * dot(keep, ahead)
+        return urge, heading, CRUISING
+    return urge, heading, share * speed / fishes.fast[i] + ALONG * dot(keep, ahead)
 
 
 @kernel

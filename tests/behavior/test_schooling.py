@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.behavior import leading, schooling
+from subsea.geometry.rotation import x_axis
 from subsea.state import FEAR, PREY
+from subsea.world.populate import heading_quaternion
 
 HERE = np.array([0.0, 0.0, -300.0])
 
@@ -54,6 +56,19 @@ def test_it_keeps_the_speed_of_its_neighbours_and_hurries_behind_them(tank):
     share = schooling.TENDENCY
     assert speeds[0] == pytest.approx((1 - share) * 0.7 + share * schooling.CRUISING, abs=1e-4)
     assert speeds[1] > speeds[0] + 0.1
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_it_passes_an_obstacle_on_the_side_of_its_company(tank, side):
+    """Though its own heading leads past on the other side."""
+    t = _school(tank, (0, 0.95, 0), (0, -0.95, 0), (-0.95, 0, 0))
+    t = t._replace(sea=t.sea._replace(pillars=np.array([[150.0, 0.0, 40.0, 0.0]])))
+    t.minds.waypoint[0] = HERE + (600.0, 0.0, 0.0)
+    t.fishes.orientation[0] = heading_quaternion(-0.15 * side)
+    t.fishes.orientation[1:] = heading_quaternion(0.2 * side)
+    for i in range(4):
+        t.fishes.velocity[i] = 30.0 * np.array(x_axis(t.fishes.orientation[i]))
+    assert side * _urge(t)[1] > 0.2
 
 
 def test_few_know_the_destination(tank):
