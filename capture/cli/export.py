@@ -67,10 +67,10 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
-    from capture.export.clips import make_clips
-    from capture.export.gltf import gltf_files
-    from capture.export.usd import usd_files, write_usd
-    from capture.export.vat import vat_files, write_vat
+    from subsea.export.clips import make_clips
+    from subsea.export.gltf import gltf_files
+    from subsea.export.usd import usd_files, write_usd
+    from subsea.export.vat import vat_files, write_vat
 
     if options.morph and options.to != "gltf":
         raise UserError(f"--morph is for --to gltf, not {options.to}")
@@ -90,8 +90,8 @@ def run(options: argparse.Namespace) -> int:
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from tqdm import tqdm
 
-    from capture.export.gltf import write_gltf
-    from capture.export.skinning import fit_skeleton
+    from subsea.export.gltf import write_gltf
+    from subsea.export.skinning import fit_skeleton
 
     rig, told = None, "exact"
     if not options.morph:

@@ -28,7 +28,6 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli import main as capture_cli
-from capture.export import skinning
 from capture.inspection import timing
 from subsea.cli import main
 from subsea.core.command_line import parse_arguments
@@ -37,6 +36,7 @@ from subsea.core.resources import ROOT, resource_names
 from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
 from subsea.dive.show_file import load_show
+from subsea.export import skinning
 from subsea.fish.photo.fitting import silhouette
 from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species

@@ -9,8 +9,8 @@ import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
-from capture.export.clips import SWEEP_RAD, Surface
 from subsea.core.resources import resource_path
+from subsea.export.clips import SWEEP_RAD, Surface
 from subsea.fish import paint
 from subsea.fish.mesh import (
     ABSENT,

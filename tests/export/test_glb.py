@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from capture.export.axes import Y_UP, Z_UP, rotate_quaternions, to_metres
-from capture.export.glb import INDICES, VERTICES, GlbBuffer, glb
+from subsea.export.axes import Y_UP, Z_UP, rotate_quaternions, to_metres
+from subsea.export.glb import INDICES, VERTICES, GlbBuffer, glb
 from subsea.geometry.rotation import matrix, normalised
 
 

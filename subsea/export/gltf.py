@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
-from capture.export.clips import Clip, Model, bake_root, transparent_triangles
-from capture.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
-from capture.export.png import sheet_png
-from capture.export.skinning import MAX_INFLUENCES, Skeleton
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
+from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
+from subsea.export.clips import Clip, Model, bake_root, transparent_triangles
+from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
+from subsea.export.png import sheet_png
+from subsea.export.skinning import MAX_INFLUENCES, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
 
 Json = dict[str, Any]

@@ -11,11 +11,11 @@ import pytest
 import trimesh
 from PIL import Image
 
-from capture.export.axes import Y_UP, to_metres
-from capture.export.clips import Clip, Model, make_clips, transform_points
-from capture.export.png import png16
-from capture.export.vat import write_vat
 from subsea.core.errors import UserError
+from subsea.export.axes import Y_UP, to_metres
+from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.png import png16
+from subsea.export.vat import write_vat
 from subsea.geometry.rotation import matrix
 from subsea.rendering.gl.context import headless_context
 
@@ -187,7 +187,7 @@ def test_a_failed_export_leaves_no_files(tmp_path: Path) -> None:
 
 def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
     """Run as it is printed, on a texture of 16 bits."""
-    text = (Path(__file__).parents[3] / "docs" / "how-to" / "export.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "export.md").read_text(encoding="utf-8")
     body = text.partition("```glsl\n")[2].partition("```")[0]
     model, clips = make_clips("fusilier", detail=2)
     write_vat(tmp_path, model, clips, baked=False)

@@ -12,10 +12,10 @@ import pytest
 import trimesh
 
 from capture.cli.main import main
-from capture.export.axes import Y_UP, to_metres
-from capture.export.clips import Clip, Model, make_clips, transform_points
-from capture.export.gltf import write_gltf
-from capture.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
+from subsea.export.axes import Y_UP, to_metres
+from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.gltf import write_gltf
+from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
 BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root

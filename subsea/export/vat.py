@@ -24,12 +24,12 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
-from capture.export.clips import Clip, Model, bake_root, first_frames
-from capture.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
-from capture.export.png import png16, sheet_png
 from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
+from subsea.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
+from subsea.export.clips import Clip, Model, bake_root, first_frames
+from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
+from subsea.export.png import png16, sheet_png
 
 FULL = 65535  # the greatest value of a texel
 ALPHA_CUTOFF = 0.3  # of the only material, for body and fins

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
-from capture.export.axes import Y_UP, to_metres
-from capture.export.clips import Clip, Model, make_clips, transform_points
-from capture.export.usd import write_usd
 from subsea.core.errors import UserError
+from subsea.export.axes import Y_UP, to_metres
+from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.usd import write_usd
 from subsea.geometry.rotation import matrix
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from capture.export.clips import ROUGHNESS
+from subsea.export.clips import ROUGHNESS
 
 TYPES = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType
 SHAPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}

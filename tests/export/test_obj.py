@@ -6,11 +6,22 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
-from capture.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.biomechanics.body import TRIANGLES
+from subsea.core.resources import resource_path
+from subsea.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.repertoire import Repertoire, read_repertoire
 
 HEAD = "# a fish\nmtllib fish.mtl\no fish\n"
+
+
+@pytest.fixture
+def recorded() -> Path:
+    return resource_path("repertoires/fusilier.h5")
+
+
+@pytest.fixture(scope="module", params=["emperor_angelfish", "fusilier"])
+def repertoire(request: pytest.FixtureRequest) -> Repertoire:
+    return read_repertoire(resource_path(f"repertoires/{request.param}.h5"))
 
 
 def write_obj(path: Path, vertices: np.ndarray) -> Path:
