@@ -40,11 +40,8 @@ export class Water {
   dress(old) {
     const material = new THREE.MeshLambertMaterial({
       name: old.name, color: old.color, map: old.map, vertexColors: old.vertexColors, side: old.side,
-      transparent: old.transparent, alphaTest: old.alphaTest, depthWrite: old.depthWrite,
+      transparent: old.transparent, alphaTest: Math.max(old.alphaTest, 0.05),
     });
-    // Sharp up to the edge: soft edges of fins would need sorted triangles.
-    material.alphaToCoverage = material.transparent;
-    material.transparent = false;
     material.onBeforeCompile = shader => {
       Object.assign(shader.uniforms, this.uniforms);
       shader.vertexShader = shader.vertexShader

@@ -3,6 +3,7 @@
 import numpy as np
 
 from subsea.core.arrays import Array
+from subsea.geometry.rotation import from_matrix
 
 METRES = 0.01
 # Rows are the new axes. glTF and USD: x left, y up, z ahead.
@@ -19,3 +20,22 @@ def to_metres(points: Array, axes: Array) -> Array:
 def rotate_quaternions(rotation: Array, axes: Array) -> Array:
     """Quaternions (..., 4), w first, to other axes."""
     return np.concatenate([rotation[..., :1], rotation[..., 1:] @ axes.T], axis=-1)
+
+
+# The world of the dive has z up; rows are the axes of a world with y up: x, z, -y.
+WORLD_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+
+def world_rotations(rotation: Array, own: Array | None = None) -> Array:
+    """Rotations (..., 4) from own axes to the world of the dive, in a world with y up.
+
+    `own` are the axes of what is rotated, such as `Y_UP` for a fish whose points are in those;
+    None: unchanged, as for a camera.
+    """
+    w, x, y, z = from_matrix(WORLD_Y_UP)
+    before = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+    if own is not None:
+        w, x, y, z = from_matrix(own.T)
+        after = np.array([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
+        before = before @ after
+    return np.asarray(rotation @ before.T)

@@ -26,6 +26,7 @@ ROUNDS = 5
 MIN_VERTICES = 24  # around a joint, for its regularisation (or its fraction of all, if more)
 REGULARISATION = 0.01  # weight of that relative to the joint's own vertices
 SWEEPS = 4  # fits of all joints in a round
+FOLLOWING = 3  # rounds with given weights
 
 
 class Joint(NamedTuple):
@@ -52,22 +53,60 @@ def fit_skeleton(
     progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
 ) -> Skeleton:
     """Fit a skeleton to the clips of a model; `progress` wraps the rounds."""
+    return fit_to_points(model, np.concatenate([clip.points for clip in clips]), progress)
+
+
+def fit_to_points(
+    model: Model,
+    goal: Array,
+    progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
+) -> Skeleton:
+    """The same for vertices (F, n, 3), cm, body axes, at the size of the model."""
     joints = place_joints(model)
-    rest = np.pad(model.rest, ((0, 0), (0, 1)), constant_values=1.0)  # (n, 4)
-    goal = np.concatenate([clip.points for clip in clips])  # (F, n, 3)
-    far = np.linalg.norm(model.rest[:, None] - [joint.place for joint in joints], axis=2)  # (n, J)
+    rest, far = _homogeneous(model), _distances(model, joints)
     near = far.argsort(axis=1)[:, :NEAR]
-    around = far.argsort(axis=0)[: max(MIN_VERTICES, len(rest) // len(joints))]
-    # (F, 3, J, 4): rigid motion of the vertices around each joint
-    about = np.stack([_rigid(model.rest[those], goal[:, those]) for those in around.T], axis=2)
+    about = _surroundings(model, far, goal)
     motion = about.copy()
     for _ in progress(range(ROUNDS)):
         weights = _fit_weights(rest, goal, motion, near)
         firm = REGULARISATION * (weights * far**2).sum(axis=0)
         _fit_motion(rest, goal, weights, motion, about, firm)
     motion = motion.swapaxes(1, 2)
-    off = np.linalg.norm(posed(rest, weights, motion) - goal, axis=2) * 100.0 / model.length_cm
+    off = off_percent(model, weights, motion, goal)
     return Skeleton(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
+
+
+def follow(model: Model, rig: Skeleton, goal: Array) -> Array:
+    """Motion (F, J, 3, 4) of the joints of a skeleton that comes nearest to vertices (F, n, 3)."""
+    far = _distances(model, rig.joints)
+    about = _surroundings(model, far, goal)
+    motion = about.copy()
+    firm = REGULARISATION * (rig.weights * far**2).sum(axis=0)
+    for _ in range(FOLLOWING):
+        _fit_motion(_homogeneous(model), goal, rig.weights, motion, about, firm)
+    return motion.swapaxes(1, 2)
+
+
+def off_percent(model: Model, weights: Array, motion: Array, goal: Array) -> Array:
+    """Distance (F, n) of the vertices from a goal (F, n, 3), in percent of the body length."""
+    off = posed(_homogeneous(model), weights, motion) - goal
+    return np.asarray(np.linalg.norm(off, axis=2) * 100.0 / model.length_cm)
+
+
+def _homogeneous(model: Model) -> Array:
+    return np.pad(model.rest, ((0, 0), (0, 1)), constant_values=1.0)  # (n, 4)
+
+
+def _distances(model: Model, joints: list[Joint]) -> Array:
+    """From each vertex to each joint at rest (n, J)."""
+    places = np.array([joint.place for joint in joints])
+    return np.asarray(np.linalg.norm(model.rest[:, None] - places, axis=2))
+
+
+def _surroundings(model: Model, far: Array, goal: Array) -> Array:
+    """The rigid motion (F, 3, J, 4) of the vertices around each joint."""
+    around = far.argsort(axis=0)[: max(MIN_VERTICES, len(far) // far.shape[1])]
+    return np.stack([_rigid(model.rest[those], goal[:, those]) for those in around.T], axis=2)
 
 
 def posed(rest: Array, weights: Array, motion: Array) -> Array:

@@ -24,6 +24,7 @@ WORDS = {
     "film": "As filmed",
     "orbit": "Around a place",
     "fly": "Fly",
+    "about": "Help and licence",
     "help": "Drag to look around, scroll or pinch to go nearer. Keys: arrows turn, W and S go "
     "ahead and back, A and D aside, E and Q up and down, space plays, Escape lets a fish go.",
     "download": "Download the scene (glTF, {size} MB)",

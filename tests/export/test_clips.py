@@ -11,11 +11,11 @@ from subsea.core.resources import resource_path
 from subsea.export.clips import (
     Clip,
     Model,
-    Surface,
     make_clips,
     root_motion,
     transform_points,
 )
+from subsea.export.drawn_surface import Surface
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
@@ -31,7 +31,7 @@ def test_each_frame_is_a_row_of_the_playback_table(
     species = load_species(known)
     repertoire = read_repertoire(resource_path(f"repertoires/{known}.h5"))
     library = pack([repertoire], [coupling_of(species, repertoire)])
-    surface = Surface(species.surface, repertoire.body_length_cm, 0)
+    surface = Surface(species, repertoire.body_length_cm, 0)
     scale = np.mean(species.size_cm) / repertoire.body_length_cm
     assert [clip.name for clip in clips] == repertoire.recorded_names()
     table = library.first[0], library.length[0], library.has[0]
