@@ -121,7 +121,7 @@ gltf_validator() {
 
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
-bench) groups="--no-dev --extra console --extra headset --extra learn --extra plot --extra skin --extra sweep --extra usd" packages="$HEADLESS $WINDOW" ;;
+bench) groups="--no-dev --extra console --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sweep --extra usd" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
 *) say "expected 'run', 'bench' or 'test', not '$PURPOSE'" && exit 2 ;;
 esac

@@ -28,7 +28,7 @@ from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root, first_frames
-from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, glb, material
+from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, asset, glb, material
 from subsea.export.png import png16, sheet_png
 
 FULL = 65535  # the greatest value of a texel
@@ -108,7 +108,7 @@ def _mesh(model: Model, height: int, colours: str) -> bytes:
     }
     looks = {"alphaMode": "MASK", "alphaCutoff": ALPHA_CUTOFF, "doubleSided": True}
     content = {
-        "asset": {"version": "2.0", "generator": "subsea"},
+        "asset": asset([model.name], {}),
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": model.name, "mesh": 0}],

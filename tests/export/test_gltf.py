@@ -1,9 +1,6 @@
 """Exported glTF, played by a reader of its own that follows the specification word for word."""
 
-import json
-import struct
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,7 @@ from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.gltf import write_gltf
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
+from tests.support.gltf_reader import Reader
 
 RMS_PERCENT, MOST_PERCENT = 0.2, 1.5  # of the body length: what fitted joints may be off
 BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root
@@ -53,108 +51,6 @@ def _written(fitted: Exported, folders: pytest.TempPathFactory, baked: bool) -> 
         write_gltf(joints, model, clips, baked, rig),
         write_gltf(morphed, model, clips, baked, None),
     )
-
-
-class Reader:
-    """Plays a .glb file; sections are those of the specification of glTF 2.0."""
-
-    def __init__(self, path: Path) -> None:
-        data = path.read_bytes()
-        length = struct.unpack_from("<I", data, 12)[0]  # 4.4: header, JSON, binary
-        self.content: dict[str, Any] = json.loads(data[20 : 20 + length])
-        self.binary = data[28 + length :]
-        self.animations = {one["name"]: one for one in self.content["animations"]}
-        self.array = cache(self._array)
-
-    def _array(self, accessor: int) -> np.ndarray:
-        """3.6.2."""
-        one = self.content["accessors"][accessor]
-        view = self.content["bufferViews"][one["bufferView"]]
-        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[one["type"]]
-        kind = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
-        flat = np.frombuffer(
-            self.binary, kind[one["componentType"]], one["count"] * width, view["byteOffset"]
-        )
-        return flat.reshape(one["count"], width) if width > 1 else flat
-
-    def times(self, name: str) -> np.ndarray:
-        return self.array(self.animations[name]["samplers"][0]["input"])
-
-    def points(self, name: str, at: np.ndarray) -> np.ndarray:
-        """Vertices (T, n, 3) in the scene's axes at times (T,) of an animation."""
-        nodes = [dict(node) for node in self.content["nodes"]]
-        one = self.animations[name]
-        for channel in one["channels"]:
-            sampler = one["samplers"][channel["sampler"]]
-            node, path = channel["target"]["node"], channel["target"]["path"]
-            nodes[node][path] = self._sampled(sampler, path, at)
-        world = [np.eye(4)] * len(nodes)
-        children = {child for node in nodes for child in node.get("children", [])}
-
-        def descend(number: int, above: np.ndarray) -> None:
-            world[number] = above @ _matrix(nodes[number], len(at))
-            for child in nodes[number].get("children", []):
-                descend(child, world[number])
-
-        for number in set(range(len(nodes))) - children:
-            descend(number, np.eye(4))
-        [number] = [k for k, node in enumerate(nodes) if "mesh" in node]
-        mesh = self.content["meshes"][nodes[number]["mesh"]]
-        primitive = mesh["primitives"][0]
-        targets = primitive.get("targets", [])
-        attributes = {k: self.array(v) for k, v in primitive["attributes"].items()}
-        place = np.repeat(attributes["POSITION"].astype(float)[None], len(at), axis=0)
-        shares = np.broadcast_to(nodes[number].get("weights", ()), (len(at), len(targets)))
-        for share, target in zip(shares.T, targets, strict=True):
-            there = share != 0.0
-            place[there] += share[there, None, None] * self.array(target["POSITION"])  # 3.7.2.2
-        place = np.pad(place, ((0, 0), (0, 0), (0, 1)), constant_values=1.0)
-        if "skin" not in nodes[number]:
-            return (place @ world[number].swapaxes(-1, -2))[..., :3]
-        skin = self.content["skins"][nodes[number]["skin"]]  # 3.7.3.3
-        bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).swapaxes(1, 2)
-        joints = np.stack([world[joint] for joint in skin["joints"]], axis=1) @ bind
-        out = np.zeros_like(place)
-        for joint, weight in zip(attributes["JOINTS_0"].T, attributes["WEIGHTS_0"].T, strict=True):
-            out += weight[:, None] * np.einsum("tnij,tnj->tni", joints[:, joint], place)
-        return out[..., :3]
-
-    def _sampled(self, sampler: dict[str, Any], path: str, at: np.ndarray) -> np.ndarray:
-        """Linear or, for rotations, spherical: appendix C."""
-        assert sampler.get("interpolation", "LINEAR") == "LINEAR"
-        times, keys = self.array(sampler["input"]), self.array(sampler["output"])
-        keys = keys.reshape(len(times), -1).astype(float)
-        after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
-        share = (at - times[after - 1]) / (times[after] - times[after - 1])
-        share = np.clip(share, 0.0, 1.0)[:, None]
-        a, b = keys[after - 1], keys[after]
-        mixed = (1.0 - share) * a + share * b
-        if path != "rotation":
-            return mixed
-        dot = (a * b).sum(axis=1, keepdims=True)
-        b, dot = np.where(dot < 0.0, -b, b), abs(dot)
-        mixed = (1.0 - share) * a + share * b
-        mixed /= np.linalg.norm(mixed, axis=1, keepdims=True)
-        angle = np.arccos(np.minimum(dot, 0.9999))
-        turned = np.sin(angle * (1 - share)) * a + np.sin(angle * share) * b
-        # For small angles linear, as the specification advises.
-        return np.where(dot > 0.9999, mixed, turned / np.sin(angle))
-
-
-def _matrix(node: dict[str, Any], number: int) -> np.ndarray:
-    """3.5.2 and 3.5.3, at each time."""
-    x, y, z, w = np.asarray(node.get("rotation", (0.0, 0.0, 0.0, 1.0))).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    out = np.tile(np.eye(4), (number, 1, 1))
-    for i in range(3):
-        for j in range(3):
-            out[:, i, j] = rows[i][j]
-    out[:, :3, 3] = node.get("translation", (0.0, 0.0, 0.0))
-    return out
 
 
 def off_percent(reader: Reader, model: Model, clip: Clip, step: float = 0.0) -> np.ndarray:

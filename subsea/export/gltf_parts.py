@@ -1,0 +1,196 @@
+"""Parts of glTF files of fishes: meshes, materials, skeletons and animations."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from subsea.core.arrays import Array
+from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
+from subsea.export.clips import Model, transparent_triangles
+from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
+from subsea.export.packing import Grid, Stored
+from subsea.export.png import sheet_png
+from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
+from subsea.geometry.rotation import from_matrix, matrix
+
+Json = dict[str, Any]
+
+LINEAR_MIPMAPS = 9987
+STEP = 1e-6  # body lengths: what a joint's place may be off when it is compressed
+SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": CLAMPED, "wrapT": CLAMPED}
+
+
+class Track(NamedTuple):
+    """Keys of a property of a node, one for each frame."""
+
+    node: int
+    path: str  # translation, rotation, scale or weights
+    keys: Stored
+    steps: bool = False  # holds a key until the next one
+
+
+class Parts(NamedTuple):
+    """The parts of a model's mesh by material, without vertices: triangles of its own."""
+
+    indices: list[int]  # accessors
+    materials: list[Json]  # of the same number, with the texture `texture`
+
+
+def add_parts(buffer: GlbBuffer, model: Model, texture: int = 0) -> Parts:
+    """Add the triangles of a model as up to three parts that share vertices."""
+    fin = np.arange(len(model.triangles)) >= model.body
+    clear = transparent_triangles(model) & ~fin
+    out = Parts([], [])
+    for name, those, looks in (
+        ("body", ~fin & ~clear, {}),
+        ("clear", clear, {"alphaMode": "BLEND"}),  # of the body, such as the tail
+        ("fins", fin, {"alphaMode": "BLEND", "doubleSided": True}),
+    ):
+        if those.any():
+            corners = model.triangles[those].astype(np.uint16).ravel()
+            out.indices.append(buffer.add(corners, INDICES))
+            out.materials.append(material(name, looks, texture))
+    return out
+
+
+def add_vertices(buffer: GlbBuffer, model: Model, grid: Grid) -> Json:
+    """Add the vertices of a model at rest; return the attributes of its primitives."""
+    pack = buffer.packing
+    sheet = np.clip(model.uv * (1, -1) + (0, 1), 0.0, 1.0)
+    return {
+        "POSITION": buffer.add(pack.positions(to_metres(model.rest, Y_UP), grid), VERTICES),
+        "NORMAL": buffer.add(pack.normals(model.normals @ Y_UP.T), VERTICES),
+        "TEXCOORD_0": buffer.add(pack.coordinates(sheet), VERTICES),
+    }
+
+
+def add_weights(buffer: GlbBuffer, rig: Skeleton) -> Json:
+    """Add joints and weights of the vertices; joint 0 is the root and has no weight."""
+    most = np.argsort(-rig.weights, axis=1)[:, :MAX_INFLUENCES]
+    weights = np.take_along_axis(rig.weights, most, axis=1).astype(np.float32)
+    weights /= weights.sum(axis=1, keepdims=True)
+    stored = buffer.packing.weights(weights)
+    joints = np.where(stored.values > 0, most + 1, 0).astype(np.uint8)
+    return {
+        "JOINTS_0": buffer.add(joints, VERTICES),
+        "WEIGHTS_0": buffer.add(stored, VERTICES),
+    }
+
+
+def add_targets(buffer: GlbBuffer, model: Model, points: Array, normals: Array, grid: Grid) -> Json:
+    """Add a morph target with these points and normals (n, 3), cm, body axes."""
+    pack = buffer.packing
+    ways, change = to_metres(points - model.rest, Y_UP), (normals - model.normals) @ Y_UP.T
+    return {
+        "POSITION": buffer.changes(pack.offsets(ways, grid)),
+        "NORMAL": buffer.changes(pack.turned_normals(change)),
+    }
+
+
+def add_sheet(buffer: GlbBuffer, model: Model) -> Json:
+    """Add the colours of a model; return its image."""
+    return {"bufferView": buffer.view(sheet_png(model.sheet)), "mimeType": "image/png"}
+
+
+def primitives(
+    attributes: Json, parts: Parts, first: int = 0, targets: Sequence[Json] = ()
+) -> list[Json]:
+    """The primitives of a mesh; `first` is the number of the first material of its parts."""
+    more = {"targets": list(targets)} if targets else {}
+    return [
+        {"attributes": attributes, "indices": indices, "material": first + k} | more
+        for k, indices in enumerate(parts.indices)
+    ]
+
+
+def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: Grid) -> int:
+    """Add the inverse bind matrices of root and joints."""
+    bind = np.tile(np.eye(4), (1 + len(joints), 1, 1))
+    bind[1:, :3, 3] = -to_metres(np.array([joint.place for joint in joints]), Y_UP)
+    return buffer.add((bind @ grid.matrix).astype(np.float32))
+
+
+def joint_nodes(joints: list[Joint], first: int, root: Json) -> list[Json]:
+    """Nodes of joints, the first of number `first`; those without parent become `root`'s."""
+    places = np.array([joint.place for joint in joints])
+    nodes: list[Json] = []
+    for joint, place in zip(joints, places, strict=True):
+        held = places[joint.parent] if joint.parent >= 0 else np.zeros(3)
+        nodes.append({"name": joint.name, "translation": to_metres(place - held, Y_UP).tolist()})
+    for k, joint in enumerate(joints):
+        parent = nodes[joint.parent] if joint.parent >= 0 else root
+        parent.setdefault("children", []).append(first + k)
+    return nodes
+
+
+def joint_tracks(
+    buffer: GlbBuffer, joints: list[Joint], motion: Array, first: int, root: tuple[Array, Array]
+) -> list[Track]:
+    """Tracks of joints for rigid motions (T, J, 3, 4), cm, body axes, of the model at rest.
+
+    `root` is a motion (T, 3), cm, and (T, 4) that joints without parent carry besides.
+    """
+    position, rotation = root
+    places = np.array([joint.place for joint in joints])
+    turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
+    whole = matrix(rotation)[:, None]
+    turn, place = whole @ turn, whole @ place + position[:, None, :, None]
+    # Relative to the parents; row 0 stands for the root.
+    turns = np.concatenate([np.tile(np.eye(3), (len(turn), 1, 1, 1)), turn], axis=1)
+    parents = np.array([joint.parent + 1 for joint in joints])
+    back = turns[:, parents].swapaxes(2, 3)
+    origin = np.pad(place, ((0, 0), (1, 0), (0, 0), (0, 0)))[:, parents]
+    turn, place = from_matrix(back @ turn), (back @ (place - origin))[..., 0]
+    pack, step = buffer.packing, STEP * float(np.ptp(places[:, 0]) * 0.01)
+    tracks = []
+    for k in range(len(joints)):
+        ways = pack.lengths(to_metres(place[:, k], Y_UP), step)
+        tracks.append(Track(first + k, "translation", ways))
+        tracks.append(Track(first + k, "rotation", pack.rotations(quaternions(turn[:, k]))))
+    return tracks
+
+
+def root_tracks(buffer: GlbBuffer, node: int, position: Array, rotation: Array) -> list[Track]:
+    """Tracks of a node that moves as a fish: (T, 3) cm and (T, 4), as floats."""
+    return [
+        Track(node, "translation", Stored(to_metres(position, Y_UP).astype(np.float32))),
+        Track(node, "rotation", Stored(quaternions(rotation).astype(np.float32))),
+    ]
+
+
+def quaternions(rotation: Array) -> Array:
+    """Rotations (T, 4) for glTF: w last, of continuous sign for slerp."""
+    turns = np.sign((rotation[1:] * rotation[:-1]).sum(axis=1))
+    signs = np.concatenate([[1.0], np.cumprod(turns)])
+    return np.roll(rotate_quaternions(signs[:, None] * rotation, Y_UP), -1, axis=1)
+
+
+def animation(buffer: GlbBuffer, name: str, times: int, tracks: list[Track], extras: Json) -> Json:
+    """An animation of tracks whose keys are at the times of an accessor."""
+    groups: dict[object, list[int]] = {}
+    for k, track in enumerate(tracks):
+        keys = track.keys
+        groups.setdefault((keys.values.dtype, keys.values.shape[1:], keys.step), []).append(k)
+    outputs: dict[int, int] = {}
+    for those in groups.values():
+        numbers = buffer.block([tracks[k].keys for k in those])
+        outputs |= dict(zip(those, numbers, strict=True))
+    return {
+        "name": name,
+        "samplers": [
+            {"input": times, "output": outputs[k]}
+            | ({"interpolation": "STEP"} if track.steps else {})
+            for k, track in enumerate(tracks)
+        ],
+        "channels": [
+            {"sampler": k, "target": {"node": track.node, "path": track.path}}
+            for k, track in enumerate(tracks)
+        ],
+        "extras": extras,
+    }
+
+
+def add_times(buffer: GlbBuffer, count: int, fps: float) -> int:
+    """Add the times of `count` frames from 0."""
+    return buffer.add((np.arange(count) / fps).astype(np.float32))
