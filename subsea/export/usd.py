@@ -6,36 +6,17 @@ because only fins are two-sided; transparent faces of the body, such as the tail
 """
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
 from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.core.extras import require
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
-from subsea.export.clips import (
-    ROUGHNESS,
-    Clip,
-    Model,
-    bake_root,
-    first_frames,
-    transparent_triangles,
-)
+from subsea.export.clips import Clip, Model, bake_root, first_frames
 from subsea.export.png import sheet_png
-
-SOLID, CLEAR = "solid", "clear"  # materials
-
-
-class _MeshPart(NamedTuple):
-    """A separate mesh of some vertices and their triangles."""
-
-    name: str
-    vertices: slice
-    triangles: NDArray[np.integer[Any]]
-    two_sided: bool
+from subsea.export.usd_parts import animate, move, set_up, skin_materials, skin_meshes
 
 
 def usd_files(folder: Path, name: str) -> list[Path]:
@@ -75,12 +56,7 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
 
     first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetTimeCodesPerSecond(clips[0].fps)
-    stage.SetFramesPerSecond(clips[0].fps)
-    stage.SetStartTimeCode(0)
-    stage.SetEndTimeCode(last[-1])
+    set_up(stage, clips[0].fps, last[-1])
     stage.GetRootLayer().customLayerData = {
         "clips": {
             clip.name: {"start": start, "end": end, "cyclic": clip.cyclic}
@@ -90,133 +66,12 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
     root = UsdGeom.Xform.Define(stage, f"/{Tf.MakeValidIdentifier(model.name)}")
     stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
-    if baked:
-        clips = [bake_root(clip) for clip in clips]
-    else:
-        _move(root, clips, first)
-    looks = {
-        name: _material(stage, root.GetPath().AppendPath(f"materials/{name}"), sheet, name == CLEAR)
-        for name in (SOLID, CLEAR)
-    }
-    body, fins = model.triangles[: model.body], model.triangles[model.body :] - model.solid
-    for part in (
-        _MeshPart("body", slice(0, model.solid), body, False),
-        _MeshPart("fins", slice(model.solid, None), fins, True),
-    ):
-        if len(part.triangles):
-            mesh = _mesh(stage, root.GetPath().AppendChild(part.name), model, part)
-            _animate(mesh, part, clips, first)
-            _bind(mesh, looks[CLEAR if part.two_sided else SOLID])
-            if not part.two_sided:
-                _divide(mesh, transparent_triangles(model)[: model.body], looks)
-
-
-def _move(root: Any, clips: list[Clip], first: list[int]) -> None:
-    """The root's motion as time samples of its translation and orientation."""
-    from pxr import Gf, UsdGeom
-
-    # OpenUSD uses an arc cosine: single precision would be too coarse.
-    way, turn = root.AddTranslateOp(), root.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
-    for clip, start in zip(clips, first, strict=True):
-        there, facing = to_metres(clip.position, Y_UP), rotate_quaternions(clip.rotation, Y_UP)
-        for frame, (place, (w, *axis)) in enumerate(zip(there, facing, strict=True)):
-            way.Set(Gf.Vec3d(*map(float, place)), start + frame)
-            turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), start + frame)
-
-
-def _mesh(stage: Any, path: Any, model: Model, part: _MeshPart) -> Any:
-    """The mesh at rest: all attributes that are constant."""
-    from pxr import Sdf, UsdGeom, Vt
-
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    count = len(part.triangles)
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(count, 3, np.int32)))
-    corners = np.ascontiguousarray(part.triangles, np.int32).ravel()
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateDoubleSidedAttr(part.two_sided)
-    mesh.CreatePointsAttr(_vectors(to_metres(model.rest[part.vertices], Y_UP)))
-    mesh.CreateNormalsAttr(_vectors(model.normals[part.vertices] @ Y_UP.T))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-    places = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
-    )
-    places.Set(Vt.Vec2fArray.FromNumpy(np.asarray(model.uv[part.vertices], np.float32)))
-    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
-    return mesh
-
-
-def _animate(mesh: Any, part: _MeshPart, clips: list[Clip], first: list[int]) -> None:
-    """Points, normals and extent of every frame of every clip."""
-    from pxr import UsdGeom
-
-    points, normals, extent = mesh.GetPointsAttr(), mesh.GetNormalsAttr(), mesh.GetExtentAttr()
-    for clip, start in zip(clips, first, strict=True):
-        where, ways = clip.points[:, part.vertices], clip.normals[:, part.vertices]
-        for frame in range(len(where)):
-            values = _vectors(to_metres(where[frame], Y_UP))
-            points.Set(values, start + frame)
-            normals.Set(_vectors(ways[frame] @ Y_UP.T), start + frame)
-            extent.Set(UsdGeom.PointBased.ComputeExtent(values), start + frame)
-
-
-def _material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
-    """A UsdPreviewSurface with the texture as colour and, if `clear`, as opacity."""
-    from pxr import Sdf, UsdShade
-
-    names = Sdf.ValueTypeNames
-    material = UsdShade.Material.Define(stage, path)
-    surface, texture, places = (
-        UsdShade.Shader.Define(stage, path.AppendChild(name))
-        for name in ("surface", "sheet", "places")
-    )
-    places.CreateIdAttr("UsdPrimvarReader_float2")
-    places.CreateInput("varname", names.String).Set("st")
-    texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(f"./{sheet}"))
-    texture.CreateInput("sourceColorSpace", names.Token).Set("sRGB")
-    for side in ("wrapS", "wrapT"):
-        texture.CreateInput(side, names.Token).Set("clamp")
-    texture.CreateInput("st", names.Float2).ConnectToSource(
-        places.CreateOutput("result", names.Float2)
-    )
-    surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", names.Float).Set(ROUGHNESS)
-    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
-        texture.CreateOutput("rgb", names.Float3)
-    )
-    if clear:
-        surface.CreateInput("opacity", names.Float).ConnectToSource(
-            texture.CreateOutput("a", names.Float)
-        )
-    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
-    return material
-
-
-def _bind(thing: Any, material: Any) -> None:
-    from pxr import UsdShade
-
-    UsdShade.MaterialBindingAPI.Apply(thing.GetPrim()).Bind(material)
-
-
-def _divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
-    """Bind materials to subsets of transparent and solid faces, if a mesh has both.
-
-    Some importers ignore the material of a mesh with subsets, so all faces are in one.
-    """
-    from pxr import UsdGeom, UsdShade, Vt
-
-    if not clear.any():
-        return
-    binding = UsdShade.MaterialBindingAPI(mesh)
-    for name, those in ((SOLID, ~clear), (CLEAR, clear)):
-        faces = Vt.IntArray.FromNumpy(np.flatnonzero(those).astype(np.int32))
-        _bind(binding.CreateMaterialBindSubset(name, faces), looks[name])
-    binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
-
-
-def _vectors(values: Array) -> Any:
-    """Rows (n, 3) as a USD array."""
-    from pxr import Vt
-
-    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
+    clips = [bake_root(clip) for clip in clips] if baked else clips
+    if not baked:
+        place = np.concatenate([clip.position for clip in clips])
+        turn = np.concatenate([clip.rotation for clip in clips])
+        move(root, to_metres(place, Y_UP), rotate_quaternions(turn, Y_UP))
+    looks = skin_materials(stage, root.GetPath().AppendChild("materials"), sheet)
+    for mesh, part in skin_meshes(stage, root.GetPath(), model, looks):
+        for clip, start in zip(clips, first, strict=True):
+            animate(mesh, part, zip(clip.points, clip.normals, strict=True), start)
