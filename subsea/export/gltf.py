@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from subsea.core.atomic_io import replacing
-from subsea.export.axes import METRES, Y_UP, to_metres
+from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (
@@ -22,13 +22,15 @@ from subsea.export.gltf_parts import (
     add_sheet,
     add_targets,
     add_times,
+    add_tracks,
     add_vertices,
     add_weights,
     animation,
+    carried,
     joint_nodes,
     joint_tracks,
+    path_tracks,
     primitives,
-    root_tracks,
 )
 from subsea.export.packing import EXACT, Packing
 from subsea.export.skinning import Skeleton
@@ -86,9 +88,12 @@ def _skinned(
         begin += len(clip.points)
         if clip.cyclic:
             motion[-1] = motion[0]
-        carried = clip if baked else _still(clip)
-        tracks = joint_tracks(buffer, rig.joints, motion, 1, (carried.position, carried.rotation))
-        animations.append(_animation(buffer, clip, [*_root_tracks(buffer, clip, baked), *tracks]))
+        if baked:
+            motion = carried(motion, clip.position, clip.rotation)
+        times = _times(buffer, clip)
+        tracks = joint_tracks(buffer.packing, rig.joints, motion, 1, times)
+        tracks = [*_root_tracks(clip, baked, times), *tracks]
+        animations.append(_animation(buffer, clip, tracks))
     extras = {"rmsErrorPercent": rig.rms_percent, "maxErrorPercent": rig.most_percent}
     content = {
         "nodes": nodes,
@@ -122,8 +127,9 @@ def _morphed(buffer: GlbBuffer, model: Model, clips: list[Clip], baked: bool) ->
         shares = np.zeros((len(clip.points), len(targets)))
         shown = begin + np.arange(len(clip.points)) % number
         shares[np.arange(len(shares)), shown] = 1.0
-        weights = Track(len(nodes) - 1, "weights", buffer.packing.shares(shares.ravel()))
-        animations.append(_animation(buffer, clip, [*_root_tracks(buffer, clip, baked), weights]))
+        keys, times = buffer.packing.shares(shares.ravel()), _times(buffer, clip)
+        tracks = [*_root_tracks(clip, baked, times), Track(len(nodes) - 1, "weights", keys, times)]
+        animations.append(_animation(buffer, clip, tracks))
     mesh = {
         "name": model.name,
         "primitives": primitives(attributes, parts, targets=targets),
@@ -138,25 +144,25 @@ def _morphed(buffer: GlbBuffer, model: Model, clips: list[Clip], baked: bool) ->
     return _file(buffer, model, parts, {"root": _root(baked)}, content)
 
 
-def _still(clip: Clip) -> Clip:
-    """The clip on the spot."""
-    upright = np.tile((1.0, 0.0, 0.0, 0.0), (len(clip.rotation), 1))
-    return clip._replace(position=np.zeros_like(clip.position), rotation=upright)
-
-
 def _root(baked: bool) -> str:
     return "baked" if baked else "apart"
 
 
-def _root_tracks(buffer: GlbBuffer, clip: Clip, baked: bool) -> list[Track]:
-    return [] if baked else root_tracks(buffer, ROOT, clip.position, clip.rotation)
+def _root_tracks(clip: Clip, baked: bool, times: int) -> list[Track]:
+    if baked:
+        return []
+    turns = rotate_quaternions(clip.rotation, Y_UP)
+    return path_tracks(ROOT, to_metres(clip.position, Y_UP), turns, times)
+
+
+def _times(buffer: GlbBuffer, clip: Clip) -> int:
+    return add_times(buffer, np.arange(len(clip.points)) / clip.fps)
 
 
 def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[Track]) -> Json:
     """An animation with a key for each frame of a clip."""
-    times = add_times(buffer, len(clip.points), clip.fps)
     extras = {"framesPerSecond": float(clip.fps), "loop": clip.cyclic}
-    return animation(buffer, clip.name, times, tracks, extras)
+    return animation(clip.name, add_tracks(buffer, tracks), extras)
 
 
 def _file(buffer: GlbBuffer, model: Model, parts: Parts, extras: Json, content: Json) -> bytes:

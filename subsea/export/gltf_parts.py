@@ -9,7 +9,7 @@ from subsea.core.arrays import Array
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Model, transparent_triangles
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
-from subsea.export.packing import Grid, Stored
+from subsea.export.packing import Grid, Packing, Stored
 from subsea.export.png import sheet_png
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
@@ -27,7 +27,15 @@ class Track(NamedTuple):
     node: int
     path: str  # translation, rotation, scale or weights
     keys: Stored
+    times: int  # accessor of the keys' times
     steps: bool = False  # holds a key until the next one
+
+
+class Channel(NamedTuple):
+    """A track whose keys are in the file."""
+
+    track: Track
+    output: int  # accessor
 
 
 class Parts(NamedTuple):
@@ -125,49 +133,55 @@ def joint_nodes(joints: list[Joint], first: int, root: Json) -> list[Json]:
 
 
 def joint_tracks(
-    buffer: GlbBuffer, joints: list[Joint], motion: Array, first: int, root: tuple[Array, Array]
+    pack: Packing, joints: list[Joint], motion: Array, first: int, times: int
 ) -> list[Track]:
-    """Tracks of joints for rigid motions (T, J, 3, 4), cm, body axes, of the model at rest.
+    """Tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4) of the model.
 
-    `root` is a motion (T, 3), cm, and (T, 4) that joints without parent carry besides.
+    Those are in cm and body axes.
     """
-    position, rotation = root
     places = np.array([joint.place for joint in joints])
     turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
-    whole = matrix(rotation)[:, None]
-    turn, place = whole @ turn, whole @ place + position[:, None, :, None]
     # Relative to the parents; row 0 stands for the root.
     turns = np.concatenate([np.tile(np.eye(3), (len(turn), 1, 1, 1)), turn], axis=1)
     parents = np.array([joint.parent + 1 for joint in joints])
     back = turns[:, parents].swapaxes(2, 3)
     origin = np.pad(place, ((0, 0), (1, 0), (0, 0), (0, 0)))[:, parents]
     turn, place = from_matrix(back @ turn), (back @ (place - origin))[..., 0]
-    pack, step = buffer.packing, STEP * float(np.ptp(places[:, 0]) * 0.01)
+    step = STEP * float(np.ptp(places[:, 0]) * 0.01)
     tracks = []
     for k in range(len(joints)):
         ways = pack.lengths(to_metres(place[:, k], Y_UP), step)
-        tracks.append(Track(first + k, "translation", ways))
-        tracks.append(Track(first + k, "rotation", pack.rotations(quaternions(turn[:, k]))))
+        turns_of = pack.rotations(ordered(rotate_quaternions(turn[:, k], Y_UP)))
+        tracks.append(Track(first + k, "translation", ways, times))
+        tracks.append(Track(first + k, "rotation", turns_of, times))
     return tracks
 
 
-def root_tracks(buffer: GlbBuffer, node: int, position: Array, rotation: Array) -> list[Track]:
-    """Tracks of a node that moves as a fish: (T, 3) cm and (T, 4), as floats."""
+def carried(motion: Array, position: Array, rotation: Array) -> Array:
+    """Rigid motions (T, J, 3, 4) moved by those of a root, (T, 3) and (T, 4)."""
+    whole = matrix(rotation)[:, None]
+    out = whole @ motion
+    out[..., 3] += position[:, None]
+    return np.asarray(out)
+
+
+def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[Track]:
+    """Tracks of a node along places (T, 3), metres, and turns (T, 4), w first: as floats."""
     return [
-        Track(node, "translation", Stored(to_metres(position, Y_UP).astype(np.float32))),
-        Track(node, "rotation", Stored(quaternions(rotation).astype(np.float32))),
+        Track(node, "translation", Stored(places.astype(np.float32)), times),
+        Track(node, "rotation", Stored(ordered(turns).astype(np.float32)), times),
     ]
 
 
-def quaternions(rotation: Array) -> Array:
+def ordered(rotation: Array) -> Array:
     """Rotations (T, 4) for glTF: w last, of continuous sign for slerp."""
     turns = np.sign((rotation[1:] * rotation[:-1]).sum(axis=1))
     signs = np.concatenate([[1.0], np.cumprod(turns)])
-    return np.roll(rotate_quaternions(signs[:, None] * rotation, Y_UP), -1, axis=1)
+    return np.roll(signs[:, None] * rotation, -1, axis=1)
 
 
-def animation(buffer: GlbBuffer, name: str, times: int, tracks: list[Track], extras: Json) -> Json:
-    """An animation of tracks whose keys are at the times of an accessor."""
+def add_tracks(buffer: GlbBuffer, tracks: Sequence[Track]) -> list[Channel]:
+    """Add the keys of tracks, those of one kind in one view."""
     groups: dict[object, list[int]] = {}
     for k, track in enumerate(tracks):
         keys = track.keys
@@ -176,21 +190,26 @@ def animation(buffer: GlbBuffer, name: str, times: int, tracks: list[Track], ext
     for those in groups.values():
         numbers = buffer.block([tracks[k].keys for k in those])
         outputs |= dict(zip(those, numbers, strict=True))
+    return [Channel(track, outputs[k]) for k, track in enumerate(tracks)]
+
+
+def animation(name: str, channels: Sequence[Channel], extras: Json) -> Json:
+    """An animation of channels."""
     return {
         "name": name,
         "samplers": [
-            {"input": times, "output": outputs[k]}
+            {"input": track.times, "output": output}
             | ({"interpolation": "STEP"} if track.steps else {})
-            for k, track in enumerate(tracks)
+            for track, output in channels
         ],
         "channels": [
             {"sampler": k, "target": {"node": track.node, "path": track.path}}
-            for k, track in enumerate(tracks)
+            for k, (track, _) in enumerate(channels)
         ],
         "extras": extras,
     }
 
 
-def add_times(buffer: GlbBuffer, count: int, fps: float) -> int:
-    """Add the times of `count` frames from 0."""
-    return buffer.add((np.arange(count) / fps).astype(np.float32))
+def add_times(buffer: GlbBuffer, times: Array) -> int:
+    """Add the times (T,) of keys, seconds."""
+    return buffer.add(times.astype(np.float32))
