@@ -15,6 +15,8 @@ class SceneOptions:
     force: bool = False  # replace files of other kinds
     morph: bool = False  # gltf: morph targets instead of skeletons
     vat: bool = False  # gltf: a vertex animation texture for each species
+    compress: str = "none"  # gltf: a name of `packing.COMPRESSIONS`
+    instances: bool = False  # gltf: copies of corals and seaweed by EXT_mesh_gpu_instancing
     poses: int | None = None  # usd: bake this many poses of each species, and place instances
 
 

@@ -74,12 +74,21 @@ def encode(model: Model, clips: list[Clip], baked: bool) -> AnimationTexture:
     """Encode all clips, one after another."""
     if baked:
         clips = [bake_root(clip) for clip in clips]
-    offsets = to_metres(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
+    points, normals = (
+        np.concatenate(part)
+        for part in zip(*((clip.points, clip.normals) for clip in clips), strict=True)
+    )
+    return encode_points(model, points, normals)._replace(first=first_frames(clips))
+
+
+def encode_points(model: Model, points: Array, normals: Array) -> AnimationTexture:
+    """Encode points, cm, body axes, and normals (F, n, 3)."""
+    offsets = to_metres(points - model.rest, Z_UP)
     low, high = offsets.min(axis=(0, 1)), offsets.max(axis=(0, 1))
     share = (offsets - low) / np.where(high > low, high - low, 1.0)
-    facing = 0.5 + 0.5 * (np.concatenate([clip.normals for clip in clips]) @ Z_UP.T)
+    facing = 0.5 + 0.5 * (normals @ Z_UP.T)
     texels = np.round(FULL * np.clip(np.concatenate([share, facing]), 0.0, 1.0)).astype(np.uint16)
-    return AnimationTexture(texels, low, high, first_frames(clips))
+    return AnimationTexture(texels, low, high, [0])
 
 
 def texel_coordinates(count: int, height: int) -> Array:

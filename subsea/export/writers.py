@@ -12,8 +12,14 @@ def _usd() -> SceneWriter:
     return WRITER
 
 
+def _gltf() -> SceneWriter:
+    from subsea.export.gltf_scene import WRITER
+
+    return WRITER
+
+
 # Loaded when chosen: each needs other packages.
-WRITERS: dict[str, Callable[[], SceneWriter]] = {"usd": _usd}
+WRITERS: dict[str, Callable[[], SceneWriter]] = {"usd": _usd, "gltf": _gltf}
 
 
 def writer_of(target: str) -> SceneWriter:
