@@ -185,11 +185,12 @@ class Viewer {
     this.seconds = Math.min(Math.max(seconds, 0), this.length);
     // At its very end a clip would begin again.
     this.mixer.setTime(Math.min(this.seconds, Math.max(this.length - 1e-5, 0)));
-    this.fishes.show(Math.round(this.seconds * this.about.fps));
     part("time").value = this.seconds;
     part("time").setAttribute("aria-valuetext", `${this.seconds.toFixed(1)} s`);
     part("clock").textContent = `${this.seconds.toFixed(1)} / ${this.length.toFixed(1)} s`;
-    const line = this.about.captions.find(one => one.from_s <= this.seconds && this.seconds < one.to_s);
+    const frame = Math.floor(this.seconds * this.about.fps + 1e-6);
+    this.fishes.show(frame);
+    const line = this.about.captions.find(one => one.first <= frame && frame <= one.last);
     const text = line ? line.text : "";
     if (part("caption").textContent !== text) part("caption").textContent = text;
     if (this.flight.view === "orbit" && this.chosen) this.flight.about(this.fishes.place(this.chosen), true);
