@@ -63,7 +63,7 @@ export class Water {
           light += 2.0 * (1.0 - diffuseColor.a) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
           vec3 clear = clearness(far);
           vec3 seen = EXPOSURE * diffuseColor.rgb * light * clear + water_radiance(ray / far) * (1.0 - clear);
-          gl_FragColor = vec4(filmic(seen), diffuseColor.a);`);
+          gl_FragColor = vec4(curved(seen), diffuseColor.a);`);
     };
     material.customProgramCacheKey = () => "water";
     return material;
@@ -82,7 +82,7 @@ export class Water {
         uniform mat3 u_turn;
         varying vec3 v_way;
         void main() {
-          gl_FragColor = vec4(filmic(water_radiance(normalize(u_turn * v_way))), 1.0);
+          gl_FragColor = vec4(curved(water_radiance(normalize(u_turn * v_way))), 1.0);
           #include <colorspace_fragment>
         }`,
     });

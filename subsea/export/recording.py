@@ -169,6 +169,7 @@ def make_scene(
             model_scale=cast.model_scale,
         ),
         water=world.scenario.water,
+        grade=world.scenario.grade,
         captions=tuple(take.caption for take in takes),
     )
 

@@ -34,8 +34,9 @@ from subsea.fish.species import load_species
 from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
 from subsea.rendering.output.daylight import light_uniforms
+from subsea.rendering.output.target import gain
 from subsea.rendering.output.uniforms import TIDE_S
-from subsea.scenario.schema import Water
+from subsea.scenario.schema import Grade, Water
 
 SCENE, ABOUT = "scene.glb", "scene.json"
 PAGE = ("viewer.js", "viewer.css", "water.js", "flight.js", "fishes.js", "icon.svg")
@@ -57,6 +58,7 @@ POLICY = (
     "connect-src 'self' blob:; base-uri 'none'; form-action 'none'"
 )
 PAGE_BYTES = 2_700_000  # of the page and three.js
+GRADE = "u_gain", "u_contrast", "u_saturation"  # uniforms of `shaders/resolve.frag`
 STEP_CM, DEPTH_CM = 50.0, 5000.0  # of the table of the eye's light
 
 
@@ -132,13 +134,28 @@ def find_three() -> Path:
 
 
 def water_code() -> str:
-    """The shader code of light in water, with the curve from light to the screen."""
+    """The shader code of light in water, and `curved`, from light to the screen."""
     lines = source("optics.glsl").splitlines()
     optics = "\n".join(line for line in lines if not line.startswith(("#version", "#line")))
-    [curve] = re.findall(
-        r"^vec3 filmic\(vec3 x\) \{$.*?^\}$", source("resolve.frag"), re.MULTILINE | re.DOTALL
+    screen = source("resolve.frag", GRADED=1, LINEAR=1)
+    return "\n".join(
+        [
+            optics,
+            *(_found(rf"^uniform \w+ {name};", screen) for name in GRADE),
+            _found(r"^const float MIDDLE = [^\n]*$", screen),
+            "const int GRADED = 1, LINEAR = 1;",
+            *(
+                _found(rf"^vec3 {name}\(.*?^\}}$", screen)
+                for name in ("filmic", "graded", "curved")
+            ),
+            "",
+        ]
     )
-    return f"{optics}\n{curve}\n"
+
+
+def _found(pattern: str, code: str) -> str:
+    [found] = re.findall(pattern, code, re.MULTILINE | re.DOTALL)
+    return str(found)
 
 
 def _index(scene: Scene) -> str:
@@ -183,7 +200,7 @@ def _about(scene: Scene, size: int) -> dict[str, Any]:
             for one in scene.fishes
         ],
         "captions": _captions(scene),
-        "water": _water(scene.water),
+        "water": _water(scene.water, scene.grade),
         "words": words_by_language(),
     }
 
@@ -199,7 +216,7 @@ def _captions(scene: Scene) -> list[dict[str, Any]]:
     return found
 
 
-def _water(water: Water) -> dict[str, Any]:
+def _water(water: Water, grade: Grade) -> dict[str, Any]:
     """The uniforms of the water, and those that depend on the eye in steps of its depth."""
     depths = np.arange(0.0, DEPTH_CM + STEP_CM, STEP_CM)
     rows = [light_uniforms(water, (0.0, 0.0, -depth)) for depth in depths]
@@ -208,7 +225,8 @@ def _water(water: Water) -> dict[str, Any]:
         "axes": WORLD_Y_UP.T.tolist(),
         "tide_s": TIDE_S,
         "step_cm": STEP_CM,
-        "steady": {name: value for name, value in rows[0].items() if name not in changing},
+        "steady": dict(zip(GRADE, (gain(grade), grade.contrast, grade.saturation), strict=True))
+        | {name: value for name, value in rows[0].items() if name not in changing},
         "by_depth": {name: [np.round(row[name], 6).tolist() for row in rows] for name in changing},
     }
 
