@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
-from subsea.export.axes import Y_UP, to_metres
+from subsea.export.axes import WORLD_Y_UP, Y_UP, to_metres
 from subsea.export.clips import ROUGHNESS, Model, transparent_triangles
+from subsea.export.licence import copyright_line
+from subsea.export.scene import SceneMesh
 
 SOLID, CLEAR = "solid", "clear"  # materials
 
@@ -25,9 +27,16 @@ class MeshPart(NamedTuple):
     two_sided: bool
 
 
-def set_up(stage: Any, fps: float, last: int) -> None:
-    """Axes, units and time codes of a stage with the frames 0 to `last`."""
+def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: Any) -> None:
+    """Axes, units, time codes and licence of a stage with the frames 0 to `last`.
+
+    `species` are those in it. `notes` go to its custom data.
+    """
     from pxr import UsdGeom
+
+    layer = stage.GetRootLayer()
+    layer.documentation = copyright_line(species)
+    layer.customLayerData = {"copyright": layer.documentation} | notes
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -172,3 +181,42 @@ def vectors(values: Array) -> Any:
     from pxr import Vt
 
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
+
+
+def coloured_mesh(stage: Any, path: Any, one: SceneMesh, tint: Array) -> Any:
+    """A mesh that does not move, with colours at its vertices times `tint` (3,)."""
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(one.triangles), 3, np.int32)))
+    corners = np.ascontiguousarray(one.triangles, np.int32).ravel()
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(one.two_sided)
+    mesh.CreatePointsAttr(vectors(to_metres(one.points, WORLD_Y_UP)))
+    mesh.CreateNormalsAttr(vectors(one.normals @ WORLD_Y_UP.T))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    colours = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
+    colours.Set(vectors(np.clip(one.colors * tint, 0.0, 1.0)))
+    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    return mesh
+
+
+def colour_material(stage: Any, path: Any) -> Any:
+    """A UsdPreviewSurface with the display colours of a mesh."""
+    from pxr import Sdf, UsdShade
+
+    names = Sdf.ValueTypeNames
+    material = UsdShade.Material.Define(stage, path)
+    surface, colours = (
+        UsdShade.Shader.Define(stage, path.AppendChild(name)) for name in ("surface", "colours")
+    )
+    colours.CreateIdAttr("UsdPrimvarReader_float3")
+    colours.CreateInput("varname", names.String).Set("displayColor")
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", names.Float).Set(1.0)
+    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
+        colours.CreateOutput("result", names.Float3)
+    )
+    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
+    return material
