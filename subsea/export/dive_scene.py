@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from subsea.core import interrupts
 from subsea.core.console import count_noun, say
 from subsea.core.errors import UserError, unknown
 from subsea.core.input_files import file_hash
@@ -14,10 +15,10 @@ from subsea.dive.start import ready_world
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
 from subsea.export.scene import GROUPS, Scene
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
-from subsea.export.statics import static_meshes
+from subsea.export.statics import moment_of, static_meshes
 from subsea.export.writers import writer_of
 from subsea.fish.mesh import DETAILS, fish_mesh
-from subsea.media.film_timing import film_length_s, instants
+from subsea.media.film_timing import film_length_s, instants, reach
 from subsea.media.frame_writers import frame_rate
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
@@ -25,6 +26,7 @@ from subsea.scenario.schema import Scenario
 from subsea.study.record import Record, read_origin, read_record
 from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.rail import Rail
+from subsea.view.display_rigs import cockpit
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
@@ -76,8 +78,11 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     world = ready_world(scenario, source, film.seed)
     steer = tour_steering(world, film.tour) if record is None else _drift
     after = _no_check if record is None else _check_against(record, world, film)
+    with interrupts.deferred_interrupts() as check:
+        alpha = reach(world, times[0], steer, check, after=after)
+    eye = cockpit(world.state.submarine, alpha).eye
+    statics = static_meshes(world, film.groups, film.detail, moment_of(world, alpha, eye))
     takes, camera = record_frames(world, times, steer, follow, float(rate), film.size, after)
-    statics = static_meshes(world, film.groups, film.detail, camera.position[0])
     return make_scene(source.stem, world, takes, camera, statics, film, float(rate))
 
 

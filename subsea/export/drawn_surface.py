@@ -128,7 +128,10 @@ class Surface:
         for out, weights in ((points, self._place), (u, self._across), (v, self._along)):
             out[:, :n] = _weighted(weights, control)
         points[..., 1] *= 1.0 + fins[:, TAIL, None] * self._spread
-        root, open_ = _weighted(self._root, control), fins[:, FOLD] + (1.0 - fins[:, FOLD]) * self._stiff
+        root, open_ = (
+            _weighted(self._root, control),
+            fins[:, FOLD] + (1.0 - fins[:, FOLD]) * self._stiff,
+        )
         points[:, self._folding] = root + open_[:, None, None] * (points[:, self._folding] - root)
         for one in self._paddles:
             right = int(one.side > 0)

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.core.arrays import Array
-from subsea.export.axes import WORLD_Y_UP, Y_UP, to_metres
+from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import ROUGHNESS, Model, transparent_triangles
 from subsea.export.licence import copyright_line
-from subsea.export.scene import SceneMesh
 
 SOLID, CLEAR = "solid", "clear"  # materials
 
@@ -183,40 +182,26 @@ def vectors(values: Array) -> Any:
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
 
 
-def coloured_mesh(stage: Any, path: Any, one: SceneMesh, tint: Array) -> Any:
-    """A mesh that does not move, with colours at its vertices times `tint` (3,)."""
-    from pxr import UsdGeom, Vt
+def group(stage: Any, path: Any) -> Any:
+    """A prim that holds models."""
+    from pxr import Kind, Usd, UsdGeom
 
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(one.triangles), 3, np.int32)))
-    corners = np.ascontiguousarray(one.triangles, np.int32).ravel()
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateDoubleSidedAttr(one.two_sided)
-    mesh.CreatePointsAttr(vectors(to_metres(one.points, WORLD_Y_UP)))
-    mesh.CreateNormalsAttr(vectors(one.normals @ WORLD_Y_UP.T))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-    colours = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
-    colours.Set(vectors(np.clip(one.colors * tint, 0.0, 1.0)))
-    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
-    return mesh
+    prim = UsdGeom.Xform.Define(stage, path)
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.group)
+    return prim
 
 
-def colour_material(stage: Any, path: Any) -> Any:
-    """A UsdPreviewSurface with the display colours of a mesh."""
-    from pxr import Sdf, UsdShade
+def component(stage: Any, path: Any) -> Any:
+    """A prim that is one model, such as a fish."""
+    from pxr import Kind, Usd, UsdGeom
 
-    names = Sdf.ValueTypeNames
-    material = UsdShade.Material.Define(stage, path)
-    surface, colours = (
-        UsdShade.Shader.Define(stage, path.AppendChild(name)) for name in ("surface", "colours")
-    )
-    colours.CreateIdAttr("UsdPrimvarReader_float3")
-    colours.CreateInput("varname", names.String).Set("displayColor")
-    surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", names.Float).Set(1.0)
-    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
-        colours.CreateOutput("result", names.Float3)
-    )
-    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
-    return material
+    prim = UsdGeom.Xform.Define(stage, path)
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    return prim
+
+
+def identifier(name: str) -> str:
+    """A name that USD accepts."""
+    from pxr import Tf
+
+    return str(Tf.MakeValidIdentifier(name))

@@ -27,19 +27,20 @@ from subsea.core.progress import progress
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
 from subsea.export.baked_poses import BakedPoses, bake_poses
 from subsea.export.png import sheet_png
-from subsea.export.scene import Scene, SceneCamera, SceneMesh
+from subsea.export.scene import Scene, SceneCamera
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
 from subsea.export.usd_parts import (
     animate,
-    bind,
-    colour_material,
-    coloured_mesh,
+    component,
+    group,
+    identifier,
     move,
     set_up,
     skin_materials,
     skin_meshes,
     vectors,
 )
+from subsea.export.usd_statics import add_statics
 
 PACKAGE = signed("a USD package (.usdz)", b"PK\x03\x04")
 KINDS: dict[str, FileKind] = {".usdc": USD, ".usdz": PACKAGE}
@@ -114,7 +115,7 @@ def _write_package(scene: Scene, folder: Path, part: Path, options: SceneOptions
 
     for model in scene.models:
         (folder / f"{model.name}_basecolor.png").write_bytes(sheet_png(model.sheet))
-    stage = folder / f"{_identifier(scene.name)}.usdc"
+    stage = folder / f"{identifier(scene.name)}.usdc"
     _write_stage(scene, stage, ".", options)
     package = folder / "package.usdz"
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
@@ -137,7 +138,7 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
         title=scene.title, start_s=scene.start_s,
     )  # fmt: skip
-    root = UsdGeom.Xform.Define(stage, f"/{_identifier(scene.name)}")
+    root = UsdGeom.Xform.Define(stage, f"/{identifier(scene.name)}")
     stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.assembly)
     at = root.GetPath()
@@ -145,10 +146,10 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
     looks = []
     UsdGeom.Scope.Define(stage, at.AppendChild("materials"))
     for model in scene.models:
-        folder = UsdGeom.Scope.Define(stage, at.AppendPath(f"materials/{_identifier(model.name)}"))
+        folder = UsdGeom.Scope.Define(stage, at.AppendPath(f"materials/{identifier(model.name)}"))
         sheet = f"{textures}/{model.name}_basecolor.png"
         looks.append(skin_materials(stage, folder.GetPath(), sheet.removeprefix("./")))
-    _add_statics(stage, at, scene.statics)
+    add_statics(stage, at, scene.statics)
     if options.poses is None:
         _add_fishes(stage, at.AppendChild("fishes"), scene, looks)
     else:
@@ -158,12 +159,12 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
 
 def _add_fishes(stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]]) -> None:
     """Each fish with its path, and its meshes with points in every frame."""
-    _group(stage, at)
+    group(stage, at)
     pending = 0
     with progress(len(scene.fishes), "fish") as done:
         for number, fish in enumerate(scene.fishes):
             model = scene.models[fish.model]
-            prim = _component(stage, at.AppendChild(_identifier(fish.name)))
+            prim = component(stage, at.AppendChild(identifier(fish.name)))
             inside = slice(fish.first, fish.last + 1)
             place = to_metres(scene.position[inside, number], WORLD_Y_UP)
             move(prim, place, world_rotations(scene.rotation[inside, number], Y_UP), fish.first)
@@ -209,14 +210,14 @@ def _add_schools(
     stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]], number: int
 ) -> None:
     """A point instancer for each species, with `number` poses baked as prototypes."""
-    _group(stage, at)
+    group(stage, at)
     for kind, model in enumerate(scene.models):
         poses = bake_poses(scene, kind, number)
-        prim = at.AppendChild(_identifier(model.name))
+        prim = at.AppendChild(identifier(model.name))
         instancer = _instancer(stage, prim, scene, poses)
         for k, (points, normals) in enumerate(zip(poses.points, poses.normals, strict=True)):
             path = prim.AppendPath(f"poses/pose_{k:03}")
-            _component(stage, path)
+            component(stage, path)
             instancer.GetPrototypesRel().AddTarget(path)
             posed = model._replace(rest=points, normals=normals)
             skin_meshes(stage, path, posed, looks[kind])
@@ -274,66 +275,3 @@ def _add_camera(stage: Any, path: Any, camera: SceneCamera) -> None:
     near, far = METRES * camera.near_cm, METRES * camera.far_cm
     prim.CreateClippingRangeAttr(Gf.Vec2f(near, far))
     move(prim, to_metres(camera.position, WORLD_Y_UP), world_rotations(camera.rotation))
-
-
-def _add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
-    """Sand, stone, corals and seaweed; a mesh at several places is instanced."""
-    from pxr import Sdf, UsdGeom
-
-    if not statics:
-        return
-    look = colour_material(stage, at.AppendPath("materials/ground"))
-    for name in dict.fromkeys(one.group for one in statics):
-        _group(stage, at.AppendChild(name))
-    for one in statics:
-        path = at.AppendPath(f"{one.group}/{_identifier(one.name)}")
-        if len(one.places) == 1:
-            prim = _component(stage, path)
-            _place(prim, one.places[0])
-            bind(coloured_mesh(stage, path.AppendChild("mesh"), one, one.tints[0]), look)
-            continue
-        kept = at.AppendPath(f"{one.group}/prototypes/{_identifier(one.name)}")
-        folder = UsdGeom.Scope.Define(stage, kept.GetParentPath())
-        folder.GetPrim().SetSpecifier(Sdf.SpecifierClass)  # not drawn itself
-        prototype = _component(stage, kept)
-        mesh = coloured_mesh(stage, kept.AppendChild("mesh"), one, one.tints.mean(axis=0))
-        bind(mesh, look)
-        for k, place in enumerate(one.places):
-            prim = UsdGeom.Xform.Define(stage, path.GetParentPath().AppendChild(f"{path.name}_{k}"))
-            prim.GetPrim().GetInherits().AddInherit(prototype.GetPath())
-            prim.GetPrim().SetInstanceable(True)
-            _place(prim, place)
-
-
-def _place(prim: Any, place: Array) -> None:
-    """The transformation (4, 4) from a mesh's own axes, in cm and z up, to the stage."""
-    from pxr import Gf
-
-    turn = np.eye(4)
-    turn[:3, :3] = WORLD_Y_UP
-    whole = turn @ place @ turn.T
-    whole[:3, 3] *= METRES
-    if not np.allclose(whole, np.eye(4)):
-        prim.AddTransformOp().Set(Gf.Matrix4d(*map(float, whole.T.ravel())))
-
-
-def _group(stage: Any, path: Any) -> Any:
-    from pxr import Kind, Usd, UsdGeom
-
-    prim = UsdGeom.Xform.Define(stage, path)
-    Usd.ModelAPI(prim).SetKind(Kind.Tokens.group)
-    return prim
-
-
-def _component(stage: Any, path: Any) -> Any:
-    from pxr import Kind, Usd, UsdGeom
-
-    prim = UsdGeom.Xform.Define(stage, path)
-    Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
-    return prim
-
-
-def _identifier(name: str) -> str:
-    from pxr import Tf
-
-    return str(Tf.MakeValidIdentifier(name))
