@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.fish import sheet_layout
 from subsea.fish.face import jaws
 from subsea.fish.mesh import (
@@ -46,7 +46,7 @@ class _Paddle(NamedTuple):
     plan: PaddlePlan
     side: float  # -1 left, 1 right
     moves: bool  # as pectoral fins do
-    mine: Array  # (n,) True for its vertices
+    mine: Bools  # (n,) True for its vertices
     base: Ints  # (k,) control point at its root
     outline: Array  # (k, 2) cm, along and across
     along: Array  # (k,) share of its length
@@ -126,9 +126,12 @@ class Surface:
         u, v = np.empty_like(points), np.empty_like(points)
         n = self._splines
         for out, weights in ((points, self._place), (u, self._across), (v, self._along)):
-            out[:, :n] = weights @ control
+            out[:, :n] = _weighted(weights, control)
         points[..., 1] *= 1.0 + fins[:, TAIL, None] * self._spread
-        root, open_ = self._root @ control, fins[:, FOLD] + (1.0 - fins[:, FOLD]) * self._stiff
+        root, open_ = (
+            _weighted(self._root, control),
+            fins[:, FOLD] + (1.0 - fins[:, FOLD]) * self._stiff,
+        )
         points[:, self._folding] = root + open_[:, None, None] * (points[:, self._folding] - root)
         for one in self._paddles:
             right = int(one.side > 0)
@@ -147,6 +150,12 @@ class Surface:
         if self._jaws:
             _open_mouth(self._jaws, fins[:, MOUTH], points, normals)
         return points, normals
+
+
+def _weighted(weights: Array, control: Array) -> Array:
+    """Sums (T, n, 3) of control points (T, 426, 3), in one product of large matrices."""
+    columns = np.swapaxes(control, 0, 1).reshape(control.shape[1], -1)
+    return np.swapaxes((weights @ columns).reshape(len(weights), -1, 3), 0, 1)
 
 
 def _weights(across: Array, along: Array, stride: Array, base: Ints) -> Array:
@@ -180,7 +189,7 @@ def _paddle_axes(one: _Paddle, sweep: Array, lift: Array) -> tuple[Array, Array]
     return back, np.broadcast_to(across, back.shape)
 
 
-def _jaws_of(species: Species, length_cm: float, rest: Array, body: Array) -> _Jaws | None:
+def _jaws_of(species: Species, length_cm: float, rest: Array, body: Bools) -> _Jaws | None:
     """How the vertices move with the mouth; `rest` (n, 2) are places on the skin."""
     opening_rad, soft = jaws(species)
     (tip, high), (corner, low) = species.skin.mouth

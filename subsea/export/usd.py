@@ -56,13 +56,11 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
 
     first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
-    set_up(stage, clips[0].fps, last[-1])
-    stage.GetRootLayer().customLayerData = {
-        "clips": {
-            clip.name: {"start": start, "end": end, "cyclic": clip.cyclic}
-            for clip, start, end in zip(clips, first, last, strict=True)
-        }
+    spans = {
+        clip.name: {"start": start, "end": end, "cyclic": clip.cyclic}
+        for clip, start, end in zip(clips, first, last, strict=True)
     }
+    set_up(stage, clips[0].fps, last[-1], [model.name], clips=spans)
     root = UsdGeom.Xform.Define(stage, f"/{Tf.MakeValidIdentifier(model.name)}")
     stage.SetDefaultPrim(root.GetPrim())
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)

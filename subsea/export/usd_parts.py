@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import ROUGHNESS, Model, transparent_triangles
+from subsea.export.licence import copyright_line
 
 SOLID, CLEAR = "solid", "clear"  # materials
 
@@ -25,9 +26,16 @@ class MeshPart(NamedTuple):
     two_sided: bool
 
 
-def set_up(stage: Any, fps: float, last: int) -> None:
-    """Axes, units and time codes of a stage with the frames 0 to `last`."""
+def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: Any) -> None:
+    """Axes, units, time codes and licence of a stage with the frames 0 to `last`.
+
+    `species` are those in it. `notes` go to its custom data.
+    """
     from pxr import UsdGeom
+
+    layer = stage.GetRootLayer()
+    layer.documentation = copyright_line(species)
+    layer.customLayerData = {"copyright": layer.documentation} | notes
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -172,3 +180,28 @@ def vectors(values: Array) -> Any:
     from pxr import Vt
 
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
+
+
+def group(stage: Any, path: Any) -> Any:
+    """A prim that holds models."""
+    from pxr import Kind, Usd, UsdGeom
+
+    prim = UsdGeom.Xform.Define(stage, path)
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.group)
+    return prim
+
+
+def component(stage: Any, path: Any) -> Any:
+    """A prim that is one model, such as a fish."""
+    from pxr import Kind, Usd, UsdGeom
+
+    prim = UsdGeom.Xform.Define(stage, path)
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    return prim
+
+
+def identifier(name: str) -> str:
+    """A name that USD accepts."""
+    from pxr import Tf
+
+    return str(Tf.MakeValidIdentifier(name))
