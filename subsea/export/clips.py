@@ -15,6 +15,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.core.resources import is_path
 from subsea.export.drawn_surface import Surface
+from subsea.export.fin_motion import FinPlayer
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
@@ -51,6 +52,7 @@ class Clip(NamedTuple):
     normals: Array  # (T, n, 3)
     position: Array  # (T, 3) cm, of the body frame; begins at the origin
     rotation: Array  # (T, 4) unit quaternions (w, x, y, z) of continuous sign; begins as identity
+    beats: int  # of the tail, in a cyclic one
 
 
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
@@ -79,14 +81,16 @@ def clips_of(
     scale = model.length_cm / size
     rest = rest_control_points(species.surface, size, snout)
     coupling = couple(species.surface.coupling, repertoire.rest_nodes, rest)
+    fins = FinPlayer(species, repertoire, scale)
     clips = []
     for segment in repertoire.recorded_names():
         one = repertoire.segments[segment]
         control = one.control_points
-        points, normals = surface.at(place(coupling, one.nodes) if control is None else control)
-        position, rotation = root_motion(one)
-        if one.cyclic:
-            points, normals = (np.concatenate([part, part[:1]]) for part in (points, normals))
+        control = place(coupling, one.nodes) if control is None else control
+        beats, moved = fins.clip(segment)
+        shown = np.arange(len(moved)) % len(control)
+        points, normals = surface.at(control[shown], moved)
+        position, rotation = root_motion(one, beats)
         clips.append(
             Clip(
                 name=segment,
@@ -96,6 +100,7 @@ def clips_of(
                 normals=normals,
                 position=scale * position,
                 rotation=rotation,
+                beats=beats,
             )
         )
     return model, clips
@@ -127,12 +132,14 @@ def model_of(
     return model, surface
 
 
-def root_motion(segment: Segment) -> tuple[Array, Array]:
+def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
     """Position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
+
+    A cyclic segment is repeated for a number of beats.
 
     A row holds the step that leads to it; the first row closes a cycle (SMC eqs. 10 and 11).
     """
-    rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])]
+    rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])] * beats
     position, rotation = [np.zeros(3)], [np.array([1.0, 0.0, 0.0, 0.0])]
     for row in rows:
         before = rotation[-1]

@@ -13,7 +13,6 @@ from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (
-    SHEET_SAMPLER,
     Json,
     Parts,
     Track,
@@ -31,6 +30,7 @@ from subsea.export.gltf_parts import (
     joint_tracks,
     path_tracks,
     primitives,
+    sheets,
 )
 from subsea.export.packing import EXACT, Packing
 from subsea.export.skinning import Skeleton
@@ -172,8 +172,5 @@ def _file(buffer: GlbBuffer, model: Model, parts: Parts, extras: Json, content: 
         "asset": asset([model.name], own),
         "scene": 0,
         "materials": parts.materials,
-        "textures": [{"source": 0, "sampler": 0}],
-        "samplers": [SHEET_SAMPLER],
-        "images": [add_sheet(buffer, model)],
-    }
+    } | sheets([add_sheet(buffer, model)])
     return glb(content, buffer)

@@ -9,13 +9,14 @@ from subsea.core.arrays import Array
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Model, transparent_triangles
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
-from subsea.export.packing import Grid, Packing, Stored
-from subsea.export.png import sheet_png
+from subsea.export.packing import MESHOPT, Grid, Packing, Stored
+from subsea.export.png import sheet_png, sheet_webp
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
 
 Json = dict[str, Any]
 
+WEBP = "EXT_texture_webp"
 LINEAR_MIPMAPS = 9987
 STEP = 1e-6  # body lengths: what a joint's place may be off when it is compressed
 SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": CLAMPED, "wrapT": CLAMPED}
@@ -98,7 +99,22 @@ def add_targets(buffer: GlbBuffer, model: Model, points: Array, normals: Array, 
 
 def add_sheet(buffer: GlbBuffer, model: Model) -> Json:
     """Add the colours of a model; return its image."""
-    return {"bufferView": buffer.view(sheet_png(model.sheet)), "mimeType": "image/png"}
+    webp = buffer.packing.kind == MESHOPT
+    data = sheet_webp(model.sheet) if webp else sheet_png(model.sheet)
+    kind = "image/webp" if webp else "image/png"
+    return {"bufferView": buffer.view(data), "mimeType": kind}
+
+
+def sheets(images: list[Json]) -> Json:
+    """The textures of a file with these images, and what readers need for them."""
+    plain = [{"source": k, "sampler": 0} for k in range(len(images))]
+    own: Json = {"images": images, "textures": plain, "samplers": [SHEET_SAMPLER]}
+    if any(one["mimeType"] == "image/webp" for one in images):
+        own["textures"] = [
+            {"sampler": 0, "extensions": {WEBP: {"source": k}}} for k in range(len(images))
+        ]
+        own |= {"extensionsUsed": [WEBP], "extensionsRequired": [WEBP]}
+    return own
 
 
 def primitives(

@@ -8,7 +8,6 @@ from subsea.core.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (
-    SHEET_SAMPLER,
     Channel,
     Json,
     Parts,
@@ -20,6 +19,7 @@ from subsea.export.gltf_parts import (
     animation,
     path_tracks,
     primitives,
+    sheets,
 )
 from subsea.export.gltf_statics import INSTANCING, Statics
 from subsea.export.packing import Packing, Stored
@@ -159,11 +159,8 @@ class SceneFile:
         content |= {"materials": self.materials} if self.materials else {}
         content |= {"skins": self.skins} if self.skins else {}
         if self.images:
-            content |= {
-                "images": self.images,
-                "textures": [{"source": k, "sampler": 0} for k in range(len(self.images))],
-                "samplers": [SHEET_SAMPLER],
-            }
+            content |= sheets(self.images)
         if self._instancing:
-            content |= {"extensionsUsed": [INSTANCING], "extensionsRequired": [INSTANCING]}
+            for key in ("extensionsUsed", "extensionsRequired"):
+                content[key] = [*content.get(key, []), INSTANCING]
         return glb(content, self.buffer)

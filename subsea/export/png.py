@@ -1,4 +1,4 @@
-"""Encode textures as the bytes of PNG files."""
+"""Encode textures as the bytes of PNG and WebP files."""
 
 import io
 import struct
@@ -8,11 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+WEBP_QUALITY = 92  # of 100; opacity has no losses
+
 
 def sheet_png(sheet: NDArray[np.uint8]) -> bytes:
     """Encode a colour texture (h, w, 4), bottom row first."""
     file = io.BytesIO()
     Image.fromarray(sheet[::-1]).save(file, "PNG")
+    return file.getvalue()
+
+
+def sheet_webp(sheet: NDArray[np.uint8]) -> bytes:
+    """Encode a colour texture (h, w, 4), bottom row first, a sixth as large and with losses."""
+    file = io.BytesIO()
+    Image.fromarray(sheet[::-1]).save(file, "WEBP", quality=WEBP_QUALITY)
     return file.getvalue()
 
 

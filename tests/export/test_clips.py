@@ -16,6 +16,7 @@ from subsea.export.clips import (
     transform_points,
 )
 from subsea.export.drawn_surface import Surface
+from subsea.export.fin_motion import FinPlayer
 from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
@@ -36,11 +37,16 @@ def test_each_frame_is_a_row_of_the_playback_table(
     assert [clip.name for clip in clips] == repertoire.recorded_names()
     table = library.first[0], library.length[0], library.has[0]
     recorded = [(first, rows) for first, rows, has in zip(*table, strict=True) if has]
+    fins = FinPlayer(species, repertoire, scale)
     for clip, (first, rows) in zip(clips, recorded, strict=True):
-        shown = surface.at(library.control_points[first : first + rows])
-        assert len(clip.points) == len(clip.position) == rows + clip.cyclic
-        np.testing.assert_allclose(clip.points[:rows], scale * shown[0], atol=1e-4 * scale)
-        np.testing.assert_allclose(clip.normals[:rows], shown[1], atol=0.02)
+        beats, moved = fins.clip(clip.name)
+        assert clip.beats == beats and (clip.cyclic or beats == 1)
+        frames = beats * rows
+        assert len(clip.points) == len(clip.position) == len(moved) == frames + clip.cyclic
+        last = slice(frames - rows, frames)  # the last beat, in which fins are elsewhere
+        shown = surface.at(library.control_points[first : first + rows], moved[last])
+        np.testing.assert_allclose(clip.points[last], scale * shown[0], atol=1e-4 * scale)
+        np.testing.assert_allclose(clip.normals[last], shown[1], atol=0.02)
         assert clip.fps == pytest.approx(species.pace / (repertoire.tick_s * np.sqrt(scale)))
         if clip.cyclic:
             np.testing.assert_array_equal(clip.points[-1], clip.points[0])
@@ -53,8 +59,9 @@ def test_the_root_goes_where_playback_takes_the_fish(known: str) -> None:
     for segment in repertoire.segments.values():
         beats = 2 if segment.cyclic else 1
         played = replay(segment, np.zeros(3), np.eye(3), beats)
-        position, rotation = root_motion(segment)
-        rows = [*range(len(segment.nodes)), 0][: len(position)]
+        position, rotation = root_motion(segment, beats)
+        rows = [*range(len(segment.nodes)), *([0] if segment.cyclic else [])]
+        rows = (rows[:-1] * beats + rows[-1:]) if segment.cyclic else rows
         found = transform_points(segment.nodes[rows], position, rotation)
         first = matrix(segment.increment_rotation[0])
         seen = (played[: len(rows)] - segment.increment_translation[0]) @ first
