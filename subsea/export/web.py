@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.atomic_io import check_folder, replacing
+from subsea.core.atomic_io import check_folder, is_folder, replacing
 from subsea.core.errors import UserError
 from subsea.core.resources import own_path, resource_path
 from subsea.export.axes import WORLD_Y_UP
@@ -72,9 +72,9 @@ def _check(out: Path, options: SceneOptions) -> None:
         if given:
             raise UserError(f"--{name} is not for --to web")
     find_three()
-    check_folder(out)
-    if out.exists() and not out.is_dir():
+    if out.exists() and not is_folder(out):
         raise UserError("is a file, expected a folder", file=out)
+    check_folder(out)
     if out.is_dir() and any(out.iterdir()) and not (out / ABOUT).is_file() and not options.force:
         raise UserError("holds other files; give --force to write among them", file=out)
     GLTF.check(out / SCENE, _packed(options))
