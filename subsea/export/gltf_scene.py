@@ -16,6 +16,7 @@ from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.core.file_kinds import GLTF, check_result
 from subsea.export.axes import METRES, Y_UP, to_metres
+from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_parts import (
     Json,
     Track,
@@ -28,7 +29,7 @@ from subsea.export.gltf_parts import (
     joint_tracks,
 )
 from subsea.export.gltf_scene_file import SceneFile
-from subsea.export.packing import MESHOPT, PLAIN, QUANTISED, packing_of
+from subsea.export.packing import packing_of
 from subsea.export.scene import Scene
 from subsea.export.scene_vat import add_textures, check_textures, texture_bytes
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
