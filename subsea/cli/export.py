@@ -7,6 +7,7 @@ from typing import Any
 from subsea.cli import options as shared
 from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError
+from subsea.export.compressions import COMPRESSIONS, PLAIN
 
 
 def add(commands: Any) -> None:
@@ -86,6 +87,18 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--vat", action="store_true", help="gltf: a vertex animation texture of each species"
+    )
+    parser.add_argument(
+        "--compress",
+        choices=COMPRESSIONS,
+        default=PLAIN,
+        help="gltf: round numbers, or compress them and colours; needs the extra `meshopt` "
+        "(default none)",
+    )
+    parser.add_argument(
+        "--instances",
+        action="store_true",
+        help="gltf: copies of corals and seaweed as EXT_mesh_gpu_instancing",
     )
     add_force(parser)
     parser.set_defaults(run=run)

@@ -8,8 +8,9 @@ import numpy as np
 from subsea.core.arrays import Array
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Model, transparent_triangles
+from subsea.export.compressions import MESHOPT
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
-from subsea.export.packing import MESHOPT, Grid, Packing, Stored
+from subsea.export.packing import Grid, Packing, Stored
 from subsea.export.png import sheet_png, sheet_webp
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix

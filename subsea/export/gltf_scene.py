@@ -16,6 +16,7 @@ from subsea.core.atomic_io import replacing
 from subsea.core.errors import UserError
 from subsea.core.file_kinds import GLTF, check_result
 from subsea.export.axes import METRES, Y_UP, to_metres
+from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_parts import (
     Json,
     Track,
@@ -28,7 +29,7 @@ from subsea.export.gltf_parts import (
     joint_tracks,
 )
 from subsea.export.gltf_scene_file import SceneFile
-from subsea.export.packing import MESHOPT, PLAIN, QUANTISED, packing_of
+from subsea.export.packing import packing_of
 from subsea.export.scene import Scene
 from subsea.export.scene_vat import add_textures, check_textures, texture_bytes
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
@@ -38,7 +39,8 @@ SAMPLES = 120  # frames of a species that its skeleton is fitted to
 CHUNK = 64  # frames of a fish at once
 # For estimates: joints of a fish, and bytes of a key of each, of what names a fish's nodes, of a
 # vertex in a morph target, of a colour texture, and of a vertex and a triangle at rest.
-JOINTS, NAMES, SHEET, VERTEX, TRIANGLE = 26, 14_000, 550_000, 52, 6
+JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 52, 6
+SHEET = {PLAIN: 550_000, QUANTISED: 550_000, MESHOPT: 90_000}
 KEY = {PLAIN: 28, QUANTISED: 20, MESHOPT: 12}
 TARGET = {PLAIN: 24, QUANTISED: 12, MESHOPT: 8}
 
@@ -87,7 +89,7 @@ def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
     frames, kind = extent.frames, options.compress
     vertices = np.array(extent.vertices, np.int64)
     known = dict(zip(extent.species, zip(vertices, extent.triangles, strict=True), strict=True))
-    fixed = sum(int(SHEET + VERTEX * n + TRIANGLE * m) for n, m in known.values())
+    fixed = sum(int(SHEET[kind] + VERTEX * n + TRIANGLE * m) for n, m in known.values())
     if options.vat:
         return fixed + texture_bytes(frames, vertices)
     if options.morph:

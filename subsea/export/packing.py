@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from subsea.core.arrays import Array
 from subsea.core.errors import UserError
 from subsea.core.extras import require
+from subsea.export.compressions import COMPRESSIONS, MESHOPT, PLAIN
 
-PLAIN, QUANTISED, MESHOPT = "none", "quantised", "meshopt"
-COMPRESSIONS = (PLAIN, QUANTISED, MESHOPT)
 QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
 SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: of ±1, and of 1
 

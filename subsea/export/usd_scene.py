@@ -10,6 +10,7 @@ Units are metres, y is up and the head of a fish along +z. Frame k is that of `s
 same options. Fishes are written one after another, so memory does not grow with their number.
 """
 
+import os
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
@@ -48,6 +49,7 @@ CHUNK = 64  # frames of a fish at a time
 SAVED_BYTES = 200_000_000  # of time samples, after which they go to the disk
 FRAME_BYTES = 24  # of a vertex: point and normal
 SHEET_BYTES = 600_000  # of the texture of a species
+ZIP_EPOCH_S = 315619200  # 1980-01-02, about the first time that a zip file can hold
 SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of a metre
 
 
@@ -117,6 +119,8 @@ def _write_package(scene: Scene, folder: Path, part: Path, options: SceneOptions
         (folder / f"{model.name}_basecolor.png").write_bytes(sheet_png(model.sheet))
     stage = folder / f"{identifier(scene.name)}.usdc"
     _write_stage(scene, stage, ".", options)
+    for path in folder.iterdir():  # a package holds these times: the same bytes whenever
+        os.utime(path, (ZIP_EPOCH_S, ZIP_EPOCH_S))
     package = folder / "package.usdz"
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
         raise UserError("cannot write the package", file=part)
