@@ -90,6 +90,8 @@ def clips_of(
         beats, moved = fins.clip(segment)
         shown = np.arange(len(moved)) % len(control)
         points, normals = surface.at(control[shown], moved)
+        if one.cyclic:
+            points[-1], normals[-1] = points[0], normals[0]
         position, rotation = root_motion(one, beats)
         clips.append(
             Clip(

@@ -39,7 +39,8 @@ SAMPLES = 120  # frames of a species that its skeleton is fitted to
 CHUNK = 64  # frames of a fish at once
 # For estimates: joints of a fish, and bytes of a key of each, of what names a fish's nodes, of a
 # vertex in a morph target, of a colour texture, and of a vertex and a triangle at rest.
-JOINTS, NAMES, SHEET, VERTEX, TRIANGLE = 26, 14_000, 550_000, 52, 6
+JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 52, 6
+SHEET = {PLAIN: 550_000, QUANTISED: 550_000, MESHOPT: 90_000}
 KEY = {PLAIN: 28, QUANTISED: 20, MESHOPT: 12}
 TARGET = {PLAIN: 24, QUANTISED: 12, MESHOPT: 8}
 
@@ -88,7 +89,7 @@ def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
     frames, kind = extent.frames, options.compress
     vertices = np.array(extent.vertices, np.int64)
     known = dict(zip(extent.species, zip(vertices, extent.triangles, strict=True), strict=True))
-    fixed = sum(int(SHEET + VERTEX * n + TRIANGLE * m) for n, m in known.values())
+    fixed = sum(int(SHEET[kind] + VERTEX * n + TRIANGLE * m) for n, m in known.values())
     if options.vat:
         return fixed + texture_bytes(frames, vertices)
     if options.morph:

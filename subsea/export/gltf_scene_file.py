@@ -74,10 +74,15 @@ class SceneFile:
         return number, node
 
     def _presence(self, one: SceneFish, number: int) -> Iterator[Track]:
-        """A fish that comes or goes has no size while it is not in the sea."""
-        keys = {0: 0.0 if one.first else one.scale, one.first: one.scale}
+        """A fish that comes or goes has no size while it is not in the sea.
+
+        It does between frames, so that no rounding of times moves that to another frame.
+        """
+        keys = {0.0: one.scale}
+        if one.first:
+            keys = {0.0: 0.0, one.first - 0.5: one.scale}
         if one.last < self.scene.frames - 1:
-            keys[one.last + 1] = 0.0
+            keys[one.last + 0.5] = 0.0
         if len(keys) > 1:
             times = add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
             sizes = np.repeat(np.array(list(keys.values()), np.float32)[:, None], 3, axis=1)

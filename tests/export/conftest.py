@@ -14,6 +14,7 @@ from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene
 from subsea.fish.species import species_names
 from subsea.world.world import TICK_S
+from tests.support.gltf_reader import Reader
 from tests.support.scenes import BARE
 
 VALIDATOR = Path(__file__).parents[2] / "tools" / "gltf-validator"
@@ -41,6 +42,29 @@ def khronos() -> Callable[[Path], dict[str, Any]]:
         return result
 
     return report
+
+
+@pytest.fixture(scope="session")
+def opened() -> Callable[[Path], Reader]:
+    """A reader of a .glb file, whose compressed arrays meshoptimizer's own decoder unpacks."""
+
+    def reader(file: Path) -> Reader:
+        if b"EXT_meshopt_compression" not in file.read_bytes():
+            return Reader(file)
+        if not (VALIDATOR / "node_modules" / "meshoptimizer").is_dir():
+            pytest.skip("meshoptimizer is not installed: sh tools/setup.sh test")
+        out = file.with_suffix(".bin")
+        said = node(
+            [str(VALIDATOR / "unpack.js"), str(file), str(out)],
+            return_completed_process=True,
+            capture_output=True,
+            encoding="utf-8",
+            timeout=120,
+        )
+        assert said.returncode == 0, said.stderr
+        return Reader(file, out.read_bytes())
+
+    return reader
 
 
 @pytest.fixture(scope="session")

@@ -61,7 +61,8 @@ def test_the_root_goes_where_playback_takes_the_fish(known: str) -> None:
         played = replay(segment, np.zeros(3), np.eye(3), beats)
         position, rotation = root_motion(segment, beats)
         rows = [*range(len(segment.nodes)), *([0] if segment.cyclic else [])]
-        rows = (rows[:-1] * beats + rows[-1:]) if segment.cyclic else rows
+        rows = (rows[:-1] * beats)[: len(played)] if segment.cyclic else rows
+        position, rotation = position[: len(rows)], rotation[: len(rows)]
         found = transform_points(segment.nodes[rows], position, rotation)
         first = matrix(segment.increment_rotation[0])
         seen = (played[: len(rows)] - segment.increment_translation[0]) @ first

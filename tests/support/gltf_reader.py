@@ -18,11 +18,12 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 class Reader:
     """Plays a .glb file; sections are those of the specification of glTF 2.0."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, unpacked: bytes = b"") -> None:
+        """`unpacked` is the buffer that EXT_meshopt_compression stands for, decompressed."""
         data = path.read_bytes()
         length = struct.unpack_from("<I", data, 12)[0]  # 4.4: header, JSON, binary
         self.content: dict[str, Any] = json.loads(data[20 : 20 + length])
-        self.binary = data[28 + length :]
+        self.binary, self.unpacked = data[28 + length :], unpacked
         self.animations = {one["name"]: one for one in self.content.get("animations", [])}
         self.array = cache(self._array)
         self.view = cache(self._view)
@@ -30,16 +31,9 @@ class Reader:
     def _view(self, number: int) -> bytes:
         """The bytes of a view."""
         view = self.content["bufferViews"][number]
-        packed = view.get("extensions", {}).get("EXT_meshopt_compression")
-        if packed is None:
-            assert view["buffer"] == 0
-            return self.binary[view.get("byteOffset", 0) :][: view["byteLength"]]
-        import meshopt
-
-        data = self.binary[packed["byteOffset"] :][: packed["byteLength"]]
-        count, stride = packed["count"], packed["byteStride"]
-        out = meshopt.decode_gltf_buffer(data, count, stride, packed["mode"], packed.get("filter"))
-        return out.tobytes()
+        assert ("extensions" in view) == (view["buffer"] == 1)
+        whole = self.unpacked if view["buffer"] else self.binary
+        return whole[view.get("byteOffset", 0) :][: view["byteLength"]]
 
     def _array(self, accessor: int) -> np.ndarray:
         """3.6.2, as floats where integers are normalised."""
