@@ -5,7 +5,7 @@
 #   make test ARGS="-k clock"                  arguments of pytest
 
 BIN := .venv/bin
-LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json
+LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
 .PHONY: run bench test format docs gallery clean

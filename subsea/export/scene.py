@@ -14,6 +14,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.export.clips import Model
 from subsea.export.drawn_surface import Surface
 from subsea.frame.packet import FINS, ROW_A, ROW_B, SCALE, WEIGHT
+from subsea.scenario.schema import Grade, Water
 
 
 class SceneFish(NamedTuple):
@@ -89,6 +90,9 @@ class Scene:
     camera: SceneCamera
     statics: tuple[SceneMesh, ...]
     poses: ScenePoses = field(repr=False)
+    water: Water
+    grade: Grade
+    captions: tuple[str, ...]  # (T) of the scenario's directions, "" for none
 
     def points(
         self, fish: int, first: int | None = None, last: int | None = None

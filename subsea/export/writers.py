@@ -18,8 +18,14 @@ def _gltf() -> SceneWriter:
     return WRITER
 
 
+def _web() -> SceneWriter:
+    from subsea.export.web import WRITER
+
+    return WRITER
+
+
 # Loaded when chosen: each needs other packages.
-WRITERS: dict[str, Callable[[], SceneWriter]] = {"usd": _usd, "gltf": _gltf}
+WRITERS: dict[str, Callable[[], SceneWriter]] = {"usd": _usd, "gltf": _gltf, "web": _web}
 
 
 def writer_of(target: str) -> SceneWriter:

@@ -115,6 +115,7 @@ SHORT = {
     "subsea soak": "--minutes 0.01",
     "subsea-capture learn": "--budget 2 --only swim",
     "subsea-capture export": "--detail 3",
+    "subsea export": "--start 0 --seconds 0.1 --detail 3 --with none --fish 4",
 }
 MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be there
     "subsea-capture learn": (0, 1),

@@ -1,5 +1,7 @@
 """Scenes as USD, read back by OpenUSD."""
 
+import resource
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -155,17 +157,14 @@ def test_a_school_of_instances_is_near_the_exact_fishes(dive: Scene, schools: An
 
 
 def test_the_same_scene_is_the_same_bytes(dive: Scene, tmp_path: Path) -> None:
-    few = replace(
-        dive, models=dive.models[:1], fishes=dive.fishes[:1],
-        statics=dive.statics[1:3],
-    )  # fmt: skip
+    few = replace(dive, fishes=dive.fishes[:1], statics=dive.statics[1:3])
     for folder in "ab":
         WRITER.write(few, tmp_path / folder / "bare.usdz", WHOLE)
     one, other = ((tmp_path / folder / "bare.usdz").read_bytes() for folder in "ab")
     assert one == other
     stage = Usd.Stage.Open(str(tmp_path / "a" / "bare.usdz"))
     assert not problems(stage)
-    assert len(world_points(stage, "/bare_sea/fishes/fusilier_001", 30)) > 100
+    assert len(world_points(stage, "/bare_sea/fishes/fusilier_000", 30)) > 100
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["bare.usdz"]
 
 
@@ -199,3 +198,23 @@ def test_faults_are_found_before_any_work(
     (tmp_path / "taken.usdc").write_text("a letter")
     with pytest.raises(UserError, match=message):
         WRITER.check(tmp_path / name, options)
+
+
+@pytest.mark.parametrize("suffix", ["usdc", "usdz"])
+def test_a_full_disk_is_one_line_and_leaves_nothing(
+    suffix: str, dive: Scene, tmp_path: Path, file_limit: Callable[[int], None]
+) -> None:
+    few = replace(dive, statics=())
+    file_limit(2_000_000)  # bytes: less than the stage, more than the textures
+    with pytest.raises(UserError, match="cannot write") as fault:
+        WRITER.write(few, tmp_path / "out" / f"full.{suffix}", WHOLE)
+    assert "\n" not in str(fault.value)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture
+def file_limit() -> Iterator[Callable[[int], None]]:
+    """Set the size at which files are full, for the time of a test."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
