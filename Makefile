@@ -8,7 +8,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test format docs clean
+.PHONY: run bench test format docs gallery clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -33,6 +33,10 @@ format: .venv/ready-test
 docs: .venv/ready-test
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo out/site/index.html
+
+# Models of all species and two scenes, with an index page. An interrupted run goes on.
+gallery: .venv/ready-bench
+	$(BIN)/python tools/make_gallery.py $(ARGS)
 
 clean:
 	rm -rf .venv tools/gltf-validator/node_modules

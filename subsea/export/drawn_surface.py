@@ -127,7 +127,7 @@ class Surface:
         n = self._splines
         for out, weights in ((points, self._place), (u, self._across), (v, self._along)):
             out[:, :n] = _weighted(weights, control)
-        points[..., 1] *= 1.0 + fins[:, TAIL, None] * self._spread
+        points[:, :n, 1] *= 1.0 + fins[:, TAIL, None] * self._spread[:n]
         root, open_ = (
             _weighted(self._root, control),
             fins[:, FOLD] + (1.0 - fins[:, FOLD]) * self._stiff,

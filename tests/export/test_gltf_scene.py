@@ -13,14 +13,11 @@ import pytest
 from subsea.core.errors import UserError
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
 from subsea.export.compressions import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
-from subsea.export.dive_scene import record_scene
 from subsea.export.gltf_scene import WRITER
-from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene, SceneMesh
 from subsea.export.scene_writer import SceneExtent, SceneOptions
 from subsea.geometry.rotation import matrix
 from tests.support.gltf_reader import Moment, Reader
-from tests.support.scenes import BARE
 
 VARIANTS = {"skin": {}, "morph": {"morph": True}, "vat": {"vat": True}}
 MADE = [
@@ -28,6 +25,7 @@ MADE = [
     *(("morph", kind) for kind in (PLAIN, MESHOPT)),
     ("vat", QUANTISED),
 ]
+FRAMES = 8
 LATE = 1  # the fish that comes and goes
 # Off, rms and at most, percent of the body length: with a skeleton, and with morph targets.
 SKINNED, EXACT, ROUNDED = (0.5, 3.0), (1e-3, 1e-3), (0.004, 0.008)
@@ -56,17 +54,22 @@ def _statics() -> tuple[SceneMesh, ...]:
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
-    """Eight frames of the bare sea; one of its fishes is there in frames 2 to 5 only."""
-    film = SceneFilmOptions(
-        out=Path("scene.glb"), scenario=str(BARE), start=1.0, seconds=0.8, fps=10.0, detail=3,
-        groups=(),
-    )  # fmt: skip
-    scene = record_scene(film)
-    fishes = list(scene.fishes)
+def scene(dive: Scene) -> Scene:
+    """Eight frames of the short dive; one of its fishes is there in frames 2 to 5 only."""
+    fishes = [one._replace(last=FRAMES - 1) for one in dive.fishes]
     fishes[LATE] = fishes[LATE]._replace(first=2, last=5)
-    camera = scene.camera._replace(cuts=(3,))
-    return replace(scene, fishes=tuple(fishes), statics=_statics(), camera=camera)
+    camera = dive.camera._replace(
+        position=dive.camera.position[:FRAMES], rotation=dive.camera.rotation[:FRAMES], cuts=(3,)
+    )
+    return replace(
+        dive,
+        frames=FRAMES,
+        fishes=tuple(fishes),
+        position=dive.position[:FRAMES],
+        rotation=dive.rotation[:FRAMES],
+        statics=_statics(),
+        camera=camera,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -244,8 +247,8 @@ def test_the_file_says_what_it_is(
         assert content["asset"]["copyright"].startswith("Copyright (c) 2026 The subsea authors")
         assert "MIT licence" in content["asset"]["copyright"]
         own = content["asset"]["extras"]
-        assert own["scenario"] == scene.name and own["framesPerSecond"] == 10.0
-        assert own["startSeconds"] == 1.0 and own["frames"] == scene.frames
+        assert own["scenario"] == scene.name and own["framesPerSecond"] == scene.fps
+        assert own["startSeconds"] == 0.0 and own["frames"] == FRAMES
         names = [node.get("name") for node in content["nodes"]]
         for one in scene.fishes:
             node = content["nodes"][names.index(one.name)]
