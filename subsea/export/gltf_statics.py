@@ -14,7 +14,7 @@ from subsea.geometry.rotation import from_matrix
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 ROUGH = 0.9  # of what is not wet skin
-TINTS = 16  # steps of the colours of copies that are nodes: each has its own material
+TINTS = 8  # steps of the colours of copies that are nodes: each has its own material
 SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
 
 
@@ -67,7 +67,7 @@ class Statics(NamedTuple):
             return [len(self.nodes) - 1]
         first = len(self.nodes)
         meshes: dict[tuple[float, ...], int] = {}
-        steps = np.ceil(tints * TINTS) / TINTS if len(tints) > 1 else tints
+        steps = np.maximum(np.round(tints * TINTS), 1) / TINTS if len(tints) > 1 else tints
         for k, tint in enumerate(map(tuple, steps.tolist())):
             if tint not in meshes:
                 meshes[tint] = self._mesh(one, primitive, np.array(tint))
