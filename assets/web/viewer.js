@@ -7,6 +7,7 @@ import { Water } from "./water.js";
 
 const FAR_M = 200, NEAR_M = 0.02;
 const STEP_S = 0.1; // of the time slider by keys
+const HOVER_MS = 100; // between looks at what is under the pointer
 const CLICK_PX = 6; // a longer way is a drag
 
 const part = id => document.getElementById(id);
@@ -272,7 +273,8 @@ class Viewer {
     this.before = now;
     if (this.playing) this.seek(this.seconds + passed >= this.length ? 0 : this.seconds + passed);
     this.flight.step(passed);
-    if (this.pointer) {
+    if (this.pointer && !(now - this.looked < HOVER_MS)) {
+      this.looked = now;
       const fish = this.at(this.pointer);
       if (fish !== this.over) this.hover(fish);
       if (!this.playing) this.pointer = null;

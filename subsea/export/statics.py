@@ -41,7 +41,7 @@ TURF, CORALLINE, VIOLET = np.array([[0.20, 0.21, 0.05], [0.70, 0.30, 0.40], [0.4
 SPONGE, LEMON = np.array([[0.86, 0.33, 0.06], [0.78, 0.62, 0.12]])
 
 
-class Moment(NamedTuple):
+class StillMoment(NamedTuple):
     """When and from where the seaweed is shown: its stems are ribbons that face the eye."""
 
     time_s: float
@@ -50,7 +50,7 @@ class Moment(NamedTuple):
 
 
 def static_meshes(
-    world: World, groups: Sequence[str], detail: int, moment: Moment
+    world: World, groups: Sequence[str], detail: int, moment: StillMoment
 ) -> list[SceneMesh]:
     """The meshes of some GROUPS at a level of detail, seaweed as at a moment."""
     scene = make_scene(world)
@@ -163,7 +163,7 @@ def _coral_colours(mesh: CoralMesh, body: Array, tips: Array) -> Array:
     return np.asarray(np.clip(colour, 0.0, 1.0) ** 2 * light[:, None])
 
 
-def _seaweed(world: World, detail: int, moment: Moment) -> Iterator[SceneMesh]:
+def _seaweed(world: World, detail: int, moment: StillMoment) -> Iterator[SceneMesh]:
     """A mesh of each kind of seaweed."""
     number = len(world.state.seaweed.kind)
     leaves = leaf_texels(
@@ -176,9 +176,9 @@ def _seaweed(world: World, detail: int, moment: Moment) -> Iterator[SceneMesh]:
         )  # fmt: skip
 
 
-def moment_of(world: World, alpha: float, eye: Array) -> Moment:
+def moment_of(world: World, alpha: float, eye: Array) -> StillMoment:
     """The moment `alpha` of the way from the last tick to the present one."""
-    return Moment((world.state.tick - 1 + alpha) * TICK_S, alpha, eye)
+    return StillMoment((world.state.tick - 1 + alpha) * TICK_S, alpha, eye)
 
 
 def _sampled(image: Array, at: Array, wrap: bool) -> Array:

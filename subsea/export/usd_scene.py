@@ -10,8 +10,6 @@ Units are metres, y is up and the head of a fish along +z. Frame k is that of `s
 same options. Fishes are written one after another, so memory does not grow with their number.
 """
 
-import os
-import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -30,6 +28,7 @@ from subsea.export.baked_poses import BakedPoses, bake_poses
 from subsea.export.png import sheet_png
 from subsea.export.scene import Scene, SceneCamera
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
+from subsea.export.usd_package import write_package
 from subsea.export.usd_parts import (
     animate,
     component,
@@ -49,7 +48,6 @@ CHUNK = 64  # frames of a fish at a time
 SAVED_BYTES = 200_000_000  # of time samples, after which they go to the disk
 FRAME_BYTES = 24  # of a vertex: point and normal
 SHEET_BYTES = 600_000  # of the texture of a species
-ZIP_EPOCH_S = 315619200  # 1980-01-02, about the first time that a zip file can hold
 SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of a metre
 
 
@@ -83,12 +81,7 @@ def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     textures = f"{out.stem}_textures"
     try:
         if out.suffix.lower() == ".usdz":
-            with replacing(out) as part:
-                folder = Path(tempfile.mkdtemp(prefix=part.name, dir=part.parent))
-                try:
-                    _write_package(scene, folder, part, options)
-                finally:
-                    _remove(folder)
+            write_package(out, lambda folder: _fill_package(scene, folder, options))
             return [out]
         with ExitStack() as stack:
             files = []
@@ -111,26 +104,13 @@ def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
 WRITER = SceneWriter(check, estimate, write)
 
 
-def _write_package(scene: Scene, folder: Path, part: Path, options: SceneOptions) -> None:
-    """Write a stage and its textures into `folder`, and both as a package to `part`."""
-    from pxr import Sdf, UsdUtils
-
+def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
+    """Write a stage and its textures into `folder`; return the stage."""
     for model in scene.models:
         (folder / f"{model.name}_basecolor.png").write_bytes(sheet_png(model.sheet))
     stage = folder / f"{identifier(scene.name)}.usdc"
     _write_stage(scene, stage, ".", options)
-    for path in folder.iterdir():  # a package holds these times: the same bytes whenever
-        os.utime(path, (ZIP_EPOCH_S, ZIP_EPOCH_S))
-    package = folder / "package.usdz"
-    if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
-        raise UserError("cannot write the package", file=part)
-    package.replace(part)
-
-
-def _remove(folder: Path) -> None:
-    for path in folder.iterdir():
-        path.unlink()
-    folder.rmdir()
+    return stage
 
 
 def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from subsea.dive.start import start_world
 from subsea.export.scene import GROUPS, SceneMesh
-from subsea.export.statics import Moment, moment_of, static_meshes
+from subsea.export.statics import StillMoment, moment_of, static_meshes
 from subsea.rendering.reef.coral import bake
 from subsea.world.world import World
 from tests.support.scenes import BARE
@@ -94,7 +94,7 @@ def test_stone_is_coarser_at_a_coarser_level(sea: World) -> None:
 
 def test_seaweed_is_that_of_the_moment(sea: World) -> None:
     (now,) = meshes(sea, "seaweed")
-    (then,) = static_meshes(sea, ("seaweed",), 1, Moment(9.0, 0.0, np.zeros(3)))
+    (then,) = static_meshes(sea, ("seaweed",), 1, StillMoment(9.0, 0.0, np.zeros(3)))
     assert now.name == "seaweed_ribbon"
     roots = sea.state.seaweed.node[:, 0, :2]
     near = np.linalg.norm(now.points[:, None, :2] - roots, axis=2).min(axis=0)
