@@ -108,7 +108,7 @@ def items(only: list[str]) -> list[Item]:
 
 
 def stamp(item: Item, detail: int) -> str:
-    """What a model is made from: it is up to date while that is the same."""
+    """A hash of all that a model is made from: while it is the same, the model is up to date."""
     sha = hashlib.sha256(source_stamp(Path(__file__).resolve()).encode())
     sources = [ROOT / "docs" / "make_pictures.py"]
     if item.scene is None:
@@ -183,7 +183,7 @@ def is_current(folder: Path, entry: dict[str, Any] | None, now: str) -> bool:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What earlier runs have made; a damaged file counts as none."""
+    """The models that earlier runs have made; a damaged file counts as none."""
     try:
         content = json.loads((folder / MANIFEST).read_bytes())
     except (OSError, ValueError):

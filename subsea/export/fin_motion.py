@@ -39,9 +39,9 @@ class FinPlayer:
         self._row_s = repertoire.tick_s * np.sqrt(scale) / species.pace
 
     def clip(self, name: str) -> tuple[int, Array]:
-        """How many beats of the tail a clip of a segment lasts, and the fins (T, 7) in its frames.
+        """The beats of the tail in a clip of a segment, and the fins (T, 7) in its frames.
 
-        Those are the columns of `state.Fishes.fins`. A cyclic clip ends as it begins.
+        Columns are those of `state.Fishes.fins`. A cyclic clip ends as it begins.
         """
         segment = SEGMENTS.index(name)
         rows = int(self._library.length[0, segment])

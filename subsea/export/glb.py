@@ -140,7 +140,7 @@ class GlbBuffer:
             own |= {"byteStride": whole.itemsize, "count": len(whole), "mode": "TRIANGLES"}
             data = meshopt.encode_gltf_buffer(whole[:, 0].astype(np.uint32), "TRIANGLES")
         else:
-            if step:  # Fractions of so many bits with a common exponent for a vector.
+            if step:  # Fractions with a common exponent for a vector.
                 most = float(np.abs(whole).max()) or step
                 bits = min(max(math.ceil(math.log2(most / step)) + 2, 2), MOST_BITS)
                 packed = meshopt.encode_filter_exp(whole, bits, "SharedVector")

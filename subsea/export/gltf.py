@@ -14,8 +14,8 @@ from subsea.export.clips import Clip, Model, bake_root
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (
     Json,
+    KeyTrack,
     Parts,
-    Track,
     add_bind,
     add_parts,
     add_sheet,
@@ -128,7 +128,10 @@ def _morphed(buffer: GlbBuffer, model: Model, clips: list[Clip], baked: bool) ->
         shown = begin + np.arange(len(clip.points)) % number
         shares[np.arange(len(shares)), shown] = 1.0
         keys, times = buffer.packing.shares(shares.ravel()), _times(buffer, clip)
-        tracks = [*_root_tracks(clip, baked, times), Track(len(nodes) - 1, "weights", keys, times)]
+        tracks = [
+            *_root_tracks(clip, baked, times),
+            KeyTrack(len(nodes) - 1, "weights", keys, times),
+        ]
         animations.append(_animation(buffer, clip, tracks))
     mesh = {
         "name": model.name,
@@ -148,7 +151,7 @@ def _root(baked: bool) -> str:
     return "baked" if baked else "apart"
 
 
-def _root_tracks(clip: Clip, baked: bool, times: int) -> list[Track]:
+def _root_tracks(clip: Clip, baked: bool, times: int) -> list[KeyTrack]:
     if baked:
         return []
     turns = rotate_quaternions(clip.rotation, Y_UP)
@@ -159,7 +162,7 @@ def _times(buffer: GlbBuffer, clip: Clip) -> int:
     return add_times(buffer, np.arange(len(clip.points)) / clip.fps)
 
 
-def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[Track]) -> Json:
+def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[KeyTrack]) -> Json:
     """An animation with a key for each frame of a clip."""
     extras = {"framesPerSecond": float(clip.fps), "loop": clip.cyclic}
     return animation(clip.name, add_tracks(buffer, tracks), extras)

@@ -10,7 +10,7 @@ from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Model, transparent_triangles
 from subsea.export.compressions import MESHOPT
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
-from subsea.export.packing import Grid, Packing, Stored
+from subsea.export.packing import Packing, PositionGrid, Stored
 from subsea.export.png import sheet_png, sheet_webp
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
@@ -23,7 +23,7 @@ STEP = 1e-6  # body lengths: what a joint's place may be off when it is compress
 SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": CLAMPED, "wrapT": CLAMPED}
 
 
-class Track(NamedTuple):
+class KeyTrack(NamedTuple):
     """Keys of a property of a node, one for each frame."""
 
     node: int
@@ -33,10 +33,10 @@ class Track(NamedTuple):
     steps: bool = False  # holds a key until the next one
 
 
-class Channel(NamedTuple):
+class KeyChannel(NamedTuple):
     """A track whose keys are in the file."""
 
-    track: Track
+    track: KeyTrack
     output: int  # accessor
 
 
@@ -64,7 +64,7 @@ def add_parts(buffer: GlbBuffer, model: Model, texture: int = 0) -> Parts:
     return out
 
 
-def add_vertices(buffer: GlbBuffer, model: Model, grid: Grid) -> Json:
+def add_vertices(buffer: GlbBuffer, model: Model, grid: PositionGrid) -> Json:
     """Add the vertices of a model at rest; return the attributes of its primitives."""
     pack = buffer.packing
     sheet = np.clip(model.uv * (1, -1) + (0, 1), 0.0, 1.0)
@@ -88,7 +88,9 @@ def add_weights(buffer: GlbBuffer, rig: Skeleton) -> Json:
     }
 
 
-def add_targets(buffer: GlbBuffer, model: Model, points: Array, normals: Array, grid: Grid) -> Json:
+def add_targets(
+    buffer: GlbBuffer, model: Model, points: Array, normals: Array, grid: PositionGrid
+) -> Json:
     """Add a morph target with these points and normals (n, 3), cm, body axes."""
     pack = buffer.packing
     ways, change = to_metres(points - model.rest, Y_UP), (normals - model.normals) @ Y_UP.T
@@ -129,7 +131,7 @@ def primitives(
     ]
 
 
-def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: Grid) -> int:
+def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: PositionGrid) -> int:
     """Add the inverse bind matrices of root and joints."""
     bind = np.tile(np.eye(4), (1 + len(joints), 1, 1))
     bind[1:, :3, 3] = -to_metres(np.array([joint.place for joint in joints]), Y_UP)
@@ -151,7 +153,7 @@ def joint_nodes(joints: list[Joint], first: int, root: Json) -> list[Json]:
 
 def joint_tracks(
     pack: Packing, joints: list[Joint], motion: Array, first: int, times: int
-) -> list[Track]:
+) -> list[KeyTrack]:
     """Tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4) of the model.
 
     Those are in cm and body axes.
@@ -169,8 +171,8 @@ def joint_tracks(
     for k in range(len(joints)):
         ways = pack.lengths(to_metres(place[:, k], Y_UP), step)
         turns_of = pack.rotations(ordered(rotate_quaternions(turn[:, k], Y_UP)))
-        tracks.append(Track(first + k, "translation", ways, times))
-        tracks.append(Track(first + k, "rotation", turns_of, times))
+        tracks.append(KeyTrack(first + k, "translation", ways, times))
+        tracks.append(KeyTrack(first + k, "rotation", turns_of, times))
     return tracks
 
 
@@ -182,11 +184,11 @@ def carried(motion: Array, position: Array, rotation: Array) -> Array:
     return np.asarray(out)
 
 
-def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[Track]:
+def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[KeyTrack]:
     """Tracks of a node along places (T, 3), metres, and turns (T, 4), w first: as floats."""
     return [
-        Track(node, "translation", Stored(places.astype(np.float32)), times),
-        Track(node, "rotation", Stored(ordered(turns).astype(np.float32)), times),
+        KeyTrack(node, "translation", Stored(places.astype(np.float32)), times),
+        KeyTrack(node, "rotation", Stored(ordered(turns).astype(np.float32)), times),
     ]
 
 
@@ -197,7 +199,7 @@ def ordered(rotation: Array) -> Array:
     return np.roll(signs[:, None] * rotation, -1, axis=1)
 
 
-def add_tracks(buffer: GlbBuffer, tracks: Sequence[Track]) -> list[Channel]:
+def add_tracks(buffer: GlbBuffer, tracks: Sequence[KeyTrack]) -> list[KeyChannel]:
     """Add the keys of tracks, those of one kind in one view."""
     groups: dict[object, list[int]] = {}
     for k, track in enumerate(tracks):
@@ -207,10 +209,10 @@ def add_tracks(buffer: GlbBuffer, tracks: Sequence[Track]) -> list[Channel]:
     for those in groups.values():
         numbers = buffer.block([tracks[k].keys for k in those])
         outputs |= dict(zip(those, numbers, strict=True))
-    return [Channel(track, outputs[k]) for k, track in enumerate(tracks)]
+    return [KeyChannel(track, outputs[k]) for k, track in enumerate(tracks)]
 
 
-def animation(name: str, channels: Sequence[Channel], extras: Json) -> Json:
+def animation(name: str, channels: Sequence[KeyChannel], extras: Json) -> Json:
     """An animation of channels."""
     return {
         "name": name,

@@ -19,7 +19,7 @@ from subsea.export.axes import METRES, Y_UP, to_metres
 from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_parts import (
     Json,
-    Track,
+    KeyTrack,
     add_bind,
     add_targets,
     add_tracks,
@@ -175,7 +175,7 @@ def _add_morphed(file: SceneFile) -> None:
         shown = file.node({"name": f"{one.name}_mesh", "mesh": mesh} | grid.node())
         node["children"] = [shown]
         keys = pack.shares(np.eye(count).ravel())
-        track = Track(shown, "weights", keys, file.times(one.first, one.last))
+        track = KeyTrack(shown, "weights", keys, file.times(one.first, one.last))
         file.channels += add_tracks(file.buffer, [track])
 
 

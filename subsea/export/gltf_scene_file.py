@@ -8,10 +8,10 @@ from subsea.core.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (
-    Channel,
     Json,
+    KeyChannel,
+    KeyTrack,
     Parts,
-    Track,
     add_parts,
     add_sheet,
     add_times,
@@ -39,7 +39,7 @@ class SceneFile:
         self.materials: list[Json] = []
         self.images: list[Json] = []
         self.skins: list[Json] = []
-        self.channels: list[Channel] = []
+        self.channels: list[KeyChannel] = []
         self._times: dict[tuple[int, int], int] = {}
         self._parts: dict[int, Parts] = {}
         self._looks: dict[tuple[int, tuple[float, ...]], int] = {}
@@ -73,7 +73,7 @@ class SceneFile:
         self.channels += add_tracks(self.buffer, [*tracks, *self._presence(one, number)])
         return number, node
 
-    def _presence(self, one: SceneFish, number: int) -> Iterator[Track]:
+    def _presence(self, one: SceneFish, number: int) -> Iterator[KeyTrack]:
         """A fish that comes or goes has no size while it is not in the sea.
 
         It does between frames, so that no rounding of times moves that to another frame.
@@ -86,7 +86,7 @@ class SceneFile:
         if len(keys) > 1:
             times = add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
             sizes = np.repeat(np.array(list(keys.values()), np.float32)[:, None], 3, axis=1)
-            yield Track(number, "scale", Stored(sizes), times, steps=True)
+            yield KeyTrack(number, "scale", Stored(sizes), times, steps=True)
 
     def parts(self, model: int) -> Parts:
         """The parts of a model's mesh; its colours are added the first time."""

@@ -8,7 +8,7 @@ from subsea.core.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, to_metres
 from subsea.export.glb import INDICES, VERTICES, GlbBuffer
 from subsea.export.gltf_parts import Json, ordered
-from subsea.export.packing import Grid
+from subsea.export.packing import PositionGrid
 from subsea.export.scene import SceneMesh
 from subsea.geometry.rotation import from_matrix
 
@@ -75,7 +75,9 @@ class Statics(NamedTuple):
             self.nodes.append({"name": name, "mesh": meshes[tint]} | _place(way, turn, size, k))
         return list(range(first, len(self.nodes)))
 
-    def _primitive(self, one: SceneMesh, points: Array, grid: Grid, brightest: float) -> Json:
+    def _primitive(
+        self, one: SceneMesh, points: Array, grid: PositionGrid, brightest: float
+    ) -> Json:
         pack, buffer = self.buffer.packing, self.buffer
         wide = np.uint16 if len(points) <= 65535 else np.uint32
         colors = np.clip(one.colors * brightest, 0.0, 1.0)
@@ -121,7 +123,7 @@ def _moved(one: SceneMesh, place: Array) -> SceneMesh:
     )
 
 
-def _parted(places: Array, grid: Grid) -> tuple[Array, Array, Array]:
+def _parted(places: Array, grid: PositionGrid) -> tuple[Array, Array, Array]:
     """Translation, metres, rotation (k, 4), w last, and scale (k, 3) of copies of stored vertices.
 
     Transforms and vertices are those of the dive, in cm with z up; the results are for y up.

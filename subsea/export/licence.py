@@ -9,7 +9,7 @@ SENTENCE = "MIT licence: use, change and sell it, and keep this notice."
 
 
 def copyright_line(species: Iterable[str] = ()) -> str:
-    """Who holds the rights in a file with these species, and under which licence.
+    """The holder of the rights in a file with these species, and the licence.
 
     Species that the user made are his own, with their skins; the motion and the sea are ours.
     """

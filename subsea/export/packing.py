@@ -18,7 +18,7 @@ QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
 SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: of ±1, and of 1
 
 
-class Grid(NamedTuple):
+class PositionGrid(NamedTuple):
     """Where rounded positions lie: a position is `middle` + `half` times its integer / SHORT.
 
     One step for all axes, so that normals need no correction.
@@ -61,19 +61,19 @@ class Packing(NamedTuple):
         """True if values are rounded to integers."""
         return self.kind != PLAIN
 
-    def grid(self, points: Array, reach: float = 0.0) -> Grid:
+    def grid(self, points: Array, reach: float = 0.0) -> PositionGrid:
         """The grid of points (..., 3), metres, and of offsets of up to `reach` along an axis."""
         if not self.rounds:
-            return Grid(np.zeros(3), 0.0)
+            return PositionGrid(np.zeros(3), 0.0)
         low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
         half = max(float((high - low).max()) / 2.0, reach) or 1.0
-        return Grid((low + high) / 2.0, half)
+        return PositionGrid((low + high) / 2.0, half)
 
-    def positions(self, points: Array, grid: Grid) -> Stored:
+    def positions(self, points: Array, grid: PositionGrid) -> Stored:
         """Positions (n, 3), metres."""
         return self.offsets(points - grid.middle, grid)
 
-    def offsets(self, ways: Array, grid: Grid) -> Stored:
+    def offsets(self, ways: Array, grid: PositionGrid) -> Stored:
         """Differences (n, 3) of positions, metres."""
         if not grid.half:
             return _single(ways)

@@ -37,7 +37,7 @@ class _Page(NamedTuple):
 
 
 def texture_bytes(frames: int, vertices: Ints) -> int:
-    """About the bytes of textures of fishes with so many vertices each."""
+    """About the bytes of textures of fishes with these numbers of vertices."""
     return int(PACKED * 12 * frames * vertices.sum())
 
 

@@ -17,7 +17,7 @@ from subsea.export.gltf_scene import WRITER
 from subsea.export.scene import Scene, SceneMesh
 from subsea.export.scene_writer import SceneExtent, SceneOptions
 from subsea.geometry.rotation import matrix
-from tests.support.gltf_reader import Moment, Reader
+from tests.support.gltf_reader import NodeMoment, Reader
 
 VARIANTS = {"skin": {}, "morph": {"morph": True}, "vat": {"vat": True}}
 MADE = [
@@ -100,7 +100,7 @@ def _node(reader: Reader, name: str) -> int:
     return [node.get("name") for node in reader.content["nodes"]].index(name)
 
 
-def _moment(reader: Reader, scene: Scene) -> Moment:
+def _moment(reader: Reader, scene: Scene) -> NodeMoment:
     return reader.worlds(scene.name, np.arange(scene.frames) / scene.fps)
 
 

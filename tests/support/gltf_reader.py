@@ -69,7 +69,7 @@ class Reader:
         [number] = [k for k, node in enumerate(self.content["nodes"]) if "mesh" in node]
         return self.node_points(number, self.worlds(name, at))[0]
 
-    def worlds(self, name: str, at: np.ndarray) -> "Moment":
+    def worlds(self, name: str, at: np.ndarray) -> "NodeMoment":
         """All nodes at times (T,) of an animation."""
         nodes = [dict(node) for node in self.content["nodes"]]
         one = self.animations[name]
@@ -77,9 +77,9 @@ class Reader:
             sampler = one["samplers"][channel["sampler"]]
             node, path = channel["target"]["node"], channel["target"]["path"]
             nodes[node][path] = self._sampled(sampler, path, at)
-        return Moment(nodes, len(at))
+        return NodeMoment(nodes, len(at))
 
-    def node_points(self, number: int, moment: "Moment") -> tuple[np.ndarray, np.ndarray]:
+    def node_points(self, number: int, moment: "NodeMoment") -> tuple[np.ndarray, np.ndarray]:
         """Vertices and normals, of no unit length, (T, n, 3) of the mesh of a node."""
         node, world = moment.nodes[number], moment.world
         mesh = self.content["meshes"][node["mesh"]]
@@ -141,7 +141,7 @@ class Reader:
         return np.where(dot > 0.9999, mixed, turned / np.sin(angle))
 
 
-class Moment:
+class NodeMoment:
     """All nodes at T times, and their transforms to the scene (T, 4, 4)."""
 
     def __init__(self, nodes: list[dict[str, Any]], count: int) -> None:
