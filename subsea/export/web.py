@@ -24,9 +24,9 @@ from subsea.core.atomic_io import check_folder, is_folder, replacing
 from subsea.core.errors import UserError
 from subsea.core.resources import own_path, resource_path
 from subsea.export.axes import WORLD_Y_UP
+from subsea.export.compressions import PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.licence import copyright_line
-from subsea.export.packing import PLAIN, QUANTISED
 from subsea.export.scene import Scene
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
 from subsea.export.web_words import WORDS, words_by_language
