@@ -1,5 +1,5 @@
 # `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
-# every check. Each sets up what it needs, once.
+# every check, `make blender` opens an exported scene in Blender. Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
@@ -25,6 +25,15 @@ test: .venv/ready-test
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
+
+# Blender is a gigabyte, and wants this version of Python.
+blender: .venv/ready-test .venv/blender/ready
+	$(BIN)/pytest tests/export/test_blender.py
+
+.venv/blender/ready:
+	$(BIN)/uv venv --quiet --clear --python 3.11 .venv/blender
+	$(BIN)/uv pip install --quiet --python .venv/blender bpy==5.0.1 pillow
+	@touch $@
 
 format: .venv/ready-test
 	$(BIN)/ruff format .

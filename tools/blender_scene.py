@@ -37,7 +37,7 @@ def main(scene_file: Path, fps: int, frame: int, points: Path, picture: Path | N
 
 
 def _points() -> dict[str, np.ndarray]:
-    """World positions (n, 3) of each mesh's vertices by the name of its object."""
+    """World positions (n, 3) of each mesh's vertices, by its name and those of its parents."""
     graph = bpy.context.evaluated_depsgraph_get()
     found = {}
     for thing in bpy.context.scene.objects:
@@ -48,9 +48,13 @@ def _points() -> dict[str, np.ndarray]:
         places = np.empty(3 * len(mesh.vertices), np.float32)
         mesh.vertices.foreach_get("co", places)
         matrix = np.array(shown.matrix_world)
-        found[thing.name] = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+        found[_path(thing)] = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
         shown.to_mesh_clear()
     return found
+
+
+def _path(thing: bpy.types.Object) -> str:
+    return thing.name if thing.parent is None else f"{_path(thing.parent)}/{thing.name}"
 
 
 def _render(picture: Path) -> None:

@@ -10,6 +10,7 @@ PURPOSE=${1:-run}
 HEADLESS="libegl1 libgl1 libgl1-mesa-dri"
 WINDOW="libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
 TESTS="xvfb xdotool"
+PROGRAMS="chromium godot3-server" # pages and scenes are opened in them
 # The same where Debian's packages are unknown.
 LIBRARIES="libEGL.so.1 libGL.so.1 libX11.so.6 libXext.so.6 libXcursor.so.1 libXi.so.6 libXinerama.so.1 libXrandr.so.2 libxkbcommon.so.0"
 PATIENCE_S=600 # longest wait for another package manager
@@ -155,6 +156,10 @@ if ! system_packages $packages; then
 	whole=no
 fi
 [ "$PURPOSE" != test ] || gltf_validator || whole=no
+# shellcheck disable=SC2086
+if [ "$PURPOSE" = test ] && command -v dpkg-query >/dev/null 2>&1; then
+	system_packages $PROGRAMS || say "without them some tests skip"
+fi
 [ "$PURPOSE" = run ] || three_js || whole=no
 if [ $whole = yes ]; then
 	touch ".venv/ready-$PURPOSE"

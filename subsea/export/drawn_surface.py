@@ -90,7 +90,7 @@ class Surface:
         )
         rest = own[exists, :2]
         stiff = float(plan.stiff_fins)
-        # How far the tail spreads each vertex, and the vertices of fins with the weights of roots.
+        # The share by which the tail spreads each vertex; the vertices of fins, and their roots.
         self._spread = np.where(part == BODY, _smooth(plan.tail.begin, 1.0, rest[:, 0]), 0.0)
         self._spread *= 1.0 - stiff
         self._folding = np.flatnonzero(part == FIN)
@@ -190,7 +190,7 @@ def _paddle_axes(one: _Paddle, sweep: Array, lift: Array) -> tuple[Array, Array]
 
 
 def _jaws_of(species: Species, length_cm: float, rest: Array, body: Bools) -> _Jaws | None:
-    """How the vertices move with the mouth; `rest` (n, 2) are places on the skin."""
+    """The vertices that move with the mouth; `rest` (n, 2) are places on the skin."""
     opening_rad, soft = jaws(species)
     (tip, high), (corner, low) = species.skin.mouth
     reach = corner - tip

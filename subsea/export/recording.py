@@ -55,7 +55,7 @@ class SceneFilmOptions(FilmOptions):
 
 
 class _Take(NamedTuple):
-    """What a frame leaves."""
+    """The fishes and the camera of one frame."""
 
     rows: Array  # (m, 23) float32, of the fishes in the sea
     live: dict[int, Array]  # control points (426, 3) of simulated fishes, by number

@@ -62,7 +62,7 @@ GROUPS = ("sand", "stone", "corals", "seaweed")
 
 
 class ScenePoses(NamedTuple):
-    """What the shapes of N fishes in T frames are computed from."""
+    """The data from which the shapes of N fishes in T frames are computed."""
 
     rows: Array  # (T, N, 23) float32, instances as in `frame.packet`; NaN while not in the sea
     table: Array  # (rows, 426, 3) float32, the library's control points, cm

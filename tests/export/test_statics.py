@@ -1,4 +1,4 @@
-"""What does not move, against the renderer's own meshes."""
+"""Sand, stone, corals and seaweed against the renderer's own meshes."""
 
 import numpy as np
 import pytest
