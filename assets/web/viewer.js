@@ -14,7 +14,8 @@ const part = id => document.getElementById(id);
 let words = {};
 
 // The words of the page in the first language of the browser that has some.
-function speak(all) {
+function speak(about) {
+  const all = about.words;
   const asked = (navigator.languages || []).map(tag => tag.split("-")[0]).find(code => all[code]);
   words = all[asked] || all.en;
   document.documentElement.lang = asked || "en";
@@ -23,6 +24,8 @@ function speak(all) {
   part("time").setAttribute("aria-label", words.time);
   part("progress").setAttribute("aria-label", words.loaded);
   part("message").textContent = words.loading;
+  for (const one of [about, ...about.species]) one.title = words.names[one.title];
+  document.title = part("title").textContent = about.title;
 }
 
 function say(text) {
@@ -285,7 +288,7 @@ class Viewer {
 
 async function main() {
   const about = await (await fetched("scene.json")).json();
-  speak(about.words);
+  speak(about);
   part("file").textContent = words.download.replace("{size}", megabytes(about.bytes));
   let renderer;
   try {

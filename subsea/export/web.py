@@ -201,7 +201,7 @@ def _about(scene: Scene, size: int) -> dict[str, Any]:
         ],
         "captions": _captions(scene),
         "water": _water(scene.water, scene.grade),
-        "words": words_by_language(),
+        "words": words_by_language([scene.title, *(one.name for one in species)]),
     }
 
 

@@ -4,6 +4,9 @@
 They are English and are translated when a scene is written.
 """
 
+from collections.abc import Iterable
+from typing import Any
+
 from subsea.core.language import LANGUAGES, translated
 
 WORDS = {
@@ -31,8 +34,11 @@ WORDS = {
 }
 
 
-def words_by_language() -> dict[str, dict[str, str]]:
-    """The words in every language, by its code."""
+def words_by_language(names: Iterable[str] = ()) -> dict[str, dict[str, Any]]:
+    """The words in every language, by its code, and its `names` of the scene and its species."""
+    known = tuple(names)
     return {
-        code: {name: translated(text, code) for name, text in WORDS.items()} for code in LANGUAGES
+        code: {name: translated(text, code) for name, text in WORDS.items()}
+        | {"names": {name: translated(name, code) for name in known}}
+        for code in LANGUAGES
     }
