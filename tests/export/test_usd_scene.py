@@ -11,13 +11,30 @@ import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
 from subsea.core.errors import UserError
+from subsea.export import usd_scene
 from subsea.export.axes import WORLD_Y_UP, to_metres
+from subsea.export.png import sheet_png
 from subsea.export.scene import Scene
 from subsea.export.scene_writer import SceneExtent, SceneOptions
 from subsea.export.usd_scene import WRITER
 from subsea.geometry.rotation import matrix
 
 WHOLE = SceneOptions()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def encoded_once() -> Iterator[None]:
+    """Encode each texture once."""
+    with pytest.MonkeyPatch.context() as patch:
+        known: dict[bytes, bytes] = {}
+
+        def encode(sheet: np.ndarray) -> bytes:
+            key = sheet.tobytes()
+            known[key] = known.get(key) or sheet_png(sheet)
+            return known[key]
+
+        patch.setattr(usd_scene, "sheet_png", encode)
+        yield
 
 
 @pytest.fixture(scope="module")
