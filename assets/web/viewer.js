@@ -37,7 +37,7 @@ function say(text) {
 }
 
 async function fetched(path) {
-  const answer = await fetch(path);
+  const answer = await fetch(path, { cache: "no-cache" }); // parts of one export only
   if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
   return answer;
 }

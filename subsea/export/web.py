@@ -24,7 +24,7 @@ from subsea.core.atomic_io import check_folder, is_folder, replacing
 from subsea.core.errors import UserError
 from subsea.core.resources import own_path, resource_path
 from subsea.export.axes import WORLD_Y_UP
-from subsea.export.compressions import PLAIN, QUANTISED
+from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.licence import copyright_line
 from subsea.export.scene import Scene
@@ -68,6 +68,7 @@ def _check(out: Path, options: SceneOptions) -> None:
         ("poses", options.poses is not None),
         ("morph", options.morph),
         ("vat", options.vat),
+        ("compress meshopt", options.compress == MESHOPT),
     ):
         if given:
             raise UserError(f"--{name} is not for --to web")

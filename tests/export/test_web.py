@@ -251,6 +251,19 @@ def test_it_plays_shows_captions_and_looks_from_other_places(opened):
     assert opened.run(eye) == pytest.approx(filmed)
 
 
+def test_it_speaks_the_language_of_the_browser(page, site):
+    agent = page.run("navigator.userAgent")
+    try:
+        page.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage="de-AT,en")
+        page.open(site)
+        page.until("window.viewer !== undefined")
+        assert page.run("document.documentElement.lang") == "de"
+        assert page.run("document.getElementById('play').textContent") == "Abspielen"
+        assert page.run("viewer.fishes.all.map(one => one.title).join()").count("Füsilier") > 1
+    finally:
+        page.call("Emulation.setUserAgentOverride", userAgent=agent, acceptLanguage="en")
+
+
 def test_it_says_what_is_wrong(page, site, written, tmp_path):
     text = "document.getElementById('message').textContent"
     hook = page.call("Page.addScriptToEvaluateOnNewDocument",
@@ -293,6 +306,8 @@ def test_options_of_other_formats_and_other_folders_are_refused(written, tmp_pat
     check = web.WRITER.check
     with pytest.raises(UserError, match="--morph is not for --to web"):
         check(tmp_path / "page", SceneOptions(morph=True))
+    with pytest.raises(UserError, match="--compress meshopt is not for --to web"):
+        check(tmp_path / "page", SceneOptions(compress="meshopt"))
     (tmp_path / "thesis.txt").write_text("mine")
     with pytest.raises(UserError, match="holds other files; give --force"):
         check(tmp_path, SceneOptions())
