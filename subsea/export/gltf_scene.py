@@ -32,7 +32,13 @@ from subsea.export.gltf_scene_file import SceneFile
 from subsea.export.packing import packing_of
 from subsea.export.scene import Scene
 from subsea.export.scene_vat import add_textures, check_textures, texture_bytes
-from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
+from subsea.export.scene_writer import (
+    OF_GLTF,
+    SceneExtent,
+    SceneOptions,
+    SceneWriter,
+    check_options,
+)
 from subsea.export.skinning import fit_to_points, follow, off_percent
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
@@ -72,12 +78,11 @@ class _FittedSpecies:
 
 def _check(out: Path, options: SceneOptions) -> None:
     """Refuse options of other formats, a wrong suffix, and files that may not be replaced."""
-    if options.poses is not None:
-        raise UserError("--poses is for --to usd, not gltf")
+    check_options(options, "gltf", OF_GLTF)
     if options.morph and options.vat:
         raise UserError("--morph and --vat exclude each other")
     if out.suffix != ".glb":
-        raise UserError(f"{out}: expected a name that ends with .glb")
+        raise UserError("expected a name that ends in .glb", file=out)
     packing_of(options.compress)
     check_result(out, GLTF, options.force)
     if options.vat:

@@ -1,10 +1,11 @@
 """What a format of scenes offers: checks, an estimate of its bytes, and writing."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from subsea.core.errors import UserError
 from subsea.export.scene import Scene
 
 
@@ -18,6 +19,18 @@ class SceneOptions:
     compress: str = "none"  # gltf: a name of `packing.COMPRESSIONS`
     instances: bool = False  # gltf: copies of corals and seaweed by EXT_mesh_gpu_instancing
     poses: int | None = None  # usd: bake this many poses of each species, and place instances
+
+
+OF_GLTF = "morph", "vat", "compress", "instances"
+OF_USD = ("poses",)
+
+
+def check_options(options: SceneOptions, target: str, own: Sequence[str]) -> None:
+    """Refuse options of other formats than `target`; `own` are the names of those that it has."""
+    for name in (*OF_GLTF, *OF_USD):
+        if name not in own and getattr(options, name) != getattr(SceneOptions(), name):
+            other = "gltf" if name in OF_GLTF else "usd"
+            raise UserError(f"--{name} is for --to {other}, not {target}")
 
 
 class SceneExtent(NamedTuple):

@@ -27,7 +27,7 @@ from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotati
 from subsea.export.baked_poses import BakedPoses, bake_poses
 from subsea.export.png import sheet_png
 from subsea.export.scene import Scene, SceneCamera
-from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
+from subsea.export.scene_writer import OF_USD, SceneExtent, SceneOptions, SceneWriter, check_options
 from subsea.export.usd_package import write_package
 from subsea.export.usd_parts import (
     animate,
@@ -53,8 +53,7 @@ SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of 
 
 def check(out: Path, options: SceneOptions) -> None:
     """Check the options and the output path before any work."""
-    if options.morph or options.vat:
-        raise UserError(f"{'--morph' if options.morph else '--vat'} is for --to gltf, not usd")
+    check_options(options, "usd", OF_USD)
     if out.suffix.lower() not in KINDS:
         raise UserError("expected a name that ends in .usdc or .usdz", file=out)
     require("usd", "USD")
