@@ -1,14 +1,14 @@
 # `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
-# every check. Each sets up what it needs, once.
+# every check, `make blender` opens an exported scene in Blender. Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
 
 BIN := .venv/bin
-LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json
+LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test format docs clean
+.PHONY: run bench test format docs gallery clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -26,6 +26,15 @@ test: .venv/ready-test
 	$(BIN)/mypy
 	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
 
+# Blender is a gigabyte, and wants this version of Python.
+blender: .venv/ready-test .venv/blender/ready
+	$(BIN)/pytest tests/export/test_blender.py
+
+.venv/blender/ready:
+	$(BIN)/uv venv --quiet --clear --python 3.11 .venv/blender
+	$(BIN)/uv pip install --quiet --python .venv/blender bpy==5.0.1 pillow
+	@touch $@
+
 format: .venv/ready-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
@@ -33,6 +42,10 @@ format: .venv/ready-test
 docs: .venv/ready-test
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo out/site/index.html
+
+# Models of all species and two scenes, with an index page. An interrupted run goes on.
+gallery: .venv/ready-bench
+	$(BIN)/python tools/make_gallery.py $(ARGS)
 
 clean:
 	rm -rf .venv tools/gltf-validator/node_modules

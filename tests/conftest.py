@@ -62,7 +62,7 @@ def pytest_configure(config: pytest.Config) -> None:
 LONG = (
     "docs/test_every_command.py",
     "capture/learning/test_learn.py",
-    "capture/export/test_gltf.py",
+    "export/test_gltf.py",
     "capture/recording/test_batch.py",
     "repertoire/test_conformance.py",
     "test_faults.py",

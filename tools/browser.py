@@ -17,10 +17,12 @@ import aiohttp
 
 START_S, ANSWER_S = 60.0, 60.0  # a busy machine takes its time
 FLAGS = (
-    "--headless=new", "--no-sandbox", "--no-first-run", "--disable-gpu", "--mute-audio",
+    "--headless=new", "--no-sandbox", "--no-first-run", "--mute-audio",
     "--disable-background-networking", "--disable-component-update", "--ignore-certificate-errors",
     "--remote-debugging-port=0", "--disable-dev-shm-usage",
 )  # fmt: skip
+# Draws WebGL without a GPU.
+WEBGL = "--use-angle=swiftshader", "--enable-unsafe-swiftshader"
 
 
 class Browser:
@@ -133,13 +135,14 @@ class Browser:
 
 
 @contextmanager
-def browser() -> Iterator[Browser]:
-    """A browser with an empty page; it ends with the block."""
+def browser(webgl: bool = False) -> Iterator[Browser]:
+    """A browser with an empty page, with or without WebGL; it ends with the block."""
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
     assert program is not None, "chromium is missing: `apt install chromium`"
+    flags = [*FLAGS, *(WEBGL if webgl else ["--disable-gpu"])]
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         process = subprocess.Popen(
-            [program, f"--user-data-dir={profile}", *FLAGS, "about:blank"],
+            [program, f"--user-data-dir={profile}", *flags, "about:blank"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
         try:

@@ -30,13 +30,13 @@ import msgspec
 import numpy as np
 from PIL import ExifTags, Image
 
-from capture.export.obj import read_mesh
 from subsea.core.errors import UserError
 from subsea.core.input_files import read_input
 from subsea.core.resources import resource_path
 from subsea.dive.cluster import messages
 from subsea.dive.settings import default_text, read_settings
 from subsea.dive.show_file import load_show
+from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
 from subsea.fish.photo.dress import load_mesh, save_mesh

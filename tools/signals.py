@@ -36,6 +36,18 @@ COMMANDS = {
     "study": ["subsea", "study", "run.h5", "--out", "OUT", "--json", "OUT.json"],
     "inspect": ["capture", "inspect", "fusilier"],
     "export": ["capture", "export", "fusilier", "--to", "gltf", "--out", "OUT"],
+    "scene": [
+        "subsea",
+        "export",
+        "peaceful",
+        "--to",
+        "usd",
+        "--out",
+        "OUT.usdc",
+        "--seconds",
+        "0.5",
+    ]
+    + ["--with", "sand", "--fish", "8"],
     "dive": ["subsea", "dive", "--seconds", "3", "--quality", "low", "--size", "96x64"],
     "benchmark": ["subsea", "benchmark", "--frames", "20", "--size", "96x64", "--json", "OUT.json"],
     "doctor": ["subsea", "doctor"],

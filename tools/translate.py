@@ -22,6 +22,7 @@ from subsea.core.language import LANGUAGES
 from subsea.core.resources import ROOT, resource_names
 from subsea.dive.bindings import CONTROLS
 from subsea.dive.options import RETINA_COLOURS
+from subsea.export.web_words import WORDS as EXPORTED_PAGE
 from subsea.fish.species import load_species, shipped_species
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario
@@ -93,6 +94,7 @@ def data() -> list[str]:
         *CHOICES,
         *PAGE.values(),
         *SCRIPT.values(),
+        *EXPORTED_PAGE.values(),
         *(load_species(name).name for name in shipped_species()),
         *(words for one in scenarios for words in (one.title, one.description)),
         *(cue.caption for one in scenarios for cue in one.direction if cue.caption),

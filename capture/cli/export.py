@@ -9,6 +9,7 @@ from subsea.core.atomic_io import check_folder
 from subsea.core.command_line import add_command, add_force, number_reader
 from subsea.core.errors import UserError
 from subsea.core.file_kinds import GLTF, PICTURE, USD, check_result, json_file
+from subsea.export.compressions import COMPRESSIONS, PLAIN
 
 KINDS = {
     ".glb": GLTF,
@@ -61,19 +62,27 @@ def add(commands: Any) -> None:
         action="store_true",
         help="gltf: morph targets instead of a skeleton",
     )
+    parser.add_argument(
+        "--compress",
+        choices=COMPRESSIONS,
+        default=PLAIN,
+        help="gltf: round numbers, or compress them and colours; needs the extra `meshopt` "
+        "(default none)",
+    )
     add_force(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
-    from capture.export.clips import make_clips
-    from capture.export.gltf import gltf_files
-    from capture.export.usd import usd_files, write_usd
-    from capture.export.vat import vat_files, write_vat
+    from subsea.export.clips import make_clips
+    from subsea.export.gltf import gltf_files
+    from subsea.export.usd import usd_files, write_usd
+    from subsea.export.vat import vat_files, write_vat
 
-    if options.morph and options.to != "gltf":
-        raise UserError(f"--morph is for --to gltf, not {options.to}")
+    for name in ("morph", "compress"):
+        if options.to != "gltf" and getattr(options, name) not in (False, PLAIN):
+            raise UserError(f"--{name} is for --to gltf, not {options.to}")
     check_folder(options.out)
     model, clips = make_clips(options.species, options.detail)
     files = {"gltf": gltf_files, "vat": vat_files, "usd": usd_files}[options.to]
@@ -90,9 +99,11 @@ def run(options: argparse.Namespace) -> int:
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from tqdm import tqdm
 
-    from capture.export.gltf import write_gltf
-    from capture.export.skinning import fit_skeleton
+    from subsea.export.gltf import write_gltf
+    from subsea.export.packing import packing_of
+    from subsea.export.skinning import fit_skeleton
 
+    packing = packing_of(options.compress)
     rig, told = None, "exact"
     if not options.morph:
         bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
@@ -101,6 +112,6 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
             f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
             f"length (rms), {rig.most_percent:.2f}% at most"
         )
-    path = write_gltf(options.out, model, clips, options.root == "baked", rig)
+    path = write_gltf(options.out, model, clips, options.root == "baked", rig, packing)
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
     return 0

@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from tqdm import trange
 
-    from capture.export.obj import bind_mesh, write_mesh
+    from subsea.export.obj import bind_mesh, write_mesh
     from subsea.fish.species import repertoire_file
     from subsea.repertoire import read_repertoire
 

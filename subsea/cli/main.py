@@ -11,6 +11,7 @@ from subsea.cli import (
     build,
     dive,
     doctor,
+    export,
     film,
     keys,
     listing,
@@ -26,7 +27,7 @@ from subsea.cli import (
 from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
 
 GROUPS = {
-    "dive and film": (dive, film),
+    "dive and film": (dive, film, export),
     "simulate and study": (simulate, study, sweep, benchmark, soak),
     "make fishes": (build, skin),
     "scenarios and theatres": (listing, theatre, keys, show),

@@ -13,6 +13,7 @@ EXTRAS = {
     "plot": {"matplotlib": "matplotlib"},
     "skin": {"cv2": "OpenCV"},
     "usd": {"pxr": "usd-core"},
+    "meshopt": {"meshopt": "meshopt"},
     "cluster": {"distributed": "Dask"},
     "sweep": {"pyarrow": "PyArrow"},
     "headset": {"xr": "pyopenxr"},
@@ -20,7 +21,8 @@ EXTRAS = {
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
-BENCH = "console", "headset", "learn", "plot", "skin", "sweep", "usd"  # installed by `make bench`
+# Installed by `make bench`.
+BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd"
 
 
 def install_command(extra: str) -> str:

@@ -1,16 +1,29 @@
 """Faces of skin textures: eye, mouth, nostril, and gill cover or gill slits."""
 
+from math import radians
+
 import numpy as np
 
 from subsea.core.arrays import Array
 from subsea.fish.raster import blend, single, smoothstep, texels_around
 from subsea.fish.sheet_layout import head_size
-from subsea.fish.species import SkinPlan
+from subsea.fish.species import SkinPlan, Species
 from subsea.fish.surface import SurfacePlan
 
 DARK = (0.012, 0.012, 0.016)  # the pupil and the rim of the eye
 GILLS_APART = 0.016  # body lengths
 GILL = 0.135  # of the edge of the gill cover behind the eye, body lengths
+# Angle by which the lower jaw turns down.
+GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
+LIPS = 0.25  # half the width of the border between the jaws over the length of the mouth
+
+
+def jaws(species: Species) -> tuple[float, float]:
+    """Angle of the wide open lower jaw, rad; half the width of the border, body lengths."""
+    surface, (tip, corner) = species.surface, species.skin.mouth
+    # The mouth of a ray is on its lower side, which is elsewhere on the skin.
+    gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
+    return gape, LIPS * (corner[0] - tip[0]) * head_size(surface)
 
 
 def draw_face(

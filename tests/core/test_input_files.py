@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from capture.export.obj import read_mesh
 from subsea.core import hdf5
 from subsea.core.errors import UserError
 from subsea.core.input_files import check_input, read_input
 from subsea.core.toml_files import load_toml
 from subsea.dive.cluster.keys import read_keys
 from subsea.dive.settings import read_settings, settings_path, usual_settings
+from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.editing.draft import changed_on_disk, read_draft
 from subsea.fish.photo.dress import load_mesh

@@ -28,7 +28,6 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli import main as capture_cli
-from capture.export import skinning
 from capture.inspection import timing
 from subsea.cli import main
 from subsea.core.command_line import parse_arguments
@@ -37,6 +36,7 @@ from subsea.core.resources import ROOT, resource_names
 from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
 from subsea.dive.show_file import load_show
+from subsea.export import skinning
 from subsea.fish.photo.fitting import silhouette
 from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species
@@ -115,6 +115,7 @@ SHORT = {
     "subsea soak": "--minutes 0.01",
     "subsea-capture learn": "--budget 2 --only swim",
     "subsea-capture export": "--detail 3",
+    "subsea export": "--start 0 --seconds 0.1 --detail 3 --with none --fish 4",
 }
 MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be there
     "subsea-capture learn": (0, 1),

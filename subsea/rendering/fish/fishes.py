@@ -15,7 +15,7 @@ from subsea.core.arrays import Array, Bytes, Ints
 from subsea.core.disk_cache import cached
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheets
-from subsea.fish.face import GILL
+from subsea.fish.face import GILL, jaws
 from subsea.fish.mesh import (
     DETAILS,
     VERTEX_ATTRIBUTES,
@@ -48,9 +48,6 @@ LOOKS_BINDING = 0  # of the uniform block
 GUTTER = 2**COARSEST
 CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
-# Angle by which the lower jaw turns down.
-GAPE_RAD = {"predator": radians(32.0), "prey": radians(22.0), "pacifist": radians(22.0)}
-LIPS = 0.25  # half the width of the border between the jaws over the length of the mouth
 TEETH = 24.0  # of a predator, on half the circumference of its body
 
 INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
@@ -343,9 +340,7 @@ def look(
     surface, skin = species.surface, species.skin
     top = sheet_layout.half_height(surface)
     front, rear = sheet_layout.borders(surface)
-    # The mouth of a ray is on its lower side, which is elsewhere on the skin.
-    gape = 0.0 if surface.wing else GAPE_RAD[species.kind]
-    soft = LIPS * (skin.mouth[1][0] - skin.mouth[0][0]) * sheet_layout.head_size(surface)
+    gape, soft = jaws(species)
     teeth = TEETH if species.kind == "predator" else 0.0
     gill = GILL * sheet_layout.head_size(surface) if skin.gills == 1 else 0.0
     vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))

@@ -106,7 +106,7 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
     meshes = cached(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
     for group, levels in zip(groups, meshes, strict=True):
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
-        placed = _PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))
+        placed = PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))
         for number, k in enumerate(chosen.tolist()):
             # No eye comes near enough to a small one to need the finest level.
             shapes[k] = [
@@ -121,7 +121,7 @@ def spheres(reef: Reef) -> Array:
     return bounding_spheres(bake(reef))
 
 
-class _PlacedGrowths:
+class PlacedGrowths:
     """k growths of one kind and variant: their axes, sizes and colours."""
 
     def __init__(self, kind: str, reef: Reef) -> None:

@@ -85,7 +85,7 @@ def test_an_interrupted_export_leaves_nothing(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("capture.export.skinning._fit_weights", interrupt)
+    monkeypatch.setattr("subsea.export.skinning._fit_weights", interrupt)
     new = tmp_path / "new"
     assert main(["export", "fusilier", "--to", "gltf", "--detail", "3", "--out", str(new)]) == 130
     out, err = capsys.readouterr()

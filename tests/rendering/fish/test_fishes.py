@@ -9,9 +9,10 @@ import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
-from capture.export.clips import SWEEP_RAD, Surface
 from subsea.core.resources import resource_path
+from subsea.export.drawn_surface import SWEEP_RAD, Surface
 from subsea.fish import paint
+from subsea.fish.face import GAPE_RAD
 from subsea.fish.mesh import (
     ABSENT,
     BODY,
@@ -43,7 +44,6 @@ from subsea.geometry.rotation import matrix
 from subsea.geometry.spline import greville
 from subsea.rendering.fish import fishes
 from subsea.rendering.fish.fishes import (
-    GAPE_RAD,
     INSTANCE_ATTRIBUTES,
     INSTANCE_FORMAT,
     frames,
@@ -178,21 +178,31 @@ def test_positions_and_normals_are_those_of_the_spline(
     assert checked == (mesh.vertices[:, PART] <= FIN).sum()
 
 
+SHAPES = {
+    "at ease": (SWEEP_RAD, SWEEP_RAD, 0.0, 0.0, 0.0, 1.0, 0.0),
+    "fins move": (0.9, 0.1, 0.4, -0.3, 0.0, 1.0, 0.0),
+    "a fin folds, the tail spreads": (0.5, 0.5, 0.0, 0.0, 0.0, 0.35, 0.4),
+    "a bite": (0.5, 0.5, 0.0, 0.0, 1.0, 1.0, 0.0),
+    "everything": (0.2, 1.1, -0.5, 0.6, 0.7, 0.6, 0.2),
+}
+
+
+@pytest.mark.parametrize("fins", SHAPES.values(), ids=SHAPES)
 @pytest.mark.parametrize("species", [0, 1])
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_what_is_exported_is_what_is_drawn(shaded, scene, make_packet, fish, species, level):
-    """Includes paired fins at rest; upright at the origin, heading along x."""
-    at_ease = (SWEEP_RAD, SWEEP_RAD)
-    one = fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35, pectoral=at_ease)
-    packet = make_packet([one])
+def test_what_is_exported_is_what_is_drawn(shaded, scene, make_packet, fish, species, level, fins):
+    """Includes moving fins and mouth; upright at the origin, heading along x."""
+    packet = make_packet([fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35)])
+    packet.instances[0, 12:19] = fins
     drawn = shaded(level, packet)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
     control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
-    surface = Surface(scene.species[species].surface, scene.recorded_length_cm[species], level)
-    for exported, shown in zip(surface.at(control[None]), drawn, strict=True):
-        x, y, z = exported[0].T
-        np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=2e-3)
+    surface = Surface(scene.species[species], scene.recorded_length_cm[species], level)
+    exported = surface.at(control[None], row[None, 12:19])
+    for values, shown, most in zip(exported, drawn, (2e-4, 2e-3), strict=True):
+        x, y, z = values[0].T
+        np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=most)
 
 
 def test_normals_of_the_body_point_outward(shaded, scene, make_packet, fish):

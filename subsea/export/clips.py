@@ -1,0 +1,198 @@
+"""The mesh of a species, and each recorded segment as a clip of that mesh.
+
+Points are as in `shaders/fishes.vert` with closed mouth, spread fins and relaxed paired fins, of a
+typical adult: α times as large as the recorded fish and slower by √α, at the pace of its species,
+as in playback.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array, Ints
+from subsea.core.errors import UserError
+from subsea.core.resources import is_path
+from subsea.export.drawn_surface import Surface
+from subsea.export.fin_motion import FinPlayer
+from subsea.fish.color_sheet import sheet_of
+from subsea.fish.coupling import couple, place
+from subsea.fish.species import Species, load_species, own_species, repertoire_file
+from subsea.fish.surface import rest_control_points
+from subsea.geometry.rotation import matrix, multiply, normalised
+from subsea.repertoire import Repertoire, Segment, read_repertoire
+
+OPAQUE = 250  # of 255; less opaque texels are blended
+ROUGHNESS = 0.45  # of a wet skin
+
+
+class Model(NamedTuple):
+    """The mesh of a species at rest: n vertices, those of the body before those of fins."""
+
+    name: str  # of its file
+    length_cm: float
+    rest: Array  # (n, 3) cm, body axes: x anterior, y dorsal, z right
+    normals: Array  # (n, 3)
+    uv: Array  # (n, 2) texture coordinates, from the lower left corner
+    triangles: Ints  # (m, 3) int32, counter-clockwise from outside; fins have one side
+    body: int  # number of triangles of the body, which come first ...
+    solid: int  # ... and of its vertices
+    fins: Mapping[str, Ints]  # vertices of the existing fins: dorsal, pectoral_left, …
+    sheet: NDArray[np.uint8]  # (h, w, 4) sRGB and opacity, bottom row first
+
+
+class Clip(NamedTuple):
+    """A recorded segment in T frames; a cyclic one ends in its first pose."""
+
+    name: str
+    fps: float
+    cyclic: bool
+    points: Array  # (T, n, 3) cm, body axes
+    normals: Array  # (T, n, 3)
+    position: Array  # (T, 3) cm, of the body frame; begins at the origin
+    rotation: Array  # (T, 4) unit quaternions (w, x, y, z) of continuous sign; begins as identity
+    beats: int  # of the tail, in a cyclic one
+
+
+def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
+    """The mesh of a species at a level of detail, and a clip of each recorded segment.
+
+    UserError for an unknown species, a path, or a faulty repertoire.
+    """
+    if is_path(name, ".toml"):  # it has no known repertoire
+        raise UserError(f"{name}: expected the name of a species; your own are in {own_species()}")
+    species = load_species(name)
+    path = repertoire_file(name)
+    if not path.is_file():
+        raise UserError(f"no such file; run `subsea-capture record {name}`", file=path)
+    repertoire = read_repertoire(path)
+    if repertoire.species != name:
+        raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
+    return clips_of(name, species, repertoire, detail)
+
+
+def clips_of(
+    name: str, species: Species, repertoire: Repertoire, detail: int
+) -> tuple[Model, list[Clip]]:
+    """Mesh and clips of a given species and repertoire."""
+    size, snout = repertoire.body_length_cm, float(repertoire.rest_nodes[0, 0])
+    model, surface = model_of(name, species, size, snout, detail)
+    scale = model.length_cm / size
+    rest = rest_control_points(species.surface, size, snout)
+    coupling = couple(species.surface.coupling, repertoire.rest_nodes, rest)
+    fins = FinPlayer(species, repertoire, scale)
+    clips = []
+    for segment in repertoire.recorded_names():
+        one = repertoire.segments[segment]
+        control = one.control_points
+        control = place(coupling, one.nodes) if control is None else control
+        beats, moved = fins.clip(segment)
+        shown = np.arange(len(moved)) % len(control)
+        points, normals = surface.at(control[shown], moved)
+        if one.cyclic:
+            points[-1], normals[-1] = points[0], normals[0]
+        position, rotation = root_motion(one, beats)
+        clips.append(
+            Clip(
+                name=segment,
+                fps=species.pace / (repertoire.tick_s * np.sqrt(scale)),
+                cyclic=one.cyclic,
+                points=scale * points,
+                normals=normals,
+                position=scale * position,
+                rotation=rotation,
+                beats=beats,
+            )
+        )
+    return model, clips
+
+
+def model_of(
+    name: str, species: Species, recorded_cm: float, snout_cm: float, detail: int
+) -> tuple[Model, Surface]:
+    """The mesh of a typical adult at rest, and the surface of the recorded fish.
+
+    `recorded_cm` is the length of the recorded fish, `snout_cm` the x of its snout at rest.
+    """
+    length = float(np.mean(species.size_cm))
+    surface = Surface(species, recorded_cm, detail)
+    points, normals = surface.at(rest_control_points(species.surface, recorded_cm, snout_cm)[None])
+    triangles, body = _facing(surface.triangles, surface.body, points[0], normals[0])
+    model = Model(
+        name=name,
+        length_cm=length,
+        rest=length / recorded_cm * points[0],
+        normals=normals[0],
+        uv=surface.uv,
+        triangles=triangles,
+        body=body,
+        solid=surface.solid,
+        fins=surface.fins,
+        sheet=sheet_of(species),
+    )
+    return model, surface
+
+
+def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
+    """Position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
+
+    A cyclic segment is repeated for a number of beats.
+
+    A row holds the step that leads to it; the first row closes a cycle (SMC eqs. 10 and 11).
+    """
+    rows = [*range(1, len(segment.nodes)), *([0] if segment.cyclic else [])] * beats
+    position, rotation = [np.zeros(3)], [np.array([1.0, 0.0, 0.0, 0.0])]
+    for row in rows:
+        before = rotation[-1]
+        position.append(position[-1] + matrix(before) @ segment.increment_translation[row])
+        after = np.array(normalised(multiply(before, segment.increment_rotation[row])))
+        rotation.append(after if after @ before > 0 else -after)
+    return np.array(position), np.array(rotation)
+
+
+def first_frames(clips: list[Clip]) -> list[int]:
+    """The number of each clip's first frame, when all clips follow one another."""
+    return np.cumsum([0, *(len(clip.points) for clip in clips[:-1])]).tolist()
+
+
+def transform_points(points: Array, position: Array, rotation: Array) -> Array:
+    """Move points (T, n, 3) from body axes to the axes of a root (T, 3), (T, 4)."""
+    return np.asarray(position[:, None] + points @ np.swapaxes(matrix(rotation), 1, 2))
+
+
+def bake_root(clip: Clip) -> Clip:
+    """Move the motion of the root into the points; the root stands still."""
+    still, upright = np.zeros_like(clip.position), np.zeros_like(clip.rotation)
+    upright[:, 0] = 1.0
+    return clip._replace(
+        points=transform_points(clip.points, clip.position, clip.rotation),
+        normals=transform_points(clip.normals, still, clip.rotation),
+        position=still,
+        rotation=upright,
+    )
+
+
+def transparent_triangles(model: Model) -> NDArray[np.bool_]:
+    """Which triangles (m,) show texels that are not opaque."""
+    height, width = model.sheet.shape[:2]
+    corners = model.uv[model.triangles]  # (m, 3, 2)
+    weights = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
+    at = (weights @ corners) * (width, height)  # (m, 15, 2)
+    column = at[..., 0].astype(int).clip(0, width - 1)
+    row = at[..., 1].astype(int).clip(0, height - 1)
+    return np.asarray((model.sheet[row, column, 3] < OPAQUE).any(axis=1))
+
+
+def _facing(triangles: Ints, body: int, points: Array, normals: Array) -> tuple[Ints, int]:
+    """Turn fin triangles to the side of their normals and drop degenerate ones.
+
+    Return also the number of the body's.
+    """
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    turned = (across * normals[triangles].sum(axis=1)).sum(axis=1) < 0.0
+    turned[:body] = False
+    kept = (across**2).sum(axis=1) > 1e-16 * np.ptp(points[:, 0]) ** 4
+    facing = np.where(turned[:, None], triangles[:, ::-1], triangles)
+    return facing[kept], int(kept[:body].sum())

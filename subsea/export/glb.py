@@ -1,0 +1,226 @@
+"""The binary container of glTF 2.0: JSON, then one buffer with all arrays."""
+
+import json
+import math
+import struct
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.export.clips import ROUGHNESS
+from subsea.export.compressions import MESHOPT
+from subsea.export.licence import copyright_line
+from subsea.export.packing import COMPRESSION, EXACT, Packing, Stored
+
+TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType
+SHAPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+VERTICES, INDICES = 34962, 34963  # targets of buffer views
+CLAMPED = 33071  # wrapS and wrapT of a sampler
+WORD = 4  # bytes: where vertices and views begin
+BOUNDED = 1, 3  # numbers in a row of positions, times and indices, whose bounds readers want
+MOST_BITS = 24  # of a compressed fraction
+
+
+class GlbBuffer:
+    """The binary part of a file, with its views and accessors."""
+
+    def __init__(self, packing: Packing = EXACT) -> None:
+        self.packing = packing
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self._unpacked = 0  # bytes of the buffer that readers decompress
+
+    def view(self, data: bytes, target: int | None = None) -> int:
+        """Append bytes, such as an image file; return the number of their view."""
+        view = {"buffer": 0, "byteOffset": self._append(data), "byteLength": len(data)}
+        self.views.append(view | ({"target": target} if target else {}))
+        return len(self.views) - 1
+
+    def add(self, values: NDArray[Any] | Stored, target: int | None = None) -> int:
+        """Append an array of float32 or integers; return the number of its accessor.
+
+        (n,), (n, 2), (n, 3) and (n, 4) are scalars and vectors, (n, 4, 4) matrices with their
+        rows as in numpy.
+        """
+        return self.block([values if isinstance(values, Stored) else Stored(values)], target)[0]
+
+    def block(self, arrays: Sequence[Stored], target: int | None = None) -> list[int]:
+        """Append arrays of one type and shape to one view; return the numbers of their accessors.
+
+        Readers and files are quicker and smaller with few views.
+        """
+        rows = [_rows(one.values) for one in arrays]
+        kind, wide = rows[0].dtype.str[1:], rows[0].shape[1]
+        size = rows[0].itemsize * wide
+        stride = size + (-size % WORD if target == VERTICES else 0)
+        number = self._compressed(rows, stride, target, arrays[0].step)
+        if number is None:
+            number = self.view(b"".join(_padded(part, stride).tobytes() for part in rows), target)
+            if stride != size:
+                self.views[number]["byteStride"] = stride
+        begin = 0
+        for one, part in zip(arrays, rows, strict=True):
+            self.accessors.append(
+                {"bufferView": number}
+                | ({"byteOffset": begin} if begin else {})
+                | {"componentType": TYPES[kind], "count": len(part)}
+                | ({"normalized": True} if one.normalised else {})
+                | {"type": SHAPES[one.values.shape[1:]]}
+                | ({} if one.step or wide not in BOUNDED else _bounds(part))
+            )
+            begin += len(part) * stride
+        return list(range(len(self.accessors) - len(arrays), len(self.accessors)))
+
+    def changes(self, values: Stored) -> int:
+        """Append the changes (n, 3) of a morph target, without those that are zero if that helps.
+
+        Return the number of their accessor.
+        """
+        rows = _rows(values.values)
+        moved = np.flatnonzero(rows.any(axis=1))
+        one = rows.itemsize * rows.shape[1]
+        short = len(rows) <= np.iinfo(np.uint16).max
+        index = np.uint16 if short else np.uint32
+        # Two views and their JSON take some hundred bytes.
+        sparse = (len(moved) or 1) * (one + index(0).itemsize) + 300
+        if not self.packing.rounds or sparse >= len(rows) * (one + -one % WORD):
+            return self.add(values, VERTICES)
+        moved = moved if len(moved) else np.zeros(1, np.int64)
+        self.accessors.append(
+            {"componentType": TYPES[rows.dtype.str[1:]], "count": len(rows)}
+            | ({"normalized": True} if values.normalised else {})
+            | {"type": "VEC3"}
+            | _bounds(rows)
+            | {
+                "sparse": {
+                    "count": len(moved),
+                    "indices": {
+                        "bufferView": self.view(moved.astype(index).tobytes()),
+                        "componentType": TYPES[np.dtype(index).str[1:]],
+                    },
+                    "values": {"bufferView": self.view(rows[moved].tobytes())},
+                }
+            }
+        )
+        return len(self.accessors) - 1
+
+    def buffers(self) -> list[dict[str, Any]]:
+        """The buffers of the file: the data, and what readers decompress them to."""
+        own: list[dict[str, Any]] = [{"byteLength": len(self.data)}]
+        if self._unpacked:
+            fallback = {COMPRESSION: {"fallback": True}}
+            own.append({"byteLength": self._unpacked, "extensions": fallback})
+        return own
+
+    def extensions(self) -> list[str]:
+        """Extensions that a reader of these arrays needs."""
+        own = self.packing.extensions()
+        return own if self._unpacked else [name for name in own if name != COMPRESSION]
+
+    def _append(self, data: bytes) -> int:
+        self.data += bytes(-len(self.data) % WORD)
+        self.data += data
+        return len(self.data) - len(data)
+
+    def _compressed(
+        self, rows: list[NDArray[Any]], stride: int, target: int | None, step: float
+    ) -> int | None:
+        """Append rows compressed; the number of their view, None if they are stored as they are."""
+        if self.packing.kind != MESHOPT:
+            return None
+        import meshopt
+
+        whole = rows[0] if len(rows) == 1 else np.concatenate(rows)
+        size = len(whole) * stride
+        own: dict[str, Any] = {}
+        if target == INDICES:
+            own |= {"byteStride": whole.itemsize, "count": len(whole), "mode": "TRIANGLES"}
+            data = meshopt.encode_gltf_buffer(whole[:, 0].astype(np.uint32), "TRIANGLES")
+        else:
+            if step:  # Fractions with a common exponent for a vector.
+                most = float(np.abs(whole).max()) or step
+                bits = min(max(math.ceil(math.log2(most / step)) + 2, 2), MOST_BITS)
+                packed = meshopt.encode_filter_exp(whole, bits, "SharedVector")
+                own["filter"] = "EXPONENTIAL"
+            else:
+                flat = _padded(whole, stride).reshape(-1)
+                width = stride if stride % WORD == 0 else WORD
+                packed = np.concatenate([flat, np.zeros(-len(flat) % width, np.uint8)])
+                packed = packed.reshape(-1, width)
+                size = packed.size
+            own |= {"byteStride": packed.shape[1], "count": len(packed), "mode": "ATTRIBUTES"}
+            data = meshopt.encode_gltf_buffer(packed, "ATTRIBUTES")
+        if len(data) >= size:
+            return None
+        own |= {"buffer": 0, "byteOffset": self._append(data), "byteLength": len(data)}
+        begin = self._unpacked + -self._unpacked % WORD
+        self._unpacked = begin + size
+        view = {"buffer": 1, "byteOffset": begin, "byteLength": size}
+        view |= {"target": target} if target else {}
+        view |= {"byteStride": stride} if target == VERTICES else {}
+        self.views.append(view | {"extensions": {COMPRESSION: own}})
+        return len(self.views) - 1
+
+
+def material(name: str, looks: dict[str, Any], texture: int = 0) -> dict[str, Any]:
+    """A material with the colours of a texture; `looks` are its blending and sides."""
+    skin = {
+        "baseColorTexture": {"index": texture},
+        "metallicFactor": 0.0,
+        "roughnessFactor": ROUGHNESS,
+    }
+    return {"name": name, "pbrMetallicRoughness": skin} | looks
+
+
+def asset(species: Iterable[str], extras: dict[str, Any]) -> dict[str, Any]:
+    """The property `asset` of a file with these species."""
+    notice = copyright_line(species)
+    return {"version": "2.0", "generator": "subsea", "copyright": notice, "extras": extras}
+
+
+def glb(content: dict[str, Any], buffer: GlbBuffer) -> bytes:
+    """The bytes of a .glb file of JSON content and a buffer."""
+    needed = buffer.extensions()
+    used = needed + [name for name in content.get("extensionsUsed", []) if name not in needed]
+    required = needed + content.get("extensionsRequired", [])
+    content = content | {
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": buffer.buffers(),
+    }
+    content |= {"extensionsUsed": used} if used else {}
+    content |= {"extensionsRequired": required} if required else {}
+    text = json.dumps(content, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % WORD)
+    data = bytes(buffer.data) + bytes(-len(buffer.data) % WORD)
+    size = 12 + 8 + len(text) + 8 + len(data)
+    return b"".join(
+        [
+            struct.pack("<4sII", b"glTF", 2, size),
+            struct.pack("<I4s", len(text), b"JSON"),
+            text,
+            struct.pack("<I4s", len(data), b"BIN\0"),
+            data,
+        ]
+    )
+
+
+def _rows(values: NDArray[Any]) -> NDArray[Any]:
+    """An array as rows (n, k) of numbers; the columns of matrices one after another."""
+    rows = np.swapaxes(values, 1, 2) if values.ndim == 3 else values
+    return np.ascontiguousarray(rows).reshape(len(values), -1)
+
+
+def _bounds(rows: NDArray[Any]) -> dict[str, Any]:
+    return {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+
+
+def _padded(rows: NDArray[Any], stride: int) -> NDArray[np.uint8]:
+    """The bytes (n, stride) of rows, filled up with zeros."""
+    raw = rows.view(np.uint8).reshape(len(rows), -1)
+    if raw.shape[1] == stride:
+        return raw
+    return np.pad(raw, ((0, 0), (0, stride - raw.shape[1])))

@@ -1,0 +1,265 @@
+"""Fit a skeleton and skin weights to the clips of a mesh: smooth skinning decomposition.
+
+After Le and Deng, "Smooth Skinning Decomposition with Rigid Bones" (2012): rigid motions of joints
+and weights of vertices are fitted alternately by least squares, to all frames of all clips. Weights
+are not negative and sum to one; a vertex has at most four.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.core.arrays import Array, Ints
+from subsea.core.kernels import kernel
+from subsea.export.clips import Clip, Model
+
+MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
+NEAR = 8  # nearest joints to choose them from
+SPINE = 14  # joints from head to tail
+FIN = 2  # along the free edge of the dorsal and of the ventral fin
+WIDE = 0.15  # body lengths from the spine: a wider body has wings
+WINGS = (0.4, 0.7, 0.95)  # positions of joints along both edges of a wing
+TAIL = 0.15  # body lengths from the rear that contain the tips of the tail
+ROUNDS = 5
+MIN_VERTICES = 24  # around a joint, for its regularisation (or its fraction of all, if more)
+REGULARISATION = 0.01  # weight of that relative to the joint's own vertices
+SWEEPS = 4  # fits of all joints in a round
+FOLLOWING = 3  # rounds with given weights
+
+
+class Joint(NamedTuple):
+    """A joint at rest, cm, body axes, and the number of its parent, -1 for the root."""
+
+    name: str
+    parent: int
+    place: Array  # (3,)
+
+
+class Skeleton(NamedTuple):
+    """J joints and their motion in the F frames of all clips, one after another."""
+
+    joints: list[Joint]
+    weights: Array  # (n, J)
+    motion: Array  # (F, J, 3, 4) rotation and translation, cm, body axes: x at rest to R x + t
+    rms_percent: float  # error of the vertices, of the body length: root mean square ...
+    most_percent: float  # ... and largest
+
+
+def fit_skeleton(
+    model: Model,
+    clips: list[Clip],
+    progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
+) -> Skeleton:
+    """Fit a skeleton to the clips of a model; `progress` wraps the rounds."""
+    return fit_to_points(model, np.concatenate([clip.points for clip in clips]), progress)
+
+
+def fit_to_points(
+    model: Model,
+    goal: Array,
+    progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
+) -> Skeleton:
+    """The same for vertices (F, n, 3), cm, body axes, at the size of the model."""
+    joints = place_joints(model)
+    rest, far = _homogeneous(model), _distances(model, joints)
+    near = far.argsort(axis=1)[:, :NEAR]
+    about = _surroundings(model, far, goal)
+    motion = about.copy()
+    for _ in progress(range(ROUNDS)):
+        weights = _fit_weights(rest, goal, motion, near)
+        firm = REGULARISATION * (weights * far**2).sum(axis=0)
+        _fit_motion(rest, goal, weights, motion, about, firm)
+    motion = motion.swapaxes(1, 2)
+    off = off_percent(model, weights, motion, goal)
+    return Skeleton(joints, weights, motion, float(np.sqrt((off**2).mean())), float(off.max()))
+
+
+def follow(model: Model, rig: Skeleton, goal: Array) -> Array:
+    """Motion (F, J, 3, 4) of the joints of a skeleton that comes nearest to vertices (F, n, 3)."""
+    far = _distances(model, rig.joints)
+    about = _surroundings(model, far, goal)
+    motion = about.copy()
+    firm = REGULARISATION * (rig.weights * far**2).sum(axis=0)
+    for _ in range(FOLLOWING):
+        _fit_motion(_homogeneous(model), goal, rig.weights, motion, about, firm)
+    return motion.swapaxes(1, 2)
+
+
+def off_percent(model: Model, weights: Array, motion: Array, goal: Array) -> Array:
+    """Distance (F, n) of the vertices from a goal (F, n, 3), in percent of the body length."""
+    off = posed(_homogeneous(model), weights, motion) - goal
+    return np.asarray(np.linalg.norm(off, axis=2) * 100.0 / model.length_cm)
+
+
+def _homogeneous(model: Model) -> Array:
+    return np.pad(model.rest, ((0, 0), (0, 1)), constant_values=1.0)  # (n, 4)
+
+
+def _distances(model: Model, joints: list[Joint]) -> Array:
+    """From each vertex to each joint at rest (n, J)."""
+    places = np.array([joint.place for joint in joints])
+    return np.asarray(np.linalg.norm(model.rest[:, None] - places, axis=2))
+
+
+def _surroundings(model: Model, far: Array, goal: Array) -> Array:
+    """The rigid motion (F, 3, J, 4) of the vertices around each joint."""
+    around = far.argsort(axis=0)[: max(MIN_VERTICES, len(far) // far.shape[1])]
+    return np.stack([_rigid(model.rest[those], goal[:, those]) for those in around.T], axis=2)
+
+
+def posed(rest: Array, weights: Array, motion: Array) -> Array:
+    """Positions (F, n, 3) of vertices (n, 4), homogeneous, in each frame."""
+    parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)
+    rows = motion.swapaxes(1, 2).reshape(-1, parts.shape[1])
+    return (rows @ parts.T).reshape(len(motion), 3, -1).swapaxes(1, 2)
+
+
+def place_joints(model: Model) -> list[Joint]:
+    """Place joints along the spine, at the tips of the tail, in the fins and in wings."""
+    body, length = model.rest[: model.solid], model.length_cm
+    front, rear, wide = body[:, 0].max(), body[:, 0].min(), body[:, 2].max()
+    joints = []
+    for k, x in enumerate(np.linspace(front, rear, 2 * SPINE + 1)[1::2]):
+        near = body[np.abs(body[:, 0] - x).argsort()[: len(body) // SPINE], 1]
+        joints.append(
+            Joint(f"spine_{k + 1}", k - 1, np.array([x, (near.min() + near.max()) / 2, 0]))
+        )
+    spine = np.array([joint.place[0] for joint in joints])
+
+    def attach(name: str, place: Array) -> None:
+        joints.append(Joint(name, int(np.abs(spine - place[0]).argmin()), place))
+
+    tail = body[body[:, 0] < rear + TAIL * length]
+    attach("tail_upper", tail[tail[:, 1].argmax()])
+    attach("tail_lower", tail[tail[:, 1].argmin()])
+    for name, vertices in model.fins.items():
+        fin = model.rest[vertices]
+        if name in ("dorsal", "ventral"):
+            for k, part in enumerate(np.array_split(fin[fin[:, 0].argsort()[::-1]], FIN)):
+                attach(f"{name}_{k + 1}", part[np.abs(part[:, 1]).argmax()])
+        else:
+            attach(name, fin.mean(axis=0))
+    if wide > WIDE * length:
+        for side, sign in (("left", -1.0), ("right", 1.0)):
+            for edge, most in (("front", np.argmax), ("rear", np.argmin)):
+                for k, share in enumerate(WINGS):
+                    z = sign * share * wide
+                    near = body[np.abs(body[:, 2] - z) < 0.1 * wide, 0]
+                    place = np.array([near[most(near)], 0.0, z])
+                    if k == 0:
+                        attach(f"wing_{side}_{edge}_1", place)
+                    else:  # on the one before it
+                        joints.append(Joint(f"wing_{side}_{edge}_{k + 1}", len(joints) - 1, place))
+    return joints
+
+
+def _fit_motion(
+    rest: Array, goal: Array, weights: Array, motion: Array, about: Array, firm: Array
+) -> None:
+    """Fit one joint after another, SWEEPS times, in place.
+
+    Each gets the rigid motion that best compensates the error of the others (Procrustes). `firm`
+    (J,) weighs the motion `about` it, without which joints with vertices on a line would jump.
+    """
+    frames, _, joints, _ = motion.shape
+    parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)  # (n, 4 J)
+    aims = (goal.swapaxes(1, 2).reshape(-1, len(rest)) @ parts).reshape(motion.shape)
+    sums = parts.T @ parts
+    for _ in range(SWEEPS):
+        for j in range(joints):
+            own = sums[4 * j : 4 * j + 4, 4 * j : 4 * j + 4]
+            if own[3, 3] <= 0.0:
+                continue
+            moved = motion.reshape(3 * frames, -1) @ sums[:, 4 * j : 4 * j + 4]
+            left = aims[:, :, j] - moved.reshape(frames, 3, 4) + motion[:, :, j] @ own
+            middle = own[3, :3] / own[3, 3]
+            across = left[:, :, :3] - left[:, :, 3:] * middle
+            motion[:, :, j, :3] = _turn(across + firm[j] * about[:, :, j, :3])
+            motion[:, :, j, 3] = left[:, :, 3] / own[3, 3] - motion[:, :, j, :3] @ middle
+
+
+def _rigid(rest: Array, goal: Array) -> Array:
+    """The regularised rigid motion (F, 3, 4) of points (m, 3) to a goal (F, m, 3) (Procrustes)."""
+    middle, there = rest.mean(axis=0), goal.mean(axis=1)
+    arms = rest - middle
+    across = (goal - there[:, None]).swapaxes(1, 2) @ arms
+    turn = _turn(across + REGULARISATION * (arms**2).sum() * np.eye(3))
+    return np.concatenate([turn, (there - turn @ middle)[:, :, None]], axis=2)
+
+
+def _turn(across: Array) -> Array:
+    """The rotations (F, 3, 3) nearest to matrices."""
+    u, _, v = np.linalg.svd(across)
+    u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
+    return np.asarray(u @ v)
+
+
+def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
+    """The weights (n, J) of near joints that fit rest to goal best."""
+    frames, _, joints, _ = motion.shape
+    rows = motion.reshape(3 * frames, -1)
+    pairs = (rows.T @ rows).reshape(joints, 4, joints, 4).swapaxes(1, 2)
+    flat = goal.swapaxes(1, 2).reshape(-1, len(rest))
+    aims = (rows.T @ flat).reshape(joints, 4, -1)
+    out = np.zeros((len(rest), joints))
+    for k, (x, those) in enumerate(zip(rest, near, strict=True)):
+        toward = aims[those, :, k] @ x
+        # Scalar products of the errors of each two joints.
+        gram = x @ pairs[those[:, None], those] @ x - toward - toward[:, None]
+        out[k, those] = best_shares(gram + flat[:, k] @ flat[:, k], MAX_INFLUENCES)
+    return out
+
+
+@kernel
+def best_shares(gram: Array, most: int) -> Array:
+    """Weights w ≥ 0 with sum one and at most `most` not zero, that make w·G·w small.
+
+    Backward elimination from the optimum of all.
+    """
+    w = np.zeros(len(gram))
+    w[np.argmin(np.diag(gram))] = 1.0
+    allowed = np.ones(len(gram), np.bool_)
+    w = _least(gram, allowed, w)
+    while (w > 0.0).sum() > most:
+        allowed = w > 0.0
+        least, best, without = np.inf, w, -1
+        for k in range(len(w)):
+            if not allowed[k]:
+                continue
+            allowed[k] = False
+            trial = w.copy()
+            trial[k] = 0.0
+            trial = _least(gram, allowed, trial / trial.sum())
+            allowed[k] = True
+            value = (trial * (gram * trial).sum(axis=1)).sum()  # @ would need SciPy
+            if value < least:
+                least, best, without = value, trial, k
+        w = best
+        w[without] = 0.0
+    return w
+
+
+@kernel
+def _least(gram: Array, allowed: NDArray[np.bool_], w: Array) -> Array:
+    """Minimise w·G·w over weights from a start: pairwise exchange."""
+    w = w.copy()
+    slope = (gram * w).sum(axis=1)
+    tiny = 1e-7 * np.trace(gram) / len(gram)
+    for _ in range(400):
+        low, high = -1, -1
+        for k in range(len(w)):
+            if allowed[k] and (low < 0 or slope[k] < slope[low]):
+                low = k
+            if w[k] > 0.0 and (high < 0 or slope[k] > slope[high]):
+                high = k
+        if slope[high] - slope[low] <= tiny:
+            break
+        bend = gram[low, low] + gram[high, high] - 2.0 * gram[low, high]
+        step = min(w[high], (slope[high] - slope[low]) / max(bend, 1e-300))
+        w[low] += step
+        w[high] = 0.0 if step == w[high] else w[high] - step
+        for k in range(len(w)):
+            slope[k] += step * (gram[k, low] - gram[k, high])
+    return w

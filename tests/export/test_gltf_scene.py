@@ -1,0 +1,331 @@
+"""Scenes in glTF, played by an independent reader, are the points that the dive shows."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from subsea.core.errors import UserError
+from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
+from subsea.export.compressions import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
+from subsea.export.gltf_scene import WRITER
+from subsea.export.png import sheet_png
+from subsea.export.scene import Scene, SceneMesh
+from subsea.export.scene_writer import SceneExtent, SceneOptions
+from subsea.export.skinning import fit_to_points
+from subsea.geometry.rotation import matrix
+from tests.support.gltf_reader import NodeMoment, Reader
+
+VARIANTS = {"skin": {}, "morph": {"morph": True}, "vat": {"vat": True}}
+MADE = [
+    *(("skin", kind) for kind in COMPRESSIONS),
+    *(("morph", kind) for kind in (PLAIN, MESHOPT)),
+    ("vat", QUANTISED),
+]
+FRAMES = 8
+LATE = 1  # the fish that comes and goes
+# Off, rms and at most, percent of the body length: with a skeleton, and with morph targets.
+SKINNED, EXACT, ROUNDED = (0.5, 3.0), (1e-3, 1e-3), (0.004, 0.008)
+Opened = Callable[[Path], Reader]
+
+
+def _statics() -> tuple[SceneMesh, ...]:
+    """A stone, and a coral in six places: stretched, and one of them sheared."""
+    points = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10.0]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], np.int32)
+    normals = np.tile([[0, 0, 1.0]], (4, 1))
+    colors = np.linspace(0.2, 0.9, 12).reshape(4, 3)
+    rng = np.random.default_rng(0)
+    places = np.tile(np.eye(4), (6, 1, 1))
+    for place in places:
+        turn = matrix(rng.normal(size=4) / 2)
+        place[:3, :3] = np.linalg.qr(turn)[0] * (1.0, 1.3, 0.8)
+        place[:3, :3] *= np.sign(np.linalg.det(place[:3, :3]))
+        place[:3, 3] = 100.0 * rng.normal(size=3)
+    places[5, 0, 1] += 0.5
+    tints = rng.uniform(0.5, 1.2, (6, 3))
+    once = SceneMesh("rock", "stone", points, normals, colors, triangles, False, np.eye(4)[None],
+                     np.ones((1, 3)))  # fmt: skip
+    return once, SceneMesh("coral", "corals", points, normals, colors, triangles, True, places,
+                           tints)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def scene(dive: Scene) -> Scene:
+    """Eight frames of the short dive; one of its fishes is there in frames 2 to 5 only."""
+    fishes = [one._replace(last=FRAMES - 1) for one in dive.fishes]
+    fishes[LATE] = fishes[LATE]._replace(first=2, last=5)
+    camera = dive.camera._replace(
+        position=dive.camera.position[:FRAMES], rotation=dive.camera.rotation[:FRAMES], cuts=(3,)
+    )
+    return replace(
+        dive,
+        frames=FRAMES,
+        fishes=tuple(fishes),
+        position=dive.position[:FRAMES],
+        rotation=dive.rotation[:FRAMES],
+        statics=_statics(),
+        camera=camera,
+    )
+
+
+def _once(make: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function, computed once for each content of its last array."""
+    kept: dict[bytes, Any] = {}
+
+    def cached(*given: Any) -> Any:
+        key = np.ascontiguousarray(given[-1]).tobytes()
+        if key not in kept:
+            kept[key] = make(*given)
+        return kept[key]
+
+    return cached
+
+
+@pytest.fixture(scope="module")
+def files(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path]:
+    """A file of each variant and compression."""
+    out = {}
+    with pytest.MonkeyPatch.context() as patch:  # each file would do the same again
+        patch.setattr("subsea.export.gltf_scene.fit_to_points", _once(fit_to_points))
+        patch.setattr("subsea.export.gltf_parts.sheet_png", _once(sheet_png))
+        for name, kind in MADE:
+            path = tmp_path_factory.mktemp(name) / "scene.glb"
+            chosen = SceneOptions(compress=kind, instances=kind == QUANTISED, **VARIANTS[name])
+            WRITER.check(path, chosen)
+            written = WRITER.write(scene, path, chosen)
+            assert written[0] == path and all(one.is_file() for one in written)
+            out[name, kind] = path
+    return out
+
+
+def _seen(scene: Scene, fish: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points and normals (t, n, 3) of a fish in the dive, metres, y up."""
+    one = scene.fishes[fish]
+    points, normals = scene.points(fish)
+    there = slice(one.first, one.last + 1)
+    turns = matrix(scene.rotation[there, fish]).swapaxes(1, 2)
+    world = scene.position[there, fish][:, None] + points @ turns
+    return to_metres(world, WORLD_Y_UP), normals @ turns @ WORLD_Y_UP.T
+
+
+def _node(reader: Reader, name: str) -> int:
+    return [node.get("name") for node in reader.content["nodes"]].index(name)
+
+
+def _moment(reader: Reader, scene: Scene) -> NodeMoment:
+    return reader.worlds(scene.name, np.arange(scene.frames) / scene.fps)
+
+
+@pytest.mark.parametrize(
+    ("variant", "kind", "most"),
+    [
+        ("skin", PLAIN, SKINNED),
+        ("skin", QUANTISED, SKINNED),
+        ("skin", MESHOPT, SKINNED),
+        ("morph", PLAIN, EXACT),
+        ("morph", MESHOPT, ROUNDED),
+    ],
+)
+def test_what_is_exported_is_what_was_seen(
+    scene: Scene,
+    files: dict[tuple[str, str], Path],
+    variant: str,
+    kind: str,
+    most: tuple[float, float],
+    opened: Opened,
+) -> None:
+    """In every frame in which a fish is in the sea; beyond them it has no size."""
+    reader = opened(files[variant, kind])
+    moment = _moment(reader, scene)
+    squares, largest = [], 0.0
+    for fish, one in enumerate(scene.fishes):
+        found, ways = reader.node_points(_node(reader, f"{one.name}_mesh"), moment)
+        there = slice(one.first, one.last + 1)
+        points, normals = _seen(scene, fish)
+        off = np.linalg.norm(found[there] - points, axis=2) * 100.0 / (METRES * one.length_cm)
+        squares.append((off**2).mean())
+        largest = max(largest, off.max())
+        ways = ways[there] / np.linalg.norm(ways[there], axis=2, keepdims=True)
+        angle = np.degrees(np.arccos(np.clip((ways * normals).sum(axis=2), -1.0, 1.0)))
+        assert np.sqrt((angle**2).mean()) < (8.0 if variant == "skin" else 0.5)
+        for frame in {*range(scene.frames)} - {*range(one.first, one.last + 1)}:
+            assert np.ptp(found[frame], axis=0).max() < 1e-5
+    assert np.sqrt(np.mean(squares)) < most[0] and largest < most[1]
+    if variant == "skin" and kind == PLAIN:
+        said = reader.content["asset"]["extras"]
+        assert said["maxErrorPercent"] == pytest.approx(largest, rel=0.01)
+
+
+def test_textures_hold_the_points_of_each_fish(
+    scene: Scene, files: dict[tuple[str, str], Path], opened: Opened
+) -> None:
+    """Decoded as OpenVAT does: an offset from rest for each row, in Blender's axes."""
+    path = files["vat", QUANTISED]
+    reader = opened(path)
+    moment = _moment(reader, scene)
+    for fish, one in enumerate(scene.fishes):
+        number = _node(reader, one.name)
+        own = reader.content["nodes"][number]["extras"]
+        texels = cv2.imread(str(path.parent / own["texture"]), cv2.IMREAD_UNCHANGED)[..., ::-1]
+        texels = texels / 65535.0
+        remap = str(path.parent / own["texture"]).replace("_vat.png", "-remap_info.json")
+        content = json.loads(Path(remap).read_text())
+        ranges = content["os-remap"]
+        assert len(texels) == 2 * ranges["Frames"]
+        clip = content["animations"][one.name]
+        assert clip["startFrame"] == own["firstRow"] + 1
+        assert clip["endFrame"] - own["firstRow"] == one.last - one.first + 1
+        low, high = np.array(ranges["Min"]), np.array(ranges["Max"])
+        rows = own["firstRow"] + np.arange(one.last - one.first + 1)
+        ways = (low + texels[rows] * (high - low)) @ Z_UP @ Y_UP.T
+        points, _ = _seen(scene, fish)
+        world = moment.world[number][one.first : one.last + 1]
+        rest = to_metres(scene.models[one.model].rest, Y_UP)
+        shown = np.pad(rest + ways, ((0, 0), (0, 0), (0, 1)), constant_values=1.0)
+        found = (shown @ world.swapaxes(1, 2))[..., :3]
+        off = np.linalg.norm(found - points, axis=2) / (METRES * one.length_cm)
+        assert off.max() < 1e-4
+        mesh = reader.content["meshes"][
+            reader.content["nodes"][_node(reader, f"{one.name}_mesh")]["mesh"]
+        ]
+        texel = reader.array(mesh["primitives"][0]["attributes"]["TEXCOORD_1"])
+        np.testing.assert_allclose(texel[:, 0] * len(rest), np.arange(len(rest)) + 0.5, atol=1e-3)
+        np.testing.assert_allclose(texel[:, 1] * len(texels), 0.5, atol=1e-3)
+
+
+def test_the_validator_has_no_objection(
+    files: dict[tuple[str, str], Path], khronos: Callable[[Path], dict[str, Any]]
+) -> None:
+    for path in files.values():
+        issues = khronos(path)["issues"]
+        assert issues["numErrors"] == issues["numWarnings"] == 0, issues["messages"][:3]
+
+
+def test_the_camera_looks_where_the_film_did(
+    scene: Scene, files: dict[tuple[str, str], Path], opened: Opened
+) -> None:
+    """Until just before a cut it stays, and then it jumps."""
+    reader = opened(files["skin", PLAIN])
+    number = _node(reader, "camera")
+    world = _moment(reader, scene).world[number]
+    camera = scene.camera
+    np.testing.assert_allclose(world[:, :3, 3], to_metres(camera.position, WORLD_Y_UP), atol=1e-5)
+    axes = WORLD_Y_UP @ matrix(camera.rotation)
+    np.testing.assert_allclose(world[:, :3, :3], axes, atol=1e-5)
+    before = reader.worlds(scene.name, np.array([3.0 / scene.fps - 2e-3])).world[number]
+    np.testing.assert_allclose(before[0], world[2], atol=1e-5)
+    lens = reader.content["cameras"][0]["perspective"]
+    assert lens["yfov"] == camera.height_rad and lens["aspectRatio"] == camera.aspect
+    assert 0.0 < lens["znear"] < lens["zfar"]
+
+
+@pytest.mark.parametrize("kind", COMPRESSIONS)
+def test_what_stands_still_is_where_it_was(
+    scene: Scene, files: dict[tuple[str, str], Path], kind: str, opened: Opened
+) -> None:
+    """As nodes, or as instances; a sheared copy has its own vertices."""
+    reader = opened(files["skin", kind])
+    moment = _moment(reader, scene)
+    found = []
+    for number, node in enumerate(reader.content["nodes"]):
+        if "mesh" not in node or not node["name"].startswith(("coral", "rock")):
+            continue
+        own = node.get("extensions", {}).get("EXT_mesh_gpu_instancing")
+        points, _ = reader.node_points(number, moment)
+        if own is None:
+            found.append(points[0])
+            continue
+        parts = {name: reader.array(value) for name, value in own["attributes"].items()}
+        x, y, z, w = parts["ROTATION"].T
+        turns = matrix(np.stack([w, x, y, z], axis=1).astype(float))
+        stretched = parts["SCALE"][:, None] * points[0]
+        found += list(stretched @ turns.swapaxes(1, 2) + parts["TRANSLATION"][:, None])
+        assert (parts["_COLOR_0"] <= 1.0).all()
+    expected = [
+        to_metres(one.points @ place[:3, :3].T + place[:3, 3], WORLD_Y_UP)
+        for one in scene.statics
+        for place in one.places
+    ]
+    assert len(found) == len(expected)
+    for points in expected:
+        assert min(np.abs(points - other).max() for other in found) < 1e-5
+
+
+def test_the_file_says_what_it_is(
+    scene: Scene, files: dict[tuple[str, str], Path], opened: Opened
+) -> None:
+    for (variant, kind), path in files.items():
+        content = opened(path).content
+        assert content["asset"]["copyright"].startswith("Copyright (c) 2026 The subsea authors")
+        assert "MIT licence" in content["asset"]["copyright"]
+        own = content["asset"]["extras"]
+        assert own["scenario"] == scene.name and own["framesPerSecond"] == scene.fps
+        assert own["startSeconds"] == 0.0 and own["frames"] == FRAMES
+        names = [node.get("name") for node in content["nodes"]]
+        for one in scene.fishes:
+            node = content["nodes"][names.index(one.name)]
+            assert node["extras"]["species"] == scene.models[one.model].name
+        tints = {tuple(look["pbrMetallicRoughness"].get("baseColorFactor", ()))
+                 for look in content["materials"]}  # fmt: skip
+        assert len(tints) > len(scene.models), (variant, kind)
+
+
+def test_compression_and_an_estimate(scene: Scene, files: dict[tuple[str, str], Path]) -> None:
+    """Each kind is smaller than the one before it; sizes are known beforehand."""
+    models = [scene.models[one.model] for one in scene.fishes]
+    extent = SceneExtent(
+        frames=scene.frames,
+        vertices=tuple(len(one.rest) for one in models),
+        triangles=tuple(len(one.triangles) for one in models),
+        species=tuple(one.model for one in scene.fishes),
+    )
+    sizes = {}
+    for (variant, kind), path in files.items():
+        folder = path.with_name("scene_vat")
+        size = path.stat().st_size + sum(one.stat().st_size for one in folder.glob("*"))
+        estimate = WRITER.estimate(extent, SceneOptions(compress=kind, **VARIANTS[variant]))
+        assert size / 1.6 < estimate < 1.6 * size, (variant, kind)
+        sizes[variant, kind] = size
+    assert sizes["skin", PLAIN] > sizes["skin", QUANTISED] > 2 * sizes["skin", MESHOPT]
+    assert sizes["morph", PLAIN] > 2 * sizes["morph", MESHOPT]
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("scene.usd", {}, "expected a name that ends in .glb"),
+        ("scene.glb", {"morph": True, "vat": True}, "exclude each other"),
+        ("scene.glb", {"poses": 3}, "--poses is for --to usd"),
+        ("scene.glb", {"compress": "zip"}, "unknown compression 'zip'"),
+    ],
+)
+def test_wrong_options_are_one_line(
+    tmp_path: Path, name: str, options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(UserError, match=message):
+        WRITER.check(tmp_path / name, SceneOptions(**options))
+
+
+def test_a_texture_has_no_room_for_too_many_frames(scene: Scene, tmp_path: Path) -> None:
+    long = [one._replace(last=one.first + 5000) for one in scene.fishes]
+    with pytest.raises(UserError, match="5001 frames do not fit into a texture"):
+        WRITER.write(replace(scene, fishes=tuple(long)), tmp_path / "a.glb", SceneOptions(vat=True))
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_full_disk_leaves_nothing(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(self: Path, data: bytes) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(UserError, match="No space left"):
+        WRITER.write(scene, tmp_path / "a.glb", SceneOptions(morph=True, compress=MESHOPT))
+    assert not [*tmp_path.rglob("*.*")]

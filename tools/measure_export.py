@@ -1,0 +1,183 @@
+"""Measure exported files: bytes and errors of each format and compression, as tables.
+
+.venv/bin/python tools/measure_export.py [--detail N] [SPECIES ...]
+.venv/bin/python tools/measure_export.py [--detail N] --scene SCENARIO
+
+Errors are distances of vertices from playback, in percent of the body length, over all frames of
+all segments: root mean square, and the largest. Files are read again by the reader of the tests.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import meshopt
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres  # noqa: E402
+from subsea.export.clips import Clip, Model, make_clips, transform_points  # noqa: E402
+from subsea.export.compressions import COMPRESSIONS  # noqa: E402
+from subsea.export.dive_scene import record_scene  # noqa: E402
+from subsea.export.gltf import write_gltf  # noqa: E402
+from subsea.export.gltf_scene import WRITER as GLTF  # noqa: E402
+from subsea.export.packing import packing_of  # noqa: E402
+from subsea.export.recording import SceneFilmOptions  # noqa: E402
+from subsea.export.scene import Scene  # noqa: E402
+from subsea.export.scene_writer import SceneOptions  # noqa: E402
+from subsea.export.skinning import Skeleton, fit_skeleton  # noqa: E402
+from subsea.export.usd import write_usd  # noqa: E402
+from subsea.export.vat import encode, write_vat  # noqa: E402
+from subsea.fish.species import shipped_species  # noqa: E402
+from subsea.geometry.rotation import matrix  # noqa: E402
+from tests.support.gltf_reader import Reader  # noqa: E402
+
+SCENE_S = 3.0  # length of a scene
+FISHES = 5  # every fifth fish of a scene is read
+EVERY = 4  # of the clips with morph targets are read
+
+
+def opened(file: Path) -> Reader:
+    """A reader of a file, with its compressed arrays."""
+    reader = Reader(file)
+    buffers = reader.content["buffers"]
+    whole = bytearray(buffers[1]["byteLength"] if len(buffers) > 1 else 0)
+    for view in reader.content["bufferViews"]:
+        packed = view.get("extensions", {}).get("EXT_meshopt_compression")
+        if packed:
+            data = reader.binary[packed["byteOffset"] :][: packed["byteLength"]]
+            out = meshopt.decode_gltf_buffer(
+                data, packed["count"], packed["byteStride"], packed["mode"], packed.get("filter")
+            ).tobytes()
+            whole[view["byteOffset"] : view["byteOffset"] + len(out)] = out
+    reader.unpacked = bytes(whole)
+    return reader
+
+
+def errors(file: Path, model: Model, clips: list[Clip]) -> tuple[float, float]:
+    """Root mean square and largest error of a glTF file."""
+    reader = opened(file)
+    square, most, count = 0.0, 0.0, 0
+    for clip in clips:
+        points = transform_points(clip.points, clip.position, clip.rotation)
+        found = reader.points(clip.name, reader.times(clip.name))
+        off = np.linalg.norm(found - to_metres(points, Y_UP), axis=2) * 100.0
+        off /= METRES * model.length_cm
+        square, most, count = square + (off**2).sum(), max(most, off.max()), count + off.size
+    return float(np.sqrt(square / count)), float(most)
+
+
+def texture_errors(model: Model, clips: list[Clip]) -> tuple[float, float]:
+    """The same of a vertex animation texture."""
+    texture = encode(model, clips, False)
+    share = texture.texels[: len(texture.texels) // 2] / 65535.0
+    ways = texture.low + share * (texture.high - texture.low)
+    goal = to_metres(np.concatenate([clip.points for clip in clips]) - model.rest, Z_UP)
+    off = np.linalg.norm(ways - goal, axis=2) * 100.0 / (METRES * model.length_cm)
+    return float(np.sqrt((off**2).mean())), float(off.max())
+
+
+def size(files: list[Path]) -> str:
+    """The megabytes of files."""
+    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
+
+
+def skeleton_row(folder: Path, model: Model, clips: list[Clip], rig: Skeleton) -> str:
+    """A row of the table of skeletons."""
+    cells = [f"{len(rig.joints)}", f"{sum(len(clip.points) for clip in clips)}"]
+    for kind in COMPRESSIONS:
+        file = write_gltf(folder, model, clips, False, rig, packing_of(kind))
+        rms, most = errors(file, model, clips)
+        cells += [size([file]), f"{rms:.2f}% ({most:.1f}%)"]
+    return " | ".join([f"| {model.name.replace('_', ' ')}", *cells]) + " |"
+
+
+def exact_row(folder: Path, model: Model, clips: list[Clip]) -> str:
+    """A row of the table of exact formats."""
+    cells = []
+    for kind in COMPRESSIONS:
+        file = write_gltf(folder, model, clips, False, None, packing_of(kind))
+        _, most = errors(file, model, clips[::EVERY])
+        cells += [size([file]), f"{most:.4f}%"]
+    _, most = texture_errors(model, clips)
+    cells += [size(write_vat(folder, model, clips, False)), f"{most:.4f}%"]
+    cells.append(size(write_usd(folder, model, clips, False)))
+    return " | ".join([f"| {model.name.replace('_', ' ')}", *cells]) + " |"
+
+
+def scene_errors(file: Path, scene: Scene) -> tuple[float, float]:
+    """Root mean square and largest error of fishes of a scene."""
+    reader = opened(file)
+    moment = reader.worlds(scene.name, np.arange(scene.frames) / scene.fps)
+    names = [node.get("name") for node in reader.content["nodes"]]
+    offs = []
+    for fish in range(0, len(scene.fishes), FISHES):
+        one = scene.fishes[fish]
+        there = slice(one.first, one.last + 1)
+        found, _ = reader.node_points(names.index(f"{one.name}_mesh"), moment)
+        turns = matrix(scene.rotation[there, fish]).swapaxes(1, 2)
+        seen = scene.position[there, fish][:, None] + scene.points(fish)[0] @ turns
+        off = np.linalg.norm(found[there] - to_metres(seen, WORLD_Y_UP), axis=2)
+        offs.append(off.ravel() * 100.0 / (METRES * one.length_cm))
+    off = np.concatenate(offs)
+    return float(np.sqrt((off**2).mean())), float(off.max())
+
+
+def measure_scene(name: str, detail: int) -> None:
+    """Print the table of a scene."""
+    film = SceneFilmOptions(
+        out=Path("scene.glb"), scenario=name, start=4.0, seconds=SCENE_S, detail=detail
+    )
+    scene = record_scene(film)
+    print(f"{len(scene.fishes)} fishes, {scene.frames} frames, level {detail}")
+    print("| fishes | compression | bytes | off, rms (most) | seconds to write |")
+    print("| --- " * 5 + "|")
+    for variant in ({}, {"morph": True}, {"vat": True}):
+        for kind in COMPRESSIONS:
+            with TemporaryDirectory() as folder:
+                file, begin = Path(folder) / "scene.glb", time.monotonic()
+                files = GLTF.write(scene, file, SceneOptions(compress=kind, **variant))
+                took = time.monotonic() - begin
+                off = "-"
+                if "vat" not in variant:
+                    rms, most = scene_errors(file, scene)
+                    off = f"{rms:.4f}% ({most:.4f}%)"
+                label = next(iter(variant), "skeletons")
+                print(f"| {label} | {kind} | {size(files)} | {off} | {took:.0f} |", flush=True)
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", metavar="SCENARIO")
+    parser.add_argument("species", nargs="*", default=shipped_species())
+    parser.add_argument("--detail", type=int, choices=range(4), default=0)
+    options = parser.parse_args()
+    if options.scene:
+        measure_scene(options.scene, options.detail)
+        return
+    skeletons, exact = [], []
+    for name in options.species:
+        model, clips = make_clips(name, options.detail)
+        with TemporaryDirectory() as folder:
+            exact.append(exact_row(Path(folder), model, clips))
+            print(exact[-1], file=sys.stderr, flush=True)
+            rig = fit_skeleton(model, clips)
+            skeletons.append(skeleton_row(Path(folder), model, clips, rig))
+            print(skeletons[-1], file=sys.stderr, flush=True)
+    kinds = [f"{kind} | off" for kind in COMPRESSIONS]
+    print(" | ".join(["|", "joints", "frames", *kinds]) + " |")
+    print("| --- " * 9 + "|")
+    print("\n".join(skeletons))
+    print()
+    print(" | ".join(["|", *kinds, "vat | off", "usd"]) + " |")
+    print("| --- " * 10 + "|")
+    print("\n".join(exact))
+
+
+if __name__ == "__main__":
+    main()
