@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def _in_browser(site: Path, picture: Path) -> None:
-    """What the page shows at the last frame, without its controls."""
+    """Photograph the page at the last frame, without its controls."""
     handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=site)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
