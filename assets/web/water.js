@@ -2,7 +2,7 @@
 import * as THREE from "three";
 
 const CM = 100;
-const LEAF = 0.8; // share of the light on a leaf that shines through
+const LEAF = 0.4; // share of the light on a leaf that shines through
 
 export class Water {
   // `about` is the scene's "water": uniforms of water.glsl, those of the eye at steps of depth, and
