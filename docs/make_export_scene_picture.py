@@ -19,7 +19,7 @@ from subsea.cli.main import main as subsea
 from tools.browser import browser
 
 SCENE, START_S, FPS, FRAMES = "peaceful", 16.0, 30, 3
-WHAT = ["--start", str(START_S), "--seconds", str(FRAMES / FPS), "--fish", "120"]
+WHAT = ["--start", str(START_S), "--seconds", str(FRAMES / FPS), "--fish", "60"]
 SIZE = 640, 360
 SHOWN = 426, 240
 BLENDER = Path(".venv/blender/bin/python")
@@ -35,8 +35,7 @@ def main() -> None:
         # A folder of frames, as a single picture would show the end of the last one.
         subsea(["film", str(pictures["dive"]), "--scenario", SCENE, *WHAT, *size])
         pictures["dive"] = sorted(pictures["dive"].glob("*.png"))[-1]
-        subsea(["export", SCENE, "--to", "web", "--out", str(folder / "web"), *WHAT, *size,
-                "--detail", "0"])  # fmt: skip
+        subsea(["export", SCENE, "--to", "web", "--out", str(folder / "web"), *WHAT, *size])
         _in_browser(folder / "web", pictures["browser"])
         command = [BLENDER, "tools/blender_scene.py", folder / "web/scene.glb", FPS, FRAMES - 1,
                    folder / "points.npz", pictures["Blender"]]  # fmt: skip
@@ -51,18 +50,20 @@ def main() -> None:
 
 
 def _in_browser(site: Path, picture: Path) -> None:
-    """What the page shows at the last frame, without its controls."""
+    """Photograph the page at the last frame, without its controls."""
     handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=site)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         with browser(webgl=True) as page:
             page.size(*SIZE)
+            still = [{"name": "prefers-reduced-motion", "value": "reduce"}]
+            page.call("Emulation.setEmulatedMedia", features=still)
             page.open(f"http://127.0.0.1:{server.server_address[1]}/index.html")
             page.until("window.viewer !== undefined")
             page.run(
                 "for (const one of document.querySelectorAll('header, nav, footer'))"
                 " one.hidden = true;"
-                f"viewer.play(false); viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()"
+                f"viewer.seek({(FRAMES - 1) / FPS}); viewer.draw()"
             )
             page.screenshot(picture)
         server.shutdown()

@@ -2,6 +2,7 @@
 import * as THREE from "three";
 
 const CM = 100;
+const LEAF = 0.4; // share of the light on a leaf that shines through
 
 export class Water {
   // `about` is the scene's "water": uniforms of water.glsl, those of the eye at steps of depth, and
@@ -42,6 +43,7 @@ export class Water {
       name: old.name, color: old.color, map: old.map, vertexColors: old.vertexColors, side: old.side,
       transparent: old.transparent, alphaTest: Math.max(old.alphaTest, 0.05),
     });
+    const leaf = old.side === THREE.DoubleSide && !old.map ? LEAF : 0;
     material.onBeforeCompile = shader => {
       Object.assign(shader.uniforms, this.uniforms);
       shader.vertexShader = shader.vertexShader
@@ -60,12 +62,12 @@ export class Water {
           float far = length(ray);
           vec3 light = light_on(v_sea, facing, 0.25);
           // What is thin glows with the light that falls on its other side.
-          light += 2.0 * (1.0 - diffuseColor.a) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
+          light += max(2.0 * (1.0 - diffuseColor.a), ${leaf.toFixed(1)}) * sunlight_at(v_sea.z) * max(dot(-facing, SUN), 0.2);
           vec3 clear = clearness(far);
           vec3 seen = EXPOSURE * diffuseColor.rgb * light * clear + water_radiance(ray / far) * (1.0 - clear);
           gl_FragColor = vec4(curved(seen), diffuseColor.a);`);
     };
-    material.customProgramCacheKey = () => "water";
+    material.customProgramCacheKey = () => `water ${leaf}`;
     return material;
   }
 

@@ -1,6 +1,6 @@
 """A folder with a page that shows an exported scene, for any static web server.
 
-The page draws `scene.glb` with three.js, which is no part of this project: the file
+The page draws `scene.glb` with three.js, which lies outside this project: the file
 `assets/web/package.json` declares it, and the folder gets its modules and its licence. The dive's
 own shader code computes the light in the water (`shaders/optics.glsl`), with the values that
 `rendering.output.daylight` gives for the scenario.
