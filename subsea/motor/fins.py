@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.core.arrays import Ints
 from subsea.core.kernels import kernel
-from subsea.motor.segments import LEFT_GRADUAL, RIGHT_GRADUAL, ROW
+from subsea.motor.segments import ROW, SIDES
 from subsea.repertoire.library import Library
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
@@ -44,7 +44,7 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         steering = fishes.steering[i, 0]
         effort = min((abs(steering) + abs(fishes.steering[i, 1])) / FULL_STEERING, 1.0)
         speed = min(max(np.float64(fishes.goal_speed[i]), 0.0), 1.0)
-        turning = min(max(steering / FULL_STEERING + _side(fishes.segment[i]), -1.0), 1.0)
+        turning = min(max(steering / FULL_STEERING + SIDES[fishes.segment[i]], -1.0), 1.0)
         braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
         beat = (
@@ -108,11 +108,3 @@ def _stroke(fishes: Fishes, library: Library, i: int) -> tuple[float, float]:
         share, place = 1.0, a - first + weight
     phase = 2.0 * np.pi * (place + 1.0) / length  # a row is the pose at its end
     return share, phase if fishes.thrust[i] >= 0.0 else -phase
-
-
-@kernel
-def _side(segment: int) -> float:
-    """The side to which a segment turns: 1 left, -1 right, 0 none."""
-    if segment < LEFT_GRADUAL:
-        return 0.0
-    return 1.0 if segment < RIGHT_GRADUAL else -1.0

@@ -1,5 +1,7 @@
 """Codes of `repertoire.schema.SEGMENTS`, as plain numbers for compiled kernels."""
 
+import numpy as np
+
 from subsea.core.kernels import kernel
 from subsea.repertoire import SEGMENTS
 
@@ -11,6 +13,8 @@ LEFT_REST = SEGMENTS.index("turn_left_rest")
 LEFT_GLIDE = SEGMENTS.index("turn_left_glide")
 START, STOP = SEGMENTS.index("swim_start"), SEGMENTS.index("swim_stop")
 ROW = SEGMENTS.index("row_forward")
+# The side to which each segment turns: 1 left, -1 right, 0 none.
+SIDES = np.array([("left" in name) - float("right" in name) for name in SEGMENTS])
 
 
 @kernel

@@ -1,9 +1,11 @@
 """Pectoral fins and breath."""
 
 import numpy as np
+import pytest
 
 from subsea.motor.fins import flap
-from subsea.motor.segments import ROW
+from subsea.motor.segments import ROW, SIDES
+from subsea.repertoire import SEGMENTS
 from subsea.state import DORSAL, LIFT_LEFT, LIFT_RIGHT, MOUTH, SWEEP_LEFT, SWEEP_RIGHT, TAIL
 from tests.support.scenes import everyone
 
@@ -89,6 +91,17 @@ def test_speed_folds_the_dorsal_fin_and_braking_spreads_the_tail(make_fishes, li
     assert 0.6 < fast[DORSAL] < 0.75 < 0.95 < slow[DORSAL] <= 1.0
     assert fast[TAIL] < 0.01 < 0.2 < braking[-1, TAIL]
     assert np.abs(np.diff(braking, axis=0)[:, [DORSAL, TAIL]]).max() < 0.11  # eased
+
+
+@pytest.mark.parametrize("segment", SEGMENTS)
+def test_a_turn_spreads_the_tail_and_straight_swimming_does_not(make_fishes, library, segment):
+    fishes = make_fishes(1, segment)
+    fishes.goal_speed[:] = fishes.thrust[:] = 1.0
+    for _ in range(90):
+        flap(everyone(fishes), fishes, library, TICK)
+    turns = "left" in segment or "right" in segment
+    assert (fishes.fins[0, TAIL] > 0.15) == turns
+    assert SIDES[SEGMENTS.index(segment)] == (segment.count("left") - segment.count("right"))
 
 
 def _rowing(make_fishes, library, flaps):
