@@ -59,6 +59,8 @@ NOT_TYPED = {
     ".venv/bin/uv lock": "it asks the network",
     ".venv/bin/jupyter": "tests/docs/test_notebooks.py runs the notebooks",
     "pip install": "it asks the network",
+    "python -m http.server": "it serves until it is interrupted",
+    "python tools/blender_scene.py": "`make blender` runs it, in Blender's own Python",
     "uvx": "it asks the network",
     ". .venv/bin/activate": "these programs run in it already",
     "apt install": "it asks the network",
