@@ -24,8 +24,6 @@ OFF = {"usdc": (1e-4, 1e-4), "glb": (5e-3, 3e-2)}  # rms and most, shares of the
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("kind", OFF)
 def test_vertices_are_where_the_dive_has_them(kind: str, dive: Scene, tmp_path: Path) -> None:
-    if not BLENDER.exists():
-        pytest.skip("Blender is missing: make blender")
     writer = {"usdc": usd_scene, "glb": gltf_scene}[kind].WRITER
     out = tmp_path / f"scene.{kind}"
     scene = replace(dive, fps=float(FPS))  # Blender has whole frames
