@@ -141,6 +141,7 @@ class SceneFile:
         scene, camera = self.scene, self.scene.camera
         own = {
             "scenario": scene.name,
+            "seed": scene.seed,
             "framesPerSecond": scene.fps,
             "frames": scene.frames,
             "seconds": (scene.frames - 1) / scene.fps,

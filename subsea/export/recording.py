@@ -152,6 +152,7 @@ def make_scene(
     return Scene(
         name=name,
         title=world.scenario.title,
+        seed=world.state.seed,
         fps=rate,
         start_s=options.start,
         frames=frames,

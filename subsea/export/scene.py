@@ -79,6 +79,7 @@ class Scene:
 
     name: str
     title: str  # of the scenario
+    seed: int  # of the dive, from which it can be recorded again
     fps: float  # frames per second
     start_s: float  # time of the first frame, seconds of the dive
     frames: int  # T

@@ -119,7 +119,7 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
     stage = Usd.Stage.CreateNew(str(path))
     set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
-        title=scene.title, start_s=scene.start_s,
+        title=scene.title, seed=scene.seed, start_s=scene.start_s,
     )  # fmt: skip
     root = UsdGeom.Xform.Define(stage, f"/{identifier(scene.name)}")
     stage.SetDefaultPrim(root.GetPrim())

@@ -265,7 +265,8 @@ def test_the_file_says_what_it_is(
         assert content["asset"]["copyright"].startswith("Copyright (c) 2026 The subsea authors")
         assert "MIT licence" in content["asset"]["copyright"]
         own = content["asset"]["extras"]
-        assert own["scenario"] == scene.name and own["framesPerSecond"] == scene.fps
+        assert own["scenario"] == scene.name and own["seed"] == scene.seed
+        assert own["framesPerSecond"] == scene.fps
         assert own["startSeconds"] == 0.0 and own["frames"] == FRAMES
         names = [node.get("name") for node in content["nodes"]]
         for one in scene.fishes:
