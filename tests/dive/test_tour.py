@@ -152,7 +152,7 @@ def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
 def test_the_autopilot_approaches_the_largest_shoal():
     """While no pair dances, which is more interesting."""
     seen = []
-    for seed in (1, 2):
+    for seed in (1, 4, 5):
         world, tour = start_world("peaceful", seed=seed), Tour()
         largest = np.bincount(world.state.fishes.species).argmax()
         before = len(seen)

@@ -67,13 +67,13 @@ def test_between_two_ticks_the_eyes_travel_with_the_body(world):
 
 
 def test_each_eye_is_on_its_side_and_misses_its_own_body(world):
-    by = fish_eyes(world, 3)
+    by = fish_eyes(world, 5)
     rig = retina_rig(SIZE, by.half_cm)
     left, right = retinal_views(world, by, rig, 1.0)
-    assert left.without == right.without == 3
-    axes = matrix(world.state.fishes.orientation[3].astype(float))
+    assert left.without == right.without == 5
+    axes = matrix(world.state.fishes.orientation[5].astype(float))
     np.testing.assert_allclose(right.eye - left.eye, 2 * by.half_cm * axes[:, 2], atol=1e-5)
-    points = control_points_world(world.state.fishes, world.library, 3)
+    points = control_points_world(world.state.fishes, world.library, 5)
     for view, part in ((left, LEFT), (right, RIGHT)):
         # Where the skin bends with the beat, eyes are slightly off it.
         assert np.linalg.norm(by.weights @ points[part] - view.eye) < 0.25 * by.half_cm + 0.05
