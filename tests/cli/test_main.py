@@ -15,8 +15,8 @@ from subsea.scenario.load import own_scenarios
 from subsea.study.record import read_record
 
 COMMANDS = (
-    "dive", "film", "export", "simulate", "study", "sweep", "benchmark", "soak", "build", "skin", "list",
-    "theatre", "keys", "show", "doctor", "settings",
+    "dive", "film", "export", "simulate", "study", "sweep", "benchmark", "soak", "build", "skin",
+    "list", "theatre", "keys", "show", "doctor", "settings",
 )  # fmt: skip
 DOOR = Path(__file__).parents[2] / "run_submarine.py"
 
