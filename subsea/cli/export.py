@@ -40,28 +40,14 @@ def add(commands: Any) -> None:
         metavar="FILE.h5",
         help="replay a record of SCENE by `subsea simulate`; the submarine stands still",
     )
-    shared.add(parser, "follow")
-    parser.add_argument(
-        "--start",
-        type=number_reader(float, 0.0, 86400.0),
-        default=0.0,
-        metavar="S",
-        help="seconds of the dive to skip (default 0)",
-    )
+    shared.add(parser, "follow", "start")
     parser.add_argument(
         "--seconds",
         type=number_reader(float, 0.03, 3600),
         metavar="S",
         help="length of the scene (default 10, or to the end of a tour or record)",
     )
-    parser.add_argument(
-        "--fps",
-        type=number_reader(float, 1, 240),
-        default=30.0,
-        metavar="F",
-        help="frames per second (default 30)",
-    )
-    shared.add(parser, "size", "fish", "seed")
+    shared.add(parser, "fps", "size", "fish", "seed")
     parser.add_argument(
         "--with",
         dest="groups",

@@ -40,22 +40,7 @@ def add(commands: Any) -> None:
         help="length of the film (default 10, or to the end of a named tour or of the directions); "
         "a picture shows its end",
     )
-    shared.add(parser, "tour")
-    parser.add_argument(
-        "--start",
-        type=number_reader(float, 0.0, 86400.0),
-        default=0.0,
-        metavar="S",
-        help="seconds of the dive to skip (default 0)",
-    )
-    parser.add_argument(
-        "--fps",
-        type=number_reader(float, 1, 240),
-        default=30.0,
-        metavar="F",
-        help="pictures per second (default 30)",
-    )
-    shared.add(parser, "size")
+    shared.add(parser, "tour", "start", "fps", "size")
     shared.add_quality(parser, "high", automatic=False)
     shared.add(parser, "fish", "seed", *shared.DRAWING, "follow", "theatre", "shrink")
     parser.add_argument("--mute", action="store_true", help="a film without sound")

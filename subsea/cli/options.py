@@ -153,6 +153,18 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "DEG",
         "help": "forward tilt of a dome (default 30); 0: zenith in the middle",
     },
+    "start": {
+        "type": number_reader(float, 0.0, 86400.0),
+        "default": 0.0,
+        "metavar": "S",
+        "help": "seconds of the dive to skip (default 0)",
+    },
+    "fps": {
+        "type": number_reader(float, 1, 240),
+        "default": 30.0,
+        "metavar": "F",
+        "help": "pictures per second (default 30)",
+    },
     "size": {"type": _size, "metavar": "WxH", "help": f"pixels (default {SIZE[0]}x{SIZE[1]})"},
     "target-ms": {
         "type": number_reader(float, 1.0, 1000.0),

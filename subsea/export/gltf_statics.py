@@ -19,7 +19,7 @@ SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its o
 
 
 class Statics(NamedTuple):
-    """What a file gets for meshes that do not move: its lists are continued."""
+    """Lists of a file, to which meshes that do not move are added."""
 
     buffer: GlbBuffer
     nodes: list[Json]

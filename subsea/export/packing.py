@@ -19,7 +19,7 @@ SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: 
 
 
 class PositionGrid(NamedTuple):
-    """Where rounded positions lie: a position is `middle` + `half` times its integer / SHORT.
+    """The grid of rounded positions: a position is `middle` + `half` times its integer / SHORT.
 
     One step for all axes, so that normals need no correction.
     """
@@ -52,7 +52,7 @@ class Stored(NamedTuple):
 
 
 class Packing(NamedTuple):
-    """What to do with the arrays of a file."""
+    """The rounding and compression of the arrays of a file."""
 
     kind: str = PLAIN
 

@@ -50,7 +50,7 @@ class SceneFilmOptions(FilmOptions):
 
     record: Path | None = None  # replay this record of `subsea simulate`, not a scenario
     follow: str | None = None  # the camera looks at this fish, as long as it lives
-    groups: Sequence[str] = GROUPS  # what the scene holds beside fishes and camera
+    groups: Sequence[str] = GROUPS  # of the scene, beside fishes and camera
     detail: int = 1  # level of the fishes' meshes, 0 is the finest
 
 

@@ -1,4 +1,4 @@
-"""What a format of scenes offers: checks, an estimate of its bytes, and writing."""
+"""The interface of a format of scenes: checks, an estimate of its bytes, and writing."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What does not move, in a USD stage: coloured meshes, instanced where they repeat."""
+"""Sand, stone, corals and seaweed in a USD stage: coloured meshes, instanced where they repeat."""
 
 from typing import Any
 

@@ -21,7 +21,7 @@ RMS_PERCENT, MOST_PERCENT = 0.2, 2.0  # of the body length: what fitted joints m
 BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root
 # The widest motions; of BAKED all are fitted, which takes ten times as long.
 WIDEST = "swim_fast", "swim_burst", "turn_left_sharp", "cstart_left_wide", "swim_stop"
-ROUNDED_PERCENT = 0.1  # what rounding may add: nearly all of it by weights of 8 bits
+ROUNDED_PERCENT = 0.1  # that rounding may add, nearly all by weights of 8 bits
 EXACT_PERCENT = 1e-3  # single precision, some lengths from the origin
 Exported = tuple[Model, list[Clip], Skeleton]
 

@@ -34,7 +34,7 @@ def meshes_of(stage: Any, frame: int) -> list[tuple[str, np.ndarray, np.ndarray]
 def label_map(
     context: Any, stage: Any, camera: str, frame: int, size: tuple[int, int], labels: Any
 ) -> np.ndarray:
-    """What each pixel (h, w) shows, top row first: `labels(path)` of its mesh, 0 for nothing."""
+    """The mesh in each pixel (h, w), top row first: `labels(path)` of it, 0 for nothing."""
     frustum = UsdGeom.Camera(stage.GetPrimAtPath(camera)).GetCamera(frame).frustum
     view, projection = (
         np.array(one) for one in (frustum.ComputeViewMatrix(), frustum.ComputeProjectionMatrix())
