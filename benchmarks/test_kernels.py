@@ -332,7 +332,8 @@ def test_specks(benchmark, bay, of):
     sea, clock = bay.state.sea, Clock(bay.state.seed, bay.state.tick, TICK_S)
     group = f"{len(sea.plankton)} specks among rocks, one tick"
     if of == "kernel":
-        timed(benchmark, group, of, drift, sea, flow_at(bay.current_cm_s, 1.0), clock)
+        specks, flow = np.arange(len(sea.plankton)), flow_at(bay.current_cm_s, 1.0)
+        timed(benchmark, group, of, drift, specks, sea, bay.rock_cells, flow, clock)
     else:
         copied(benchmark, group, of, sea.plankton, sea.absent)
 
@@ -344,7 +345,8 @@ def test_leaves(benchmark, bay, of):
     group = f"{len(state.seaweed.node)} leaves, one tick"
     if of == "kernel":
         flow = flow_at(bay.current_cm_s, 1.0)
-        given = state.seaweed, state.fishes, state.sea, flow, far, clock
+        who = np.arange(len(state.sea.seaweed))
+        given = who, state.seaweed, state.fishes, state.sea, bay.rock_cells, flow, far, clock
         timed(benchmark, group, of, step_seaweed, *given)
     else:
         copied(benchmark, group, of, state.seaweed.node, state.seaweed.previous)

@@ -39,7 +39,12 @@ def from_rock(rock: Array, p: Vector) -> tuple[Vector, float]:
 
     The distance is exact on the surface and to first order beside it.
     """
-    c, s = math.cos(rock[6]), math.sin(rock[6])
+    return from_turned_rock(rock, math.cos(rock[6]), math.sin(rock[6]), p)
+
+
+@kernel
+def from_turned_rock(rock: Array, c: float, s: float, p: Vector) -> tuple[Vector, float]:
+    """`from_rock` with the cosine and sine of the rock's yaw."""
     dx, dy, dz = p[0] - rock[0], p[1] - rock[1], p[2] - rock[2]
     half = (float(rock[3]), float(rock[4]), float(rock[5]))
     (x, y, z), slope, distance = from_ellipsoid(half, (c * dx + s * dy, c * dy - s * dx, dz))

@@ -4,9 +4,9 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.solids import far_from_rock, from_pillar, from_turned_rock
 from subsea.geometry.vector import ZERO, Vector, plus, store, times, vector
-from subsea.habitat.rock_cells import rock_cells, rocks_near
+from subsea.habitat.rock_cells import RockCells, rocks_near
 from subsea.state import Fishes, Sea
 
 PERIOD_S = 14.0
@@ -22,8 +22,10 @@ def flow_at(current_cm_s: tuple[float, float], time_s: float) -> Array:
 
 
 @kernel
-def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
+def flow_near(pillars: Array, cells: RockCells, flow: Vector, p: Vector) -> Vector:
     """Velocity of the water at p, cm/s: the uniform `flow` and the sources of the solids near.
+
+    The cells list the rocks within REACH_CM.
 
     Tu's source is v^s = a/(d - r)², outward from the axis of a pillar and below its top. Here a is
     the present strength of the uniform flow, which bounds v^s, and distances are in units of
@@ -41,12 +43,13 @@ def flow_near(pillars: Array, rocks: Array, flow: Vector, p: Vector) -> Vector:
         if p[2] < top and abs(p[0] - x) < far and abs(p[1] - y) < far:
             way, gap = from_pillar((x, y, radius, np.inf), p)
             flow = plus(flow, times(_source(strength, gap), way))
+    rocks = rocks_near(cells, p)
     for k in range(len(rocks)):
         far = max(rocks[k, 3], rocks[k, 4]) + REACH_CM
         if abs(p[0] - rocks[k, 0]) < far and abs(p[1] - rocks[k, 1]) < far:
             if far_from_rock(rocks[k], p, reach):
                 continue
-            way, gap = from_rock(rocks[k], p)
+            way, gap = from_turned_rock(rocks[k], rocks[k, 7], rocks[k, 8], p)
             speed = _source(strength, gap)
             sent, total = plus(sent, times(speed * speed, (way[0], way[1], 0.0))), total + speed
     return plus(flow, times(1.0 / total, sent)) if total > 0.0 else flow
@@ -62,9 +65,8 @@ def _source(strength: float, gap: float) -> float:
 
 
 @kernel
-def set_drift(who: Ints, fishes: Fishes, sea: Sea, flow: Array) -> None:
+def set_drift(who: Ints, fishes: Fishes, sea: Sea, cells: RockCells, flow: Array) -> None:
     """Set `fishes.drift` to the velocity of the water at each of the fishes `who`."""
-    uniform, cells = vector(flow), rock_cells(sea.rocks, REACH_CM)
+    uniform = vector(flow)
     for i in who:
-        here = vector(fishes.position[i])
-        store(fishes.drift[i], flow_near(sea.pillars, rocks_near(cells, here), uniform, here))
+        store(fishes.drift[i], flow_near(sea.pillars, cells, uniform, vector(fishes.position[i])))

@@ -8,8 +8,8 @@ from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.habitat.clearance import is_free
-from subsea.habitat.current import REACH_CM, flow_near
-from subsea.habitat.rock_cells import rock_cells, rocks_near
+from subsea.habitat.current import flow_near
+from subsea.habitat.rock_cells import RockCells, rocks_near
 from subsea.state import Clock, Sea
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion
@@ -61,14 +61,14 @@ def scatter(
 
 
 @kernel
-def drift(who: Ints, sea: Sea, flow: Array, clock: Clock) -> None:
+def drift(who: Ints, sea: Sea, cells: RockCells, flow: Array, clock: Clock) -> None:
     """Move the specks `who` by one tick with the water, and a little at random.
 
     A speck that leaves the cylinder enters on the other side. One that was eaten returns after its
     absence near the same place: the oscillating current brings nothing from afar, and feeding
     grounds would be empty in half an hour. Specks do not enter solids.
     """
-    uniform_flow, cells = vector(flow), rock_cells(sea.rocks, REACH_CM)
+    uniform_flow = vector(flow)
     for k in who:
         if sea.absent[k] > 0.0:
             sea.absent[k] = max(sea.absent[k] - np.float32(clock.dt), np.float32(0.0))
@@ -87,8 +87,7 @@ def drift(who: Ints, sea: Sea, flow: Array, clock: Clock) -> None:
             WANDER_CM_S * (2.0 * uniform(clock.seed, k, epoch, WANDER_Z) - 1.0),
         )
         here = vector(sea.plankton[k])
-        rocks = rocks_near(cells, here)
-        velocity = plus(flow_near(sea.pillars, rocks, uniform_flow, here), own)
+        velocity = plus(flow_near(sea.pillars, cells, uniform_flow, here), own)
         x, y, z = plus(here, times(clock.dt, velocity))
         if x * x + y * y > sea.radius * sea.radius:
             x, y = -0.98 * x, -0.98 * y

@@ -1,4 +1,7 @@
-"""Rocks listed by the square cells of the seabed near them, for passes over many places."""
+"""Rocks listed by the square cells of the seabed near them, for passes over many places.
+
+Rocks never move, so a world lists them once.
+"""
 
 import math
 from typing import NamedTuple
@@ -21,14 +24,18 @@ class RockCells(NamedTuple):
     columns: int
     rows: int
     first: Ints  # (cells + 1,) where the rocks of each cell begin in `near`
-    near: Array  # (m, 7) rows of `Sea.rocks`, of each cell in their order; all if they are few
+    near: Array  # (m, 9) rows of `Sea.rocks`, of each cell in their order; all if they are few.
+    # The last two columns are the cosine and sine of the yaw.
 
 
 @kernel
 def rock_cells(rocks: Array, reach: float) -> RockCells:
     """List the `rocks` (k, 7) that are within `reach` cm of each cell, level and by their boxes."""
     if len(rocks) <= FEW:
-        return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), rocks)
+        few = np.empty((len(rocks), 9))
+        for k in range(len(rocks)):
+            _list_rock(few[k], rocks[k])
+        return RockCells(0.0, 0.0, 0, 0, np.zeros(1, np.int64), few)
     west, south, east, north = math.inf, math.inf, -math.inf, -math.inf
     for k in range(len(rocks)):
         far = max(rocks[k, 3], rocks[k, 4]) + reach
@@ -49,20 +56,27 @@ def rock_cells(rocks: Array, reach: float) -> RockCells:
                 first[row * columns + column + 1] += 1
     for cell in range(columns * rows):
         first[cell + 1] += first[cell]
-    near, filled = np.empty((first[-1], 7)), first[:-1].copy()
+    near, filled = np.empty((first[-1], 9)), first[:-1].copy()
     for k in range(len(rocks)):
         for row in range(box[k, 2], box[k, 3] + 1):
             for column in range(box[k, 0], box[k, 1] + 1):
                 slot = filled[row * columns + column]
-                for item in range(7):
-                    near[slot, item] = rocks[k, item]
+                _list_rock(near[slot], rocks[k])
                 filled[row * columns + column] += 1
     return RockCells(west, south, columns, rows, first, near)
 
 
 @kernel
+def _list_rock(row: Array, rock: Array) -> None:
+    """Write a rock (7,) and the cosine and sine of its yaw to `row` (9,)."""
+    for item in range(7):
+        row[item] = rock[item]
+    row[7], row[8] = math.cos(rock[6]), math.sin(rock[6])
+
+
+@kernel
 def rocks_near(cells: RockCells, p: Vector) -> Array:
-    """Rows (j, 7) of the rocks listed at p: all within the reach of the cells, and some farther."""
+    """Rows (j, 9) of the rocks listed at p: all within the reach of the cells, and some farther."""
     if cells.columns == 0:
         return cells.near
     x, y = (p[0] - cells.west) / CELL_CM, (p[1] - cells.south) / CELL_CM

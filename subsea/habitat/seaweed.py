@@ -12,6 +12,7 @@ from subsea.habitat.clearance import clearance
 from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
+from subsea.habitat.rock_cells import RockCells
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import SeaweedTable as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed
@@ -177,24 +178,25 @@ def _cells(node: Array, first: Ints, sea: Sea) -> tuple[Ints, Ints]:
 
 @kernel
 def step_seaweed(
-    seaweed: Seaweed, fishes: Fishes, sea: Sea, flow: Array, visibility: float, clock: Clock
-) -> None:
-    """Move the leaves by one tick in the water of current, passing fishes and submarine.
+    who: Ints, seaweed: Seaweed, fishes: Fishes, sea: Sea, cells: RockCells, flow: Array,
+    visibility: float, clock: Clock,
+) -> None:  # fmt: skip
+    """Move the clusters `who` by one tick in the water of current, passing fishes and submarine.
 
     Clusters beyond the visibility of the submarine stand still. Also writes `sea.seaweed`.
     """
-    clusters = len(seaweed.first) - 1
-    if clusters == 0:
+    if len(who) == 0:
         return
-    for leaf in range(len(seaweed.node)):  # a copy of arrays would take seconds to compile
-        for i in range(NODES):
-            for axis in range(3):
-                seaweed.previous[leaf, i, axis] = seaweed.node[leaf, i, axis]
     count, near = _passers(seaweed, fishes, sea)
     hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
     uniform = vector(flow)
     water, response = np.empty((NODES, 3)), _response(clock.dt)
-    for k in range(clusters):
+    for k in who:
+        # A copy of arrays would take seconds to compile.
+        for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
+            for i in range(NODES):
+                for axis in range(3):
+                    seaweed.previous[leaf, i, axis] = seaweed.node[leaf, i, axis]
         box = sea.seaweed[k]
         middle = times(0.5, plus(vector(box[:3]), vector(box[3:])))
         away = norm(minus(middle, hull))
@@ -202,7 +204,7 @@ def step_seaweed(
             continue
         size = 0.5 * norm(minus(vector(box[3:]), vector(box[:3])))
         by_hull = away < size + 4.0 * HULL_CM
-        here = flow_near(sea.pillars, sea.rocks, uniform, middle)
+        here = flow_near(sea.pillars, cells, uniform, middle)
         for leaf in range(seaweed.first[k], seaweed.first[k + 1]):
             phase = 6.2832 * (clock.tick * clock.dt / EDDY_S + seaweed.look[leaf, 3])
             for i in range(1, NODES):

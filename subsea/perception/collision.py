@@ -17,7 +17,7 @@ from subsea.geometry.solids import (
     ray_meets_seabed,
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
-from subsea.perception.grid import Grid, make_grid, near_slots
+from subsea.perception.grid import ROUNDING, Grid, cells_within, make_grid, near_slots
 from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (
     APPROACHING,
@@ -62,6 +62,7 @@ class Crowd(NamedTuple):
     motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
     radius: float  # the largest
     speed: float  # the largest
+    column: Array  # (columns, 2) the same of each upright column of cells; empty for few fishes
 
 
 @kernel
@@ -100,7 +101,13 @@ def _crowd(fishes: Fishes, grid: Grid) -> Crowd:
         store(motion[slot], velocity)
         motion[slot, 3], motion[slot, 4] = _radius(fishes, j), norm(velocity)
         radius, speed = max(radius, motion[slot, 3]), max(speed, motion[slot, 4])
-    return Crowd(grid, motion, radius, speed)
+    tall = grid.size[2]
+    column = np.zeros((grid.size[0] * grid.size[1] if len(grid.start) > 0 else 0, 2))
+    for k in range(len(column)):
+        for slot in range(grid.start[k * tall], grid.start[(k + 1) * tall]):
+            column[k, 0] = max(column[k, 0], motion[slot, 3])
+            column[k, 1] = max(column[k, 1], motion[slot, 4])
+    return Crowd(grid, motion, radius, speed, column)
 
 
 @kernel
@@ -168,12 +175,11 @@ def worst_threat(
     grid, motion = crowd.grid, crowd.motion
     here, velocity = along_body(fishes, i, 0.5), vector(fishes.velocity[i])
     around = _radius(fishes, i) + 3.0 * margin * float(fishes.length[i])
-    speed = norm(velocity)
-    reach = around + crowd.radius + foresight * (speed + crowd.speed)
     # Most are too far away, however they move: test that first. The processor would predict many
     # branches wrongly, so these tests have none.
+    speed = norm(velocity)
     reached, meeting = 0, 0
-    for slot in slots[: near_slots(grid, here, reach, slots)]:
+    for slot in slots[: _slots_near(crowd, here, around, speed, foresight, slots)]:
         gap = minus(vector(grid.place[slot]), here)
         far = around + motion[slot, 3] + foresight * (speed + motion[slot, 4])
         slots[reached] = slot
@@ -197,6 +203,43 @@ def worst_threat(
         if share > worst[1] or (share == worst[1] > 0.0 and nearer):
             worst = (j, share, squared)
     return worst
+
+
+@kernel
+def _slots_near(
+    crowd: Crowd, here: Vector, around: float, speed: float, foresight: float, slots: Ints
+) -> int:
+    """Write the slots near `here` to `slots` and return their number.
+
+    They include all fishes that can come within `around` cm of one that moves from `here` at
+    `speed` cm/s for `foresight` seconds. Cells are passed over by the largest and the fastest
+    fish of their column, as few columns have any that is large or fast.
+    """
+    grid = crowd.grid
+    if len(crowd.column) == 0:
+        return near_slots(grid, here, np.inf, slots)
+    x, y, z = minus(here, grid.low)
+    reach = around + crowd.radius + foresight * (speed + crowd.speed)
+    first_a, last_a = cells_within(x, reach, grid.cell, grid.size[0])
+    first_b, last_b = cells_within(y, reach, grid.cell, grid.size[1])
+    count = 0
+    for a in range(first_a, last_a + 1):
+        aside = max(a * grid.cell - x, x - (a + 1) * grid.cell, 0.0)
+        for b in range(first_b, last_b + 1):
+            along = max(b * grid.cell - y, y - (b + 1) * grid.cell, 0.0)
+            column = a * grid.size[1] + b
+            radius, fastest = crowd.column[column]
+            far = around + radius + foresight * (speed + fastest)
+            square = ROUNDING * far * far - aside * aside - along * along
+            if square < 0.0:
+                continue
+            first, last = cells_within(z, math.sqrt(square), grid.cell, grid.size[2])
+            if first <= last:
+                cell = column * grid.size[2]
+                for slot in range(grid.start[cell + first], grid.start[cell + last + 1]):
+                    slots[count] = slot
+                    count += 1
+    return count
 
 
 @kernel

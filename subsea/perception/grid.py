@@ -21,7 +21,7 @@ class Grid(NamedTuple):
     low: Vector  # cm, the corner where the first cell begins
     cell: float  # cm, side of a cell
     size: tuple[int, int, int]  # cells along x, y, z; those along z follow one another
-    start: Ints  # (cells + 1,) int32, where the points of each cell begin
+    start: Ints  # (cells + 1,) int32, where the points of each cell begin; empty for few points
     member: Ints  # (m,) int64, what the point belongs to
     place: Array  # (m, 3) float64, cm
 
@@ -49,22 +49,35 @@ def make_grid(points: Array, chosen: Ints, cell: float) -> Grid:
     corner = (low[0], low[1], low[2])
     cells = (size[0], size[1], size[2])
     home = np.empty(m, np.int64)
-    start = np.zeros(cells[0] * cells[1] * cells[2] + 1, np.int32)
     for k in range(m):
         a = int((points[chosen[k], 0] - corner[0]) / cell)
         b = int((points[chosen[k], 1] - corner[1]) / cell)
         c = int((points[chosen[k], 2] - corner[2]) / cell)
         home[k] = (a * cells[1] + b) * cells[2] + c
-        start[home[k] + 1] += 1
-    for k in range(len(start) - 1):
-        start[k + 1] += start[k]
-    member, place = np.empty(m, np.int64), np.empty((m, 3))
-    filled = start[:-1].copy()
-    for k in range(m):
-        slot = filled[home[k]]
-        filled[home[k]] += 1
-        member[slot] = chosen[k]
-        store(place[slot], vector(points[chosen[k]]))
+    member = np.empty(m, np.int64)
+    if m <= FEW:
+        start = np.empty(0, np.int32)
+        for k in range(m):
+            slot = k
+            while slot > 0 and home[slot - 1] > home[slot]:
+                home[slot - 1], home[slot] = home[slot], home[slot - 1]
+                member[slot] = member[slot - 1]
+                slot -= 1
+            member[slot] = chosen[k]
+    else:
+        # Shifted by a cell, `start` first counts where the next point of each cell goes.
+        start = np.zeros(cells[0] * cells[1] * cells[2] + 2, np.int32)
+        for k in range(m):
+            start[home[k] + 2] += 1
+        for k in range(2, len(start)):
+            start[k] += start[k - 1]
+        for k in range(m):
+            member[start[home[k] + 1]] = chosen[k]
+            start[home[k] + 1] += 1
+        start = start[:-1]
+    place = np.empty((m, 3))
+    for slot in range(m):
+        store(place[slot], vector(points[member[slot]]))
     return Grid(corner, cell, cells, start, member, place)
 
 
@@ -80,9 +93,9 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
             slots[slot] = slot
         return len(grid.member)
     low, size = grid.low, grid.size
-    first_a, last_a = _range(p[0] - low[0], reach, grid.cell, size[0])
-    first_b, last_b = _range(p[1] - low[1], reach, grid.cell, size[1])
-    first_c, last_c = _range(p[2] - low[2], reach, grid.cell, size[2])
+    first_a, last_a = cells_within(p[0] - low[0], reach, grid.cell, size[0])
+    first_b, last_b = cells_within(p[1] - low[1], reach, grid.cell, size[1])
+    first_c, last_c = cells_within(p[2] - low[2], reach, grid.cell, size[2])
     count = 0
     if first_c > last_c:
         return 0
@@ -101,7 +114,7 @@ def near_slots(grid: Grid, p: Vector, reach: float, slots: Ints) -> int:
 
 
 @kernel
-def _range(middle: float, reach: float, cell: float, size: int) -> tuple[int, int]:
+def cells_within(middle: float, reach: float, cell: float, size: int) -> tuple[int, int]:
     """First and last of `size` cells along an axis within `reach`, cm; none if last < first."""
     first, last = np.floor((middle - reach) / cell), np.floor((middle + reach) / cell)
     return int(max(first, 0.0)), int(min(last, size - 1.0))
@@ -125,9 +138,9 @@ def nearest(
     while True:
         # The tolerance keeps rounding from separating equals.
         bound = ROUNDING * min(outer, gaps[-1])
-        first_a, last_a = _range(x, bound, grid.cell, grid.size[0])
-        first_b, last_b = _range(y, bound, grid.cell, grid.size[1])
-        first_c, last_c = _range(p[2] - grid.low[2], bound, grid.cell, grid.size[2])
+        first_a, last_a = cells_within(x, bound, grid.cell, grid.size[0])
+        first_b, last_b = cells_within(y, bound, grid.cell, grid.size[1])
+        first_c, last_c = cells_within(p[2] - grid.low[2], bound, grid.cell, grid.size[2])
         if few:  # one row of all
             first_a, last_a, first_b, last_b = 0, 0, 0, 0
         elif first_c > last_c:

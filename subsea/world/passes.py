@@ -12,6 +12,7 @@ from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
 from subsea.habitat.bow_wave import add_bow_wave
 from subsea.habitat.current import set_drift
+from subsea.habitat.rock_cells import RockCells
 from subsea.habitat.separation import separate
 from subsea.motor.containment import contain
 from subsea.motor.fins import flap
@@ -21,9 +22,9 @@ from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 
 @kernel
-def carry(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, flow: Array) -> None:
+def carry(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, cells: RockCells, flow: Array) -> None:
     """Set the drift of the fishes `who` by the current `flow` (3,), cm/s, the hull and others."""
-    set_drift(who, fishes, sea, flow)
+    set_drift(who, fishes, sea, cells, flow)
     add_bow_wave(who, fishes, sea)
     separate(who, fishes, minds)
 

@@ -39,6 +39,7 @@ from subsea.world.world import TICK_S, World
 
 # Fishes for which another thread pays: of a short pass, and of those that think.
 LEAST_PART, LEAST_MINDS = 2048, 1024
+LEAST_SPECKS, LEAST_CLUSTERS = 512, 12  # of plankton and of seaweed
 
 # Input that steers the submarine or fishes in a tick.
 Order = Helm | Rail | TeleopCommand | TeleopCommands
@@ -98,14 +99,15 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
     flow = flow_at(world.flowing_cm_s, state.tick * TICK_S)
     sea.submarine[:3], sea.submarine[3:6] = state.submarine.position, state.submarine.velocity
     sea.submarine[6:] = hull_axes(*state.submarine.angles)[0]
-    visibility = world.scenario.water.visibility_cm
-
+    visibility, cells = world.scenario.water.visibility_cm, world.rock_cells
+    specks, clusters = np.arange(len(sea.plankton)), np.arange(len(sea.seaweed))
+    seaweed = state.seaweed, fishes, sea, cells, flow, visibility, clock
     tasks = [
-        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, flow),
-        *cut(plankton.drift, np.arange(len(sea.plankton)), LEAST_PART, sea, flow, clock),
-        lambda: step_seaweed(state.seaweed, fishes, sea, flow, visibility, clock),
+        *cut(plankton.drift, specks, LEAST_SPECKS, sea, cells, flow, clock),
+        *cut(step_seaweed, clusters, LEAST_CLUSTERS, *seaweed),
+        *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, cells, flow),
     ]
-    run_all(tasks, shared=len(everyone) >= 2 * LEAST_PART)
+    run_all(tasks, shared=len(tasks) > 3)
     hook.move_hook(sea, clock)
 
 

@@ -6,8 +6,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from subsea.core.arrays import Array
 from subsea.directing.script import Script
 from subsea.fish.species import Species
+from subsea.habitat.current import REACH_CM
+from subsea.habitat.rock_cells import RockCells, rock_cells
 from subsea.motor.switching import Dynamics
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario
@@ -37,6 +40,16 @@ class World:
     # Functions to call after every tick.
     observers: list[Callable[["World"], object]] = field(default_factory=list)
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
+    # Rocks, and the cells that list them.
+    _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
+
+    @property
+    def rock_cells(self) -> RockCells:
+        """The rocks by the cells where they change the current."""
+        rocks = self.state.sea.rocks
+        if self._listed is None or self._listed[0] is not rocks:
+            self._listed = rocks, rock_cells(rocks, REACH_CM)
+        return self._listed[1]
 
     @property
     def flowing_cm_s(self) -> tuple[float, float]:

@@ -8,12 +8,14 @@ from subsea.geometry.solids import from_pillar, from_rock
 from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, flow_at, flow_near, set_drift
 from subsea.state import Fishes, empty
 from tests.support.scenes import everyone
+from tests.support.seas import all_rocks
 
 FLOW = (3.0, 1.0, 0.0)
 STRENGTH = np.hypot(3.0, 1.0)
 PILLAR = np.array([[30.0, -20.0, 50.0, -100.0]])
 ROCK = np.array([[10.0, 20.0, -250.0, 80.0, 40.0, 30.0, 0.7]])
-NONE = np.zeros((0, 7))
+NONE, ALONE = all_rocks(np.zeros((0, 7))), all_rocks(ROCK)
+NO_PILLARS = np.zeros((0, 4))
 ANGLE = st.floats(0.0, 6.28)
 
 
@@ -53,14 +55,14 @@ def test_none_flows_into_a_pillar_and_nothing_explodes(angle, course, gap):
 def test_a_rock_is_a_source_too(angle, away, z):
     place = (10.0 + away * np.cos(angle), 20.0 + away * np.sin(angle), z)
     way, gap = from_rock(ROCK[0], place)
-    got = np.array(flow_near(NONE, ROCK, FLOW, place))
+    got = np.array(flow_near(NO_PILLARS, ALONE, FLOW, place))
     source = STRENGTH * min((SOURCE_CM / gap) ** 2, 1.0) if 0 < gap < SPAN * SOURCE_CM else 0.0
     if gap > 0:
         np.testing.assert_allclose(got, FLOW + source * np.array([way[0], way[1], 0.0]), atol=1e-9)
 
 
 def test_at_slack_water_nothing_flows():
-    assert flow_near(PILLAR, ROCK, (0.0, 0.0, 0.0), (85.0, -20.0, -200.0)) == (0.0, 0.0, 0.0)
+    assert flow_near(PILLAR, ALONE, (0.0, 0.0, 0.0), (85.0, -20.0, -200.0)) == (0.0, 0.0, 0.0)
 
 
 def test_sources_add_up():
@@ -75,9 +77,9 @@ def test_every_fish_is_carried_by_the_water_where_it_is(make_sea):
     fishes = empty(Fishes, n=200)
     rng = np.random.default_rng(3)
     fishes.position[:] = rng.uniform((-200, -200, -290), (200, 200, 0), (200, 3))
-    set_drift(everyone(fishes), fishes, sea, np.array(FLOW))
+    set_drift(everyone(fishes), fishes, sea, ALONE, np.array(FLOW))
     places = fishes.position.astype(float)
-    expected = [flow_near(PILLAR, ROCK, FLOW, tuple(place)) for place in places]
+    expected = [flow_near(PILLAR, ALONE, FLOW, tuple(place)) for place in places]
     np.testing.assert_allclose(fishes.drift, expected, rtol=1e-5)
     assert len(np.unique(fishes.drift[:, 0])) > 50
 
@@ -88,7 +90,7 @@ def test_a_dense_crowd_is_carried_past_without_meeting_the_pillar(make_sea):
     y = np.linspace(-80.0, 80.0, 41)
     here = np.stack([np.full(41, -200.0), y, np.full(41, -150.0)], axis=1)
     for _ in range(4000):
-        flow = [flow_near(sea.pillars, sea.rocks, (3.0, 0.0, 0.0), tuple(p)) for p in here]
+        flow = [flow_near(sea.pillars, NONE, (3.0, 0.0, 0.0), tuple(p)) for p in here]
         here = here + 0.033 * np.array(flow)
         assert np.hypot(here[:, 0], here[:, 1]).min() >= 60.0
     # Those that do not head for its very middle have passed, on the side where they were.
@@ -99,7 +101,9 @@ def test_a_dense_crowd_is_carried_past_without_meeting_the_pillar(make_sea):
 
 def test_rocks_that_overlap_send_out_no_more_than_one():
     place = (95.0, 20.0, -250.0)
-    one = np.array(flow_near(NONE, ROCK, (3.0, 0.0, 0.0), place))
-    five = np.array(flow_near(NONE, np.repeat(ROCK, 5, axis=0), (3.0, 0.0, 0.0), place))
+    one = np.array(flow_near(NO_PILLARS, ALONE, (3.0, 0.0, 0.0), place))
+    five = np.array(
+        flow_near(NO_PILLARS, all_rocks(np.repeat(ROCK, 5, axis=0)), (3.0, 0.0, 0.0), place)
+    )
     np.testing.assert_allclose(five, one)
     assert one[0] > 4.0

@@ -7,8 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.habitat import seaweed as module
+from subsea.habitat.current import REACH_CM
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.reef import KINDS, RUBBLE
+from subsea.habitat.rock_cells import rock_cells
 from subsea.habitat.seaweed import (
     BODY_BL,
     BUOYANCY_CM_S2,
@@ -51,9 +53,19 @@ NOBODY = empty(Fishes, n=0)
 
 def _pass(bed, fishes=NOBODY, flow=STILL, ticks=1, visibility=1e9):
     sea, weed = bed
+    cells = rock_cells(sea.rocks, REACH_CM)
     for tick in range(ticks):
         clock = Clock(0, tick, DT)
-        step_seaweed(weed, fishes, sea, np.array(flow), visibility, clock)
+        step_seaweed(
+            np.arange(len(weed.first) - 1),
+            weed,
+            fishes,
+            sea,
+            cells,
+            np.array(flow),
+            visibility,
+            clock,
+        )
 
 
 def test_a_leaf_in_a_steady_flow_hangs_as_its_forces_add_up(make_bed):
