@@ -4,8 +4,6 @@ in vec3 a_place;  // on the sand, cm
 in vec4 a_lie;    // slopes along x and y, axis
 in vec3 a_size;   // half length and width, cm; share of the light that is missing
 
-uniform mat4 u_view_projection;
-
 out vec3 v_veil;
 out vec2 v_at;
 out float v_dark;

@@ -5,9 +5,6 @@
 in vec4 a_vent;  // x, y, z of the vent, largest diameter there, cm
 in vec4 a_slot;  // moment of the first bubble, time between two, both s; seed of its dice; of the vent
 
-uniform mat4 u_view_projection;
-uniform mat4 u_view;
-uniform mat4 u_projection;
 uniform vec2 u_size;     // pixels of the viewport
 uniform vec2 u_current;  // cm/s
 

@@ -7,8 +7,6 @@ in vec4 a_colour;  // its root, and what shines through
 in vec4 a_grain;   // ridges, polyps, pores, and light
 in vec2 a_along;   // place on the grain
 
-uniform mat4 u_view_projection;
-
 out vec3 v_world;
 out vec3 v_normal;
 out vec4 v_colour;

@@ -3,8 +3,6 @@
 #include "fishes.glsl"
 #include "individual.glsl"
 
-uniform mat4 u_view;
-uniform mat4 u_projection;
 uniform float u_without;     // number of the fish through whose eyes this is, below 0 nobody's
 uniform sampler2D u_table;   // control points: column by point, row by recorded frame
 uniform sampler2D u_places;  // column by vertex, row by species: place on the atlas of skins,

@@ -5,8 +5,6 @@ in vec3 a_normal;
 in float a_radius;  // cm
 in float a_kind;    // 0 metal, 1 bait, 2 line
 
-uniform mat4 u_view_projection;
-uniform mat4 u_projection;
 uniform vec2 u_size;  // pixels of the viewport
 uniform vec3 u_hook;  // cm
 uniform float u_top;  // cm, where the line ends above the surface

@@ -1,6 +1,6 @@
 // A line as a strip of pixels, however it lies; an instance each.
-uniform mat4 u_view_projection;
-uniform vec3 u_eye;      // cm
+#include "view.glsl"
+
 uniform vec2 u_size;     // pixels of the viewport
 uniform float u_width;   // pixels
 

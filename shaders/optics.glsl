@@ -1,22 +1,18 @@
 // Light in water: what every shader of the scene shares. `daylight.py` computes it for the water
 // and the hour of a scenario and the depth of the eye.
-uniform vec3 u_eye;          // cm
+#include "view.glsl"
+
 uniform float u_extinction;  // 1/cm, of green light along a view ray
 uniform vec3 u_along;        // 1/cm, of each colour
 uniform vec3 u_down;         // 1/cm, of daylight with depth
-uniform vec3 u_balance;      // the eye's, for light of each colour
 uniform vec3 u_sun;          // toward the sun, below the surface
 uniform vec3 u_across;       // axes across its rays
 uniform vec3 u_aside;
 uniform vec3 u_sunlight;     // of a surface that faces it, at no depth
 uniform vec3 u_skylight;
 uniform vec3 u_sandlight;    // what the sand sends back up
-uniform vec3 u_far;          // radiance of the far water, seen level
 uniform vec3 u_rise;         // the same over it, seen from below ...
 uniform vec3 u_sink;         // ... and from above
-uniform vec3 u_broad;        // scattered forward about the sun: a broad glow
-uniform vec3 u_narrow;       // and a narrow one
-uniform float u_time;        // s
 uniform sampler2D u_caustics;  // of short waves near below them, of long ones far below
 uniform sampler2D u_noise;
 uniform sampler2D u_shafts;  // about the sun: turn by cosine; see shafts.frag

@@ -4,8 +4,6 @@
 
 in vec3 a_position;
 
-uniform mat4 u_view_projection;
-uniform mat4 u_projection;
 uniform vec2 u_size;     // pixels of the viewport
 uniform float u_diameter;  // cm, of the largest
 uniform float u_box;     // cm; 0: positions are the world's, else shares of a box about the eye

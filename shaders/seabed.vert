@@ -3,8 +3,6 @@
 in vec3 a_position;
 in vec2 a_slope;
 
-uniform mat4 u_view_projection;
-
 out vec3 v_world;
 out vec2 v_slope;
 out float v_broad;  // a slow noise

@@ -1,8 +1,6 @@
 // Seaweed: fronds along the smooth curve through the nodes of a chain, or that grow from it.
 #include "optics.glsl"
 
-uniform mat4 u_view_projection;
-uniform mat4 u_projection;
 uniform vec2 u_size;  // pixels of the viewport
 uniform sampler2D u_leaves;  // row by leaf: eight nodes, of which the first tells the kind and the
                              // second what it lacks; its look

@@ -5,8 +5,6 @@ in vec3 a_normal;
 in vec4 a_light;  // share of the sky, of the sun, depth of the hollow, cm over the sand
 in vec3 a_cover;  // turf, coralline algae, sponge
 
-uniform mat4 u_view_projection;
-
 out vec3 v_world;
 out vec3 v_normal;
 out vec3 v_light;  // of the sky, of the sun, hollow

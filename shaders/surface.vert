@@ -2,7 +2,6 @@
 
 in vec2 a_place;  // on the unit disc about the eye
 
-uniform mat4 u_view_projection;
 uniform float u_floor;  // cm, mean height of the seabed
 
 out vec3 v_world;

@@ -1,6 +1,5 @@
 #include "optics.glsl"
 
-uniform mat4 u_inverse;  // of projection and view
 uniform ivec2 u_cells;   // across and down
 
 out vec3 v_open;

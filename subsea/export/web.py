@@ -138,6 +138,10 @@ def water_code() -> str:
     """The shader code of light in water, and `curved`, from light to the screen."""
     lines = source("optics.glsl").splitlines()
     optics = "\n".join(line for line in lines if not line.startswith(("#version", "#line")))
+    # The page sets the members of the view's block one by one.
+    members = _found(r"^layout\(std140\) uniform View \{\n(.*?)^\};$", optics)
+    alone = re.sub(r"^ +(?=\w)", "uniform ", members, flags=re.MULTILINE)
+    optics = re.sub(r"^layout\(std140\).*?^\};$", alone, optics, flags=re.MULTILINE | re.DOTALL)
     screen = source("resolve.frag", GRADED=1, LINEAR=1)
     return "\n".join(
         [

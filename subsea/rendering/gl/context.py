@@ -10,6 +10,7 @@ import moderngl
 
 from subsea.core.errors import UserError
 from subsea.rendering.gl.shader_cache import avoid_full_disk
+from subsea.rendering.gl.view_block import ViewBuffer
 
 BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
 REQUIRED = 330  # OpenGL 3.3 core
@@ -112,11 +113,13 @@ def _create(**settings: Any) -> Any:
 class _DrawCallCounter:
     """The `scope` of every vertex array, which counts and times its drawing calls.
 
-    It also has the one timer query of whole pictures: moderngl cannot free queries.
+    It also has the one timer query of whole pictures, as moderngl cannot free queries, and the
+    buffer of the view that is drawn.
     """
 
-    def __init__(self, picture_query: Any) -> None:
+    def __init__(self, picture_query: Any, view: ViewBuffer) -> None:
         self.picture_query = picture_query
+        self.view = view
         with picture_query:  # only then it counts as an object
             pass
         self.calls = 0
@@ -134,7 +137,7 @@ class _DrawCallCounter:
 def _prepared(context: Any) -> Any:
     """Free dropped objects, and count the drawing calls of all vertex arrays in `extra`."""
     context.gc_mode = "auto"  # without it dropped objects are never freed
-    context.extra = tally = _DrawCallCounter(context.query(time=True))
+    context.extra = tally = _DrawCallCounter(context.query(time=True), ViewBuffer(context))
     make, release = context.vertex_array, context.release
 
     def release_for_good() -> None:

@@ -3,8 +3,11 @@
 import re
 from typing import Any
 
+from moderngl import Uniform
+
 from subsea.core.errors import UserError
 from subsea.core.resources import resource_path
+from subsea.rendering.gl import view_block
 
 VERSION = "#version 330 core\n"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
@@ -60,11 +63,20 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 def set_uniforms(target: Any, **values: Any) -> None:
     """Set the uniforms that the program uses and whose value has changed.
 
-    Must be the only way to set uniforms: `extra` of each caches its last value.
+    Those of the view are taken from `view`, the content of its block, or by their names. Must be
+    the only way to set uniforms: `extra` of each caches its last value.
     """
     if target.extra is None:
-        target.extra = {name: target[name] for name in target}
-    for name, uniform in target.extra.items():  # fewer than the values
+        members = {name: target[name] for name in target}
+        own = {name: one for name, one in members.items() if isinstance(one, Uniform)}
+        target.extra = own, view_block.NAME in members
+        if view_block.NAME in members:
+            members[view_block.NAME].binding = view_block.BINDING
+    own, sees = target.extra
+    if sees:
+        content = values.get("view") or view_block.view_block(values)
+        target.ctx.extra.view.write(content)
+    for name, uniform in own.items():  # fewer than the values
         value = values.get(name)
         if value is not None and uniform.extra != value:
             uniform.extra = value

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from subsea.frame.packet import Packet
+from subsea.rendering.gl.view_block import view_block
 from subsea.rendering.output.daylight import light_uniforms
 from subsea.scenario.schema import Water
 from subsea.view.camera import View
@@ -20,7 +21,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
     both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
     rows = np.array([view.view, view.projection, both, np.linalg.inv(both)], np.float32)
     matrices = rows.transpose(0, 2, 1).tobytes()  # in OpenGL's column-major order
-    return (
+    values = (
         {
             "u_view": matrices[:64],
             "u_projection": matrices[64:128],
@@ -37,6 +38,7 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
         | light_uniforms(water, view.eye)
         | _lamps(packet)
     )
+    return values | {"view": view_block(values)}
 
 
 def _lamps(packet: Packet) -> dict[str, Any]:
