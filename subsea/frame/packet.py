@@ -10,6 +10,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
 from subsea.frame.in_sight import (
@@ -56,6 +57,7 @@ INSTANCE_COLUMNS = 23
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
 
+LEAST_PART = 1024  # instances for which another thread pays
 # Bounding spheres hold the nodes; the surface reaches a little farther.
 ENLARGED = 1.1
 NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
@@ -202,7 +204,7 @@ def pack(
         time_s,
         memory,
     )
-    order, share, starts = draw_order(distance, time_s, len(LEVELS), memory)
+    order, shares, starts = draw_order(distance, time_s, len(LEVELS), memory)
     culled = time.perf_counter()
     state = world.state
     limits = LeafLimits(reach, options.detail, options.growth, options.culling, options.lod)
@@ -213,7 +215,11 @@ def pack(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    _write_instances(fishes, library, centres, order, share, alpha, instances)
+    rows, groups = (
+        np.arange(len(order)),
+        (fishes, library, centres, order, shares, alpha, instances),
+    )
+    share(_write_instances, rows, LEAST_PART, *groups)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
@@ -299,11 +305,11 @@ def _skin_live(world: World, order: Ints) -> Array:
 
 @kernel
 def _write_instances(
-    fishes: Fishes, library: Library, centres: Array, order: Ints, share: Array, alpha: float,
-    out: Array,
+    rows: Ints, fishes: Fishes, library: Library, centres: Array, order: Ints, shares: Array,
+    alpha: float, out: Array,
 ) -> None:  # fmt: skip
     # Element by element: results of whole rows would be allocated, and take seconds to compile.
-    for k in range(len(order)):
+    for k in rows:
         i, row = order[k], out[k]
         row[SCALE] = fishes.scale[i]
         before, after = fishes.previous_orientation[i], fishes.orientation[i]
@@ -326,6 +332,6 @@ def _write_instances(
         for fin in range(len(fins)):
             fins[fin] = (1.0 - alpha) * before[fin] + alpha * after[fin]
         row[KIND] = fishes.species[i]
-        row[FADE] = share[k]
+        row[FADE] = shares[k]
         row[DISPLAY] = fishes.display[i]
         row[FISH] = i

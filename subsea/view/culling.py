@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.core.arrays import Array, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share
 from subsea.view.camera import View
 
 OUT_OF_SIGHT = -1.0  # instead of pixels
 IN_SIGHT = 1.3  # visibilities; fog hides everything beyond
+LEAST_PART = 8192  # things for which another thread pays
 
 
 def pixels_per_radian(view: View) -> float:
@@ -54,8 +56,18 @@ def coverage(
     """
     pixels = np.empty(len(centres), np.float32)
     distance = np.empty((len(views.eyes), len(centres)), np.float32)
-    _cover(centres, radii, lengths, views, reach_cm, culling, pixels, distance)
+    spheres = _Spheres(centres, radii, lengths)
+    groups = spheres, views, reach_cm, culling, pixels, distance
+    share(_cover, np.arange(len(centres)), LEAST_PART, *groups)
     return pixels, distance
+
+
+class _Spheres(NamedTuple):
+    """Things that are culled, as `coverage` takes them."""
+
+    centres: Array
+    radii: Array
+    lengths: Array
 
 
 @kernel
@@ -78,17 +90,12 @@ def eye_distance(views: ViewArrays, v: int, x: float, y: float, z: float) -> flo
 
 @kernel
 def _cover(
-    centres: Array,
-    radii: Array,
-    lengths: Array,
-    views: ViewArrays,
-    reach: float,
-    culling: bool,
-    pixels: Array,
-    distance: Array,
-) -> None:
+    who: Ints, spheres: _Spheres, views: ViewArrays, reach: float, culling: bool,
+    pixels: Array, distance: Array,
+) -> None:  # fmt: skip
     planes, _, scales = views
-    for i in range(len(centres)):
+    centres, radii, lengths = spheres
+    for i in who:
         x, y, z = centres[i, 0], centres[i, 1], centres[i, 2]
         pixels[i] = OUT_OF_SIGHT
         for v in range(len(planes)):

@@ -8,10 +8,10 @@ belongs to the viewer, not to the world.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
+from subsea.core.arrays import Array, Bools, Ints
 from subsea.core.kernels import kernel
+from subsea.core.kernels.threads import share
 
 # Finest first; the second and the third are those of SMC table 2.
 LEVELS = ("tessellated", "close", "distant", "far", "speck")
@@ -20,6 +20,7 @@ THRESHOLDS_PX = np.array([190.0, 110.0, 60.0, 24.0])
 HYSTERESIS = 0.12
 FADE_S = 0.3
 HIDDEN = 255  # instead of a level
+LEAST_PART = 16384  # fishes for which another thread pays
 
 
 class LodState(NamedTuple):
@@ -35,17 +36,24 @@ def empty_lod_state(n: int) -> LodState:
     return LodState(np.full(n, HIDDEN, np.uint8), np.full(n, HIDDEN, np.uint8), np.full(n, -np.inf))
 
 
-@kernel
 def update_levels(
-    pixels: Array, finer: NDArray[np.bool_], thresholds: Array, time_s: float, memory: LodState
+    pixels: Array, finer: Bools, thresholds: Array, time_s: float, memory: LodState
 ) -> None:
     """Update the levels of fishes whose length covers `pixels` (n,), below 0 if out of sight.
 
     Those in `finer` are drawn one level finer. A fish that comes into sight has its level at once;
     no change begins during another.
     """
+    groups = pixels, finer, thresholds, time_s, memory
+    share(_update, np.arange(len(pixels)), LEAST_PART, *groups)
+
+
+@kernel
+def _update(
+    who: Ints, pixels: Array, finer: Bools, thresholds: Array, time_s: float, memory: LodState
+) -> None:
     level, former, since = memory
-    for i in range(len(pixels)):
+    for i in who:
         if pixels[i] < 0.0:
             level[i] = HIDDEN
             continue
@@ -75,11 +83,21 @@ def draw_order(
     (m,) as `frame.packet.FADE`, and starts (v, 2 levels + 1), which include the end.
     """
     seen = [np.flatnonzero((row < np.inf) & (memory.level != HIDDEN)) for row in distance]
-    order = [
-        own[np.argsort(-row[own], kind="stable")] for own, row in zip(seen, distance, strict=True)
-    ]
+    order = [_farthest_first(own, row[own]) for own, row in zip(seen, distance, strict=True)]
     first = np.cumsum([0, *map(len, order)])
     return _grouped(np.concatenate(order), first, time_s, levels, memory)
+
+
+def _farthest_first(fish: Ints, distance: Array) -> Ints:
+    """The indices `fish`, rising, sorted by their distances (n,) float32; of equal ones as before.
+
+    Distances are not negative, so their bits are ordered as they are. One sort of numbers takes a
+    tenth of the time of a stable sort of indices.
+    """
+    bits = distance.astype(np.float32).view(np.uint32).astype(np.uint64)
+    keys = (np.uint64(0xFFFFFFFF) - bits) << np.uint64(32) | fish.astype(np.uint64)
+    keys.sort()
+    return (keys & np.uint64(0xFFFFFFFF)).astype(np.int64)
 
 
 @kernel

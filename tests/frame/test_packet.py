@@ -4,11 +4,13 @@ import msgspec
 import numpy as np
 import pytest
 
+from subsea.core.kernels.threads import use_threads
 from subsea.frame import packet as frame
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
 from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.view import culling, levels
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import pose_from_angles
@@ -28,6 +30,21 @@ def world():
 def _pack(world, alpha=0.5, memory=None, **options):
     views = views_for("mono", (640, 360), cockpit(world.state.submarine, alpha))
     return frame.pack(world, views, alpha, frame.PackOptions(**options), memory=memory)
+
+
+def test_the_number_of_threads_does_not_matter(world, monkeypatch):
+    for module in (frame, culling, levels):
+        monkeypatch.setattr(module, "LEAST_PART", 3)
+    packets = []
+    for threads in (1, 3):
+        use_threads(threads)
+        memory = empty_lod_state(len(world.state.fishes.species))
+        packets += [_pack(world, alpha, memory) for alpha in (0.0, 1.0)]
+    use_threads()
+    for one, other in zip(packets[:2], packets[2:], strict=True):
+        np.testing.assert_array_equal(one.instances, other.instances)
+        assert one.batches == other.batches
+        assert len(one.instances) > 20
 
 
 def test_without_culling_every_fish_is_there_once(world):

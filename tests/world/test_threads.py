@@ -25,7 +25,8 @@ def small_parts(monkeypatch):
     """Cut a hundred fishes into as many parts as a hundred thousand."""
     for module in (step, senses, focusser, scheduling, table):
         monkeypatch.setattr(module, "LEAST_PART", 5)
-    monkeypatch.setattr(step, "LEAST_MINDS", 5)
+    for name in ("LEAST_MINDS", "LEAST_SPECKS", "LEAST_CLUSTERS"):
+        monkeypatch.setattr(step, name, 5)
     monkeypatch.setattr(senses, "LEAST_HUNTERS", 1)
     monkeypatch.setattr(senses, "LEAST_GRIDS", 1)
     yield
