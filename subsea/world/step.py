@@ -107,7 +107,7 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
         *cut(step_seaweed, clusters, LEAST_CLUSTERS, *seaweed),
         *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, cells, flow),
     ]
-    run_all(tasks, shared=len(tasks) > 3)
+    run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
     hook.move_hook(sea, clock)
 
 
