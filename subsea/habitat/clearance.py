@@ -74,7 +74,9 @@ def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) 
                     way = times(1.0 / max(norm(level), 1e-3), level)
                 p, moved = plus(p, times(room - gap + 0.1, way)), True
         floor = height_at(sea.floor, sea.half_width, p[0], p[1])
-        p = (p[0], p[1], min(max(p[2], floor + above), -below))
+        height = min(max(p[2], floor + above), -below)
+        if height != p[2]:  # which may have brought it to a solid
+            p, moved = (p[0], p[1], height), True
         if not moved:
             break
     return p
