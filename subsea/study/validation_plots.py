@@ -35,7 +35,10 @@ def _swimming(page: Any, found: Summary, table: MeasuredSwimming) -> None:
     axes = page.subplots(1, len(quantities), sharey=True)
     for axis, (key, title) in zip(axes, quantities.items(), strict=True):
         for k, name in enumerate(names):
-            fact = getattr(table.species[name], "cruise" if key == "speed" else key)
+            facts = table.species[name]
+            if facts.gait == "ray" and key in ("strouhal", "stride"):
+                continue  # its tail does not drive it
+            fact = getattr(facts, "cruise" if key == "speed" else key)
             axis.plot(fact.range, [k, k], color=RANGE, linewidth=6, alpha=0.6)
             values = getattr(found.swims[name], key)
             if len(values):
