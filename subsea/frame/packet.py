@@ -215,11 +215,8 @@ def pack(
         state.sea.plankton, state.sea.absent, arrays, options.culling
     )
     instances = np.empty((len(order), INSTANCE_COLUMNS), np.float32)
-    rows, groups = (
-        np.arange(len(order)),
-        (fishes, library, centres, order, shares, alpha, instances),
-    )
-    share(_write_instances, rows, LEAST_PART, *groups)
+    groups = fishes, library, centres, order, shares, alpha, instances
+    share(_write_instances, np.arange(len(order)), LEAST_PART, *groups)
     live_points = _skin_live(world, order)
     world.stages_s["cull"] = culled - start
     world.stages_s["pose"] = time.perf_counter() - culled
