@@ -47,8 +47,8 @@ class Shot(NamedTuple):
 
 
 BAY = Shot("peaceful", 1, 460, (0, 33), (-122.0, 62.0, 10.0), (0.0, 0.0, 6.0))
-VISITORS = Shot("visitors", 4, 220, (1, 2), (-80.0, 92.0, 15.0), (30.0, 0.0, 14.0))
-PREYING = Shot("preying", 1, 301, (0, 1), (-138.0, -28.0, 8.0), (-26.0, 0.0, 0.0))
+VISITORS = Shot("visitors", 4, 195, (1, 2), (-80.0, 92.0, 15.0), (30.0, 0.0, 14.0))
+PREYING = Shot("preying", 2, 570, (0, 1), (-34.0, -158.0, 10.0), (-69.0, -12.0, 0.0))
 THUMBNAILS = {
     "peaceful": BAY,
     "visitors": VISITORS,
