@@ -1,11 +1,12 @@
 """Compiled kernels: the decorator, their disk cache, and groups of arrays by pointer."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from numba import njit
 
-from subsea.core.kernels.cache import KernelCache, report
+from subsea.core.kernels.cache import KernelCache
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -18,8 +19,6 @@ def kernel(function: Callable[..., Any]) -> Any:
     compiled = njit(error_model="numpy", nogil=True, fastmath=False, no_cfunc_wrapper=True)(
         function
     )
-    try:
+    with suppress(OSError, RuntimeError):  # a function without a file
         compiled._cache = KernelCache(function)
-    except (OSError, RuntimeError):  # no writable folder
-        report("no folder for it is yours alone")
     return compiled
