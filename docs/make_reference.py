@@ -214,16 +214,12 @@ def state() -> Iterator[str]:
     """List all arrays of the state."""
     for part, group in GROUPS.items():
         yield from ("", f"## `{part}`", "", cleandoc(group.__doc__ or ""), "")
-        yield "| array | dtype | shape | unit | written by | saved | start | meaning |"
-        yield "| --- " * 8 + "|"
+        yield from ("| array | type | written by | start | meaning |", "| --- " * 5 + "|")
         for name, spec in declared(group).items():
             shape = f"({', '.join(map(str, spec.shape))})" if spec.shape else "number"
+            kind = f"{spec.dtype.name} {shape} {spec.unit}".rstrip()
             start = ", ".join(f"{value:g}" for value in np.ravel(spec.start))
-            saved = "yes" if spec.saved else "no"
-            yield (
-                f"| `{name}` | {spec.dtype.name} | {shape} | {spec.unit} | {spec.writer} "
-                f"| {saved} | {start} | {cell(spec.about)} |"
-            )
+            yield f"| `{name}` | {kind} | {spec.writer} | {start} | {cell(spec.about)} |"
     yield ""
 
 
@@ -240,7 +236,7 @@ MADE = {
     "reference/console-interface.md": console_commands,
     "reference/commands.md": commands,
     "reference/settings.md": settings,
-    "developers/state.md": state,
+    "reference/state.md": state,
 }
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ class World:
     The arrays of `fishes`, `minds`, `sea` and `submarine` show the current tick. They cannot be
     written, and change with each step: copy what is to be kept. Row k of the fishes' and the minds'
     arrays is fish k. Lengths are in cm, times in s, angles in rad; z points up and the surface of
-    the sea is at 0. docs/developers/state.md lists every array with its shape, type and unit.
+    the sea is at 0. docs/reference/state.md lists every array with its shape, type and unit.
 
     Examples:
         >>> world = subsea.load("peaceful", seed=1, fish=10)

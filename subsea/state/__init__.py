@@ -1,7 +1,7 @@
 """Every array that changes. One fish is one index in [0, n).
 
 Arrays are plain numpy, so that any kernel accepts them.
-`docs/developers/state.md` lists all of them.
+`docs/reference/state.md` lists all of them.
 """
 
 from subsea.state.codes import *  # noqa: F403

@@ -2,7 +2,7 @@
 
 A group is a class whose annotations read `Annotated[F32, motor("n", 3, unit="cm"), "text"]`.
 Integers of a common meaning have a type with their start value and range, such as `FISH`. Empty
-arrays, snapshots, checksums and `docs/developers/state.md` are derived from the annotations.
+arrays, snapshots, checksums and `docs/reference/state.md` are derived from the annotations.
 """
 
 from collections.abc import Callable, Mapping
