@@ -32,7 +32,7 @@ def measure_spine_driven(repertoire: Repertoire) -> Iterator[Measure]:
     cyclic = [name for name, segment in segments.items() if segment.cyclic]
     closure = max(segments[name].loop_error_bl for name in cyclic)
     yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
-    errors = [_replay_error(plan, surface, repertoire, name) for name in cyclic]
+    errors = [_spine_replay_error(plan, surface, repertoire, name) for name in cyclic]
     name = f"{REPLAYED_CYCLES} cycles replayed against the plan"
     yield compare(name, max(errors) / plan.length, ".1e", " L", at_most(0.01), at_most(1e-4))
     nodes = motion_of_segment(plan, surface, "swim_fast").nodes
@@ -40,7 +40,7 @@ def measure_spine_driven(repertoire: Repertoire) -> Iterator[Measure]:
     yield Measure("tail sweep, fast", f"{np.ptp(tail) / plan.length:.3f} L")
 
 
-def _replay_error(
+def _spine_replay_error(
     plan: SpinePlan, surface: SurfacePlan, repertoire: Repertoire, name: str
 ) -> float:
     """Largest error of a node after some cycles of replay, cm."""

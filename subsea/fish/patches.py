@@ -11,7 +11,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 
-NODES, NOSE, TAIL_UPPER, TAIL_LOWER = 23, 0, 21, 22
+NODES, NOSE = 23, 0
 PATCHES = 4  # along and across a face
 
 

@@ -8,7 +8,7 @@ from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, 
 from subsea.state import HULL_CM, Fishes, Sea
 
 BEAM_BL = 0.25  # share of a fish's length added to the hull's radius, so that they do not touch
-SPAN = 4.0  # radii beyond which the wave has less than 2% of the hull's speed
+WAVE_SPAN = 4.0  # radii beyond which the wave has less than 2% of the hull's speed
 
 
 @kernel
@@ -19,7 +19,7 @@ def add_bow_wave(who: Ints, fishes: Fishes, sea: Sea) -> None:
         return
     for i in who:
         radius = HULL_CM + BEAM_BL * fishes.length[i]
-        if abs(fishes.position[i, 0] - hull[0]) > SPAN * radius:
+        if abs(fishes.position[i, 0] - hull[0]) > WAVE_SPAN * radius:
             continue
         wave = bow_wave(minus(vector(fishes.position[i]), hull), velocity, radius)
         for axis in range(3):
@@ -34,7 +34,7 @@ def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
     water moves outward as fast as the sphere does, so nothing passes its surface.
     """
     distance = norm(place)
-    if distance > SPAN * radius or distance < 1e-6:
+    if distance > WAVE_SPAN * radius or distance < 1e-6:
         return ZERO
     outward = unit(place)
     share = 0.5 * min(radius / distance, 1.0) ** 3

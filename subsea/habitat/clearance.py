@@ -9,7 +9,7 @@ from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, norm, plus, times, vector
 from subsea.state import Sea
 
-PASSES = 12  # most steps out of overlapping solids
+MAX_STEPS = 12  # most steps out of overlapping solids
 
 
 @kernel
@@ -55,7 +55,7 @@ def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) 
     It is at least `above` cm over the floor and `below` cm under the surface. Returns the last
     place tried if solids stand too close for that.
     """
-    for _ in range(PASSES):
+    for _ in range(MAX_STEPS):
         moved = False
         for k in range(len(sea.pillars)):
             x, y, radius, top = sea.pillars[k]

@@ -11,14 +11,14 @@ from subsea.state import Clock, Fishes, Minds, Sea
 NEAR_CM = 400.0  # distance to the submarine within which a fish thinks every tick
 FAR_TICKS = 4  # interval beyond, 0.13 s ...
 UNSEEN_TICKS = 8  # ... and where the water hides it
-LEAST_PART = 8192  # fishes for which another thread pays
+LEAST_DUE = 8192  # fishes for which another thread pays
 
 
 def fish_due(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
     """Rising indices of the living fishes that think now; adds a tick to `minds.pause` of all."""
     due = np.empty(len(minds.intention), np.bool_)
     everyone = np.arange(len(due))
-    share(mark_due, everyone, LEAST_PART, fishes, minds, sea, visibility, clock, due)
+    share(mark_due, everyone, LEAST_DUE, fishes, minds, sea, visibility, clock, due)
     return np.flatnonzero(due)
 
 

@@ -69,7 +69,7 @@ def _school(record: Record, leader: int, every: int) -> School:
         polarisation = float(
             np.linalg.norm(headings(record.orientation[t, schooling]).mean(axis=0))
         )
-        nearest, together = _shape(
+        nearest, together = _spread(
             record.position[t, schooling].astype(np.float64), record.length[schooling], LINK_BL
         )
         if cruises:
@@ -93,7 +93,7 @@ def _school(record: Record, leader: int, every: int) -> School:
 
 
 @kernel
-def _shape(position: Array, length: Array, link: float) -> tuple[Array, float]:
+def _spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
     """Distance to the nearest (m,) in body lengths, and the share of the largest connected part.
 
     A pair's body length is the mean of both.

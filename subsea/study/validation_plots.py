@@ -22,7 +22,7 @@ def validation_plots(found: Summary, table: MeasuredSwimming) -> Mapping[str, Dr
     }
 
 
-def _swimming(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+def _swimming_plot(page: Any, found: Summary, table: MeasuredSwimming) -> None:
     """Percentiles of quantities by species over their ranges."""
     names = [name for name in found.swims if name in table.species]
     page.set_size_inches(12, 1.2 + 0.4 * max(len(names), 4))
@@ -86,7 +86,7 @@ def _predation(page: Any, found: Summary, table: MeasuredSwimming) -> None:
 
 
 VALIDATION_PLOTS = {
-    "validation-swimming.png": _swimming,
+    "validation-swimming.png": _swimming_plot,
     "validation-schools.png": _schools,
     "validation-predation.png": _predation,
 }

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, NamedTuple, TypeVar
 
-T = TypeVar("T")
+Result = TypeVar("Result")
 THREADS = 2
 
 
@@ -25,8 +25,8 @@ class BackgroundTasks:
 
     def submit(
         self,
-        work: Callable[[], T],
-        done: Callable[[T], object],
+        work: Callable[[], Result],
+        done: Callable[[Result], object],
         label: str,
         failed: Callable[[], object],
     ) -> None:

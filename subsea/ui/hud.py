@@ -12,7 +12,7 @@ from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
 from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
 
 STILL_S = 6.0  # they fade after this time without change
-FADE_S, SHOW_S = 1.5, 0.3
+HUD_FADE_S, SHOW_S = 1.5, 0.3
 TAPE = 15.0  # width of the compass, in heights of letters
 SPAN_DEG = 60.0  # range of the compass to either side
 BAR = 5.5  # length of the speed bar
@@ -73,7 +73,7 @@ class Hud:
             self._noted, self._still_s = now, 0.0
         needed = self.mode == "always" or self._still_s < STILL_S
         shown = wanted and needed and self.mode != "never"
-        step = dt / SHOW_S if shown else -dt / FADE_S
+        step = dt / SHOW_S if shown else -dt / HUD_FADE_S
         self.opacity = min(max(self.opacity + step, 0.0), 1.0)
 
     def draw(self, now: Reading) -> None:

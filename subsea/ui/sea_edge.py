@@ -11,7 +11,7 @@ from subsea.state import Submarine
 from subsea.submarine.hull import CLEARANCE_CM
 from subsea.ui.gui import INK, MARK, colour, draw_backing, draw_shadowed_text
 
-FAR_CM, NEAR_CM = 110.0, 50.0  # from where it rests: the sign begins to show; shows fully
+SIGN_FAR_CM, SIGN_NEAR_CM = 110.0, 50.0  # from where it rests: the sign begins to show; shows fully
 TOP = 0.2  # its upper edge, share of the picture's height ...
 BELOW = 6.3  # ... and below the lines for a new visitor, in heights of letters
 
@@ -28,7 +28,7 @@ def edge_reading(submarine: Submarine, bounds: Bounds) -> EdgeReading:
     """The sign for a submarine in the sea of these bounds."""
     x, y = submarine.position[:2]
     left_cm = bounds.radius_cm - CLEARANCE_CM - math.hypot(x, y)
-    opacity = min(max((FAR_CM - left_cm) / (FAR_CM - NEAR_CM), 0.0), 1.0)
+    opacity = min(max((SIGN_FAR_CM - left_cm) / (SIGN_FAR_CM - SIGN_NEAR_CM), 0.0), 1.0)
     back = math.atan2(-y, -x)
     turn = math.remainder(back - submarine.angles[0], math.tau)
     return EdgeReading(opacity, turn, -math.degrees(back) % 360.0)

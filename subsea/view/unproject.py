@@ -9,7 +9,7 @@ from subsea.core.arrays import Array
 from subsea.view.camera import View
 from subsea.view.rig import CameraRig, Projection, front, seen_by, seen_part
 
-NEAR_CM = 4.0  # lines are clipped at this distance from the eye
+CLIP_CM = 4.0  # lines are clipped at this distance from the eye
 
 
 class FrontView(NamedTuple):
@@ -52,9 +52,9 @@ class FrontView(NamedTuple):
         """Screen lines (k, 2, 2) of lines (n, 2, 3), cm, clipped to those in front of the eye."""
         ends = np.asarray(segments, np.float64)
         ahead = -(ends - np.asarray(self.view.eye, np.float64)) @ self.view.view[2, :3]
-        share = (NEAR_CM - ahead) / np.where(ahead[:, ::-1] == ahead, 1.0, ahead[:, ::-1] - ahead)
-        share = np.where(ahead < NEAR_CM, share, 0.0)[..., None]
-        cut = (ends + share * (ends[:, ::-1] - ends))[(ahead > NEAR_CM).any(axis=1)]
+        share = (CLIP_CM - ahead) / np.where(ahead[:, ::-1] == ahead, 1.0, ahead[:, ::-1] - ahead)
+        share = np.where(ahead < CLIP_CM, share, 0.0)[..., None]
+        cut = (ends + share * (ends[:, ::-1] - ends))[(ahead > CLIP_CM).any(axis=1)]
         return self.places(cut.reshape(-1, 3)).reshape(-1, 2, 2)
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.habitat.bow_wave import BEAM_BL, SPAN, add_bow_wave, bow_wave
+from subsea.habitat.bow_wave import BEAM_BL, WAVE_SPAN, add_bow_wave, bow_wave
 from subsea.state import HULL_CM, Fishes, empty
 from tests.support.scenes import everyone
 
@@ -37,9 +37,9 @@ def test_the_flow_has_no_sources(place, velocity):
 
 
 def test_far_away_the_water_rests():
-    wave = bow_wave((0.999 * SPAN * RADIUS, 0.0, 0.0), (100.0, 0.0, 0.0), RADIUS)
+    wave = bow_wave((0.999 * WAVE_SPAN * RADIUS, 0.0, 0.0), (100.0, 0.0, 0.0), RADIUS)
     assert np.linalg.norm(wave) < 2
-    assert bow_wave((1.001 * SPAN * RADIUS, 0.0, 0.0), (100.0, 0.0, 0.0), RADIUS) == (0, 0, 0)
+    assert bow_wave((1.001 * WAVE_SPAN * RADIUS, 0.0, 0.0), (100.0, 0.0, 0.0), RADIUS) == (0, 0, 0)
 
 
 def test_a_fish_before_the_bow_is_pushed_aside_and_never_touched(make_sea):

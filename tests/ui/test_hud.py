@@ -11,7 +11,7 @@ from subsea.dive.theatre_setup import set_up_theatre
 from subsea.state import Submarine
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.help_overlay import NOT_SHARED, help_content
-from subsea.ui.hud import FADE_S, STILL_S, Hud, instrument_reading
+from subsea.ui.hud import HUD_FADE_S, STILL_S, Hud, instrument_reading
 from subsea.view.rig import pose_from_angles, views
 from subsea.view.unproject import front_screen
 
@@ -44,7 +44,7 @@ def test_they_fade_while_nothing_changes():
     hud, now = Hud(), at()
     wait(hud, STILL_S - 1.0, now)
     assert hud.opacity == 1.0
-    wait(hud, 1.0 + FADE_S + 0.5, now)
+    wait(hud, 1.0 + HUD_FADE_S + 0.5, now)
     assert hud.opacity == 0.0
     wait(hud, 5.0, at(depth_m=2.55, heading_deg=359.0))  # invisible change
     assert hud.opacity == 0.0
