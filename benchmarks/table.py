@@ -32,17 +32,14 @@ def main() -> int:
 
 
 def table(runs: list[dict]) -> str:
-    """Markdown: a row for each, medians with the quartiles' distance, and over the first's."""
-    lines = ["\n| work | by | µs | over the kernel |\n| --- | --- | --- | --- |\n"]
+    """Build a Markdown table: a row for each work, with the medians of the kernel and of others."""
+    lines = ["\n| work | kernel, µs | others: times as long |\n| --- | --- | --- |\n"]
     groups = dict.fromkeys(run["group"] for run in runs)
     for group in groups:
-        mine = [run for run in runs if run["group"] == group]
-        first = mine[0]["stats"]["median"]
-        for k, run in enumerate(mine):
-            stats = run["stats"]
-            ratio = "" if k == 0 else f"{stats['median'] / first:.2g}"
-            took = f"{1e6 * stats['median']:.3g} ± {0.5e6 * stats['iqr']:.1g}"
-            lines.append(f"| {group if k == 0 else ''} | {run['name']} | {took} | {ratio} |\n")
+        kernel, *others = (run for run in runs if run["group"] == group)
+        median = kernel["stats"]["median"]
+        ratios = [f"{run['name']} {run['stats']['median'] / median:.2g}" for run in others]
+        lines.append(f"| {group} | {1e6 * median:.3g} | {'; '.join(ratios)} |\n")
     return "".join([*lines, "\n"])
 
 

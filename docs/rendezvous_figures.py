@@ -1,4 +1,4 @@
-"""Make the table of docs/developers/scenario-figures.md.
+"""Measure the scene for docs/developers/behavior-figures.md.
 
 `python docs/rendezvous_figures.py [SEEDS] [SCENARIO]`
 
