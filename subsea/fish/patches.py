@@ -11,7 +11,7 @@ import numpy as np
 
 from subsea.core.arrays import Array, Ints
 
-NODES, NOSE = 23, 0
+NODES, NOSE, TAIL_UPPER, TAIL_LOWER = 23, 0, 21, 22
 PATCHES = 4  # along and across a face
 
 
