@@ -15,8 +15,8 @@ import time
 import gymnasium
 import numpy as np
 
-import subsea.environments  # noqa: F401  registers the environments
-from subsea.core.processors import cores
+import subsea.lab.environments  # noqa: F401  registers the environments
+from subsea.base.processors import cores
 
 STEPS, BODIES, VECTOR_STEPS = 1000, 1024, 8
 OTHER = """

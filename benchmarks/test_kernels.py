@@ -31,9 +31,9 @@ from subsea.geometry.vector import vector
 from subsea.habitat.current import flow_at
 from subsea.habitat.plankton import drift
 from subsea.habitat.seaweed import step_seaweed
+from subsea.lab.profiling.paper_tables import place_nodes
 from subsea.motor.playback import play
 from subsea.perception.grid import make_grid, nearest
-from subsea.profiling.paper_tables import place_nodes
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock
 from subsea.submarine.helm import NEUTRAL

@@ -24,7 +24,16 @@ from picture_files import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, STYLE, save_pl
 
 from subsea.biomechanics.controllers import ease
 from subsea.fish.species import load_species
-from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Spines, Swing, phase, pose_spine, swing_angles
+from subsea.fish.spine import (
+    JOINTS,
+    MIDDLES,
+    UNITS,
+    Spines,
+    Swing,
+    phase,
+    pose_spine,
+    swing_angles,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -22,7 +22,14 @@ from capture.learning.search import search
 from capture.learning.turn import with_holds
 from capture.recording.trial import beat_contraction, beat_phase, steady_beat
 from subsea.biomechanics import simulation, solver, water
-from subsea.biomechanics.body import MUSCLES, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats, build_body
+from subsea.biomechanics.body import (
+    MUSCLES,
+    TRIANGLE_WEIGHTS,
+    TRIANGLES,
+    Body,
+    Floats,
+    build_body,
+)
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction

@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from subsea.environments.fish_senses import NAMES, senses
-from subsea.environments.living_sea import LivingSea, SeaOptions
+from subsea.lab.environments.fish_senses import NAMES, senses
+from subsea.lab.environments.living_sea import LivingSea, SeaOptions
 from subsea.world.world import TICK_S
 
 Floats = NDArray[np.floating]

@@ -19,15 +19,15 @@ from matplotlib.figure import Figure
 from picture_files import BLUE, FOLDER, ORANGE, SKY, STYLE, save, save_plot
 from PIL import Image
 
+from subsea.base.arrays import Array
+from subsea.base.resources import resource_path
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES
 from subsea.biomechanics.controllers import ease
 from subsea.biomechanics.solver import TICK_S
-from subsea.core.arrays import Array
-from subsea.core.resources import resource_path
-from subsea.environments.swim import SwimEnv
-from subsea.environments.swim_bodies import ACTIONS
-from subsea.environments.swim_vector import SwimVectorEnv
 from subsea.fish.species import load_species
+from subsea.lab.environments.swim import SwimEnv
+from subsea.lab.environments.swim_bodies import ACTIONS
+from subsea.lab.environments.swim_vector import SwimVectorEnv
 from subsea.repertoire.files import read_repertoire
 
 SPECIES = "fusilier"

@@ -12,12 +12,12 @@ from functools import partial
 from picture_files import FOLDER, output_folder, save
 from PIL import Image
 
-from subsea.fish.editing.draft import SpeciesDraft, with_value
-from subsea.fish.editing.handles import drag_handle
-from subsea.fish.editing.proportions import with_mass
-from subsea.ui.fish_builder.window import builder_for
+from subsea.studio.builder.window import builder_for
+from subsea.studio.draft import SpeciesDraft, with_value
+from subsea.studio.handles import drag_handle
+from subsea.studio.proportions import with_mass
+from subsea.studio.tool_window import ToolWindow
 from subsea.ui.name_dialog import NameDialog
-from subsea.ui.tool_window import ToolWindow
 
 SIZE = 1280, 800
 RING = ("body", "ring", 1)

@@ -14,10 +14,10 @@ from tempfile import TemporaryDirectory
 from picture_files import output_folder, save
 from PIL import Image
 
-from subsea.console.options import ConsoleOptions, ListenAddress
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.stage.console.options import ConsoleOptions, ListenAddress
+from subsea.stage.console.remote_control import open_console
 from subsea.ui.dive import Dive
-from subsea.ui.remote_control import open_console
 from tools.browser import browser
 
 SIZE, PAGE = (640, 360), (1180, 820)

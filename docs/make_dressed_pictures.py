@@ -16,17 +16,17 @@ from picture_files import output_folder, save
 from PIL import Image
 
 from subsea.fish.color_sheet import write
-from subsea.fish.photo.deformable_mesh import BODY, FishMeshes
-from subsea.fish.photo.fitting import align_shape, find_fish
-from subsea.fish.photo.lift import lift_sheet
-from subsea.fish.photo.photograph import Photograph, downscale
-from subsea.fish.photo.side_view import make_fish_meshes, mesh_outlines
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.rotation import rotate
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
+from subsea.studio.deformable_mesh import BODY, FishMeshes
+from subsea.studio.fitting import align_shape, find_fish
+from subsea.studio.lift import lift_sheet
+from subsea.studio.photograph import Photograph, downscale
+from subsea.studio.side_view import make_fish_meshes, mesh_outlines
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose

@@ -9,7 +9,7 @@ from picture_files import output_folder, save
 from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
-from subsea.ui import headset_display
+from subsea.stage.headset import display as headset_display
 from subsea.ui.dive import Dive
 from tests.support.headset import FakeHeadset, turned
 from tools.monkey import virtual_display

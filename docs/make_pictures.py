@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.fish.coupling import couple, place
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.fish.surface import rest_control_points

@@ -13,18 +13,18 @@ import numpy as np
 from picture_files import output_folder, save
 from PIL import Image
 
+from subsea.base.arrays import Array, Bytes
 from subsea.cli.main import main as subsea
-from subsea.core.arrays import Array, Bytes
 from subsea.dive.start import headless
-from subsea.dive.theatre_setup import TheatreSetup, set_up_theatre
 from subsea.rendering.output.target import ResolvePass
+from subsea.stage.theatre.blend import Projector, light_shares
+from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
+from subsea.stage.theatre.lineup import lineup
+from subsea.stage.theatre.room_picture import room_picture
+from subsea.stage.theatre.screens import Curved, places_on
+from subsea.stage.theatre.test_pattern import pattern
+from subsea.stage.theatre.theatre_setup import TheatreSetup, set_up_theatre
 from subsea.view.surround import Surround, directions
-from subsea.view.theatre.blend import Projector, light_shares
-from subsea.view.theatre.channels import ProjectorChannel, usable_channels
-from subsea.view.theatre.lineup import lineup
-from subsea.view.theatre.room_picture import room_picture
-from subsea.view.theatre.screens import Curved, places_on
-from subsea.view.theatre.test_pattern import pattern
 
 GAMMA = 2.2
 SHRINK = 4

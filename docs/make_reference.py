@@ -18,11 +18,11 @@ from msgspec import inspect
 
 import capture.cli.main
 import subsea.cli.main
-from subsea.console import commands as console
-from subsea.core.atomic_io import replacing
-from subsea.core.command_line import NumberReader
+from subsea.base.atomic_io import replacing
+from subsea.base.command_line import NumberReader
 from subsea.dive.bindings import CONTROLS
 from subsea.dive.settings import Settings
+from subsea.stage.console import commands as console
 from subsea.state import GROUPS, declared
 
 HERE = Path(__file__).parent

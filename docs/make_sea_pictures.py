@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.core.resources import ROOT, resource_path
+from subsea.base.resources import ROOT, resource_path
 from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.rendering.output.quality import PRESETS

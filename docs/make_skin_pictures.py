@@ -13,12 +13,12 @@ from picture_files import output_folder, save
 from PIL import Image
 from skin_accuracy import CASES, made
 
-from subsea.fish.photo import mesh_edit
-from subsea.fish.photo.deformable_mesh import BODY
-from subsea.fish.photo.mesh_edit import MeshNode
-from subsea.fish.photo.photograph import read_photograph
-from subsea.ui.skin_editor.window import SkinEditor
-from subsea.ui.tool_window import ToolWindow
+from subsea.studio import mesh_edit
+from subsea.studio.deformable_mesh import BODY
+from subsea.studio.mesh_edit import MeshNode
+from subsea.studio.photograph import read_photograph
+from subsea.studio.skin_editor.window import SkinEditor
+from subsea.studio.tool_window import ToolWindow
 
 SIZE, FRAME_S = (1280, 800), 0.04
 CASE, SPECIES = "gravel", "blue_tang"

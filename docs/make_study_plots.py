@@ -9,11 +9,11 @@ from pathlib import Path
 
 from PIL import Image
 
-from subsea.study.plots import plot
-from subsea.study.record import read_record
-from subsea.study.report import measure
-from subsea.study.simulate import simulate
-from subsea.study.table import table
+from subsea.lab.plots import plot
+from subsea.lab.report import measure
+from subsea.lab.simulate import simulate
+from subsea.lab.table import table
+from subsea.media.record import read_record
 
 SHOWN = {
     ("peaceful", 18182): ("time_budget", "minds", "schools", "clearance"),

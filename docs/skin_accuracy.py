@@ -14,14 +14,14 @@ import cv2
 import numpy as np
 
 from subsea.fish import paint, sheet_layout
-from subsea.fish.photo.deformable_mesh import FishMeshes
-from subsea.fish.photo.fitting import fin_errors, find_fish, outline_error
-from subsea.fish.photo.lift import rasterize
-from subsea.fish.photo.photograph import Photograph
-from subsea.fish.photo.side_view import mesh_outlines, side_view
 from subsea.fish.species import load_species
 from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
 from subsea.geometry.spline import basis_at, dense
+from subsea.studio.deformable_mesh import FishMeshes
+from subsea.studio.fitting import fin_errors, find_fish, outline_error
+from subsea.studio.lift import rasterize
+from subsea.studio.photograph import Photograph
+from subsea.studio.side_view import mesh_outlines, side_view
 
 FINER = 3  # supersampling each way
 MOST = 0.015  # largest error of an outline, body lengths

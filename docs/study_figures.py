@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
+from subsea.lab.report import measure
+from subsea.lab.simulate import simulate
+from subsea.lab.table import table
+from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
 from subsea.state import HUNGER
-from subsea.study.record import read_record
-from subsea.study.report import measure
-from subsea.study.simulate import simulate
-from subsea.study.table import table
 from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step

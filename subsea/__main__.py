@@ -2,7 +2,7 @@
 
 import sys
 
-from subsea.core.interrupts import run_program
+from subsea.base.interrupts import run_program
 
 
 def main() -> int:

@@ -13,10 +13,10 @@ import pytest
 from hypothesis import settings
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
+from subsea.base.console import say
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.biomechanics.body_frame import body_frame, to_body
-from subsea.core.arrays import Array
-from subsea.core.console import say
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import BASIC_SEGMENTS, Repertoire, Segment
@@ -66,17 +66,17 @@ LONG = (
     "capture/recording/test_batch.py",
     "repertoire/test_conformance.py",
     "test_faults.py",
-    "view/theatre/planning/test_layouts.py",
-    "dive/test_theatre_plan.py",
-    "ui/fish_builder/test_window.py",
-    "ui/test_cluster_windows.py",
-    "ui/test_kiosk_service.py",
-    "ui/test_show_dive.py",
+    "stage/theatre/test_layouts.py",
+    "stage/theatre/test_theatre_plan.py",
+    "studio/builder/test_window.py",
+    "stage/cluster/test_cluster_windows.py",
+    "stage/test_kiosk_service.py",
+    "stage/test_show_dive.py",
     "motor/test_switching.py",
-    "ui/skin_editor/test_window.py",
+    "studio/skin_editor/test_window.py",
     "media/test_film.py",
     "ui/panels/test_fish_panels.py",
-    "study/test_scenarios.py",
+    "lab/test_scenarios.py",
     "world/test_threads.py",
     "world/test_snapshot.py",
     "capture/recording/test_dask_cluster.py",

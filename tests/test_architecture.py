@@ -74,7 +74,7 @@ def test_class_names_are_unique():
     ("module", "others"),
     [
         # `subsea simulate` runs on machines that have neither OpenGL nor windows.
-        ("subsea.study.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
+        ("subsea.lab.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
         # A dive begins without what few dives need.
         ("subsea.ui.dive_loop", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
     ],

@@ -21,7 +21,7 @@ import numpy as np
 from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
-from subsea.headset.openxr import OpenXrHeadset
+from subsea.stage.headset.openxr import OpenXrHeadset
 from subsea.ui.dive import Dive
 
 WINDOW = 640, 360

@@ -9,8 +9,8 @@ or more with all scenarios.
 import argparse
 import sys
 
-from subsea.core.kernels.threads import use_threads
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
+from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm
 from subsea.world.build import create_world

@@ -30,31 +30,31 @@ import msgspec
 import numpy as np
 from PIL import ExifTags, Image
 
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
-from subsea.core.resources import resource_path
-from subsea.dive.cluster import messages
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_input
+from subsea.base.resources import resource_path
 from subsea.dive.settings import default_text, read_settings
-from subsea.dive.show_file import load_show
 from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
-from subsea.fish.photo.dress import load_mesh, save_mesh
-from subsea.fish.photo.photograph import Photograph, read_photograph
-from subsea.fish.photo.side_view import centred_matrix, make_fish_meshes
 from subsea.fish.species import load_species
-from subsea.profiling.comparison import read_reports
+from subsea.lab.profiling.comparison import read_reports
+from subsea.lab.simulate import simulate
+from subsea.lab.sweep import read_result
+from subsea.media.record import read_record
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.scenario.thumbnails import read_thumbnail
-from subsea.study.record import read_record
-from subsea.study.simulate import simulate
-from subsea.study.sweep import read_result
-from subsea.view.theatre import pfm
-from subsea.view.theatre.channels import usable_channels
-from subsea.view.theatre.load import load_theatre
-from subsea.view.theatre.mpcdi import read_mpcdi
-from subsea.view.theatre.warp_files import read_warp as read_any_warp
+from subsea.stage.cluster import messages
+from subsea.stage.show_file import load_show
+from subsea.stage.theatre import pfm
+from subsea.stage.theatre.channels import usable_channels
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.mpcdi import read_mpcdi
+from subsea.stage.theatre.warp_files import read_warp as read_any_warp
+from subsea.studio.dress import load_mesh, save_mesh
+from subsea.studio.photograph import Photograph, read_photograph
+from subsea.studio.side_view import centred_matrix, make_fish_meshes
 from subsea.world import snapshot
 from subsea.world.build import create_world
 

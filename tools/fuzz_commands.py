@@ -41,11 +41,11 @@ import msgspec
 import capture
 import subsea
 from capture.cli.main import parsers as capture_parsers
+from subsea.base.errors import UserError
 from subsea.cli.main import parsers
-from subsea.core.errors import UserError
+from subsea.lab.simulate import simulate
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Scenario
-from subsea.study.simulate import simulate
 
 ROOT = Path(__file__).parents[1]
 SECONDS = 150

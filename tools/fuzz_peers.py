@@ -24,12 +24,12 @@ from typing import Any
 import msgspec
 import zmq
 
-from subsea.core.errors import UserError
-from subsea.dive.cluster import messages
-from subsea.dive.cluster.follower import Follower
-from subsea.dive.cluster.identity import identity_of
-from subsea.dive.cluster.master import FETCH_S, GATHER_S, Master
+from subsea.base.errors import UserError
 from subsea.scenario.load import load_scenario
+from subsea.stage.cluster import messages
+from subsea.stage.cluster.follower import Follower
+from subsea.stage.cluster.identity import identity_of
+from subsea.stage.cluster.master import FETCH_S, GATHER_S, Master
 from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world

@@ -24,11 +24,11 @@ from typing import Any
 
 import numpy as np
 
-from subsea.console.options import ConsoleOptions, ListenAddress
-from subsea.core.interrupts import deferred_interrupts
+from subsea.base.interrupts import deferred_interrupts
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.stage.console.options import ConsoleOptions, ListenAddress
+from subsea.stage.console.remote_control import RemoteControl, open_console
 from subsea.ui.dive import Dive
-from subsea.ui.remote_control import RemoteControl, open_console
 from tools.monkey import virtual_display
 
 SLICE_S, SETTLE_S = 1.0, 3.0  # of a case in each round, and before it

@@ -10,7 +10,7 @@ import argparse
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.resources import resource_names
+from subsea.base.resources import resource_names
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import pack

@@ -14,7 +14,7 @@ from contextlib import closing
 import moderngl
 
 from subsea.dive.options import DisplayOptions, DiveOptions
-from subsea.ui import headset_display
+from subsea.stage.headset import display as headset_display
 from subsea.ui.dive import Dive
 from subsea.view.head import head_eyes
 from tests.support.headset import FakeHeadset

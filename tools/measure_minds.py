@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.kernels.threads import use_threads
+from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
 from subsea.submarine.helm import NEUTRAL

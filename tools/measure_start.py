@@ -35,8 +35,8 @@ def child(scenario: str, begin: float) -> None:
     def mark(what: str) -> None:
         marks.append((what, sum(os.times()[:4]), time.monotonic() - begin))
 
+    from subsea.base import console
     from subsea.cli.main import main
-    from subsea.core import console
 
     mark("the interpreter")
     say = console.say

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from subsea.core.kernels import threads
-from subsea.core.kernels.threads import use_threads
+from subsea.kernels import threads
+from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.world.build import create_world

@@ -16,17 +16,17 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.dive.start import headless
-from subsea.dive.theatre_setup import left_out, shrink_theatre
 from subsea.rendering.output.target import ResolvePass
-from subsea.view.theatre.channels import ProjectorChannel, usable_channels
-from subsea.view.theatre.domeprojection import frustum_file
-from subsea.view.theatre.foreign import READERS
-from subsea.view.theatre.lineup import lineup
-from subsea.view.theatre.load import load_theatre
-from subsea.view.theatre.theatre_rig import theatre_rig, visible_channels
-from subsea.view.theatre.warp import describe_warp
+from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
+from subsea.stage.theatre.domeprojection import frustum_file
+from subsea.stage.theatre.foreign import READERS
+from subsea.stage.theatre.lineup import lineup
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
+from subsea.stage.theatre.theatre_setup import left_out, shrink_theatre
+from subsea.stage.theatre.warp import describe_warp
 
 SIDE = 300  # pixels of a picture on the sheet, and of its row
 COLUMNS = 3

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from subsea.core.atomic_io import check_folder
-from subsea.core.resources import resource_names
+from subsea.base.atomic_io import check_folder
+from subsea.base.resources import resource_names
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at

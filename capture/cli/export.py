@@ -5,11 +5,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import add_command, add_force, number_reader
-from subsea.core.errors import UserError
-from subsea.core.file_kinds import GLTF, PICTURE, USD, check_result, json_file
-from subsea.export.compressions import COMPRESSIONS, PLAIN
+from subsea.base.atomic_io import check_folder
+from subsea.base.command_line import add_command, add_force, number_reader
+from subsea.base.errors import UserError
+from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
+from subsea.export.packed import COMPRESSIONS, PLAIN
 
 KINDS = {
     ".glb": GLTF,

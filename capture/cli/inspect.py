@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from subsea.core.command_line import add_command
+from subsea.base.command_line import add_command
 
 
 def add(commands: Any) -> None:

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import add_command, add_force, number_reader
-from subsea.core.errors import UserError
+from subsea.base.command_line import add_command, add_force, number_reader
+from subsea.base.errors import UserError
 
 MAX_JOBS = 64
 
@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _learn_controllers(options: argparse.Namespace) -> int:
     from capture.learning.improve import improve_species
-    from subsea.core.file_kinds import check_result, toml_file
+    from subsea.base.file_kinds import check_result, toml_file
 
     if options.out is not None and not options.dry_run:
         check_result(options.out, toml_file("a species", "surface", "skin"), options.force)

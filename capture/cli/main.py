@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from capture.cli import export, inspect, learn, mesh, plot, record, validate
-from subsea.core.command_line import add_groups, make_parser, parse_arguments, run_command
+from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
 
 GROUPS = {
     "record and measure": (record, inspect, plot, validate),

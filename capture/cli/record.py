@@ -4,12 +4,12 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.core.atomic_io import check_folder
-from subsea.core.command_line import add_command, number_reader
-from subsea.core.errors import UserError, unknown
-from subsea.core.file_kinds import check_results, hdf5_file
-from subsea.core.interrupts import deferred_interrupts
-from subsea.core.resources import resource_path
+from subsea.base.atomic_io import check_folder
+from subsea.base.command_line import add_command, number_reader
+from subsea.base.errors import UserError, unknown
+from subsea.base.file_kinds import check_results, hdf5_file
+from subsea.base.interrupts import deferred_interrupts
+from subsea.base.resources import resource_path
 
 MAX_JOBS = 64
 

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import add_command, add_force
-from subsea.core.report_files import add_report_options
+from subsea.base.command_line import add_command, add_force
+from subsea.base.report_files import add_report_options
 
 NAME = "subsea-capture validate"
 
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from capture.inspection.validation import validate
     from capture.plots.validation import SWIMMING_PLOTS, swimming_plots
-    from subsea.core.report_files import Report, ReportFiles
+    from subsea.base.report_files import Report, ReportFiles
     from subsea.fish.measured import load_measured, measured_species
     from subsea.fish.species import load_species, repertoire_file
     from subsea.repertoire import read_repertoire

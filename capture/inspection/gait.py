@@ -5,7 +5,12 @@ import numpy as np
 from capture.recording.trial import beat_phase, sharp_turn
 from subsea.biomechanics.body import MUSCLES, UNITS, Body, Floats
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
-from subsea.biomechanics.controllers import LEFT, muscle_lengths, swim_contraction, turn_contraction
+from subsea.biomechanics.controllers import (
+    LEFT,
+    muscle_lengths,
+    swim_contraction,
+    turn_contraction,
+)
 from subsea.biomechanics.gait import contraction_step, headings
 from subsea.biomechanics.simulation import (
     NO_FORCE,

@@ -9,7 +9,7 @@ from capture.inspection.simulated import measure_simulated
 from capture.inspection.spine_driven import measure_spine_driven
 from capture.inspection.targets import Measure
 from capture.recording.record import motion_from_provenance
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, read_repertoire
 
 HEADINGS = (

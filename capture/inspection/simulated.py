@@ -27,6 +27,8 @@ from capture.recording.trial import (
     grade_contraction,
     speed_map,
 )
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame, to_world
 from subsea.biomechanics.controllers import S_MAX
@@ -34,8 +36,6 @@ from subsea.biomechanics.fins import balance, pectoral_force
 from subsea.biomechanics.gait import contraction_step, snout_bend, straightness, sweep
 from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import Repertoire, Segment
 

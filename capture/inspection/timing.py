@@ -8,8 +8,8 @@ import numpy as np
 from subsea.biomechanics.body import MUSCLES, NODES, Body, Floats
 from subsea.biomechanics.simulation import BodyState, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import matrix
+from subsea.kernels import kernel
 from subsea.repertoire import Segment
 
 ROUNDS = 25

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from capture.inspection.simulated import replay
+from subsea.base.arrays import Array
 from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Floats
 from subsea.biomechanics.body_frame import body_frame
-from subsea.core.arrays import Array
 from subsea.repertoire import Segment
 
 Complex = NDArray[np.complex128]

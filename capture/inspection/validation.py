@@ -15,8 +15,8 @@ from capture.inspection.kinematics import (
     wing_amplitude,
 )
 from capture.recording.record import motion_from_provenance
+from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S
-from subsea.core.findings import RangeCheck
 from subsea.fish.measured import MeasuredSwimming, SwimmingFacts, published
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire

@@ -19,13 +19,13 @@ from capture.learning.report import report
 from capture.learning.species_edit import write_plans
 from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole
 from capture.recording.fingerprint import fingerprint
-from subsea.core.errors import UserError
-from subsea.core.extras import require
-from subsea.core.file_kinds import check_results, toml_file
-from subsea.core.interrupts import deferred_interrupts
-from subsea.core.toml_files import load_toml
-from subsea.core.workers import MAX_ATTEMPTS, Check, Pool, process_pool
+from subsea.base.errors import UserError
+from subsea.base.extras import require
+from subsea.base.file_kinds import check_results, toml_file
+from subsea.base.interrupts import deferred_interrupts
+from subsea.base.toml_files import load_toml
 from subsea.fish.species import Species, shipped_species, species_file
+from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, process_pool
 
 
 class Plan(NamedTuple):

@@ -33,10 +33,18 @@ from capture.recording.trial import (
     speed_map,
     steady_beat,
 )
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
-from subsea.biomechanics.controllers import LEFT, RIGHT, S_MAX, WIDEST_TURN, ease, turn_contraction
+from subsea.biomechanics.controllers import (
+    LEFT,
+    RIGHT,
+    S_MAX,
+    WIDEST_TURN,
+    ease,
+    turn_contraction,
+)
 from subsea.biomechanics.gait import (
     MIN_DISTANCE,
     contraction_step,
@@ -47,7 +55,6 @@ from subsea.biomechanics.gait import (
 )
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.core.errors import UserError
 
 HORIZON = 60  # beats of a candidate at each amplitude
 VERIFY_FACTOR = 2.5  # horizons of a verification

@@ -5,11 +5,11 @@ import numpy as np
 
 from capture.learning.lifelike import Wave, swim_and_measure
 from capture.recording.trial import beat_contraction
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body
 from subsea.biomechanics.body_plan import MAX_CONTRACTION, SwimPlan
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.gait import contraction_step
-from subsea.core.errors import UserError
 
 TAIL = {"slow": 0.8, "medium": 0.9, "burst": 1.0}  # amplitude of the tail over that at fast
 ROUNDS, NEAR = 5, 0.02  # of the fit, and share by which a grade may miss its amplitude

@@ -19,13 +19,13 @@ from capture.learning.fitness import (
 from capture.learning.learn import LearnedControllers, learn
 from capture.learning.species_edit import write_controllers
 from capture.recording.trial import beat_contraction, grade_contraction, steady_beat
+from subsea.base.atomic_io import check_file
+from subsea.base.errors import UserError
+from subsea.base.extras import require
+from subsea.base.resources import resource_path
+from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
-from subsea.core.atomic_io import check_file
-from subsea.core.errors import UserError
-from subsea.core.extras import require
-from subsea.core.resources import resource_path
-from subsea.core.toml_files import load_toml
 from subsea.fish.species import SHIPPED, Species, species_file
 
 

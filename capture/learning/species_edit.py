@@ -5,11 +5,11 @@ from pathlib import Path
 
 import msgspec
 
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.toml_edit import edit_toml
+from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.toml_edit import edit_toml
-from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species
 
 

@@ -29,9 +29,9 @@ from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
 from capture.recording.trial import displacement, grade_contraction, steady_beat
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
-from subsea.core.errors import UserError
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"

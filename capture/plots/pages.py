@@ -17,9 +17,9 @@ from capture.recording.record import (
 )
 from capture.recording.spine_segments import motion_of_segment
 from capture.recording.trial import deformation, speed_map
+from subsea.base import plot_files
+from subsea.base.plot_files import Draw, write_plots
 from subsea.biomechanics.body import Floats, build_body
-from subsea.core import plot_files
-from subsea.core.plot_files import Draw, write_plots
 from subsea.repertoire import Repertoire, Segment
 
 WIDTH = 12.0

@@ -9,7 +9,7 @@ import numpy as np
 from capture.inspection.drag import SWIMMING_DRAG, TURBULENT, VISCOSITY_CM2_S, strouhal_of_drag
 from capture.inspection.kinematics import published_limits
 from capture.inspection.validation import BAINBRIDGE_HZ, FULL_TEMPO, Validated, bainbridge
-from subsea.core.plot_files import Draw
+from subsea.base.plot_files import Draw
 
 COLUMNS = 5
 LEAST_TEMPO = 0.4

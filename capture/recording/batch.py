@@ -13,8 +13,8 @@ from capture.recording.resume import (
     save_segment,
 )
 from capture.recording.workers import Workers
-from subsea.core.workers import Check
 from subsea.fish.species import load_species
+from subsea.jobs.workers import Check
 from subsea.repertoire import write_repertoire
 
 

@@ -21,6 +21,7 @@ from capture.recording.trial import (
     loop_error,
     steady_beat,
 )
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan
@@ -43,7 +44,6 @@ from subsea.biomechanics.simulation import (
     simulate,
 )
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_TU
-from subsea.core.errors import UserError
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from capture.recording.fingerprint import fingerprint
 from capture.recording.record import Recorded, assemble, segments_of
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.fish.species import Species
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from capture.recording.spine_motion import SpineMotion, Stroke, in_world, pose_surface, shake
 from capture.recording.spine_water import recoil_of, spine_strip, stride_of, unit_mass
+from subsea.base.arrays import Array
 from subsea.biomechanics.prescribed_wave import follow, start_momentum, swim
 from subsea.biomechanics.solver import TICK_S
-from subsea.core.arrays import Array
 from subsea.fish.spine import MIDDLES, SpineGait, SpinePlan, pose_spine
 from subsea.fish.surface import SurfacePlan
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from capture.recording.spine_water import coast, recoil_of, stride_of, unit_mass
+from subsea.base.arrays import Array
 from subsea.biomechanics.body import NODES, RING_LEFT, RING_UP, Floats
 from subsea.biomechanics.body_plan import NODES_AT_STATION
-from subsea.core.arrays import Array
 from subsea.fish.spine import (
     MIDDLES,
     RUN_IN,

@@ -12,9 +12,9 @@ from functools import lru_cache
 import msgspec
 import numpy as np
 
+from subsea.base.arrays import Array
 from subsea.biomechanics.prescribed_wave import DENSITY, Beat, Strips, steady_beat, trailing
 from subsea.biomechanics.solver import TICK_S
-from subsea.core.arrays import Array
 from subsea.fish.spine import MIDDLES, UNITS, SpineGait, SpinePlan, flap_wings, pose_spine
 from subsea.fish.surface import FinPlan, SurfacePlan, along
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
@@ -21,7 +22,6 @@ from subsea.biomechanics.controllers import (
 )
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.core.errors import UserError
 
 MIN_WARM_UP = 24
 MAX_WARM_UP = 1000

@@ -8,11 +8,11 @@ from collections.abc import Callable, Generator, Mapping
 
 from capture.recording.fingerprint import fingerprint
 from capture.recording.record import Recorded, record_segment
-from subsea.core import workers
-from subsea.core.dask_cluster import dask_pool
-from subsea.core.errors import UserError
-from subsea.core.workers import Check
+from subsea.base.errors import UserError
 from subsea.fish.species import Species
+from subsea.jobs import workers
+from subsea.jobs.dask_cluster import dask_pool
+from subsea.jobs.workers import Check
 
 Job = tuple[str, str]  # names of species and segment
 Results = Generator[tuple[Job, Recorded], None, None]

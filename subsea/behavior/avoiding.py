@@ -1,11 +1,11 @@
 """Avoid collisions with other fishes and with obstacles (Tu §7.8.1)."""
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.schooling import known_by
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, minus, norm, plus, times, unit, vector
+from subsea.kernels import kernel
 from subsea.state import (
     ASCEND,
     DESCEND,

@@ -4,8 +4,8 @@ import numpy as np
 
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import pass_leadership, remove
-from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, vector
+from subsea.kernels import kernel
 from subsea.state import (
     BAIT,
     EAT,

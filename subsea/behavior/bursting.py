@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
+from subsea.kernels import kernel
 from subsea.state import Clock, Fishes, Minds
 
 LASTING_S = 3.0  # of full burst, after which a fish is no faster than its sustained speed ...

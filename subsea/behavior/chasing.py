@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
 
 NEAR_BL = 1.5  # distance within which a fish slows down, for better control

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
+from subsea.kernels import kernel
 from subsea.state import NO_COURTSHIP, Clock, Fishes, Minds
 
 EASE_S = 0.7  # time constant: 95% of a change is done after 2 s

@@ -6,6 +6,7 @@ fish; times hold for the recorded size, as smaller fishes beat and turn faster.
 
 import numpy as np
 
+from subsea.base.arrays import Bools, Ints
 from subsea.behavior.chasing import chase, follow, mouth_of, set_urge
 from subsea.behavior.manoeuvring import (
     CLOSE_RAD,
@@ -20,10 +21,9 @@ from subsea.behavior.manoeuvring import (
     wrapped,
 )
 from subsea.behavior.nuzzling import nuzzle, nuzzled
-from subsea.core.arrays import Bools, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, minus, norm, plus, vector
+from subsea.kernels import kernel
 from subsea.state import (
     APPROACHING,
     ASCENDING,

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import chase, set_urge
 from subsea.behavior.wandering import is_at_home
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
 
 CURIOUS = 7  # its row in `table.py`, and of its fatigue

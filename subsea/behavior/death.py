@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import dot, minus, norm, vector
+from subsea.kernels import kernel
 from subsea.state import MATE, NO_COURTSHIP, NOBODY, PREDATOR, Fishes, Minds
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.vector import ZERO, Vector
+from subsea.kernels import kernel
 
 LOOK_BL = 12.0  # distance within which a fish plans to pass an obstacle
 BERTH_BL = 1.2  # clearance at which it passes

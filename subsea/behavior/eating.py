@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.biting import approach, in_reach, is_offered
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.hunting import EAGER, hunt, is_chewing
@@ -9,11 +10,10 @@ from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import is_at_home, wander
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
+from subsea.kernels import kernel
 from subsea.state import EAT, HUNGER, PREDATOR, Clock, Fishes, Minds, Nature, Sea
 
 STILL_KEEN = 0.6  # share of `keen` below which a fish that eats stops

@@ -9,15 +9,26 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.bursting import burst
 from subsea.behavior.chasing import mouth_of, set_urge
 from subsea.behavior.schooling import has_school
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
-from subsea.state import FEAR, HULL_CM, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
+from subsea.kernels import kernel
+from subsea.state import (
+    FEAR,
+    HULL_CM,
+    NOBODY,
+    PREY,
+    SUBMARINE,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+    Sea,
+)
 
 CLOSE = 0.6  # share of D0 within which a predator is close
 FRONT_RAD = np.radians(45.0)  # bearing below which it is in front ...

@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.bursting import burst
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import wander
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
+from subsea.kernels import kernel
 from subsea.state import EAT, HUNGER, PREDATOR, PREY, Clock, Fishes, Minds, Nature, Sea
 
 STILL_HUNGRY = 0.6  # share of `keen` below which a hunter stops

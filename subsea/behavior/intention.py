@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.kernels import kernel
 from subsea.state import Minds, Nature
 
 # Share of the active desire's strength by which its rivals are inhibited: of a resumed one (Tu

@@ -1,10 +1,10 @@
 """Schools with a leader: follow it, align with neighbours, keep apart (Tu §7.9.2)."""
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import FEAR, Clock, Fishes, Minds, Nature, Sea
 
 SPACING_BL = 1.0  # distance to each neighbour

@@ -1,9 +1,9 @@
 """Leave places that are too bright, dark, cold or warm (Tu §7.3, §7.5)."""
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.wandering import cruise, heading
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 from subsea.state import (
     BRIGHTNESS,
     COLD,

@@ -6,9 +6,9 @@ Recorded motion limits how fast a fish turns and climbs (SMC §6.2).
 import numpy as np
 
 from subsea.behavior.chasing import set_urge
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, plus, vector
+from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
 
 CLOSE_RAD = np.radians(40.0)  # the angle asked for at which a fish turns fastest

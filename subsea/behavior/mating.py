@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import follow
 from subsea.behavior.courtship import ALONE_S, LIMIT_S, enter, perform
 from subsea.behavior.wandering import wander
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.vector import minus, norm, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.state import (
     APPROACHING,
     CIRCLING,

@@ -1,7 +1,7 @@
 """Hunger, libido and fear (Tu §7.4)."""
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
+from subsea.kernels import kernel
 from subsea.state import FEAR, HUNGER, LIBIDO, PACIFIST, PREY, Clock, Fishes, Minds, Nature
 
 # Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from subsea.base.arrays import Bools, Ints
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.manoeuvring import CLOSE_RAD, abdomen_of, careful, hover, steer
-from subsea.core.arrays import Bools, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.vector import Vector, minus, norm, plus
+from subsea.kernels import kernel
 from subsea.state import MATE, Clock, Fishes, Minds, Sea
 
 BELOW_BL = 0.6  # depth under her abdomen to which he goes first

@@ -8,15 +8,15 @@ instead (`behavior/leading.py`).
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.behavior.leading import CLOSED, LOST_S, follow_leader
 from subsea.behavior.wandering import BOUND, redraw
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import FEAR, NOBODY, PREY, SUBMARINE, Clock, Fishes, Minds, Nature, Sea
 
 APART_BL, ATTRACT_BL, FAR_BL = 0.8, 1.0, 3.0  # separation within, attraction beyond, full beyond

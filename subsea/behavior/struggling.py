@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.keyed_random import uniform
+from subsea.kernels import kernel
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 
 HOLD_TICKS = 14  # how long a direction is held

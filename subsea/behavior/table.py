@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior import (
     avoiding,
     curious,
@@ -17,9 +18,8 @@ from subsea.behavior import (
     struggling,
     wandering,
 )
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
 # Writes the strength of a desire of each of the fishes `who`, 0 to 1, into `out` (n,).

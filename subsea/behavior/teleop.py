@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.eating import snap
 from subsea.behavior.steering import keep_clear
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import dot, times, vector
+from subsea.kernels import kernel
 from subsea.state import WANDER, Clock, Fishes, Minds, Sea
 
 # Angle of a full turn: a fusilier turns by about 110° a second, which can still be steered.

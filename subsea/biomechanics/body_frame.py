@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 
 def body_frame(nodes: Array) -> tuple[Array, Array]:

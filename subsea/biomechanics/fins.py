@@ -6,12 +6,19 @@ the last returns the orientations of the left and the right fin in radians, for 
 
 import numpy as np
 
-from subsea.biomechanics.body import NODES, RING_LEFT, TRIANGLE_WEIGHTS, TRIANGLES, Body, Floats
+from subsea.base.arrays import Array
+from subsea.biomechanics.body import (
+    NODES,
+    RING_LEFT,
+    TRIANGLE_WEIGHTS,
+    TRIANGLES,
+    Body,
+    Floats,
+)
 from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.simulation import BodyState
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
 from subsea.geometry.vector import ZERO, Vector, cross, minus, plus, store, times, vector
+from subsea.kernels import kernel
 
 EDGE_ON = np.pi / 2  # orientation at which a fin cuts the water without force
 BROADSIDE = np.pi  # orientation at which a fin meets the water with its whole area

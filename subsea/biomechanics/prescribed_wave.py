@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 DENSITY = 1.0  # g/cm³; the fish has that of the water, so speeds do not depend on it
 CROSS_DRAG = 1.0  # a plate across the flow (Taylor 1952)

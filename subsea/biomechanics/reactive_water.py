@@ -19,9 +19,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 DENSITY = 1.0  # of water, g/cm³
 SECTIONS = 6

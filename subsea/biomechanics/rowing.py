@@ -14,7 +14,7 @@ from subsea.biomechanics.body import MUSCLES, Body, Floats
 from subsea.biomechanics.body_plan import Ticks
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 MIDDLE = np.pi / 3  # angle between the body and the fin in the middle of a stroke
 STRIPS = 8  # of a fin along its length

@@ -15,7 +15,7 @@ from subsea.biomechanics.reactive_water import (
     section_means,
 )
 from subsea.biomechanics.water import add_water_force
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 STEP = 0.055  # time step in tu (Tu §4.5.2): 5.5 ms
 STEPS_PER_TICK = 6  # steps between two recorded frames

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 
 @kernel

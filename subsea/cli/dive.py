@@ -10,9 +10,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from subsea.base.command_line import add_command, number_reader
+from subsea.base.errors import UserError
 from subsea.cli import options as shared
-from subsea.core.command_line import add_command, number_reader
-from subsea.core.errors import UserError
 
 if TYPE_CHECKING:
     from subsea.dive.options import DiveOptions
@@ -166,7 +166,7 @@ def run(options: Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from msgspec.structs import replace
 
-    from subsea.core.console import say
+    from subsea.base.console import say
     from subsea.dive.settings import read_settings, settings_path, usual_settings
     from subsea.scenario.load import scenario_file
 
@@ -185,13 +185,13 @@ def run(options: Namespace) -> int:
         settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
     chosen = _dive_options(options, settings)
     if options.write_unit is not None:
-        from subsea.dive.service_unit import write_unit
+        from subsea.stage.service_unit import write_unit
 
         out = None if options.write_unit == Path() else options.write_unit
         return write_unit(options.words, chosen, out)
     if options.console is not None:
-        from subsea.console.options import console_options
-        from subsea.core.extras import require
+        from subsea.base.extras import require
+        from subsea.stage.console.options import console_options
 
         require("console", "--console")
         console, lines = console_options(

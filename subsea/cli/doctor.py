@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from subsea.core.command_line import add_command
-from subsea.core.errors import UserError
-from subsea.core.extras import BASE_COMMAND, EXTRAS, install_command, missing_packages
+from subsea.base.command_line import add_command
+from subsea.base.errors import UserError
+from subsea.base.extras import BASE_COMMAND, EXTRAS, install_command, missing_packages
 
 if TYPE_CHECKING:
     from subsea.ui.monitors import Monitor
@@ -26,7 +26,7 @@ DIVE = ("dive",)
 SEA = "dive", "film", "simulate"
 HEADSET_S = 10.0  # for a runtime that answers late: some of them start first
 DESCRIBE_HEADSET = """\
-from subsea.headset.openxr import describe_headset
+from subsea.stage.headset.openxr import describe_headset
 print(*describe_headset(), sep="\\n")
 """
 

@@ -4,9 +4,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from subsea.base.command_line import add_command, add_force, number_reader
+from subsea.base.errors import UserError
 from subsea.cli import options as shared
-from subsea.core.command_line import add_command, add_force, number_reader
-from subsea.core.errors import UserError
 
 if TYPE_CHECKING:
     from subsea.media.exposure import Exposure

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from subsea.core.command_line import add_command
+from subsea.base.command_line import add_command
 
 
 def add(commands: Any) -> None:
@@ -24,7 +24,7 @@ def add(commands: Any) -> None:
 
 def run(options: Namespace) -> int:
     """Write the keys and print their names."""
-    from subsea.dive.cluster.keys import write_keys
+    from subsea.stage.cluster.keys import write_keys
 
     for path in write_keys(options.folder, options.names):
         print(path)

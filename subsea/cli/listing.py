@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from subsea.core.command_line import add_command
-from subsea.core.errors import UserError
+from subsea.base.command_line import add_command
+from subsea.base.errors import UserError
 
 SHIPPED, OWN = "shipped", "own"
 
@@ -50,7 +50,7 @@ def run(options: Namespace) -> int:
 
 
 def _scenarios() -> tuple[list[ListedFile], Path | None]:
-    from subsea.core.resources import resource_names
+    from subsea.base.resources import resource_names
     from subsea.scenario.load import SHIPPED as FOLDER
     from subsea.scenario.load import load_scenario, own_scenarios, scenario_names
 
@@ -72,9 +72,9 @@ def _species() -> tuple[list[ListedFile], Path | None]:
 
 
 def _theatres() -> tuple[list[ListedFile], Path | None]:
-    from subsea.core.resources import resource_names
-    from subsea.view.theatre.load import load_theatre
-    from subsea.view.theatre.theatre_file import FOLDER
+    from subsea.base.resources import resource_names
+    from subsea.stage.theatre.load import load_theatre
+    from subsea.stage.theatre.theatre_file import FOLDER
 
     shipped = resource_names(FOLDER, ".toml")
     return [*_entries(shipped, shipped, lambda name: load_theatre(name)[0].title)], None
@@ -93,7 +93,7 @@ def _entries(
 
 def _hidden(folder: Path, shipped: list[str]) -> Iterator[ListedFile]:
     """Own files that no name leads to, because a shipped file has it."""
-    from subsea.core.resources import stems
+    from subsea.base.resources import stems
 
     for name in stems(folder, ".toml"):
         if name in shipped:

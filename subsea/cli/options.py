@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from subsea.core.command_line import number_reader
-from subsea.core.errors import UserError
+from subsea.base.command_line import number_reader
+from subsea.base.errors import UserError
 
 if TYPE_CHECKING:
     from subsea.view.stereo import Stereo

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
+from subsea.base.arrays import Ints
 from subsea.directing.script import Cast, Cue, DirectingContext, hunger_of
 from subsea.state import (
     EAT,

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
 from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
-from subsea.core.arrays import Array, Ints
 from subsea.directing.script import Cast, Cue, DirectingContext, hunger_of, now_s
 from subsea.scenario.directions import INFLUENCES, MOVES, FishSelector
 from subsea.state import (

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple, TypeGuard, get_args
 
-from subsea.core.errors import UserError, nearest, unknown
+from subsea.base.errors import UserError, nearest, unknown
 
 # Controls that act as long as an input is held.
 Action = Literal["ahead", "astern", "left", "right", "up", "down", "rise", "dive", "full stop"]

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.fonts import CJK, font_of
-from subsea.core.language import translated
+from subsea.base.fonts import CJK, font_of
+from subsea.base.language import translated
 from subsea.directing.director import latest
 from subsea.view.rig import CameraRig, Projection, front
 from subsea.view.text_viewports import text_viewports

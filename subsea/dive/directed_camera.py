@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError, unknown
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError, unknown
 from subsea.directing.director import latest
 from subsea.dive.captions import shown_s
 from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, hidden, steer_along

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import msgspec
 
-from subsea.core.console import say
-from subsea.core.errors import printable
+from subsea.base.console import say
+from subsea.base.errors import printable
 
 
 class FaultState(msgspec.Struct, frozen=True):

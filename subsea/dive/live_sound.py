@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import msgspec
 
-from subsea.core.language import translated
+from subsea.base.language import translated
 from subsea.dive.settings import SoundSettings
 from subsea.sound.device import Open, Player, open_device
 from subsea.sound.listening import Head, at_rest, listener_of

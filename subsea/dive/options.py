@@ -10,7 +10,7 @@ from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 
 if TYPE_CHECKING:  # loaded only for a console
-    from subsea.console.options import ConsoleOptions
+    from subsea.stage.console.options import ConsoleOptions
 
 RetinaColours = Literal["colours", "identity", "range"]
 RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")

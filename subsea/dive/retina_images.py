@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Ints
+from subsea.base.arrays import Ints
 from subsea.frame.packet import pack
 from subsea.rendering.gl.id_buffer import KINDS, IdMaps
 from subsea.rendering.renderer import Renderer

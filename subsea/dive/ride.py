@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
+from subsea.base.language import marked, translated
 from subsea.behavior.table import BEHAVIORS
-from subsea.core.arrays import Array
-from subsea.core.language import marked, translated
 from subsea.dive.options import RetinaColours
 from subsea.dive.retina_images import MOST_FISHES, SIDES, VALUES, codes, values_of
 from subsea.rendering.gl.id_buffer import IdMaps

@@ -9,10 +9,10 @@ import msgspec
 import platformdirs
 from msgspec import Meta, inspect
 
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
-from subsea.core.toml_files import error_at, load_toml
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_input
+from subsea.base.toml_files import error_at, load_toml
 from subsea.dive.bindings import COMMANDS, CONTROLS, Bindings, Command, bindings_of, input_name
 
 # Commands of visitors; in a kiosk all others have no inputs.

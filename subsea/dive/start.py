@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from subsea.core.console import say
-from subsea.core.language import marked
+from subsea.base.console import say
+from subsea.base.language import marked
 from subsea.dive.warm_up import warm_up
 from subsea.frame.packet import make_scene, pack
 from subsea.scenario.load import load_scenario

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from subsea.base.console import say
 from subsea.behavior.teleop import TeleopCommand
-from subsea.core.console import say
 from subsea.dive.clock import TickClock
 from subsea.dive.pilot import Pilot
 from subsea.dive.prediction import Prediction
@@ -17,17 +17,17 @@ from subsea.dive.presented import NOTHING, Presented
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
 from subsea.scenario.load import scenario_file, scenario_names
+from subsea.stage.theatre.theatre_file import Theatre
 from subsea.submarine.helm import NEUTRAL, Helm
 from subsea.submarine.rail import Rail
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
-from subsea.view.theatre.theatre_file import Theatre
 from subsea.world.step import Order
 from subsea.world.world import TICK_S, World
 
 if TYPE_CHECKING:  # loaded only in a cluster
-    from subsea.dive.cluster.follower import Follower
-    from subsea.dive.cluster.master import Master
+    from subsea.stage.cluster.follower import Follower
+    from subsea.stage.cluster.master import Master
 
 PATIENCE_S = 0.02  # a follower waits for the next picture before it handles window events
 HOLD_S = 0.25  # the same while the master is silent
@@ -277,9 +277,9 @@ def tick_source_maker(
     cluster = theatre.cluster
     if node is None or cluster is None:
         return LocalTicks
-    from subsea.dive.cluster.credentials import credentials
-    from subsea.dive.cluster.follower import Follower
-    from subsea.dive.cluster.master import Master
+    from subsea.stage.cluster.credentials import credentials
+    from subsea.stage.cluster.follower import Follower
+    from subsea.stage.cluster.master import Master
 
     keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.language import translated
+from subsea.base.language import translated
 from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
 from subsea.world.step import Order, step

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock
 from subsea.geometry.vector import Vector, vector
 from subsea.state import (

@@ -21,16 +21,16 @@ import numba
 import numpy as np
 from msgspec.structs import replace
 
+from subsea.base.disk_cache import cache_folder
+from subsea.base.language import marked
+from subsea.base.own_files import make_own_folder
+from subsea.base.processors import cores
 from subsea.behavior.table import run_routine
-from subsea.core.background import CancelledByUserError
-from subsea.core.disk_cache import cache_folder
-from subsea.core.language import marked
-from subsea.core.own_files import make_own_folder
-from subsea.core.processors import cores
-from subsea.core.source_stamp import ROOT, source_stamp
 from subsea.frame.packet import pack
 from subsea.geometry.height_field import height_at
 from subsea.habitat.stone_shade import SUN
+from subsea.jobs.background import CancelledByUserError
+from subsea.kernels.source_stamp import ROOT, source_stamp
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
 from subsea.sound.listening import listener_of

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.geometry.rotation import from_matrix
 
 METRES = 0.01

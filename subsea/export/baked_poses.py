@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.export.scene import Scene
 
 CHUNK = 64  # frames of a fish at a time

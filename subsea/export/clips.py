@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import UserError
-from subsea.core.resources import is_path
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import UserError
+from subsea.base.resources import is_path
 from subsea.export.drawn_surface import Surface
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.color_sheet import sheet_of

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.species import Species
 from subsea.motor.controller import CSTART_TEMPO
 from subsea.motor.fins import flap

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.export.clips import ROUGHNESS
-from subsea.export.compressions import MESHOPT
 from subsea.export.licence import copyright_line
+from subsea.export.packed import MESHOPT
 from subsea.export.packing import COMPRESSION, EXACT, Packing, Stored
 
 TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.core.atomic_io import replacing
+from subsea.base.atomic_io import replacing
 from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root
 from subsea.export.glb import GlbBuffer, asset, glb

@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Model, transparent_triangles
-from subsea.export.compressions import MESHOPT
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, material
+from subsea.export.packed import MESHOPT
 from subsea.export.packing import Packing, PositionGrid, Stored
 from subsea.export.png import sheet_png, sheet_webp
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton

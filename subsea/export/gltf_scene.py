@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.file_kinds import GLTF, check_result
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.file_kinds import GLTF, check_result
 from subsea.export.axes import METRES, Y_UP, to_metres
-from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_parts import (
     Json,
     KeyTrack,
@@ -29,6 +28,7 @@ from subsea.export.gltf_parts import (
     joint_tracks,
 )
 from subsea.export.gltf_scene_file import SceneFile
+from subsea.export.packed import MESHOPT, PLAIN, QUANTISED
 from subsea.export.packing import packing_of
 from subsea.export.scene import Scene
 from subsea.export.scene_vat import add_textures, check_textures, texture_bytes

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
 from subsea.export.glb import GlbBuffer, asset, glb
 from subsea.export.gltf_parts import (

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, to_metres
 from subsea.export.glb import INDICES, VERTICES, GlbBuffer
 from subsea.export.gltf_parts import Json, ordered

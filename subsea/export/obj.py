@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_input
 from subsea.biomechanics.body import Floats
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
 from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
 

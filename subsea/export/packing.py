@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError
-from subsea.core.extras import require
-from subsea.export.compressions import COMPRESSIONS, MESHOPT, PLAIN
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError
+from subsea.base.extras import require
+from subsea.export.packed import COMPRESSIONS, MESHOPT, PLAIN
 
 QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
 SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: of ±1, and of 1

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core import interrupts
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import UserError
-from subsea.core.progress import progress
+from subsea.base import interrupts
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import UserError
+from subsea.base.progress import progress
 from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import is_cut
 from subsea.dive.tour import Steer

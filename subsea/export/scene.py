@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.export.clips import Model
 from subsea.export.drawn_surface import Surface
 from subsea.frame.packet import FINS, ROW_A, ROW_B, SCALE, WEIGHT

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.errors import UserError
-from subsea.core.file_kinds import PICTURE, check_result, json_file
+from subsea.base.arrays import Ints
+from subsea.base.errors import UserError
+from subsea.base.file_kinds import PICTURE, check_result, json_file
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.glb import VERTICES
 from subsea.export.gltf_parts import add_vertices

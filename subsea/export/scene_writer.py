@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export.scene import Scene
 
 

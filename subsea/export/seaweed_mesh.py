@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.frame.in_sight import LEAF_NODES
 from subsea.habitat.seaweed import KINDS
 from subsea.rendering.reef.seaweed import COARSE, FINE, FRONDS_AT, fronds_of, ribbon

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.export.clips import Clip, Model
+from subsea.kernels import kernel
 
 MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
 NEAR = 8  # nearest joints to choose them from

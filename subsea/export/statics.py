@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.disk_cache import cached
+from subsea.base.arrays import Array
+from subsea.base.disk_cache import cached
 from subsea.export.scene import SceneMesh
 from subsea.export.seaweed_mesh import frond_meshes
 from subsea.frame.in_sight import leaf_texels

@@ -5,8 +5,8 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
 
 ZIP_EPOCH_S = 315_619_200  # 1980-01-02, after the first day that a package can hold
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import ROUGHNESS, Model, transparent_triangles
 from subsea.export.licence import copyright_line

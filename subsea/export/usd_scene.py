@@ -16,18 +16,24 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
-from subsea.core.console import say
-from subsea.core.errors import UserError
-from subsea.core.extras import require
-from subsea.core.file_kinds import USD, FileKind, check_result, signed
-from subsea.core.progress import progress
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import replacing
+from subsea.base.console import say
+from subsea.base.errors import UserError
+from subsea.base.extras import require
+from subsea.base.file_kinds import USD, FileKind, check_result, signed
+from subsea.base.progress import progress
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
 from subsea.export.baked_poses import BakedPoses, bake_poses
 from subsea.export.png import sheet_png
 from subsea.export.scene import Scene, SceneCamera
-from subsea.export.scene_writer import OF_USD, SceneExtent, SceneOptions, SceneWriter, check_options
+from subsea.export.scene_writer import (
+    OF_USD,
+    SceneExtent,
+    SceneOptions,
+    SceneWriter,
+    check_options,
+)
 from subsea.export.usd_package import write_package
 from subsea.export.usd_parts import (
     animate,

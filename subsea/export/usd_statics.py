@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.export.axes import METRES, WORLD_Y_UP, to_metres
 from subsea.export.scene import SceneMesh
 from subsea.export.usd_parts import bind, component, group, identifier, vectors

@@ -24,8 +24,8 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import replacing
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import replacing
 from subsea.export.axes import METRES, Y_UP, Z_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root, first_frames
 from subsea.export.glb import CLAMPED, INDICES, VERTICES, GlbBuffer, asset, glb, material

@@ -20,22 +20,22 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.atomic_io import check_folder, is_folder, replacing
-from subsea.core.errors import UserError
-from subsea.core.resources import own_path, resource_path
+from subsea.base.atomic_io import check_folder, is_folder, replacing
+from subsea.base.errors import UserError
+from subsea.base.resources import own_path, resource_path
 from subsea.export.axes import WORLD_Y_UP
-from subsea.export.compressions import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.licence import copyright_line
+from subsea.export.packed import MESHOPT, PLAIN, QUANTISED
 from subsea.export.scene import Scene
 from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
 from subsea.export.web_words import WORDS, words_by_language
 from subsea.fish.species import load_species
 from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
+from subsea.rendering.gl.uniforms import TIDE_S
 from subsea.rendering.output.daylight import light_uniforms
 from subsea.rendering.output.target import gain
-from subsea.rendering.output.uniforms import TIDE_S
 from subsea.scenario.schema import Grade, Water
 
 SCENE, ABOUT = "scene.glb", "scene.json"

@@ -7,7 +7,7 @@ They are English and are translated when a scene is written.
 from collections.abc import Iterable
 from typing import Any
 
-from subsea.core.language import LANGUAGES, translated
+from subsea.base.language import LANGUAGES, translated
 
 WORDS = {
     "skip": "Skip to the list of fishes",

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from subsea.core.errors import unknown
+from subsea.base.errors import unknown
 from subsea.export.scene_writer import SceneWriter
 
 

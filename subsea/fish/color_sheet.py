@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
-from subsea.core.atomic_io import replacing
-from subsea.core.disk_cache import cached
-from subsea.core.errors import UserError
-from subsea.core.input_files import check_input
-from subsea.core.toml_edit import edit_toml
-from subsea.core.toml_files import load_toml
+from subsea.base.arrays import Bytes
+from subsea.base.atomic_io import replacing
+from subsea.base.disk_cache import cached
+from subsea.base.errors import UserError
+from subsea.base.input_files import check_input
+from subsea.base.toml_edit import edit_toml
+from subsea.base.toml_files import load_toml
 from subsea.fish import paint, sheet_layout
 from subsea.fish.species import Species
 

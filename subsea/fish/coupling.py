@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.fish.patches import bind_to_patches, face_axes
 from subsea.fish.skinning import skin_weights
 from subsea.geometry.tetrahedra import tetrahedral_weights

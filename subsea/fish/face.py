@@ -4,7 +4,7 @@ from math import radians
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.raster import blend, single, smoothstep, texels_around
 from subsea.fish.sheet_layout import head_size
 from subsea.fish.species import SkinPlan, Species

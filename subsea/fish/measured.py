@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from subsea.core.errors import unknown
-from subsea.core.findings import RangeCheck
-from subsea.core.resources import resource_path
-from subsea.core.toml_files import error_at, load_toml
+from subsea.base.errors import unknown
+from subsea.base.findings import RangeCheck
+from subsea.base.resources import resource_path
+from subsea.base.toml_files import error_at, load_toml
 
 FILE = "swimming.toml"
 ITSELF = "itself"

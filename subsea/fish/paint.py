@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.face import DARK, GILLS_APART, draw_eye, draw_face
 from subsea.fish.raster import (
     blend,

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.species import Colour
 from subsea.fish.surface import Curve
 

@@ -5,7 +5,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.raster import single
 from subsea.fish.surface import SUNK, Curve, FinPlan, SurfacePlan, along, points_along
 

@@ -7,7 +7,7 @@ nodes, hence so are all control points.
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 RINGS = tuple(range(1, 21, 4))  # the first node of each ring: upper left, clockwise from behind
 TAIL_UPPER, TAIL_LOWER = 21, 22

@@ -13,7 +13,7 @@ from typing import Annotated
 import msgspec
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.fish.coupling import CouplingMethod
 from subsea.geometry.spline import greville, through
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import unknown
 from subsea.biomechanics.body import KINDS, UNITS
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import unknown
 from subsea.fish.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
 from subsea.frame.labels import Label
 from subsea.frame.lines import (

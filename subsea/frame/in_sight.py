@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.habitat.seaweed import KINDS as SEAWEED_KINDS
+from subsea.kernels import kernel
 from subsea.state import Seaweed
 from subsea.view.culling import ViewArrays, eye_distance, in_frustum
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.view.camera import View
 from subsea.view.rig import CameraRig, Projection
 

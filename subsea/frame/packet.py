@@ -8,9 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.species import Species
 from subsea.frame.in_sight import (
@@ -21,6 +19,8 @@ from subsea.frame.in_sight import (
     plankton_in_sight,
 )
 from subsea.frame.lines import NO_LINES, Lines
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 from subsea.motor.pose import pose_at
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import UNGRADED, Grade, Water

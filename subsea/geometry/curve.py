@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 
 class Curve(NamedTuple):

@@ -1,7 +1,7 @@
 """A height field over a square: bilinear lookup for compiled kernels."""
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
+from subsea.kernels import kernel
 
 
 @kernel

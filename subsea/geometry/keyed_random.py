@@ -3,7 +3,7 @@
 import numpy as np
 from numba import uint64
 
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 
 @kernel

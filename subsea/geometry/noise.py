@@ -2,7 +2,7 @@
 
 import math
 
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 
 
 @kernel

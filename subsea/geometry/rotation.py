@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.vector import Vector
+from subsea.kernels import kernel
 
 Quaternion = tuple[float, float, float, float]
 

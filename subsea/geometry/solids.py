@@ -7,10 +7,10 @@ is a height field (`height_field.py`). Lengths are cm.
 
 import math
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector
+from subsea.kernels import kernel
 
 NEVER = math.inf  # the t of a ray that misses
 MIDDLE = 1e-9  # of a gradient that vanishes

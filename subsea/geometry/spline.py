@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 DEGREE = 2
 TAPS = DEGREE + 1

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 NODES, NOSE, TAIL_UPPER, TAIL_LOWER = 23, 0, 21, 22
 

@@ -6,8 +6,8 @@ arithmetic.
 
 import math
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
+from subsea.kernels import kernel
 
 Vector = tuple[float, float, float]
 

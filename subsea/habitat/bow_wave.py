@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, unit, vector
+from subsea.kernels import kernel
 from subsea.state import HULL_CM, Fishes, Sea
 
 BEAM_BL = 0.25  # share of a fish's length added to the hull's radius, so that they do not touch

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import Sea
 
 MAX_STEPS = 12  # most steps out of overlapping solids

@@ -8,12 +8,12 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import Fishes, Sea
 
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends

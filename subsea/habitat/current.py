@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.solids import far_from_rock, from_pillar, from_turned_rock
 from subsea.geometry.vector import ZERO, Vector, plus, store, times, vector
 from subsea.habitat.rock_cells import RockCells, rocks_near
+from subsea.kernels import kernel
 from subsea.state import Fishes, Sea
 
 PERIOD_S = 14.0

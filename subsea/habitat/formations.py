@@ -13,11 +13,11 @@ from zlib import crc32
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.noise import fractal, noise
 from subsea.geometry.solids import from_ellipsoid
 from subsea.geometry.vector import Vector, store, vector
+from subsea.kernels import kernel
 
 SHELL_CM, SHELL = 9.0, 0.13  # most room for growth, and as a share of a solid's least half axis
 RELIEF_CM, RELIEF = 28.0, 0.32  # depth of the deepest hollow, likewise

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import stone_keys
 from subsea.habitat.mounds import FOOT, RADIUS_CM, dome, variant_of

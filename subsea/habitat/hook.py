@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 from subsea.scenario.schema import Hook
 from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea
 

@@ -5,7 +5,7 @@ In units of the radius: no point is farther than 1 from the axis, with the summi
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 HEIGHT = 0.45
 FOOT = 0.95  # radius of its foot

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.habitat.clearance import is_free
 from subsea.habitat.current import flow_near
 from subsea.habitat.rock_cells import RockCells, rocks_near
+from subsea.kernels import kernel
 from subsea.state import Clock, Sea
 
 WANDER_CM_S = 4.0  # size of a speck's own random motion

@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.disk_cache import cached
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.base.disk_cache import cached
 from subsea.geometry.vector import dot, minus, store, vector
 from subsea.habitat.clearance import clearances
 from subsea.habitat.formations import formations, stone_above
@@ -36,6 +35,7 @@ from subsea.habitat.growth_sites import (
 )
 from subsea.habitat.mounds import FOOT, HEIGHT, RADIUS_CM
 from subsea.habitat.terrain import heights_at
+from subsea.kernels import kernel
 from subsea.scenario.schema import CoralTable, ReefTable, Scenario
 from subsea.state import Reef, Sea
 

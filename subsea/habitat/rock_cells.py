@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.vector import Vector
+from subsea.kernels import kernel
 
 CELL_CM = 200.0
 FEW = 8  # rocks that are faster gone through than looked up

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.scenario.schema import Arch, Outcrop, Ridge, Rock, Scenario
 
 Floor = Callable[[float, float], float]  # x and y in cm -> height of the seabed in cm

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.disk_cache import cached
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
+from subsea.base.disk_cache import cached
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
 from subsea.habitat.bow_wave import bow_wave
@@ -13,6 +12,7 @@ from subsea.habitat.current import flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
 from subsea.habitat.rock_cells import RockCells
+from subsea.kernels import kernel
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import SeaweedTable as Group
 from subsea.state import HULL_CM, Clock, Fishes, Reef, Sea, Seaweed

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds
 
 GAP_BL = 0.12  # gap between skins, over the longer body, where separation begins

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.habitat.formations import numbered_formations, on_the_surface, stone_keys
 from subsea.habitat.stone_shade import openness, shade_of
 

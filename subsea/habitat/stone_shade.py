@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.vector import Vector, dot, plus, times, vector
 from subsea.habitat.formations import rough_distance
+from subsea.kernels import kernel
 
 SUN = (0.28, 0.17, 0.945)  # toward it at noon, below the surface
 WATER_INDEX = 1.33

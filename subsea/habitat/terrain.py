@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.disk_cache import cached
+from subsea.base.arrays import Array
+from subsea.base.disk_cache import cached
 from subsea.habitat.clearance import clearances
 from subsea.scenario.schema import Bounds, Scenario, Terrain
 

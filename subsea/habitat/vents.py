@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 SLOWEST = 0.22  # least diameter over a vent's largest, as in `bubbles.vert`
 BURST = 9.0  # bubbles that leave together

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import unknown
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import unknown
 from subsea.dive.retina_images import values_of
 from subsea.frame.packet import make_scene, pack
 from subsea.library.world import World, check_fish

@@ -5,10 +5,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from subsea.base.console import say
+from subsea.base.toml_edit import toml_value
 from subsea.behavior.table import INTENTIONS
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands
-from subsea.core.console import say
-from subsea.core.toml_edit import toml_value
 from subsea.dive.warm_up import warm_up
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Bytes
+from subsea.base.arrays import Bytes
 from subsea.fish.raster import from_srgb, to_srgb
 from subsea.view.camera import View
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base import interrupts
+from subsea.base.atomic_io import replacing
+from subsea.base.console import count_noun, say
+from subsea.base.durations import describe_durations
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_input
+from subsea.base.progress import progress
 from subsea.behavior.table import BEHAVIORS
-from subsea.core import interrupts
-from subsea.core.atomic_io import replacing
-from subsea.core.console import count_noun, say
-from subsea.core.durations import describe_durations
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
-from subsea.core.progress import progress
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.retina_images import (
     MOST_FISHES,

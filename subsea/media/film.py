@@ -6,15 +6,14 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from subsea.core import interrupts
-from subsea.core.arrays import Bytes
-from subsea.core.console import count_noun, say
-from subsea.core.durations import describe_durations
-from subsea.core.progress import progress
+from subsea.base import interrupts
+from subsea.base.arrays import Bytes
+from subsea.base.console import count_noun, say
+from subsea.base.durations import describe_durations
+from subsea.base.progress import progress
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
-from subsea.dive.theatre_setup import chosen_rig, theatre_digest
 from subsea.frame.diagrams import DiagramBuilder
 from subsea.frame.labels import PlacedLabel, place_labels
 from subsea.frame.packet import pack
@@ -37,6 +36,7 @@ from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.space import layout_of
+from subsea.stage.theatre.theatre_setup import chosen_rig, theatre_digest
 from subsea.view.display_rigs import cockpit
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.atomic_io import check_folder
-from subsea.core.file_kinds import SOUND, check_result
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import check_folder
+from subsea.base.file_kinds import SOUND, check_result
 from subsea.sound.listening import listener_of
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import GROUPS, Sources, hear, sources_of

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
-from subsea.core import interrupts
-from subsea.core.console import say
-from subsea.core.errors import UserError
+from subsea.base import interrupts
+from subsea.base.console import say
+from subsea.base.errors import UserError
 from subsea.dive.directed_camera import directed_steering, is_over
 from subsea.dive.start import ready_world
 from subsea.dive.tour import Steer

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.atomic_io import check_folder, is_folder, replacing
-from subsea.core.errors import UserError
-from subsea.core.file_kinds import FILM, PICTURE, check_results
+from subsea.base.atomic_io import check_folder, is_folder, replacing
+from subsea.base.errors import UserError
+from subsea.base.file_kinds import FILM, PICTURE, check_results
 from subsea.media.film_sound import FilmSound
 from subsea.media.video_metadata import NO_METADATA, VideoMetadata, insert_boxes
 from subsea.sound.space import RATE

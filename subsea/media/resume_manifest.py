@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from subsea import __version__
-from subsea.core.atomic_io import check_folder, replacing
-from subsea.core.errors import UserError
-from subsea.core.input_files import file_hash, read_input
+from subsea.base.atomic_io import check_folder, replacing
+from subsea.base.errors import UserError
+from subsea.base.input_files import file_hash, read_input
 from subsea.media.film_options import FilmOptions
 from subsea.media.frame_writers import frame_file, window_path
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from subsea.core.kernels import kernel
 from subsea.geometry.rotation import Quaternion, about, multiply, rotate, x_axis
+from subsea.kernels import kernel
 from subsea.state import Fishes
 
 ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°

@@ -7,12 +7,12 @@ tick. After the motion, this moves back each fish that reaches beyond a barrier.
 
 import math
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import quaternion, rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, minus, norm, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.motor.pose import ends
 from subsea.state import Fishes, Sea
 

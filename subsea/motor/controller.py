@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.keyed_random import uniform
 from subsea.geometry.rotation import x_axis
+from subsea.kernels import kernel
 from subsea.motor.playback import HURRIED, TEMPO, between
 from subsea.motor.segments import (
     BURST,

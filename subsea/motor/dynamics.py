@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from subsea.base.arrays import Array, Bools
 from subsea.biomechanics.body import (
     MUSCLE_LEFT,
     MUSCLE_SEGMENT,
@@ -26,8 +27,6 @@ from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
 from subsea.biomechanics.reactive_water import inertial_mass, sections_of
 from subsea.biomechanics.solver import STEP, TICK_S, TICK_TU, advance
-from subsea.core.arrays import Array, Bools
-from subsea.core.kernels import kernel
 from subsea.fish.species import Species
 from subsea.geometry.rotation import (
     Quaternion,
@@ -40,7 +39,19 @@ from subsea.geometry.rotation import (
     rotate,
     x_axis,
 )
-from subsea.geometry.vector import ZERO, Vector, cross, dot, minus, plus, store, times, unit, vector
+from subsea.geometry.vector import (
+    ZERO,
+    Vector,
+    cross,
+    dot,
+    minus,
+    plus,
+    store,
+    times,
+    unit,
+    vector,
+)
+from subsea.kernels import kernel
 from subsea.motor.controller import own_speed
 from subsea.motor.playback import TEMPO
 from subsea.motor.segments import LEFT_GRADUAL, blends

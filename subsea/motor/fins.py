@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
+from subsea.kernels import kernel
 from subsea.motor.segments import ROW, SIDES
 from subsea.repertoire.library import Library
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes

@@ -1,7 +1,6 @@
 """Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick."""
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import (
     Quaternion,
     about,
@@ -13,6 +12,7 @@ from subsea.geometry.rotation import (
     rotate,
 )
 from subsea.geometry.vector import Vector, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.motor.balance import balanced
 from subsea.motor.segments import (
     FAST,

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.rotation import matrix, rotate
 from subsea.geometry.vector import Vector, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.kernels import kernel
+from subsea.kernels import kernel
 from subsea.repertoire import SEGMENTS
 
 SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)

@@ -10,19 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.biomechanics.solver import TICK_TU, TIME_UNIT_S
-from subsea.core.arrays import Array, Bools, Ints
 from subsea.fish.species import Species
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
 from subsea.motor.balance import roll_of
-from subsea.motor.dynamics import (
-    BodyTables,
-    Integration,
-    make_bodies,
-    swim_live,
-    under,
-)
+from subsea.motor.dynamics import BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import HURRIED, TEMPO
 from subsea.motor.segments import (
     FAST,

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import (
     NEVER,
@@ -17,6 +16,7 @@ from subsea.geometry.solids import (
     ray_meets_seabed,
 )
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.perception.grid import ROUNDING, Grid, cells_within, make_grid, near_slots
 from subsea.perception.vision import FIELD_COS, ahead_of, along_body, eye_of
 from subsea.state import (

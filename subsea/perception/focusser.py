@@ -2,21 +2,16 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import conjugate, rotate
 from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 from subsea.perception.collision import ANTENNA_BL, ENLARGED
 from subsea.perception.foraging import cost_of, is_in_school, perceives
-from subsea.perception.vision import (
-    ahead_of,
-    along_body,
-    eye_of,
-    sees_fish,
-)
+from subsea.perception.vision import ahead_of, along_body, eye_of, sees_fish
 from subsea.state import (
     ASCEND,
     AVOID,

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
+from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, insert, near_slots, nearest
 from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea

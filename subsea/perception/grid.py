@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.vector import Vector, dot, minus, store, vector
+from subsea.kernels import kernel
 
 CELLS_EACH, CELLS_MORE = 16, 16384  # most cells: per point, and in addition
 FEW = 48  # points that are faster gone through than looked up by cells

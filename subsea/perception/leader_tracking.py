@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.geometry.vector import store, times, vector
+from subsea.kernels import kernel
 from subsea.perception.vision import sees_fish
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 

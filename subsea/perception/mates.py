@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import minus, norm, vector
+from subsea.kernels import kernel
 from subsea.perception.grid import Grid, insert, near_slots
 from subsea.perception.vision import eye_of, sees_fish, sight
 from subsea.state import LIBIDO, LOOPING, PACIFIST, Fishes, Minds, Nature, Sea

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import vector
+from subsea.kernels import kernel
 from subsea.perception.grid import Grid, farthest, make_grid, nearest
 from subsea.state import Fishes, Minds
 

@@ -2,17 +2,11 @@
 
 import numpy as np
 
-from subsea.core.arrays import Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Ints
 from subsea.geometry.vector import dot, minus, norm, vector
+from subsea.kernels import kernel
 from subsea.perception.grid import ROUNDING, Grid, insert, near_slots
-from subsea.perception.vision import (
-    SUBMARINE_CM,
-    eye_of,
-    sees_fish,
-    sees_point,
-    sight,
-)
+from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import NOBODY, PREY, SUBMARINE, Fishes, Minds, Nature, Sea
 
 CELL_CM = 400.0  # large, as predators are few and seen from afar

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from subsea.core.arrays import Bools, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.base.arrays import Bools, Ints
 from subsea.geometry.vector import minus, norm, vector
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 from subsea.state import Clock, Fishes, Minds, Sea
 
 NEAR_CM = 400.0  # distance to the submarine within which a fish thinks every tick

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import cut, run_all, share, side_by_side
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.kernels import kernel
+from subsea.kernels.threads import cut, run_all, share, side_by_side
 from subsea.perception import collision, foraging, leader_tracking, mates, predators
 from subsea.perception.collision import Crowd
 from subsea.perception.grid import Grid, make_grid

@@ -2,11 +2,11 @@
 
 import math
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import ray_meets_pillar, ray_meets_rock, ray_meets_seabed
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
+from subsea.kernels import kernel
 from subsea.state import Fishes, Nature, Sea
 
 FIELD_COS = math.cos(math.radians(150.0))  # half of the field of 300 degrees

@@ -11,9 +11,9 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Bytes
-from subsea.core.disk_cache import cached
-from subsea.core.errors import UserError
+from subsea.base.arrays import Bytes
+from subsea.base.disk_cache import cached
+from subsea.base.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
@@ -22,11 +22,11 @@ from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
+from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.lines import LineRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.theatre_vessel import TheatreVesselRenderer
-from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
 from subsea.rendering.reef.seaweed import SeaweedRenderer

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import about, mixed, multiply, rotate
 from subsea.repertoire.schema import Segment
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core import hdf5
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError
+from subsea.base import hdf5
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError
 from subsea.repertoire.schema import (
     BASIC_SEGMENTS,
     CONTROL_POINTS,

@@ -6,11 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import UserError
-from subsea.core.kernels.struct_ref import Kind, by_pointer
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import UserError
 from subsea.fish.coupling import Coupling, place
-from subsea.repertoire.blending import LEVELS, TIGHTEST, Blend, TurningWay, blend_turns, course_of
+from subsea.kernels.struct_ref import Kind, by_pointer
+from subsea.repertoire.blending import (
+    LEVELS,
+    TIGHTEST,
+    Blend,
+    TurningWay,
+    blend_turns,
+    course_of,
+)
 from subsea.repertoire.schema import (
     BASIC_SEGMENTS,
     SEGMENTS,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 FORMAT = "subsea-repertoire"
 VERSION = 3

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
+from subsea.kernels import kernel
 from subsea.repertoire.schema import MAX_GLIDE_FRAMES, Segment, Transitions
 
 LEAVING_SHARE = 0.3  # of the rows of a cyclic segment: the gentlest; of an acyclic one: the last

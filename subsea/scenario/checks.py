@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from subsea.core.errors import UserError, unknown
+from subsea.base.errors import UserError, unknown
 from subsea.fish.species import load_species, species_names
 from subsea.scenario.directions import Shoals, check_directions
 from subsea.scenario.schema import (

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 import msgspec
 from msgspec.structs import replace
 
-from subsea.core.errors import UserError, unknown
+from subsea.base.errors import UserError, unknown
 from subsea.fish.surface import Share
 
 MAX_DIRECTIONS = 200

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.errors import UserError, unknown
+from subsea.base.errors import UserError, unknown
 from subsea.scenario.schema import Scenario
 
 

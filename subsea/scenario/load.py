@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from subsea.core.errors import unknown
-from subsea.core.resources import is_path, own_path, resource_names, resource_path, stems
-from subsea.core.toml_files import load_toml, locate_errors
+from subsea.base.errors import unknown
+from subsea.base.resources import is_path, own_path, resource_names, resource_path, stems
+from subsea.base.toml_files import load_toml, locate_errors
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 

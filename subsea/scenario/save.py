@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.toml_edit import edit_toml, toml_value
-from subsea.core.toml_files import load_toml, locate_errors
-from subsea.core.toml_positions import Place
-from subsea.core.validation import MISSING, convert
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.toml_edit import edit_toml, toml_value
+from subsea.base.toml_files import load_toml, locate_errors
+from subsea.base.toml_positions import Place
+from subsea.base.validation import MISSING, convert
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from subsea.core.atomic_io import check_file
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_input
-from subsea.core.resources import resource_names, resource_path
+from subsea.base.atomic_io import check_file
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_input
+from subsea.base.resources import resource_names, resource_path
 from subsea.scenario.load import SHIPPED, load_scenario, own_scenarios, scenario_names
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Scenario

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
-from subsea.core.input_files import MIB, read_input
+from subsea.base.arrays import Bytes
+from subsea.base.input_files import MIB, read_input
 
 SIZE = 480, 270  # larger pictures are scaled down
 MOST_PIXELS = 16_000_000

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import EVENT_COLUMNS, Moment
 from subsea.sound.space import BLOCK, RATE, Layout

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
+from subsea.kernels import kernel
 from subsea.sound.moment import (
     BEDS,
     BREATH,

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.language import marked
+from subsea.base.arrays import Array, Ints
+from subsea.base.language import marked
 from subsea.geometry.height_field import height_at
 from subsea.geometry.keyed_random import uniform
 from subsea.habitat.vents import SLOWEST, departures

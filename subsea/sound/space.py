@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.errors import unknown
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
+from subsea.base.errors import unknown
 from subsea.geometry.vector import Vector, minus, norm
+from subsea.kernels import kernel
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.keyed_random import uniform
+from subsea.kernels import kernel
 from subsea.sound.space import RATE
 
 SNAP, BUBBLE, POP, CRUNCH, WHOOSH, STRIKE, KNOCK, CREAK = range(8)

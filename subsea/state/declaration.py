@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.state.codes import COURTSHIP, NOBODY, SUBMARINE
 
 G = TypeVar("G")

@@ -7,8 +7,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
-from subsea.core.kernels.struct_ref import Kind, by_pointer
+from subsea.base.arrays import Array
+from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.state.codes import ANYONE, BAIT, CHOICES, NEIGHBOURS, NOBODY, STOWED, WALL, WANDER
 from subsea.state.declaration import (
     BOOL,

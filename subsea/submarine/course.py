@@ -6,9 +6,9 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.disk_cache import cached
-from subsea.core.errors import UserError, unknown
+from subsea.base.arrays import Array, Ints
+from subsea.base.disk_cache import cached
+from subsea.base.errors import UserError, unknown
 from subsea.geometry.curve import Curve, curve_at, curve_through
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock

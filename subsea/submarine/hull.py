@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, dot, norm, plus, store, times, vector
+from subsea.kernels import kernel
 from subsea.state import HULL_CM, Sea, Submarine
 from subsea.submarine.helm import Helm
 

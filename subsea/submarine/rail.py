@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.state import Submarine
 from subsea.submarine.hull import MAX_PITCH
 

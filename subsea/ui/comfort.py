@@ -5,7 +5,7 @@ import math
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from subsea.core.language import LANGUAGES, language, marked, translated
+from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.dive.bindings import Command, ControlName
 from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle

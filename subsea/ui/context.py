@@ -12,11 +12,11 @@ from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
 from subsea.media.screenshots import ScreenCapture
 from subsea.scenario.schema import Scenario
+from subsea.stage.show_screens import ShowScreens
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
-from subsea.ui.show import ShowScreens
 from subsea.ui.window import GlWindow
 from subsea.world.world import World
 

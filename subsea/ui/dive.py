@@ -8,10 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from subsea.core.background import CancelledByUserError
-from subsea.core.console import say
-from subsea.core.errors import UserError
-from subsea.core.language import marked, set_language, translated
+from subsea.base.console import say
+from subsea.base.errors import UserError
+from subsea.base.language import marked, set_language, translated
 from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
@@ -23,18 +22,20 @@ from subsea.dive.ride import Ride
 from subsea.dive.settings import kiosk_settings
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
-from subsea.headset.session import HeadsetLostError
+from subsea.jobs.background import CancelledByUserError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.sound.listening import at_rest
+from subsea.stage.headset.display import GOES_ON, HeadsetDisplay, LostHeadset, put_on
+from subsea.stage.headset.session import HeadsetLostError
+from subsea.stage.kiosk import Kiosk
+from subsea.stage.show_screens import ShowScreens
 from subsea.ui.commands import Commands
-from subsea.ui.headset_display import GOES_ON, HeadsetDisplay, LostHeadset, put_on
 from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
-from subsea.ui.kiosk import Kiosk
 from subsea.ui.loading import Loader
 from subsea.ui.menu import Menu
 from subsea.ui.monitors import Installation
@@ -42,7 +43,6 @@ from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences, follow, help_of
-from subsea.ui.show import ShowScreens
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
@@ -52,7 +52,7 @@ from subsea.world.populate import with_total
 from subsea.world.world import World
 
 if TYPE_CHECKING:  # loaded only for a console
-    from subsea.ui.remote_control import RemoteControl
+    from subsea.stage.console.remote_control import RemoteControl
 
 
 class Dive:

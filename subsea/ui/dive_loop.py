@@ -5,24 +5,24 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 
-from subsea.core.background import CancelledByUserError
-from subsea.core.console import say
-from subsea.core.errors import UserError
-from subsea.core.interrupts import deferred_interrupts
-from subsea.core.language import marked
-from subsea.core.service_manager import PictureReports, notify
+from subsea.base.console import say
+from subsea.base.errors import UserError
+from subsea.base.interrupts import deferred_interrupts
+from subsea.base.language import marked
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
-from subsea.dive.show_file import check_for_cluster
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
+from subsea.jobs.background import CancelledByUserError
 from subsea.scenario.fish_lookup import find_fish
 from subsea.scenario.load import load_scenario
+from subsea.stage.cluster.master_scenario import MasterScenario
+from subsea.stage.service_manager import PictureReports, notify
+from subsea.stage.show_file import check_for_cluster
+from subsea.stage.show_screens import ShowScreens
 from subsea.ui.dive import Dive
-from subsea.ui.master_scenario import MasterScenario
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
-from subsea.ui.show import ShowScreens
 from subsea.world.populate import with_total
 from subsea.world.world import World
 
@@ -53,10 +53,10 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
-        from subsea.ui.theatre_windows import theatre_windows
+        from subsea.stage.theatre.theatre_windows import theatre_windows
 
         if show is not None and theatre.node is not None:
-            from subsea.view.theatre.load import load_theatre
+            from subsea.stage.theatre.load import load_theatre
 
             cluster = load_theatre(theatre.name)[0].cluster
             if cluster is not None and theatre.node != cluster.master:
@@ -74,7 +74,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
         for line in notes:
             running.overlay.note(line)
         if options.console is not None:
-            from subsea.ui.remote_control import open_console
+            from subsea.stage.console.remote_control import open_console
 
             open_console(running, options.console)
         with closing(running), ExitStack() as ending:

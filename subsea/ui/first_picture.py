@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
-from subsea.core.disk_cache import keep, recall
+from subsea.base.arrays import Bytes
+from subsea.base.disk_cache import keep, recall
 
 MOST_PX = 640  # of its width: it is shown for seconds
 

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
-from subsea.core.errors import UserError
-from subsea.core.input_files import read_text
-from subsea.core.resources import resource_path
+from subsea.base.errors import UserError
+from subsea.base.input_files import read_text
+from subsea.base.resources import resource_path
 from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Command, is_action, is_command
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, settings_path

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import glfw
 from imgui_bundle import imgui
 
-from subsea.core.fonts import japanese_font, latin_font
+from subsea.base.fonts import japanese_font, latin_font
 from subsea.dive.bindings import MODIFIER_KEYS, key_name
 from subsea.ui.key_queue import MODIFIERS, KeyQueue
 from subsea.view.text_viewports import WHOLE, TextViewport

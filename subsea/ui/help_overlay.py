@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from imgui_bundle import imgui
 
-from subsea.core.language import marked, translated
+from subsea.base.language import marked, translated
 from subsea.dive.bindings import Bindings, ControlName
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
 

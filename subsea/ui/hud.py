@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from imgui_bundle import imgui
 
-from subsea.core.language import marked, translated
+from subsea.base.language import marked, translated
 from subsea.state import Submarine
 from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
 from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text

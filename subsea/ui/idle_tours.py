@@ -7,18 +7,18 @@ from typing import Protocol
 
 from imgui_bundle import imgui
 
-from subsea.core.console import say
-from subsea.core.errors import UserError
-from subsea.core.language import translated
+from subsea.base.console import say
+from subsea.base.errors import UserError
+from subsea.base.language import translated
 from subsea.dive.directed_camera import check_tour, endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
-from subsea.dive.show_state import DiveCount
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.stage.headset.display import HeadsetDisplay
+from subsea.stage.kiosk import Kiosk
+from subsea.stage.show_state import DiveCount
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
-from subsea.ui.headset_display import HeadsetDisplay
 from subsea.ui.inspector import Inspector
-from subsea.ui.kiosk import Kiosk
 from subsea.ui.menu import Menu
 
 BREATH_S = 5.0  # period in which the invitation fades in and out

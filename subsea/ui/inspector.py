@@ -12,9 +12,9 @@ from contextlib import contextmanager
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.core.background import CancelledByUserError
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.dive.intention_text import name_of
+from subsea.jobs.background import CancelledByUserError
 from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.error_recovery import recovering_errors
 from subsea.ui.gui import GLASS, MARK, colour

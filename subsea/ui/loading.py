@@ -4,9 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from subsea.core.background import run_in_background
 from subsea.dive.start import WAKING, wake
 from subsea.dive.warm_up import WarmUp
+from subsea.jobs.background import run_in_background
 from subsea.scenario.schema import Scenario
 from subsea.world.build import create_world
 from subsea.world.world import World

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import msgspec
 from imgui_bundle import imgui
 
-from subsea.core.errors import UserError
-from subsea.core.language import marked, translated
-from subsea.core.toml_files import load_toml
+from subsea.base.errors import UserError
+from subsea.base.language import marked, translated
+from subsea.base.toml_files import load_toml
 from subsea.rendering.gl.image_texture import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names

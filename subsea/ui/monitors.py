@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
-from subsea.core.errors import TransientError
+from subsea.base.errors import TransientError
 from subsea.sound.space import Layout
 from subsea.view.rig import CameraRig
 

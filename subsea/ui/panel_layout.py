@@ -9,8 +9,8 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
 from subsea.dive.ride import ASPECT, EDGE, WIDE
 from subsea.dive.settings import settings_path
 

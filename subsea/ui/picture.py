@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
-from subsea.core.language import marked, translated
+from subsea.base.arrays import Bytes
+from subsea.base.language import marked, translated
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
@@ -29,7 +29,7 @@ from subsea.rendering.output.quality import (
     name_of,
 )
 from subsea.rendering.renderer import Renderer
-from subsea.ui.headset_display import HeadsetDisplay
+from subsea.stage.headset.display import HeadsetDisplay
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
@@ -362,7 +362,7 @@ class ScenePicture:
     def _draw_pattern(self) -> None:
         """Draw the test pattern, if shown, into the renderer's pictures, once."""
         if self.pattern:
-            from subsea.view.theatre.lineup import lineup
+            from subsea.stage.theatre.lineup import lineup
 
             self.renderer.show(lineup(self.rig))
 

@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import msgspec
 from msgspec.structs import replace
 
-from subsea.core.atomic_io import replacing
-from subsea.core.errors import UserError
-from subsea.core.language import next_language, set_language
-from subsea.core.toml_edit import edit_toml
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.language import next_language, set_language
+from subsea.base.toml_edit import edit_toml
 from subsea.dive.bindings import ControlName, is_key
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import ComfortSettings, Settings

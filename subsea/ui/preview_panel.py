@@ -6,8 +6,8 @@ import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
-from subsea.fish.editing.swimmer import Swimmer
 from subsea.fish.species import Species
+from subsea.fish.swimmer import Swimmer
 from subsea.rendering.fish.preview import FishPreview, Orbit
 
 TURN = 0.008  # rad per pointer unit

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from imgui_bundle import imgui
 
-from subsea.core.language import translated
+from subsea.base.language import translated
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine.hull import CLEARANCE_CM

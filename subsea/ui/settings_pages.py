@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from subsea.core.language import LANGUAGES, language, marked, translated
+from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.dive.bindings import CONTROLS, ControlName, is_key
 from subsea.dive.settings import COMFORTS
 from subsea.ui.context import DiveContext

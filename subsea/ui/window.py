@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.dive.bindings import (
     BUTTONS,
     KEYS,

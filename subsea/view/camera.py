@@ -12,7 +12,7 @@ from operator import mul
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.base.arrays import Array, Ints
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 from subsea.view.camera import View
 
 OUT_OF_SIGHT = -1.0  # instead of pixels

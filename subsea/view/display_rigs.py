@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.errors import unknown
+from subsea.base.arrays import Array
+from subsea.base.errors import unknown
 from subsea.view.camera import NEAR_CM, View, off_axis
 from subsea.view.rig import (
     CameraPose,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, Rect
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
-from subsea.core.kernels.threads import share
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.kernels import kernel
+from subsea.kernels.threads import share
 
 # Finest first; the second and the third are those of SMC table 2.
 LEVELS = ("tessellated", "close", "distant", "far", "speck")

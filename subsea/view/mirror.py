@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.view.camera import NEAR_CM, View, edge_tangents, look, off_axis
 from subsea.view.rig import CameraPose, DisplayPatch, Eye, Projection, Warp
 

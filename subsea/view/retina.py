@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.fish.coupling import Coupling, place
 from subsea.fish.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
 from subsea.geometry.rotation import matrix

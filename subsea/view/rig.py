@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.view.camera import View, look
 from subsea.view.theatre_vessel import TheatreVessel
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.view.camera import axes_of
 from subsea.view.rig import Rect
 

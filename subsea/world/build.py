@@ -5,9 +5,9 @@ from collections.abc import Callable
 import msgspec
 import numpy as np
 
-from subsea.core.errors import UserError
-from subsea.core.language import marked
-from subsea.core.toml_files import locate_errors
+from subsea.base.errors import UserError
+from subsea.base.language import marked
+from subsea.base.toml_files import locate_errors
 from subsea.directing.script import make_script
 from subsea.repertoire.library import LIVE_TABLES
 from subsea.scenario.schema import MAX_SIMULATED, Scenario

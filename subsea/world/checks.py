@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.habitat.reef import grow_reefs

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from msgspec.structs import replace
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.geometry.height_field import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import clearance, out_of_solids

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 
 SIDES = 32  # segments of a circle
 

@@ -4,16 +4,16 @@ Threads take turns to hold the interpreter's lock between two kernels. With one 
 they do so less often.
 """
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior.bursting import tire
 from subsea.behavior.mental_state import update_mental_state
 from subsea.behavior.steering import ease_goals
 from subsea.behavior.table import compute_desires
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
 from subsea.habitat.bow_wave import add_bow_wave
 from subsea.habitat.current import set_drift
 from subsea.habitat.rock_cells import RockCells
 from subsea.habitat.separation import separate
+from subsea.kernels import kernel
 from subsea.motor.containment import contain
 from subsea.motor.fins import flap
 from subsea.motor.playback import play

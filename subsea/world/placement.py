@@ -11,10 +11,10 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError
-from subsea.core.toml_files import locate_errors
-from subsea.core.validation import convert
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError
+from subsea.base.toml_files import locate_errors
+from subsea.base.validation import convert
 from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import NEVER, ray_meets_pillar, ray_meets_rock, ray_meets_seabed
 from subsea.geometry.vector import vector

@@ -3,9 +3,9 @@
 import numpy as np
 from msgspec.structs import replace
 
+from subsea.base.arrays import Array
 from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.behavior.temperament import apply_individual, set_temperament
-from subsea.core.arrays import Array
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.clearance import out_of_solids

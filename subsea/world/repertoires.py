@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.disk_cache import cached
-from subsea.core.errors import UserError
-from subsea.core.input_files import file_hash
+from subsea.base.disk_cache import cached
+from subsea.base.errors import UserError
+from subsea.base.input_files import file_hash
 from subsea.fish.coupling import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
 from subsea.fish.surface import rest_control_points

@@ -12,8 +12,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from subsea.base.errors import UserError
 from subsea.behavior.table import BEHAVIORS
-from subsea.core.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.directions import INFLUENCES
 from subsea.state import EAT, GROUPS, LANDED, PREDATOR, Spec, declared

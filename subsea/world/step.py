@@ -6,25 +6,20 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from subsea.base.arrays import Array, Ints
 from subsea.behavior import biting, eating, hunting, schooling, steering
 from subsea.behavior.colouring import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
-from subsea.behavior.table import (
-    BEHAVIOR_OF_DESIRE,
-    LEVEL_OF_DESIRE,
-    TIRES,
-    run_routines,
-)
+from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, run_routines
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels.threads import cut, run_all, share
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
 from subsea.habitat import hook, plankton
 from subsea.habitat.contact import keep_in_free_water
 from subsea.habitat.current import flow_at
 from subsea.habitat.seaweed import step_seaweed
+from subsea.kernels.threads import cut, run_all, share
 from subsea.motor.controller import command
 from subsea.motor.switching import swim
 from subsea.perception.focusser import focus

@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.directing.script import Script
 from subsea.fish.species import Species
 from subsea.habitat.current import REACH_CM

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from subsea.core.toml_files import load_toml
+from subsea.base.toml_files import load_toml
 from subsea.fish.species import Species
 
 DOCS = Path(__file__).parents[2] / "docs"

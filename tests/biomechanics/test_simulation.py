@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.body import MUSCLES, Floats, build_body
-from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, ease, swim_contraction
+from subsea.biomechanics.controllers import (
+    LEFT,
+    RIGHT,
+    bend_contraction,
+    ease,
+    swim_contraction,
+)
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.fish.species import Species

@@ -7,12 +7,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import eigh, solveh_banded
 
-from subsea.biomechanics.body import HALF_BANDWIDTH, MUSCLES, NODES, UNITS, Body, Floats, build_body
+from subsea.base.resources import resource_path
+from subsea.base.toml_files import load_toml
+from subsea.biomechanics.body import (
+    HALF_BANDWIDTH,
+    MUSCLES,
+    NODES,
+    UNITS,
+    Body,
+    Floats,
+    build_body,
+)
 from subsea.biomechanics.reactive_water import NO_SECTIONS
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
-from subsea.core.resources import resource_path
-from subsea.core.toml_files import load_toml
 from subsea.fish.species import Species, load_species
 
 

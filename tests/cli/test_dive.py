@@ -2,8 +2,8 @@
 
 import pytest
 
+from subsea.base import extras
 from subsea.cli.main import main
-from subsea.core import extras
 
 
 def refusal(capsys, *options):

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from subsea import __version__
+from subsea.base.resources import resource_path
 from subsea.cli.main import main
-from subsea.core.resources import resource_path
+from subsea.media.record import read_record
 from subsea.scenario.load import own_scenarios
-from subsea.study.record import read_record
 
 COMMANDS = (
     "dive", "film", "export", "simulate", "study", "sweep", "benchmark", "soak", "build", "skin",

@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from subsea.base.errors import UserError
+from subsea.base.resources import ROOT
 from subsea.behavior.temperament import HABITS, set_hunger
-from subsea.core.errors import UserError
-from subsea.core.resources import ROOT
 from subsea.directing.director import direct, latest
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import Shoals

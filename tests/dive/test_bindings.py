@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.dive import bindings
 from subsea.dive.bindings import (
     ACTIONS,

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from subsea.dive.captions import FADE_S, STOPS, Caption, caption_of, draw_caption, lines_of, shown_s
+from subsea.dive.captions import (
+    FADE_S,
+    STOPS,
+    Caption,
+    caption_of,
+    draw_caption,
+    lines_of,
+    shown_s,
+)
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, display_rig

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
-from subsea.dive.cluster.messages import encode, from_master, picture_of, ticks_of
+from subsea.base.errors import UserError
 from subsea.dive.directed_camera import check_tour, directed_steering, is_cut, is_over
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
@@ -21,6 +20,7 @@ from subsea.habitat.clearance import clearance
 from subsea.media.film_timing import directed_length_s
 from subsea.scenario.directions import Camera
 from subsea.scenario.load import load_scenario, scenario_file
+from subsea.stage.cluster.messages import encode, from_master, picture_of, ticks_of
 from subsea.state import HULL_CM
 from subsea.submarine.course import course_of, rail_at
 from subsea.submarine.helm import NEUTRAL, STATION, Helm

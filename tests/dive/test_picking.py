@@ -7,13 +7,13 @@ import pytest
 
 from subsea.dive.picking import canvas_place, pick
 from subsea.dive.ride import Ride, with_insets
-from subsea.dive.theatre_setup import set_up_theatre
 from subsea.frame.packet import make_scene, pack
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
+from subsea.stage.theatre.theatre_setup import set_up_theatre
 from subsea.submarine.helm import NEUTRAL
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import front, pose_from_angles, seen_part, views

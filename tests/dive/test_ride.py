@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from PIL import ImageGrab
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, retina_brightness
 from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
-from subsea.dive.theatre_setup import set_up_theatre
 from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.load import load_scenario
+from subsea.stage.theatre.theatre_setup import set_up_theatre
 from subsea.submarine.helm import NEUTRAL
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import msgspec
 import pytest
 
+from subsea.base.errors import UserError
 from subsea.cli import options as cli
 from subsea.cli.main import main
-from subsea.core.errors import UserError
 from subsea.dive import settings
 from subsea.dive.bindings import ACTIONS, COMMANDS
 from subsea.dive.settings import (

@@ -8,18 +8,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from subsea.base.errors import UserError
 from subsea.cli import main
-from subsea.core.errors import UserError
-from subsea.dive.cluster.follower import Follower
-from subsea.dive.cluster.keys import write_keys
-from subsea.dive.cluster.master import Master
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick_source_maker
 from subsea.scenario.load import load_scenario
+from subsea.stage.cluster.follower import Follower
+from subsea.stage.cluster.keys import write_keys
+from subsea.stage.cluster.master import Master
+from subsea.stage.theatre import theatre_windows
+from subsea.stage.theatre.load import load_theatre
 from subsea.submarine.helm import NEUTRAL
 from subsea.submarine.rail import Rail
-from subsea.ui import dive, theatre_windows
-from subsea.view.theatre.load import load_theatre
+from subsea.ui import dive
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

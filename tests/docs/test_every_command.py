@@ -29,22 +29,22 @@ from PIL import Image
 
 from capture.cli import main as capture_cli
 from capture.inspection import timing
+from subsea.base.command_line import parse_arguments
+from subsea.base.errors import UserError
+from subsea.base.resources import ROOT, resource_names
 from subsea.cli import main
-from subsea.core.command_line import parse_arguments
-from subsea.core.errors import UserError
-from subsea.core.resources import ROOT, resource_names
-from subsea.dive.cluster.waits import WaitStatistics
 from subsea.dive.settings import read_settings
-from subsea.dive.show_file import load_show
 from subsea.export import skinning
-from subsea.fish.photo.fitting import silhouette
-from subsea.fish.photo.side_view import centred_matrix
 from subsea.fish.species import load_species, shipped_species
-from subsea.profiling import paper_tables
+from subsea.lab.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
+from subsea.stage.cluster.waits import WaitStatistics
+from subsea.stage.show_file import load_show
+from subsea.stage.theatre.load import load_theatre
+from subsea.studio.fitting import silhouette
+from subsea.studio.side_view import centred_matrix
 from subsea.ui.window_set import WindowSet
-from subsea.view.theatre.load import load_theatre
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
 from tests.support.recording import forget_turns
 from tools import theatre_samples
@@ -68,9 +68,9 @@ NOT_TYPED = {
     "monado-service": "there is no runtime of headsets",
     "python -m tools.check_headset_dive": "there is no runtime of headsets",
     "python -m tools.measure_headset": "it takes minutes",
-    "subsea theatre --new --out": "it asks on a terminal; tests/dive/test_theatre_plan.py answers",
-    "subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
-    ".venv/bin/subsea soak --kiosk": "it takes minutes; tests/profiling/test_kiosk_soak.py runs it",
+    "subsea theatre --new --out": "it asks on a terminal; test_theatre_plan.py answers",
+    "subsea soak --kiosk": "it takes minutes; tests/stage/test_kiosk_soak.py runs it",
+    ".venv/bin/subsea soak --kiosk": "it takes minutes; tests/stage/test_kiosk_soak.py runs it",
     "openssl req": "tests/console makes a certificate so",
     "curl": "it asks a dive that goes on",
     "subsea dive --console 0.0.0.0:8880": "it listens to other computers; tests/console does that",
@@ -489,7 +489,7 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
         patch.setattr(paper_tables, "SCENARIO", "sea.toml")
         patch.setattr(paper_tables, "RENDERED", ("sea.toml",))
         patch.setattr(paper_tables, "PLAYED_FISH", 20)
-        patch.setattr("subsea.profiling.benchmark.WARM_UP_FRAMES", 1)
+        patch.setattr("subsea.lab.profiling.benchmark.WARM_UP_FRAMES", 1)
         patch.setattr("capture.recording.trial.MIN_WARM_UP", 2)
         patch.setattr("capture.recording.trial.CLOSURE_GOAL", 1e-3)
         patch.setattr("capture.inspection.simulated.STEADY_BEATS", 2)

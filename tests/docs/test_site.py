@@ -8,8 +8,8 @@ import pytest
 from mkdocs.commands.build import build
 from mkdocs.config import load_config
 
+from subsea.media import record as records
 from subsea.repertoire import schema
-from subsea.study import record as records
 
 ROOT = Path(__file__).parents[2]
 

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 from capture.inspection.simulated import replay
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
-from subsea.export.clips import (
-    Clip,
-    Model,
-    make_clips,
-    root_motion,
-    transform_points,
-)
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_path
+from subsea.export.clips import Clip, Model, make_clips, root_motion, transform_points
 from subsea.export.drawn_surface import Surface
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.mesh import DETAILS, fish_mesh

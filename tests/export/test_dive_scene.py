@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from pxr import Usd
 
+from subsea.base import hdf5
+from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.core import hdf5
-from subsea.core.errors import UserError
 from subsea.export.dive_scene import record_scene
 from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene
-from subsea.study.record import read_record
-from subsea.study.simulate import simulate
+from subsea.lab.simulate import simulate
+from subsea.media.record import read_record
 from tests.support.scenes import BARE
 
 FAST = ["--detail", "3", "--with", "none", "--seconds", "0.2"]

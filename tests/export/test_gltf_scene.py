@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
-from subsea.export.compressions import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER
+from subsea.export.packed import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.png import sheet_png
 from subsea.export.scene import Scene, SceneMesh
 from subsea.export.scene_writer import SceneExtent, SceneOptions

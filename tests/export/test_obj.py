@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
+from subsea.base.resources import resource_path
 from subsea.biomechanics.body import TRIANGLES
-from subsea.core.resources import resource_path
 from subsea.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.repertoire import Repertoire, read_repertoire
 

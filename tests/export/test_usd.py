@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.usd import write_usd

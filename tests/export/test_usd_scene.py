@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export import usd_scene
 from subsea.export.axes import WORLD_Y_UP, to_metres
 from subsea.export.png import sheet_png

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.png import png16

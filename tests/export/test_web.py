@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.export import web

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.core.errors import UserError
-from subsea.dive.cluster.identity import _anywhere
+from subsea.base.errors import UserError
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import assign_sheet, read, sheet_of, sheets, write
 from subsea.fish.species import load_species, own_species, species_file, species_names
+from subsea.stage.cluster.identity import _anywhere
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@
 
 import pytest
 
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_path
 from subsea.fish import measured
 from subsea.fish.measured import ITSELF, MeasuredRange, load_measured, measured_species
 from subsea.fish.species import load_species, shipped_species

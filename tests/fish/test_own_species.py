@@ -7,9 +7,9 @@ import pytest
 
 from capture.cli import main as capture_cli
 from capture.recording import workers
+from subsea.base.errors import UserError
+from subsea.base.resources import ROOT, own_path, resource_path
 from subsea.cli.main import main
-from subsea.core.errors import UserError
-from subsea.core.resources import ROOT, own_path, resource_path
 from subsea.fish import species
 from subsea.fish.species import (
     load_species,

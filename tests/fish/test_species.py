@@ -2,9 +2,9 @@
 
 import pytest
 
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
-from subsea.core.toml_files import load_toml
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_path
+from subsea.base.toml_files import load_toml
 from subsea.fish.species import Species, load_species
 
 

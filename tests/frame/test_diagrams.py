@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import UNITS
-from subsea.core.errors import UserError
 from subsea.dive.start import start_world
 from subsea.frame.diagrams import (
     DIAGRAMS,

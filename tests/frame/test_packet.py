@@ -4,8 +4,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.core.kernels.threads import use_threads
 from subsea.frame import packet as frame
+from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED

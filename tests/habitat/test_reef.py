@@ -4,11 +4,20 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.mounds import dome, variant_of
-from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow_reefs, tops
+from subsea.habitat.reef import (
+    DEEPEST,
+    KINDS,
+    MOUND,
+    PACKED,
+    SUNK,
+    floor_over,
+    grow_reefs,
+    tops,
+)
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import heights_at
 from subsea.scenario.load import load_scenario

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.core.errors import UserError
 from subsea.dive.retina_images import VALUES, coded, retina_brightness
 from subsea.dive.start import headless, picture_maker
 from subsea.geometry.rotation import from_matrix

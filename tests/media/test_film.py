@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.core.errors import UserError
 from subsea.dive.start import picture_maker, start_world
 from subsea.frame.labels import PlacedLabel
 from subsea.frame.packet import pack

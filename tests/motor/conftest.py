@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.fish.coupling import couple
 from subsea.fish.species import load_species
 from subsea.motor.controller import command

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.fish.coupling import couple
 from subsea.fish.species import load_species, species_names
 from subsea.motor.controller import command

@@ -7,13 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
 from subsea.perception.senses import sense
-from subsea.perception.vision import (
-    SUBMARINE_CM,
-    eye_of,
-    sees_fish,
-    sees_point,
-    sight,
-)
+from subsea.perception.vision import SUBMARINE_CM, eye_of, sees_fish, sees_point, sight
 from subsea.state import (
     CIRCLING,
     LIBIDO,

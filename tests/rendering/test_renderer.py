@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.rendering.fish.speck import speck
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.renderer import Renderer

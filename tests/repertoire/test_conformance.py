@@ -19,11 +19,11 @@ from capture.recording.record import (
 from capture.recording.resume import is_up_to_date
 from capture.recording.segment import heading_change
 from capture.recording.trial import Trial, deformation
+from subsea.base.resources import resource_names, resource_path
 from subsea.biomechanics.body import UNITS, build_body
 from subsea.biomechanics.body_frame import body_frame, to_body
 from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STRAIN_LIMITS, TICK_S
-from subsea.core.resources import resource_names, resource_path
 from subsea.fish.species import load_species, species_names
 from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.fish.coupling import couple
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, read_repertoire, write_repertoire
 from subsea.repertoire.library import pack
@@ -238,7 +238,7 @@ def test_truncated_or_flipped_files_are_read_or_refused(tmp_path_factory, damage
 ZEROED = """
 import random, sys
 from pathlib import Path
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.repertoire import read_repertoire
 whole, place = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
 rng = random.Random(6)

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.fish.coupling import couple, place
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS
 from subsea.repertoire.blending import TIGHTEST

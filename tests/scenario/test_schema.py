@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_names, resource_path
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_names, resource_path
 from subsea.fish.species import load_species
 from subsea.frame.packet import make_scene, pack
 from subsea.geometry.height_field import height_at

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.core.resources import resource_names, resource_path
+from subsea.base.resources import resource_names, resource_path
 from subsea.scenario.thumbnails import SIZE, read_thumbnail
 
 MOST_BYTES = 8000

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.sound.space import (
     BINAURAL_S,
     BLOCK,

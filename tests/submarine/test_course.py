@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_path
 from subsea.dive.tour import steer_along
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import TourTable

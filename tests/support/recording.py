@@ -10,8 +10,8 @@ from capture.recording import manoeuvres
 from capture.recording.record import Recorded, record_segment
 from capture.recording.resume import is_up_to_date
 from capture.recording.trial import Trial, deformation
+from subsea.base.resources import resource_path
 from subsea.biomechanics.body_plan import Muscles
-from subsea.core.resources import resource_path
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.repertoire import Repertoire, Segment, read_repertoire
 from subsea.repertoire.transitions import Transitions, plan_transitions

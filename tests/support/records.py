@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from subsea.lab.series import headings
+from subsea.media.record import STATIONS, Record
 from subsea.repertoire import SEGMENTS
 from subsea.state import KINDS, WANDER
-from subsea.study.record import STATIONS, Record
-from subsea.study.series import headings
 
 TICK_S = 0.1
 LENGTH = 20.0  # cm; the bodies are 2 cm wide and 6 cm high

@@ -15,11 +15,11 @@ import pytest
 from imgui_bundle import imgui
 from PIL import ImageGrab
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.start import headless
+from subsea.lab.profiling import benchmark
 from subsea.media import eye_frames, film
-from subsea.profiling import benchmark
 from subsea.rendering.output.quality import PRESETS
 from tools.monkey import virtual_display
 

@@ -5,7 +5,7 @@ import signal
 import time
 from pathlib import Path
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 
 
 def square(number):

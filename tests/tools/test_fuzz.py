@@ -39,7 +39,7 @@ def test_samples_are_sound(fuzz, tmp_path):
 
 
 def refuses_without_words(path):
-    from subsea.core.errors import UserError
+    from subsea.base.errors import UserError
 
     raise UserError("")
 

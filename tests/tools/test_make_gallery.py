@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.export.clips import make_clips
 from tests.support.gltf_reader import Reader
 

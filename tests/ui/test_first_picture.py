@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.core import disk_cache
+from subsea.base import disk_cache
 from subsea.ui.first_picture import MOST_PX, FirstPicture, picture_name
 from subsea.ui.open_windows import open_windows
 

@@ -7,7 +7,7 @@ import pytest
 from imgui_bundle import imgui
 
 from subsea.dive.bindings import USUAL, bindings_of
-from subsea.dive.theatre_setup import set_up_theatre
+from subsea.stage.theatre.theatre_setup import set_up_theatre
 from subsea.state import Submarine
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.help_overlay import NOT_SHARED, help_content

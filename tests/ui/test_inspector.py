@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.ui.dive import Dive
 from subsea.ui.inspector import Inspector
 from subsea.ui.panel_layout import places_path

@@ -5,9 +5,9 @@ from contextlib import closing
 
 import pytest
 
-from subsea.core.background import CancelledByUserError
 from subsea.dive import warm_up
 from subsea.dive.warm_up import WarmUp
+from subsea.jobs.background import CancelledByUserError
 from subsea.ui.dive import Dive
 from tests.support.windows import display_pixels, dive_options
 

@@ -8,7 +8,7 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from subsea.core.resources import resource_names, resource_path
+from subsea.base.resources import resource_names, resource_path
 from subsea.dive.bindings import PAD_BUTTONS
 from subsea.rendering.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios

@@ -2,7 +2,7 @@
 
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.ui import monitors as module
 from subsea.ui.monitors import Monitor, Screen, monitors, on_display, placed
 

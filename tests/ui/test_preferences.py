@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
-from subsea.core.language import language, set_language
+from subsea.base.errors import UserError
+from subsea.base.language import language, set_language
 from subsea.dive.bindings import CONTROLS, KEYS, MODIFIER_KEYS, is_key
 from subsea.dive.settings import COMFORTS, DEFAULTS, default_text, read_settings
 from subsea.ui.preferences import Preferences

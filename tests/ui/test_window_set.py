@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from subsea.frame.packet import pack
+from subsea.stage.theatre.lineup import lineup
 from subsea.ui import picture
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation, Screen
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, views
-from subsea.view.theatre.lineup import lineup
 from tests.support.windows import FRAME_S, display_pixels, dive_options
 
 SIZE = (240, 180)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.fish.coupling import couple, place
 from subsea.fish.mesh import BODY, DETAILS, FIN, fish_mesh, species_vertices, surface_points
 from subsea.fish.species import load_species

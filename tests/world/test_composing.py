@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.habitat.growth_sites import SUNK
 from subsea.habitat.reef import KINDS
 from subsea.habitat.terrain import heights_at

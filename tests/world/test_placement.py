@@ -8,9 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from subsea.core import disk_cache
-from subsea.core.errors import UserError
-from subsea.core.undo import History
+from subsea.base import disk_cache
+from subsea.base.errors import UserError
 from subsea.geometry.height_field import height_at
 from subsea.habitat import stone_samples
 from subsea.scenario.load import load_scenario
@@ -28,6 +27,7 @@ from subsea.scenario.schema import (
 )
 from subsea.submarine.course import paths_of
 from subsea.submarine.helm import NEUTRAL
+from subsea.ui.undo import History
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world
 from subsea.world.checks import check_in_sea, tour_fault

@@ -8,8 +8,8 @@ import h5py
 import numpy as np
 import pytest
 
-from subsea.core import disk_cache
-from subsea.core.errors import UserError
+from subsea.base import disk_cache
+from subsea.base.errors import UserError
 from subsea.fish.species import repertoire_file
 from subsea.repertoire import files
 from subsea.repertoire.library import pack

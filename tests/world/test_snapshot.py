@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.fish.species import load_species
 from subsea.geometry.height_field import height_at
 from subsea.motor.balance import roll_of

@@ -5,9 +5,9 @@
 
 import pytest
 
+from subsea.base.resources import resource_path
 from subsea.behavior import table
-from subsea.core.kernels.threads import use_threads
-from subsea.core.resources import resource_path
+from subsea.kernels.threads import use_threads
 from subsea.perception import focusser, scheduling, senses
 from subsea.scenario.load import load_scenario
 from subsea.submarine.helm import Helm

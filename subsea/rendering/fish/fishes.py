@@ -11,8 +11,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Bytes, Ints
-from subsea.core.disk_cache import cached
+from subsea.base.arrays import Array, Bytes, Ints
+from subsea.base.disk_cache import cached
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheets
 from subsea.fish.face import GILL, jaws

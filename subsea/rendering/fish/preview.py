@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from msgspec import structs
 
-from subsea.core.arrays import Array, Bytes
+from subsea.base.arrays import Array, Bytes
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.gl.mipmaps import mipmapped
 from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.target import RenderTarget, ResolvePass
-from subsea.rendering.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
 from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import display_rig

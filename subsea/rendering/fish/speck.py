@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.fish import sheet_layout
 from subsea.fish.mesh import ABSENT
 from subsea.fish.surface import (

@@ -8,7 +8,7 @@ from typing import Any
 
 import moderngl
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.rendering.gl.shader_cache import avoid_full_disk
 from subsea.rendering.gl.view_block import ViewBuffer
 

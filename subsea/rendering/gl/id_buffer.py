@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.errors import UserError
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import UserError
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.view.rig import Rect
 

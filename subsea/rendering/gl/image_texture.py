@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
+from subsea.base.arrays import Bytes
 
 
 class ImageTexture:

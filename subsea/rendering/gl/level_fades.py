@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.view.levels import FADE_S
 
 OUT_OF_SIGHT = -1  # instead of a level

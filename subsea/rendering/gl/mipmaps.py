@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.core.disk_cache import cache_name, cached
+from subsea.base.disk_cache import cache_name, cached
 
 P = ParamSpec("P")
 Texels = NDArray[Any]  # half floats or bytes (h, w, c), bottom row first

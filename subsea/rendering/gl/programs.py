@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.rendering.gl.id_buffer import object_id
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, required_defines, set_uniforms

@@ -5,8 +5,8 @@ from typing import Any
 
 from moderngl import Uniform
 
-from subsea.core.errors import UserError
-from subsea.core.resources import resource_path
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_path
 from subsea.rendering.gl import view_block
 
 VERSION = "#version 330 core\n"

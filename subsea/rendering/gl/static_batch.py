@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.kernels import kernel
 from subsea.rendering.gl.level_fades import (
     OUT_OF_SIGHT,
     LevelState,

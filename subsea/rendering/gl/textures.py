@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.rendering.gl.mipmaps import ALL, Texels, cached_texture
 
 SIZE = 256

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.habitat.stone_shade import sun_at
 from subsea.scenario.schema import Water
 from subsea.scenario.water_types import LUMINANCE, attenuation

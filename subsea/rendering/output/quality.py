@@ -6,7 +6,7 @@ the sea is the same at every quality.
 
 from dataclasses import dataclass, replace
 
-from subsea.core.errors import unknown
+from subsea.base.errors import unknown
 from subsea.frame.packet import PackOptions
 
 AUTO = "auto"

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Bytes
+from subsea.base.arrays import Bytes
 from subsea.rendering.gl.mipmaps import gl_function
 from subsea.rendering.gl.owner import GpuOwner
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.rendering.output.cabin import clip_matrix

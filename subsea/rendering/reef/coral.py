@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.disk_cache import cached
+from subsea.base.arrays import Array
+from subsea.base.disk_cache import cached
 from subsea.frame.packet import Packet
 from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.rendering.reef.coral_mesh import UP, CoralMesh, Rng, capped, cross, tubes, unit
 
 

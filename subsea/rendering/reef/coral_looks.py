@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.textures import (
     cell_distance,

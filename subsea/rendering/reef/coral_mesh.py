@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 Rng = np.random.Generator
 UP = np.array([0.0, 0.0, 1.0])

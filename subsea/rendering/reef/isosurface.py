@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 
 
 def surface_net(field: Array) -> tuple[Array, Ints]:

@@ -2,9 +2,17 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.habitat.mounds import HEIGHT, dome, outline
-from subsea.rendering.reef.coral_mesh import CoralMesh, Rng, bumps, joined, plates, tubes, turned
+from subsea.rendering.reef.coral_mesh import (
+    CoralMesh,
+    Rng,
+    bumps,
+    joined,
+    plates,
+    tubes,
+    turned,
+)
 
 
 def table(rng: Rng, level: int) -> CoralMesh:

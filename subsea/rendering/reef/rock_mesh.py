@@ -8,8 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from subsea.core.arrays import Array
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import Vector, vector
 from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
@@ -22,6 +21,7 @@ from subsea.habitat.formations import (
     rough_distance,
 )
 from subsea.habitat.stone_shade import SUN, Shade, box_of, openness, passes, shade_of
+from subsea.kernels import kernel
 from subsea.rendering.gl.static_batch import StaticMesh
 from subsea.rendering.reef.isosurface import surface_net
 

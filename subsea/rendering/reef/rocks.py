@@ -7,13 +7,13 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import first_of_formation, formations
 from subsea.habitat.stone_shade import sun_at
+from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
 from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.owner import GpuOwner

@@ -5,10 +5,10 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Bools, Ints
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.frame.in_sight import LEAF_TEXELS
 from subsea.frame.packet import Packet
+from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import SEAWEED
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants

@@ -5,11 +5,11 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Bools
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bools
 from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.habitat.vents import departures
+from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import BUBBLES
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants

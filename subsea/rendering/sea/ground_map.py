@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Bytes
-from subsea.core.kernels import kernel
+from subsea.base.arrays import Array, Bytes
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import Vector
 from subsea.habitat.stone_shade import (
@@ -21,6 +20,7 @@ from subsea.habitat.stone_shade import (
     shade_distance,
     shade_of,
 )
+from subsea.kernels import kernel
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
 

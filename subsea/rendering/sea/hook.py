@@ -5,7 +5,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet
 from subsea.rendering.gl.id_buffer import HOOK
 from subsea.rendering.gl.owner import GpuOwner

@@ -6,8 +6,8 @@ import moderngl
 
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.rendering.gl.uniforms import SHAFTS_UNIT
 from subsea.rendering.output.quality import Quality
-from subsea.rendering.output.uniforms import SHAFTS_UNIT
 
 SIZE = (320, 16)  # texels: angle about the sun, cosine of the angle from it
 

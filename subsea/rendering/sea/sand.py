@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.textures import in_bytes, nearest_of_cells, tileable_noise
 

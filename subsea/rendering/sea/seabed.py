@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.core.arrays import Array, Ints
+from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
 from subsea.habitat.formations import formations
 from subsea.habitat.reef import KINDS, MOUND

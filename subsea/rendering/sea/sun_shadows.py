@@ -10,7 +10,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from subsea.core.arrays import Array
+from subsea.base.arrays import Array
 from subsea.habitat.stone_shade import sun_at
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms

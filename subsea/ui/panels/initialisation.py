@@ -8,8 +8,8 @@ from pathlib import Path
 from imgui_bundle import imgui
 from msgspec.structs import replace
 
-from subsea.core.errors import UserError
-from subsea.core.toml_files import locate_errors
+from subsea.base.errors import UserError
+from subsea.base.toml_files import locate_errors
 from subsea.scenario import storage
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.load import scenario_names

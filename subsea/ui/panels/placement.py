@@ -13,9 +13,8 @@ import numpy as np
 from imgui_bundle import imgui
 from msgspec.structs import replace
 
-from subsea.core.arrays import Array
-from subsea.core.errors import UserError
-from subsea.core.undo import History
+from subsea.base.arrays import Array
+from subsea.base.errors import UserError
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
@@ -23,6 +22,7 @@ from subsea.submarine.course import paths_of
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields
+from subsea.ui.undo import History
 from subsea.view.unproject import FrontView
 from subsea.world import placement
 from subsea.world.checks import check_in_sea, tour_fault

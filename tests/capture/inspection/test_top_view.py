@@ -5,7 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from capture.inspection.top_view import above, lateral_offset, midline, spectrum, speeds, top_view
+from capture.inspection.top_view import (
+    above,
+    lateral_offset,
+    midline,
+    spectrum,
+    speeds,
+    top_view,
+)
 from subsea.repertoire import Repertoire
 
 LENGTH, TICK_S, FRAMES = 20.0, 0.033, 12

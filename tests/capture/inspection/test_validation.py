@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from capture.inspection.validation import FULL_TEMPO, ROW_TEMPO, bainbridge, validate
-from subsea.core.findings import MISSING, RangeCheck
+from subsea.base.findings import MISSING, RangeCheck
 from subsea.fish.measured import load_measured
 from subsea.fish.species import load_species, repertoire_file
 from subsea.motor import controller, playback

@@ -25,12 +25,12 @@ from capture.learning.journal import Journal, evaluations, read_journal
 from capture.learning.lifelike import STATIONS, lateral, rear_bend, wavelength
 from capture.learning.whole import LearningTask, learn_whole
 from capture.recording.trial import beat_contraction
+from subsea.base.resources import resource_path
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.gait import contraction_step
 from subsea.biomechanics.solver import STEP
 from subsea.biomechanics.stability import longest_step
-from subsea.core.resources import resource_path
 from subsea.fish.species import load_species
 
 AT = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])
@@ -139,7 +139,7 @@ def test_the_command_writes_finished_species_once(
         return whole.Learned(None if fails else new, ["gait: rejected: it circles"])
 
     monkeypatch.setattr(batch, "learn_whole", learned)
-    from subsea.core.workers import serial
+    from subsea.jobs.workers import serial
 
     monkeypatch.setattr(batch, "process_pool", lambda number: serial)
     command = ["learn", "--body", "--gait", "fusilier", "clownfish", "--out", str(tmp_path)]

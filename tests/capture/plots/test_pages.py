@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from capture.plots.pages import plot_repertoire
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.repertoire import Repertoire
 
 

@@ -22,8 +22,8 @@ from capture.recording.batch import record_all
 from capture.recording.record import record_segment, segments_of
 from capture.recording.resume import finished_segments, save_segment
 from capture.recording.workers import process_pool, serial
-from subsea.core import hdf5
-from subsea.core.errors import UserError
+from subsea.base import hdf5
+from subsea.base.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import Repertoire, write_repertoire
 from subsea.repertoire.schema import FORMAT

@@ -17,10 +17,10 @@ from capture.cli.main import main
 from capture.recording.batch import record_all
 from capture.recording.record import segments_of
 from capture.recording.workers import dask_workers, record_equally
-from subsea.core import dask_cluster as module
-from subsea.core.errors import UserError
-from subsea.core.extras import install_command
+from subsea.base.errors import UserError
+from subsea.base.extras import install_command
 from subsea.fish.species import load_species
+from subsea.jobs import dask_cluster as module
 from subsea.repertoire import Repertoire, write_repertoire
 
 NAMES = ["emperor_angelfish", "fusilier"]

@@ -12,10 +12,10 @@ from capture.recording.trial import (
     speed_map,
     steady_beat,
 )
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.core.errors import UserError
 from subsea.fish.species import Species
 
 

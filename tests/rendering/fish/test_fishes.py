@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.export.drawn_surface import SWEEP_RAD, Surface
 from subsea.fish import paint
 from subsea.fish.face import GAPE_RAD
@@ -43,12 +43,7 @@ from subsea.fish.surface import (
 from subsea.geometry.rotation import matrix
 from subsea.geometry.spline import greville
 from subsea.rendering.fish import fishes
-from subsea.rendering.fish.fishes import (
-    INSTANCE_ATTRIBUTES,
-    INSTANCE_FORMAT,
-    frames,
-    look,
-)
+from subsea.rendering.fish.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
 from subsea.rendering.fish.preview import FINS as AT_EASE
 from subsea.rendering.fish.preview import FishPreview, Orbit
 from subsea.rendering.fish.speck import speck

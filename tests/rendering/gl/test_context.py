@@ -6,7 +6,7 @@ import os
 import moderngl
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.rendering.gl.context import (
     DRIVER_SETTINGS,
     headless_context,

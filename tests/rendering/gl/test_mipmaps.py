@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.core import disk_cache
+from subsea.base import disk_cache
 from subsea.rendering.gl import mipmaps
 from subsea.rendering.gl.mipmaps import ALL, cached_texture, mipmapped
 

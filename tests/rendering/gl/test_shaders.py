@@ -6,7 +6,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_names
+from subsea.base.resources import resource_names
 from subsea.frame import in_sight
 from subsea.habitat import seaweed, vents
 from subsea.rendering.gl import shaders

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.core.resources import resource_path
+from subsea.base.resources import resource_path
 from subsea.rendering.gl import view_block
 from subsea.rendering.gl.shaders import set_uniforms
 

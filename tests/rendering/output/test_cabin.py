@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from subsea.rendering.output.cabin import FLOOR_CM, RADIUS_CM, RAIL_CM, Cabin, clip_matrix, vessel
+from subsea.rendering.output.cabin import (
+    FLOOR_CM,
+    RADIUS_CM,
+    RAIL_CM,
+    Cabin,
+    clip_matrix,
+    vessel,
+)
 from subsea.view.head import HeadEye, Pose, head_eyes, headset_rig
 from subsea.view.panel import PANEL
 from subsea.view.rig import CameraPose, views

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.rendering.output.quality import (
     CHOICES,
     LADDER,

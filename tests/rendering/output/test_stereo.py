@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.core.errors import UserError
+from subsea.base.errors import UserError
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import DISPLAYS, display_rig

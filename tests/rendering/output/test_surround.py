@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from subsea.rendering.output.target import ResolvePass
+from subsea.stage.theatre.warp import mesh, sources_at
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import pose_from_angles
 from subsea.view.surround import ALL_ROUND, Surround, directions
-from subsea.view.theatre.warp import mesh, sources_at
 
 SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)}
 

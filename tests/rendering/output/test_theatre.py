@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from subsea.dive.theatre_setup import shrink_theatre
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.output.target import ResolvePass
 from subsea.rendering.renderer import Renderer
+from subsea.stage.theatre.channels import usable_channels
+from subsea.stage.theatre.lineup import lineup
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.screens import points_on
+from subsea.stage.theatre.theatre_rig import theatre_rig
+from subsea.stage.theatre.theatre_setup import shrink_theatre
+from subsea.stage.theatre.warp import mesh
 from subsea.view.rig import CUBES, pose_from_angles, views
 from subsea.view.surround import Surround, directions
-from subsea.view.theatre.channels import usable_channels
-from subsea.view.theatre.lineup import lineup
-from subsea.view.theatre.load import load_theatre
-from subsea.view.theatre.screens import points_on
-from subsea.view.theatre.theatre_rig import theatre_rig
-from subsea.view.theatre.warp import mesh
 
 EYE = np.array([0.0, -120.0, -200.0])
 GAMMA = 2.2

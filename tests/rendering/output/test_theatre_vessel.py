@@ -5,12 +5,12 @@ import pytest
 
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
+from subsea.stage.theatre.channels import usable_channels
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.screens import places_on
+from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.view.rig import pose_from_angles, views
 from subsea.view.surround import Surround, directions
-from subsea.view.theatre.channels import usable_channels
-from subsea.view.theatre.load import load_theatre
-from subsea.view.theatre.screens import places_on
-from subsea.view.theatre.theatre_rig import theatre_rig
 from subsea.view.theatre_vessel import PANEL_SIZE, TheatreVessel
 
 OBSERVER = pose_from_angles(np.array([0.0, -120.0, -200.0]), 0.3, 0.2)

@@ -1,0 +1,236 @@
+"""Exit codes, one-line errors and help, shared by all command lines of the project."""
+
+import argparse
+import errno
+import math
+import os
+import sys
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from subsea import __version__
+from subsea.base.errors import TransientError, UserError, nearest, printable, unknown
+from subsea.base.extras import BASE_COMMAND
+from subsea.base.interrupts import INTERRUPTED, raised_interrupts
+from subsea.base.output_streams import tolerant_output
+
+TRANSIENT = 75  # exit code of an error that may pass by itself: EX_TEMPFAIL of sysexits.h
+NAME_WIDTH = 12  # of the column of commands in the help
+
+
+def run_command(program: str, run: Callable[[], int]) -> int:
+    """Run a command and return the exit code of the process.
+
+    The code is the return value of ``run`` (0 done, 1 a negative finding), 2 for an error that the
+    user can fix, 75 for one that may also pass by itself (one line on standard error), or 130 after
+    Ctrl-C or SIGTERM.
+    """
+    with tolerant_output() as check, warnings.catch_warnings():
+        # An unreadable setting: otherwise numba warns in ten lines.
+        warnings.filterwarnings("error", "Environment variable 'NUMBA_", RuntimeWarning)
+        try:
+            try:
+                _check_cpu_features()
+                with raised_interrupts(program):
+                    code = run()
+            except SystemExit:  # after --help or --version
+                check()
+                raise
+            check()
+            return code
+        except UserError as fault:
+            print(f"{program}: {fault}", file=sys.stderr)
+            return TRANSIENT if isinstance(fault, TransientError) else 2
+        except KeyboardInterrupt as interrupt:
+            print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
+            return INTERRUPTED
+        except Exception as fault:
+            if not (reason := _reason(fault)):
+                raise
+            print(f"{program}: {printable(reason)}", file=sys.stderr)
+            return TRANSIENT if _is_full_disk(fault) else 2
+
+
+def _check_cpu_features() -> None:
+    """Refuse a setting of numba at which its compiler aborts the process."""
+    setting = os.environ.get("NUMBA_CPU_FEATURES", "")
+    if not all(part.startswith(("+", "-")) for part in setting.split(",") if part):
+        raise UserError(
+            f"numba does not start with NUMBA_CPU_FEATURES={setting} (expected + or - before each "
+            "feature, such as +avx2,-avx512f)"
+        )
+
+
+def _reason(fault: Exception) -> str | None:
+    """The words for a fault of the environment; None for one of the program."""
+    for package in ("numba", "tqdm"):
+        prefix = f"{package}_".upper()
+        settings = [
+            f"{name}={value}" for name, value in os.environ.items() if name.startswith(prefix)
+        ]
+        begun = any(module.startswith(f"{package}.") for module in sys.modules)
+        if settings and begun and package not in sys.modules:  # its import failed
+            first = str(fault).partition("\n")[0].rstrip(".")
+            return f"{package} does not start with {', '.join(settings)} ({first})"
+    if isinstance(fault, ImportError):
+        if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
+            return None
+        # A missing package, or a missing system library of a package.
+        return f"{fault}; run `{BASE_COMMAND}`"
+    if isinstance(fault, FileNotFoundError) and not _has_folder():
+        return "the current folder was deleted; change to another one"
+    if isinstance(fault, OSError) and _is_full_disk(fault):  # of results or compiled code
+        return f"{f'{fault.filename}: ' if fault.filename else ''}{fault.strerror}"
+    return None
+
+
+def _is_full_disk(fault: Exception) -> bool:
+    return isinstance(fault, OSError) and fault.errno in (errno.ENOSPC, errno.EDQUOT)
+
+
+def _has_folder() -> bool:
+    """False if the current folder was deleted."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return False
+    return True
+
+
+class _Formatter(argparse.RawDescriptionHelpFormatter):
+    """Keep line breaks of descriptions and examples; a wide column for options."""
+
+    def __init__(self, prog: str, **rest: Any) -> None:
+        super().__init__(prog, max_help_position=28, **rest)
+        self._action_max_length = 14  # argparse ignores the indentation of commands
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are UserErrors, without the usage."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(formatter_class=_Formatter, allow_abbrev=False, **options)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        choices = list(action.choices or ())
+        if choices and value not in choices:
+            name = "/".join(action.option_strings) or str(action.metavar or action.dest)
+            hint = nearest(str(value), choices) or f"; there are: {', '.join(choices)}"
+            raise argparse.ArgumentError(None, f"{name} {value!r}: unknown choice{hint}")
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        # argparse drops the value of `--OPTION=--`; before Python 3.13 it even goes on without one.
+        if action.option_strings and arg_strings == ["--"]:
+            value = self._get_value(action, "--")
+            self._check_value(action, value)
+            return value
+        return super()._get_values(action, arg_strings)
+
+    def error(self, message: str) -> NoReturn:
+        """Raise a UserError with the name of the command."""
+        command = self.prog.partition(" ")[2]
+        raise UserError(f"{command}: {message}" if command else message)
+
+
+def make_parser(name: str, description: str) -> Parser:
+    """Create the parser of a program, for `add_command`."""
+    parser = Parser(prog=name, usage=f"{name} COMMAND [OPTION]...", description=description)
+    parser.add_argument(
+        "--version", action="version", version=f"subsea {__version__}", help="show the version"
+    )
+    return parser
+
+
+def add_groups(parser: Parser, groups: Mapping[str, Sequence[Any]]) -> Any:
+    """Add the commands of modules, which have a function `add`; the help lists them by group.
+
+    Returns what argparse's ``add_subparsers`` returns, with the parsers of all commands.
+    """
+    commands = parser.add_subparsers(
+        dest="command", metavar="COMMAND", prog=parser.prog, help=argparse.SUPPRESS
+    )
+    lines: list[str] = []
+    for title, modules in groups.items():
+        lines += [f"{title}:"]
+        for module in modules:
+            module.add(commands)
+            name, command = list(commands.choices.items())[-1]
+            lines += [f"  {name:<{NAME_WIDTH}}{command.get_default('summary')}"]
+        lines += [""]
+    lines += [f"`{parser.prog} COMMAND --help` shows the options and examples of a command."]
+    parser.epilog = "\n".join(lines)
+    return commands
+
+
+def add_command(
+    commands: Any, name: str, summary: str, text: str, examples: list[str]
+) -> argparse.ArgumentParser:
+    """Add a command to ``commands`` (of ``add_subparsers``) and return its parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        description=f"{summary[0].upper()}{summary[1:]}.\n\n{text}",
+        epilog="examples:\n" + "\n".join(f"  {example}" for example in examples),
+    )
+    parser.set_defaults(summary=summary)
+    return parser
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Add --force, for `subsea.base.file_kinds.check_result`."""
+    parser.add_argument("--force", action="store_true", help="replace existing files of any kind")
+
+
+def parse_arguments(
+    parser: argparse.ArgumentParser, commands: Any, arguments: Sequence[str]
+) -> argparse.Namespace:
+    """Parse options; a UserError for an unknown command or option names the nearest one."""
+    first = arguments[0]
+    if first.startswith("-") and first not in ("-h", "--help", "--version"):
+        raise UserError(
+            f"unknown option {first!r}: options follow a command, see `{parser.prog} --help`"
+        )
+    if not first.startswith("-") and first not in commands.choices:
+        raise unknown("command", first, list(commands.choices))
+    options, extra = parser.parse_known_args(arguments)
+    if extra:
+        chosen = commands.choices[options.command]
+        known = sorted(name for action in chosen._actions for name in action.option_strings)
+        stray = extra[0].split("=")[0]
+        if stray.startswith("-"):
+            raise unknown(f"option of `{chosen.prog}`:", stray, known)
+        raise UserError(f"{chosen.prog}: unexpected argument {stray!r}")
+    return options
+
+
+@dataclass(frozen=True)
+class NumberReader:
+    """An argparse type for numbers in [low, high]."""
+
+    kind: type[int] | type[float]
+    low: float
+    high: float
+
+    @property
+    def expected(self) -> str:
+        """The expected input, for messages."""
+        noun = "a whole number" if self.kind is int else "a number"
+        low, high = (str(bound).removesuffix(".0") for bound in (self.low, self.high))
+        return f"{noun} from {low} to {high}"
+
+    def __call__(self, text: str) -> float:
+        """Convert a text to a number in the range."""
+        try:
+            value: float = self.kind(text)
+        except ValueError:
+            value = math.nan
+        if not self.low <= value <= self.high:
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {self.expected}")
+        return value
+
+
+def number_reader(kind: type[int] | type[float], low: float, high: float) -> NumberReader:
+    """Create an argparse type for numbers in [low, high]."""
+    return NumberReader(kind, low, high)

@@ -1,0 +1,44 @@
+"""Progress and remaining time of long work."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from tqdm import tqdm
+
+from subsea.base.console import say
+
+REPORT_S = 10.0  # between two lines without a terminal
+
+
+@contextmanager
+def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], object]]:
+    """Yield a function to call after each of `total` units; `done` units are already done.
+
+    Shows a bar on a terminal; elsewhere a line every `REPORT_S`, to keep logs short.
+    """
+    if sys.stderr.isatty():
+        with tqdm(total=total, initial=done, unit=unit) as bar:
+            yield bar.update
+        return
+    reported, reported_s = done, time.monotonic()
+
+    def count() -> None:
+        nonlocal done, reported, reported_s
+        done += 1
+        now = time.monotonic()
+        if now - reported_s >= REPORT_S:
+            rate = (done - reported) / (now - reported_s)
+            left = clock((total - done) / rate)
+            say(f"{unit} {done} of {total}, {rate:.2g} a second, {left} left")
+            reported, reported_s = done, now
+
+    yield count
+
+
+def clock(seconds: float) -> str:
+    """Format a duration as 0:07 or 1:02:03."""
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

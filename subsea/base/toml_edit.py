@@ -1,0 +1,108 @@
+"""Change values in a TOML text and leave all other bytes unchanged."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from subsea.base.errors import UserError
+from subsea.base.toml_positions import Place
+from subsea.base.validation import MISSING
+
+Content = Mapping[str, Any]  # of a table, as tomllib reads it; lists may be tuples
+
+MAX_LINE = 100  # characters; a longer list of tables has one table per line
+
+
+def edit_toml(
+    text: str, old: Content, new: Content, table: Place = (), file: Path | None = None
+) -> str:
+    """Change the table at the key `table` of a TOML text from `old` to `new`.
+
+    Only keys that differ between `old` and `new` are changed, so both may omit the others. A text
+    that cannot be edited is a UserError about `file`.
+    """
+    import tomlkit  # slow to import, and few commands need it
+    from tomlkit.exceptions import TOMLKitError
+
+    # Blank lines and comments at the end are set aside: new keys go before them.
+    lines = text.splitlines(keepends=True)
+    end = len(lines)
+    while end > 0 and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
+        end -= 1
+    if end and not lines[end - 1].endswith("\n"):
+        lines[end - 1] += "\n"
+    try:
+        document: Any = tomlkit.parse("".join(lines[:end]))
+        here = document
+        for step in table:
+            here = here[step]
+        _change(here, _plain(old), _plain(new))
+        return tomlkit.dumps(document) + "".join(lines[end:])
+    except TOMLKitError as error:
+        raise UserError(f"its tables cannot be edited ({error})", file=file) from error
+
+
+def toml_value(value: Any) -> str:
+    """Write a value in TOML, tables inline."""
+    import tomlkit
+
+    if isinstance(value, list | tuple):
+        parts = [toml_value(one) for one in value]
+        line = f"[{', '.join(parts)}]"
+        if len(line) > MAX_LINE and isinstance(value[0], dict):
+            return "[\n" + "".join(f"    {part},\n" for part in parts) + "]"
+        return line
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml_value(one)}' for key, one in value.items())} }}"
+    text: str = tomlkit.item(value).as_string()
+    return text
+
+
+def _plain(value: Any) -> Any:
+    """Tuples as lists, so that they equal parsed values."""
+    if isinstance(value, Mapping):
+        return {key: _plain(one) for key, one in value.items()}
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def _change(table: Any, old: Content, new: Content) -> None:
+    """Set the values of a tomlkit table that differ."""
+    for key in {**old, **new}:
+        before, after = old.get(key, MISSING), new.get(key, MISSING)
+        if before == after:
+            continue
+        if after is MISSING:
+            table.pop(key, None)
+        else:
+            _set(table, key, before, after)
+
+
+def _set(container: Any, key: Any, old: Any, new: Any) -> None:
+    """Set one value of a tomlkit table or array; in lists and tables, only the differences."""
+    import tomlkit
+    from tomlkit.items import AoT, InlineTable
+
+    present = isinstance(key, int) or key in container
+    there = container[key] if present else None
+    lists = present and isinstance(old, list) and isinstance(new, list) and len(old) == len(new)
+    tables = present and isinstance(old, dict) and isinstance(new, dict)
+    if lists:
+        for k, (one, other) in enumerate(zip(old, new, strict=True)):
+            if one != other:
+                _set(there, k, one, other)
+    elif tables and (old.keys() == new.keys() or not isinstance(there, InlineTable)):
+        _change(there, old, new)
+    elif isinstance(there, AoT) or (isinstance(new, dict) and _has_headers(container)):
+        container[key] = tomlkit.item(new)
+    else:
+        container[key] = tomlkit.parse(f"value = {toml_value(new)}\n")["value"]
+
+
+def _has_headers(container: Any) -> bool:
+    """True if the tables in a tomlkit table have their own headers; new ones follow suit."""
+    from tomlkit.items import Table
+
+    if not isinstance(container, Table):
+        return False
+    body = container.value.body
+    return any(isinstance(one, Table) and not (key and key.is_dotted()) for key, one in body)

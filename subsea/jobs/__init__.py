@@ -1,0 +1,1 @@
+"""Processes, Dask and work beside the main thread."""

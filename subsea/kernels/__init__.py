@@ -1,0 +1,24 @@
+"""Compiled kernels: the decorator, their disk cache, and groups of arrays by pointer."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from numba import njit
+
+from subsea.kernels.cache import KernelCache
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Decorate a function to compile it when it is first called.
+
+    The code is cached on disk, divides by zero as numpy does, keeps the order of floating-point
+    operations, and runs without the GIL. A wrapper for C, which numba would add, is left out: it
+    takes a tenth of the time to compile.
+    """
+    compiled = njit(error_model="numpy", nogil=True, fastmath=False, no_cfunc_wrapper=True)(
+        function
+    )
+    with suppress(OSError, RuntimeError):  # a function without a file
+        compiled._cache = KernelCache(function)
+    return compiled

@@ -1,0 +1,180 @@
+"""Statistics of the frames of a benchmark; formulas are in docs/developers/benchmarks.md."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from subsea.base.arrays import Array
+from subsea.base.atomic_io import replacing
+from subsea.base.durations import summarize_ms
+from subsea.base.file_kinds import csv_file, json_file
+from subsea.lab.profiling.machine import machine_line
+from subsea.view.levels import LEVELS
+
+STAGES = ("perception", "behavior", "motor", "habitat", "pose", "cull", "upload", "draw", "present")
+PARTS = 10  # of a run; their medians show its evenness
+REPORT = json_file("a report of `subsea benchmark`", "frame_ms", "ladder")
+TIMES = csv_file("a table of `subsea benchmark`", "fish", "frame")
+SHOWN = ("visible", "simulated", "triangles", "draw_calls")
+
+
+class Frames(NamedTuple):
+    """Times of F frames in seconds, and counts of the drawn things."""
+
+    frame_s: Array  # (F,) total
+    host_s: Array  # (F,) without running and waiting for drawing calls
+    cpu_s: Array  # (F,) processor time of all threads
+    thread_s: Array  # (F,) processor time of the calling thread
+    yardstick_s: Array  # (F,) time of a fixed work beside it, see `machine.reference_work`
+    stages_s: dict[str, Array]  # (F,) each
+    gpu_s: dict[str, Array]  # (F,) time of the GPU in each of its stages; empty without a GPU
+    visible: Array  # (F,) fishes drawn
+    simulated: Array  # (F,) fishes simulated
+    levels: Array  # (F, L) fishes drawn at each level of detail
+    triangles: Array  # (F,)
+    draw_calls: Array  # (F,)
+
+    @property
+    def rest_s(self) -> Array:
+        """(F,) time outside the stages: hull, views, and other programs between stages."""
+        return self.frame_s - np.sum([self.stages_s[name] for name in STAGES], axis=0)
+
+
+def statistics(frames: Frames) -> dict[str, Any]:
+    """The measured part of a report."""
+    frame_ms = summarize_ms(frames.frame_s)
+    return {
+        "frames": len(frames.frame_s),
+        "visible_mean": float(frames.visible.mean()),
+        "simulated_mean": float(frames.simulated.mean()),
+        "frame_ms": frame_ms,
+        "host_ms": summarize_ms(frames.host_s)["p50"],
+        "cpu_ms": {
+            "all": summarize_ms(frames.cpu_s)["p50"],
+            "thread": summarize_ms(frames.thread_s)["p50"],
+        },
+        "gpu_ms": _gpu_ms(frames.gpu_s),
+        "yardstick_ms": summarize_ms(frames.yardstick_s)["p50"],
+        "fps": 1000.0 / frame_ms["mean"],
+        "stages_ms": {name: summarize_ms(frames.stages_s[name])["p50"] for name in STAGES},
+        "rest_ms": summarize_ms(frames.rest_s)["p50"],
+        "parts_ms": {
+            "frame": _parts_ms(frames.frame_s),
+            "cpu": _parts_ms(frames.cpu_s),
+            "yardstick": _parts_ms(frames.yardstick_s),
+            **{name: _parts_ms(frames.stages_s[name]) for name in STAGES},
+        },
+        "lod": dict(zip(LEVELS, frames.levels.mean(axis=0).tolist(), strict=True)),
+        "triangles_mean": float(frames.triangles.mean()),
+        "draw_calls": int(frames.draw_calls.max()),
+    }
+
+
+def _gpu_ms(gpu_s: dict[str, Array]) -> dict[str, float] | None:
+    """Medians of the time of the GPU, in all and in each stage; None without a GPU."""
+    if not gpu_s:
+        return None
+    whole = np.sum([*gpu_s.values()], axis=0)
+    return {
+        name: summarize_ms(seconds)["p50"] for name, seconds in ({"all": whole} | gpu_s).items()
+    }
+
+
+def bound_by(report: dict[str, Any]) -> str | None:
+    """Whichever takes longer for a frame: "GPU" or "host"; None without a GPU."""
+    if report["gpu_ms"] is None:
+        return None
+    return "GPU" if report["gpu_ms"]["all"] > report["cpu_ms"]["thread"] else "host"
+
+
+def _parts_ms(durations_s: Array) -> list[float]:
+    """Medians of consecutive tenths of a run, ms; fewer for less than ten frames."""
+    parts = np.array_split(durations_s, min(PARTS, len(durations_s)))
+    return [1000.0 * float(np.median(part)) for part in parts]
+
+
+def print_report(report: dict[str, Any]) -> None:
+    """Print a report, one figure a line."""
+    print(f"{report['fish']} fishes, {report['visible_mean']:.1f} visible, {_pixels(report)}")
+    print(f"motor {report['motor']}, {report['simulated_mean']:.1f} simulated")
+    print(_drawn_by(report))
+    print(machine_line(report["machine"]))
+    for title in ("frame_ms", "cpu_ms", "stages_ms", "gpu_ms", "lod"):
+        if report[title] is None:
+            continue
+        print(title)
+        for name, value in report[title].items():
+            print(f"  {name:<14}{value:>10.3f}")
+    print(f"rest_ms {report['rest_ms']:.2f}, in no stage")
+    print(f"host_ms {report['host_ms']:.2f}, at most {report['draw_calls']} drawing calls a frame")
+    if limit := bound_by(report):
+        print(f"bound by the {limit}")
+    print(f"triangles {report['triangles_mean']:.0f} a frame, {report['fps']:.1f} frames a second")
+
+
+def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
+    """Print several reports, one a line, medians in ms."""
+    print(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
+    print(_drawn_by(reports[0]))
+    print(machine_line(reports[0]["machine"]))
+    names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
+    print("".join(f"{name:>{_wide(name)}}" for name in names))
+    for report in reports:
+        values = (
+            report["fps"],
+            report["frame_ms"]["p50"],
+            report["frame_ms"]["p95"],
+            report["cpu_ms"]["all"],
+            *report["stages_ms"].values(),
+        )
+        print(
+            f"{report['fish']:>{_wide('fishes')}}{report['visible_mean']:>{_wide('visible')}.0f}"
+            + "".join(
+                f"{value:>{_wide(name)}.2f}" for name, value in zip(names[2:], values, strict=True)
+            )
+        )
+
+
+def _wide(name: str) -> int:
+    return max(len(name), 7) + 2
+
+
+def _pixels(report: dict[str, Any]) -> str:
+    sizes = report["size"] if report["theatre"] else [report["size"]]
+    return " + ".join(f"{width}x{height}" for width, height in sizes)
+
+
+def _drawn_by(report: dict[str, Any]) -> str:
+    return f"{report['renderer']}, quality {report['quality']} ({report['quality_drawn']})"
+
+
+def write_json(path: Path, reports: Sequence[dict[str, Any]]) -> None:
+    """Write a report as JSON; several as the list `ladder`."""
+    content = reports[0] if len(reports) == 1 else {"ladder": [*reports]}
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+
+
+def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None:
+    """Write a row for every frame: number of fishes, frame, times in ms, counts."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(
+            ["fish", "frame"]
+            + [f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES, "rest")]
+            + [*SHOWN]
+        )
+        for report, frames in runs:
+            times = [frames.frame_s, frames.host_s, frames.cpu_s]
+            times += [*(frames.stages_s[name] for name in STAGES), frames.rest_s]
+            shown = [getattr(frames, name) for name in SHOWN]
+            for k in range(len(frames.frame_s)):
+                rows.writerow(
+                    [report["fish"], k]
+                    + [f"{1000.0 * column[k]:.4f}" for column in times]
+                    + [int(column[k]) for column in shown]
+                )

@@ -1,0 +1,168 @@
+"""Records of simulations: make, open and measure them; the names that a scenario may have."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from subsea.base.console import say
+from subsea.base.extras import missing_packages
+from subsea.base.interrupts import deferred_interrupts
+from subsea.base.processors import cores
+from subsea.dive.warm_up import warm_up
+from subsea.fish.species import species_names
+from subsea.jobs.workers import process_pool, serial
+from subsea.lab.report import measure as measures_of
+from subsea.lab.simulate import simulate as simulate_run
+from subsea.lab.sweep import Sweep
+from subsea.lab.sweep import sweep as run_sweep
+from subsea.library.world import Changes, change_texts
+from subsea.media.record import Record, read_record
+from subsea.scenario.load import scenario_names
+from subsea.world.world import TICK_S
+
+PathText = str | PathLike[str]
+
+
+def scenarios() -> list[str]:
+    """Names of all scenarios: the shipped ones, then the user's own.
+
+    Examples:
+        >>> "peaceful" in subsea.scenarios()
+        True
+    """
+    return scenario_names()
+
+
+def species() -> list[str]:
+    """Names of all species: the shipped ones, then the user's own.
+
+    Examples:
+        >>> "fusilier" in subsea.species()
+        True
+    """
+    return species_names()
+
+
+def simulate(
+    scenario: str,
+    out: PathText,
+    *,
+    seconds: float,
+    seed: int | None = None,
+    fish: int | None = None,
+    changes: Changes = (),
+    force: bool = False,
+) -> Path:
+    """Record a run of a scenario, as `subsea simulate` does.
+
+    Args:
+        scenario: A name of `subsea.scenarios()`, or the path of a file.
+        out: The record to write; its name ends in ``.h5`` or ``.hdf5``.
+        seconds: Length of the run, rounded to ticks of 0.033 s.
+        seed: The seed of all random numbers; None: the scenario's.
+        fish: The number of fishes to which its shoals are scaled; None: the scenario's.
+        changes: Values that replace the scenario's; see `subsea.load`.
+        force: True replaces a file that is not a record, too.
+
+    Returns:
+        The path of the record.
+
+    Raises:
+        UserError: A faulty scenario, or a file that cannot be written.
+        ValueError: A length under one tick.
+
+    Ctrl-C keeps the ticks so far, and continues as KeyboardInterrupt.
+    """
+    ticks = _ticks(seconds)
+    texts = change_texts(changes)
+    simulate_run(ticks, Path(out), scenario, fish, seed, texts, force, tell=lambda line: None)
+    return Path(out)
+
+
+def sweep(
+    scenario: str,
+    out: PathText,
+    *,
+    seeds: Iterable[int],
+    seconds: float,
+    values: Mapping[str, Sequence[Any]] | None = None,
+    fish: int | None = None,
+    jobs: int | None = None,
+    records: bool = False,
+) -> Path:
+    """Record and measure every combination of seeds and values, as `subsea sweep` does.
+
+    Args:
+        scenario: A name of `subsea.scenarios()`, or the path of a file.
+        out: A folder for the results. Runs that it has already are not made again.
+        seeds: The seeds.
+        seconds: Length of each run, rounded to ticks of 0.033 s.
+        values: The values of each key to try: `{"nature.timidity": [1.0, 2.0]}`.
+        fish: The number of fishes to which shoals are scaled; None: the scenario's.
+        jobs: Parallel processes; None: one for each core; 1: none but this one. A script that uses
+            several must call this below ``if __name__ == "__main__":``, as Python asks.
+        records: True keeps the record of each run in the folder ``records``.
+
+    Returns:
+        The table with a row for each run: Parquet, or CSV without the extra `sweep`.
+        docs/reference/records.md describes its columns.
+
+    Raises:
+        UserError: A faulty scenario or value, or a file that cannot be written.
+        ValueError: A length under one tick, or less than one job.
+
+    Examples:
+        >>> table = subsea.sweep("peaceful", "few", seeds=[1, 2], seconds=0.33, fish=10, jobs=1)
+        >>> table.name
+        'sweep.parquet'
+    """
+    if jobs is not None and jobs < 1:
+        raise ValueError(f"jobs: {jobs!r}, expected at least 1")
+    runs = Sweep(scenario, [*seeds], _ticks(seconds), fish, values or {})
+    jobs = cores() if jobs is None else jobs
+    with deferred_interrupts() as check:
+        warm_up(say, check)
+        return run_sweep(
+            runs,
+            Path(out),
+            pool=serial if jobs == 1 else process_pool(jobs),
+            csv=bool(missing_packages("sweep")),
+            records=records,
+            check=check,
+        )
+
+
+def open_record(path: PathText) -> Record:
+    """Read a record of `subsea simulate` as arrays.
+
+    Raises:
+        UserError: A file that is missing, damaged, or no record.
+
+    Examples:
+        >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
+        >>> subsea.open_record(path).position.shape  # ticks, fishes, axes
+        (10, 10, 3)
+    """
+    return read_record(Path(path))
+
+
+def measure(record: Record | PathText) -> dict[str, Any]:
+    """All measures of a record, as `subsea study --json` writes them.
+
+    docs/reference/records.md defines each of them.
+
+    Examples:
+        >>> path = subsea.simulate("peaceful", "run.h5", seconds=0.33, seed=1, fish=10)
+        >>> subsea.measure(path)["fishes"]
+        10
+    """
+    return measures_of(record if isinstance(record, Record) else open_record(record))
+
+
+def _ticks(seconds: float) -> int:
+    """Seconds in ticks; a ValueError for less than one."""
+    if not TICK_S <= seconds < math.inf:
+        raise ValueError(f"seconds: {seconds!r}, expected at least {TICK_S}")
+    return round(seconds / TICK_S)

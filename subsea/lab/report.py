@@ -1,0 +1,211 @@
+"""`subsea study`: measures of a record as a table, as JSON and as plots."""
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.base import interrupts
+from subsea.base.atomic_io import replacing
+from subsea.base.errors import UserError
+from subsea.base.file_kinds import check_result, json_file
+from subsea.base.plot_files import check_plots
+from subsea.lab.captures import captures
+from subsea.lab.clearance import BARRIERS, clearances
+from subsea.lab.courtships import courtships
+from subsea.lab.minds import changes_per_second, escapes, meals, saturated, time_budget
+from subsea.lab.overlap import overlaps
+from subsea.lab.plots import RECORD_PLOTS, plot
+from subsea.lab.schools import School, schools, splits
+from subsea.lab.table import Measured, table
+from subsea.media.record import Record, read_record
+
+MEASURES = json_file("a report of `subsea study`", "minds", "groups")
+
+
+def study(record: Path, out: Path | None, report: Path | None, force: bool = False) -> int:
+    """Measure the record in a file and print a table; returns the exit code.
+
+    `out` is a folder for plots, `report` gets the measures as JSON. Raises a UserError before any
+    work if something cannot be read, written or plotted, or would replace the record or, without
+    `force`, a file of another kind. Ctrl-C leaves no result.
+    """
+    plots = [out / name for name in RECORD_PLOTS] if out else []
+    refuse_clashes([record], [*([report] if report else []), *plots])
+    if report:
+        check_result(report, MEASURES, force)
+    if out:
+        check_plots(out, RECORD_PLOTS, force)
+    # In compiled code Ctrl-C would surface as another error.
+    with interrupts.deferred_interrupts() as check:
+        read = read_record(record)
+        found = measure(read, check)
+        print("\n".join(table(found)))
+        with ExitStack() as whole:
+            if report:
+                temporary = whole.enter_context(replacing(report))
+                temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+            drawn = plot(read, out, check) if out else []
+    for path in drawn:
+        print(path)
+    return 0
+
+
+def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
+    """Raise a UserError if a result would replace a record or another result."""
+    taken = {os.path.realpath(record): "the record" for record in records}
+    for result in results:
+        place = os.path.realpath(result)
+        if place in taken:
+            raise UserError(f"is {taken[place]} too, expected another name", file=result)
+        taken[place] = "another result"
+
+
+def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
+    """All measures of docs/reference/records.md for JSON; None if there is nothing to measure.
+
+    `check`, which may raise, is called between two of them.
+    """
+    ticks, n = record.alive.shape
+    found: Measured = {
+        "seed": record.seed,
+        "ticks": ticks,
+        "seconds": round(ticks * record.tick_s, 3),
+        "fishes": n,
+        "species": {
+            name: int((record.species == k).sum()) for k, name in enumerate(record.species_names)
+        },
+    }
+    parts = {"sea": _sea, "minds": _minds, "schools": _schools, "captures": _captures,
+             "mating": _mating, "food": _food}  # fmt: skip
+    for name, part in parts.items():
+        check()
+        found[name] = part(record)
+    check()
+    return found
+
+
+def _sea(record: Record) -> Measured:
+    clearance, which = clearances(record)
+    touching = overlaps(record)[record.alive]
+    least = np.unravel_index(np.argmin(clearance), clearance.shape)
+    alive = int(record.alive.sum())
+    return {
+        "fish_ticks": alive,
+        "out_of_bounds_or_inside": int((clearance < 0).sum()),
+        "least_clearance_cm": _rounded(clearance[least]) if alive else None,
+        "least_clearance_from": BARRIERS[which[least]] if alive else None,
+        "overlap_share": _share(touching == 2, 6),
+        "meant_overlap_share": _share(touching == 1, 6),
+    }
+
+
+def _minds(record: Record) -> Measured:
+    changes = changes_per_second(record)
+    began, warned = escapes(record)
+    budget = time_budget(record)
+    return {
+        "changes_per_second": _rounded(changes.mean()),
+        "changes_per_second_most": _rounded(changes.max()),
+        "hunger_saturated_share": _share(saturated(record)[record.alive], 6),
+        "escapes": began,
+        "escapes_after_fear_share": _rounded(warned / began) if began else None,
+        "time_budget": {
+            name: {
+                intention: _rounded(share)
+                for intention, share in zip(record.intention_names, row, strict=True)
+            }
+            for name, row in zip(record.species_names, budget, strict=True)
+        },
+    }
+
+
+def _schools(record: Record) -> list[Measured]:
+    return [_school(one, float(record.time[-1])) for one in schools(record)]
+
+
+def _school(school: School, end: float) -> Measured:
+    cruising = school.polarisation[school.cruises]
+    parts = splits(school, end)
+    return {
+        "leader": school.leader,
+        "fishes": int(school.members.max()),
+        "cruising_share": _share(school.cruises),
+        "polarisation_median": _percentile(cruising, 50),
+        "polarisation_p5": _percentile(cruising, 5),
+        "nearest_bl": {
+            f"p{k}": _percentile(school.distances, k) for k in (5, 50, 95)
+        },
+        "splits": len(parts),
+        "longest_split_s": _rounded(max((s.duration for s in parts), default=0.0)),
+        "not_rejoined": sum(not s.rejoined for s in parts),
+        "each_split": [
+            {"start_s": _rounded(s.start), "lasted_s": _rounded(s.duration),
+             "apart_share": _rounded(s.apart), "rejoined": s.rejoined}
+            for s in parts
+        ],
+    }  # fmt: skip
+
+
+def _captures(record: Record) -> Measured:
+    caught = captures(record)
+    together, alone = (
+        {
+            "caught": number,
+            "exposed_fish_s": round(seconds, 1),
+            "caught_per_1000_fish_s": _rounded(1000 * number / seconds) if seconds else None,
+        }
+        for number, seconds in zip(caught.caught, caught.exposed_s, strict=True)
+    )
+    return {"lost": caught.lost, "prey_in_company": together, "prey_alone": alone}
+
+
+def _mating(record: Record) -> Measured:
+    names = record.courtship_names
+    found = courtships(record)
+    return {
+        "courtships": len(found),
+        "complete": sum(one.complete for one in found),
+        "rejected": sum(one.rejected for one in found),
+        "rejected_and_turned_away": sum(one.turned_away for one in found),
+        "each": [
+            {"male": one.male, "partner": one.partner, "start_s": _rounded(one.start),
+             "lasted_s": _rounded(one.duration), "states": [names[k] for k in one.states],
+             "complete": one.complete, "rejected": one.rejected, "turned_away": one.turned_away}
+            for one in found
+        ],
+    }  # fmt: skip
+
+
+def _food(record: Record) -> Measured:
+    eaten = meals(record)
+    minutes = record.alive.sum(axis=0) * record.tick_s / 60.0
+    of = [record.species == k for k in range(len(record.species_names))]
+    return {
+        "plankton_start": int(record.plankton[0]),
+        "plankton_least": int(record.plankton.min()),
+        "plankton_end": int(record.plankton[-1]),
+        "meals": int(eaten.sum()),
+        "meals_per_fish_minute": {
+            name: _rounded(eaten[:, those].sum() / max(float(minutes[those].sum()), 1e-9))
+            for name, those in zip(record.species_names, of, strict=True)
+        },
+    }
+
+
+def _rounded(value: Any) -> float:
+    return round(float(value), 4)
+
+
+def _share(flags: NDArray[np.bool_], digits: int = 4) -> float:
+    return round(float(flags.mean()), digits) if flags.size else 0.0
+
+
+def _percentile(values: NDArray[Any], which: float) -> float | None:
+    values = values[np.isfinite(values)]
+    return _rounded(np.percentile(values, which)) if values.size else None

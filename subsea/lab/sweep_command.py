@@ -1,0 +1,104 @@
+"""`subsea sweep`: run every combination of seeds and values."""
+
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from subsea.base.command_line import add_command, add_force, number_reader
+from subsea.base.errors import UserError
+from subsea.cli import options as shared
+from subsea.lab.simulate_command import add_length, ticks_of
+
+MAX_JOBS = 256
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    from subsea.lab.sweep_values import read_seeds
+
+    return read_seeds(text)
+
+
+def add(commands: Any) -> None:
+    """Add the command."""
+    parser = add_command(
+        commands,
+        "sweep",
+        "run a scenario with many seeds and values",
+        "Runs every combination of seeds and values, and writes the measures of each run\n"
+        "(docs/reference/records.md) as a row of DIR/sweep.parquet. Needs the extra `sweep`, or\n"
+        "--csv. The same command continues an interrupted sweep and makes no run again.",
+        [
+            "subsea sweep schooling --seeds 1:64 --seconds 60 --out schools",
+            "subsea sweep schooling --seeds 1:8 --seconds 60 --set nature.timidity=1,2 --out shy",
+            "subsea sweep peaceful --seeds 1,5 --seconds 10 --csv --out few",
+        ],
+    )
+    parser.add_argument("scenario", metavar="SCENARIO", help="name or .toml file")
+    parser.add_argument(
+        "--seeds", type=_seeds, required=True, metavar="LIST", help="such as 1:64 or 1,5,9"
+    )
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="KEY=A,B,…",
+        help="values of a key of the scenario; commas in brackets and quotes belong to a value",
+    )
+    add_length(parser)
+    shared.add(parser, "fish")
+    parser.add_argument(
+        "--jobs",
+        type=number_reader(int, 1, MAX_JOBS),
+        metavar="N",
+        help="parallel processes (default: one for each core)",
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="address of a Dask scheduler, such as tcp://host:8786; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
+    )
+    parser.add_argument(
+        "--csv", action="store_true", help="write sweep.csv, too; then PyArrow is not needed"
+    )
+    parser.add_argument("--records", action="store_true", help="keep DIR/records/RUN.h5")
+    add_force(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: Namespace) -> int:
+    """Run the sweep."""
+    from subsea.base.console import say
+    from subsea.base.interrupts import deferred_interrupts
+    from subsea.base.processors import cores
+    from subsea.dive.warm_up import warm_up
+    from subsea.jobs.dask_cluster import dask_pool
+    from subsea.jobs.workers import process_pool
+    from subsea.lab.sweep import Sweep, sweep
+    from subsea.lab.sweep_values import read_values
+
+    if options.cluster is not None and options.jobs is not None:
+        raise UserError("--jobs and --cluster: give one of the two")
+    values = read_values(options.settings)
+    chosen = Sweep(options.scenario, options.seeds, ticks_of(options), options.fish, values)
+    if options.cluster is not None:
+        pool = dask_pool(options.cluster)
+    else:
+        pool = process_pool(options.jobs or cores())
+    with deferred_interrupts() as check:
+        if options.cluster is None:
+            warm_up(say, check)
+        table = sweep(
+            chosen,
+            options.out,
+            pool=pool,
+            csv=options.csv,
+            records=options.records,
+            force=options.force,
+            check=check,
+        )
+    print(table)
+    return 0

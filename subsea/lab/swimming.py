@@ -1,0 +1,240 @@
+"""Swimming as realised in a sea: Strouhal number, speeds, pitch and turns of each species.
+
+The path of the tail stands for the beat, the origin of the body for the path of the fish. Samples
+are stretches one after another, long enough for the beats of a species.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.base.arrays import Array, Bools, Ints
+from subsea.lab.series import headings, runs
+from subsea.media.record import Record
+from subsea.state import EAT, ESCAPE, PREDATOR
+
+BEATS_S = 1.0, 2.0, 4.0, 8.0  # stretches in which a beat is measured: the first long enough
+BEATS = 3.0  # of the median stretch that is long enough
+LEAST_BEATS = 1.5  # of a stretch: a slower swing looks like the curve of the path
+SHORT_S = 0.5  # stretch in which a speed is measured
+TURN_S = 1.0  # stretch in which a turn is measured
+LEAST_AMPLITUDE = 0.03  # body lengths, peak to peak: below, the tail does not beat
+LEAST_SPEED = 0.1  # body lengths a second, for a stride
+STRAIGHT_DEG = 15.0  # greatest change of heading while a beat is measured
+PITCHED_DEG = 25.0
+TURNING_DEG_S = 5.0  # slower changes of heading are recoil
+TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
+LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
+HOVER_SPEED = 0.2  # body lengths a second
+STEPS = 8  # frequencies of a spectrum for each beat in a stretch
+TREND = 3  # coefficients of a curved path: a parabola
+
+Counts = tuple[float, float]  # of something, out of all
+Beats = tuple[Array, Array, Array, Array]  # Strouhal numbers, frequencies, amplitudes, strides (k,)
+
+
+class Swimming(NamedTuple):
+    """Samples of one species (k,); lengths in body lengths, speeds in lengths a second."""
+
+    strouhal: Array
+    frequency: Array  # Hz
+    amplitude: Array  # peak to peak
+    stride: Array
+    speed: Array  # over SHORT_S
+    hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
+    radius: Array  # of turns at low speed
+    pitched: Counts  # ticks steeper than PITCHED_DEG
+    straight: Counts  # change of heading in straight segments, rad
+    idle: Counts  # stretches below the slowest stroke, without those that row
+    hovering: Counts  # stretches slower than HOVER_SPEED
+    longest_hover_s: float
+
+
+def swimming(record: Record, slowest: Array) -> dict[str, Swimming]:
+    """Measure each species of a record; `slowest` (n,) is the speed of each one's slowest stroke.
+
+    Keys are common names.
+    """
+    found = {}
+    for k, name in enumerate(record.species_names):
+        those = np.flatnonzero(record.species == k)
+        if len(those):
+            found[name] = _species(record, those, slowest[those])
+    return found
+
+
+def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
+    length = record.length[those].astype(np.float64)
+    alive = record.alive[:, those]
+    place = record.position[:, those].astype(np.float64) / length[:, None]
+    forward = headings(record.orientation[:, those])
+    course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
+    tail = record.tail[:, those].astype(np.float64) / length[:, None]
+    swims = alive & _in_swims(record)[:, those]
+    beat = _beats(tail, course, place, swims, record.tick_s)
+    speed, short = _speeds(place, alive, record.tick_s)
+    every = _ticks(SHORT_S, record.tick_s)
+    segment, doing = (
+        values[every // 2 :: every, those][: len(short)]
+        for values in (record.segment, record.intention)
+    )
+    strokes = short & (segment != _code(record, "row_forward"))
+    predator = record.kind[those] == PREDATOR
+    hasty = short & ((doing == ESCAPE) | ((doing == EAT) & predator))
+    hover = short & (speed < HOVER_SPEED)
+    steep = np.abs(np.degrees(np.arcsin(np.clip(forward[..., 2], -1.0, 1.0)))) > PITCHED_DEG
+    return Swimming(
+        *beat,
+        speed=speed[short],
+        hasty=speed[hasty],
+        radius=_radii(place, course, alive, record.tick_s),
+        pitched=(float((steep & alive).sum()), float(alive.sum())),
+        straight=_straight(record, course, alive, those),
+        idle=(float((strokes & (speed < slowest)).sum()), float(strokes.sum())),
+        hovering=(float(hover.sum()), float(short.sum())),
+        longest_hover_s=SHORT_S * max(
+            (end - start for i in range(len(those)) for start, end in runs(hover[:, i])), default=0
+        ),
+    )  # fmt: skip
+
+
+def _in_swims(record: Record) -> Bools:
+    """True (T, n) where a fish swims straight with its tail."""
+    swims = np.array([name.startswith("swim") for name in record.segment_names])
+    return np.asarray(swims[record.segment])
+
+
+def _ticks(seconds: float, tick_s: float) -> int:
+    return max(round(seconds / tick_s), 2)
+
+
+def _code(record: Record, name: str) -> int:
+    return record.segment_names.index(name) if name in record.segment_names else -1
+
+
+def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
+    """Values (T, …) as stretches (k, ticks, …) one after another."""
+    number = len(values) // ticks
+    return values[: number * ticks].reshape(number, ticks, *values.shape[1:])
+
+
+def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float) -> Beats:
+    """The beats of a species, in the shortest stretches that hold `BEATS` of them.
+
+    `alive` (T, n) is true where a fish swims with its tail.
+    """
+    found: Beats = (np.zeros(0),) * 4
+    for seconds in BEATS_S:
+        ticks = _ticks(seconds, tick_s)
+        longer = _beats_in(tail, course, place, alive, tick_s, ticks)
+        if len(longer[0]):
+            found = longer
+            if np.median(found[1]) * seconds >= BEATS:
+                break
+    return found
+
+
+def _beats_in(
+    tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, ticks: int
+) -> Beats:
+    """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
+
+    The beat is that of the tail beside the body, so that a bent course does not count as one.
+    """
+    if len(tail) < ticks:
+        return (np.zeros(0),) * 4
+    there = _stretches(alive, ticks).all(axis=1)
+    turned = np.abs(np.diff(_stretches(course, ticks)[:, [0, -1]], axis=1))[:, 0]
+    steady = there & (turned < np.radians(STRAIGHT_DEG))
+    path, ahead = _stretches(tail - place, ticks), _stretches(course, ticks)
+    middle = ahead.mean(axis=1, keepdims=True)
+    # Across the mean course: recoil must not count as a beat of its own.
+    aside = (path[..., 1] * np.cos(middle) - path[..., 0] * np.sin(middle)).swapaxes(1, 2)
+    aside = aside[steady]  # (m, ticks)
+    frequency, amplitude = beat_of(aside, tick_s)
+    speed = np.linalg.norm(np.diff(_stretches(place, ticks)[:, [0, -1]], axis=1), axis=-1)[:, 0]
+    speed = speed[steady] / ((ticks - 1) * tick_s)
+    beats = (amplitude >= LEAST_AMPLITUDE) & (speed > LEAST_SPEED)
+    beats &= frequency * ticks * tick_s >= LEAST_BEATS
+    f, a, u = frequency[beats], amplitude[beats], speed[beats]
+    return f * a / u, f, a, u / f
+
+
+def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
+    """Frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t) of a beat or more.
+
+    The frequency is that of the sine that fits best together with a parabola, the curved path of a
+    turn: a parabola that is taken off first also takes a part of a slow beat. The amplitude is that
+    of a sine that leaves equal variance beside the parabola.
+    """
+    ticks = aside.shape[-1]
+    step = 1.0 / (STEPS * ticks * tick_s)
+    frequencies = np.arange(STEPS, STEPS * ticks // 2) * step  # from a beat to Nyquist's
+    trend = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, ticks), TREND))[0]
+    phase = 2 * np.pi * tick_s * np.arange(ticks) * frequencies[:, None]
+    waves = np.stack([np.cos(phase), np.sin(phase)], axis=-1)  # (f, t, 2)
+    waves = waves - trend @ (trend.T @ waves)
+    kept = (waves**2).sum(axis=(1, 2)) / ticks  # share of a sine's variance, mean of all phases
+    waves = np.linalg.qr(waves)[0]
+    rest = aside - (aside @ trend) @ trend.T
+    power = sum((rest @ waves[..., k].T) ** 2 for k in (0, 1))
+    peak = power[:, 1:-1].argmax(axis=-1) + 1
+    row = np.arange(len(power))
+    before, at, after = (power[row, peak + k] for k in (-1, 0, 1))
+    curve = np.minimum(before - 2 * at + after, -1e-30)
+    shift = np.clip(0.5 * (before - after) / curve, -0.5, 0.5)
+    amplitude = 2 * np.sqrt(2.0 / kept[peak]) * rest.std(axis=-1)
+    return frequencies[peak] + shift * step, amplitude
+
+
+def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
+    """Speeds (k, n) over stretches of SHORT_S, and if the fish was alive."""
+    ticks = _ticks(SHORT_S, tick_s)
+    ends = place[::ticks]
+    speed = np.linalg.norm(np.diff(ends, axis=0), axis=-1) / (ticks * tick_s)
+    return speed, alive[::ticks][1:]
+
+
+def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
+    """Radius of the path of each turn at low speed."""
+    half = _ticks(TURN_S, tick_s) // 2
+    way = np.linalg.norm(np.diff(place[::half], axis=0), axis=-1)
+    way = _stretches(way, 2).sum(axis=1)
+    turned = np.abs(np.diff(course[:: 2 * half], axis=0))[: len(way)]
+    there = alive[:: 2 * half][1 : len(way) + 1]
+    slow = way < LOW_SPEED * 2 * half * tick_s
+    turns = there & slow & (turned > np.radians(TIGHT_DEG)) & (way > 0.0)
+    return way[turns] / turned[turns]
+
+
+def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:
+    """Change of heading in straight swims and in all, rad, without the sway of the beat.
+
+    Changes are taken over `TURN_S` and count as straight if no tick among them is of a turn.
+    Fishes that row turn by their fins, with a straight body.
+    """
+    ticks = _ticks(TURN_S, record.tick_s)
+    if len(course) <= ticks:
+        return 0.0, 0.0
+    turns = ~np.array([name.startswith("swim") for name in record.segment_names])
+    count = np.cumsum(turns[record.segment[:, those]], axis=0, dtype=np.int64)
+    rate = np.abs(course[ticks:] - course[:-ticks]) / ticks  # smoothed, each tick
+    rate[rate < np.radians(TURNING_DEG_S) * record.tick_s] = 0.0
+    rate *= alive[ticks // 2 :][: len(rate)]
+    straight = (count[ticks:] == count[:-ticks]) & ~turns[record.segment[:-ticks, those]]
+    return float(rate[straight].sum()), float(rate.sum())
+
+
+def joined(parts: list[Swimming]) -> Swimming:
+    """The samples of several records of one species."""
+    fields = {}
+    for name, field in Swimming.__annotations__.items():
+        values = [getattr(part, name) for part in parts]
+        if field is float:
+            fields[name] = max(values)
+        elif field is Counts:
+            fields[name] = tuple(np.sum(values, axis=0).tolist())
+        else:
+            fields[name] = np.concatenate(values)
+    return Swimming(**fields)

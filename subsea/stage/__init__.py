@@ -1,0 +1,1 @@
+"""Exhibitions: theatres, clusters, consoles, shows, kiosks and headsets."""

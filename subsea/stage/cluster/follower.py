@@ -1,0 +1,247 @@
+"""A node of a cluster: steps the same ticks as the master and shows its own windows."""
+
+import math
+import time
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+import zmq
+
+from subsea.base.errors import UserError
+from subsea.dive.presented import NOTHING
+from subsea.stage.cluster import link
+from subsea.stage.cluster.identity import NO_VIEW, identity_of
+from subsea.stage.cluster.keys import Keys
+from subsea.stage.cluster.master import Say
+from subsea.stage.cluster.messages import (
+    PART,
+    SLICE,
+    SMALL,
+    Diverged,
+    FromMaster,
+    FromNode,
+    Hello,
+    OpenSea,
+    Picture,
+    PictureDrawn,
+    Refused,
+    Resume,
+    StatePart,
+    Swap,
+    WorldState,
+    encode,
+    from_master,
+    ticks_of,
+)
+from subsea.submarine.helm import NEUTRAL
+from subsea.world import snapshot
+from subsea.world.step import step
+from subsea.world.world import World
+
+CALL_S = 1.0  # interval of calls to a silent master
+SILENT_S = 1.0  # shortest silence that counts, as a master may draw slowly
+HURRY_S = 0.25  # longest time without a picture while a node catches up
+
+
+class Follower:
+    """The connection to the master: call `picture`; if it returns one, draw, `swap`, show."""
+
+    def __init__(
+        self,
+        world: World,
+        name: str,
+        master: str,
+        address: str,
+        keys: Keys | None = None,
+        timeout_s: float = 2.0,
+        tell: Say = lambda message: None,
+        view: Mapping[str, str] = NO_VIEW,
+    ) -> None:
+        """Connect to the node `master` at `address` as the node `name`.
+
+        The node stops waiting for a master that is silent for `timeout_s`. With `keys` the master
+        must have its known key. `view` must equal the master's. Raises UserErrors.
+        """
+        self.world = world
+        self.waiting = ""  # cause of a wait
+        self.presented = NOTHING  # over the sea of the last picture
+        self.wanted: tuple[str, int] | None = None  # name and seed of the master's scenario
+        self._name, self._address, self._timeout_s, self._tell = name, address, timeout_s, tell
+        self._identity = identity_of(world, view)
+        self._dive = ""  # ID of the dive that it takes part in
+        self._joined = False  # True after it has taken part in one
+        self._given = b""  # the state that a new master fetches
+        self._number = 0  # of the last picture
+        self._alpha = 1.0
+        self._heard: deque[FromMaster] = deque()
+        self._heard_s = self._called_s = -math.inf
+        self._garbled = False
+        self._context: Any = zmq.Context()
+        try:
+            limit = snapshot.size_limit(world) + SMALL
+            self._socket = link.calling(self._context, address, keys, master, limit)
+        except BaseException:
+            self._context.term()
+            raise
+        self._failures = link.failures(self._socket)
+        self._wait_for(f"waiting for the master at {address}")
+
+    def picture(self, patience_s: float) -> float | None:
+        """Step the ticks of the next picture; return the point between the last two to draw at.
+
+        Returns None if no picture comes within `patience_s`; `waiting` then says why, once the
+        master has been silent for too long. A node that is behind steps the ticks of all missed
+        pictures and draws the last. If the master refuses this node or its key: UserError.
+        """
+        start, made = time.monotonic(), False
+        while True:
+            spent = time.monotonic() - start
+            message = self._next(0.0 if made else patience_s - spent)
+            if message is None:
+                break
+            if isinstance(message, WorldState):
+                self._take(message)
+                made = False
+            elif isinstance(message, OpenSea):
+                self.wanted = message.name, message.seed
+                return None
+            elif isinstance(message, Resume):
+                self._give(message.offset)
+            elif isinstance(message, Picture) and self._dive:
+                made |= self._make(message)
+            if made and spent > HURRY_S:
+                self._wait_for("catching up with the others")
+                return None
+        if made:
+            self._wait_for("")
+            return self._alpha
+        self._call()
+        return None
+
+    def swap(self) -> None:
+        """Report the picture as drawn and wait until all nodes show theirs."""
+        self._say(PictureDrawn(self._number))
+        end = time.monotonic() + self._timeout_s
+        while (message := self._next(end - time.monotonic())) is not None:
+            if isinstance(message, Swap) and message.number >= self._number:
+                return
+            if not isinstance(message, Swap):  # the others have gone on
+                self._heard.appendleft(message)
+                return
+
+    @property
+    def lost(self) -> bool:
+        """True if the master has fallen silent during a dive."""
+        return self._joined and self._silent()
+
+    def drift(self, ticks: int) -> None:
+        """Step ticks without the master, which resumes from this state or sends its own."""
+        self._dive = ""
+        for _ in range(ticks):
+            step(self.world, NEUTRAL)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._failures.close(0)
+        self._socket.disable_monitor()
+        self._socket.close()
+        self._context.term()
+
+    def _make(self, picture: Picture) -> bool:
+        """Step the ticks of a picture; False if it is not the next one, or of another world."""
+        if picture.number <= self._number:
+            return False
+        if picture.number > self._number + 1:
+            self._dive, self._called_s = "", -math.inf  # a picture was lost: fetch the state
+            return False
+        state = self.world.state
+        state.submarine.lights[:] = picture.lights
+        differs = picture.checksum and picture.checksum != snapshot.checksum(self.world)
+        if differs or picture.tick != state.tick:
+            self._tell(f"this world differs from the master's at tick {picture.tick}")
+            self._say(Diverged(picture.tick))
+            self._dive, self._called_s = "", time.monotonic()
+            return False
+        for one in ticks_of(picture):
+            step(self.world, one)
+        self._number, self._alpha = picture.number, picture.alpha
+        self.presented = picture.presented
+        return True
+
+    def _take(self, state: WorldState) -> None:
+        try:
+            snapshot.restore(self.world, state.snapshot)
+        except UserError as fault:
+            raise UserError(f"the master at {self._address} sent what is {fault}") from fault
+        self._dive, self._number, self._joined = state.dive, state.number, True
+        self._given = b""
+        self._tell(f"took the state of the dive at tick {self.world.state.tick}")
+
+    def _give(self, offset: int) -> None:
+        """Send a slice of the state of this world to a master that resumes the dive."""
+        if offset == 0:
+            self._given = snapshot.take(self.world)
+        for at in range(offset, min(offset + SLICE, len(self._given)), PART):
+            self._say(StatePart(len(self._given), at, self._given[at : at + PART]))
+
+    def _call(self) -> None:
+        """Call the master if it is silent or its state is needed."""
+        now, silent = time.monotonic(), self._silent()
+        if silent:
+            self._wait_for(f"waiting for the master at {self._address}")
+        if (silent or not self._dive) and now - self._called_s > CALL_S:
+            tick = self.world.state.tick if self._joined else 0
+            if self._say(Hello(self._name, self._identity, self._dive, tick)):
+                self._called_s = now
+
+    def _silent(self) -> bool:
+        return time.monotonic() - self._heard_s > max(self._timeout_s, SILENT_S)
+
+    def _next(self, wait_s: float) -> FromMaster | None:
+        """The next message of the master within `wait_s` seconds, or None."""
+        self._refuse_failures()
+        if self._heard:
+            return self._heard.popleft()
+        while self._socket.poll(math.ceil(1000.0 * max(wait_s, 0.0))):
+            frames = self._socket.recv_multipart()
+            try:
+                if len(frames) != 1:
+                    raise UserError("the message received is not one of subsea")
+                message = from_master(frames[0])
+            except UserError as fault:
+                if not self._garbled:
+                    self._tell(f"the master at {self._address}: {fault}")
+                self._garbled = True
+                continue
+            self._heard_s = time.monotonic()
+            if isinstance(message, Refused):
+                raise UserError(message.reason)
+            return message
+        return None
+
+    def _refuse_failures(self) -> None:
+        """Raise a UserError if master and node cannot agree on keys."""
+        while why := link.failed(self._failures):
+            if why == link.AUTH:
+                raise UserError(
+                    f"the master at {self._address} does not know the key of node {self._name}"
+                )
+            if why == link.PROTOCOL:
+                raise UserError(
+                    f"at {self._address} there is no master that this node can talk to: one uses "
+                    "keys and the other does not, or it is another program"
+                )
+
+    def _say(self, message: FromNode) -> bool:
+        """Send to the master; False if there is no connection."""
+        try:
+            self._socket.send(encode(message), zmq.NOBLOCK)
+        except zmq.Again:
+            return False
+        return True
+
+    def _wait_for(self, words: str) -> None:
+        if words and words != self.waiting:
+            self._tell(words)
+        self.waiting = words

@@ -1,0 +1,121 @@
+"""Key pairs that authenticate master and nodes (ZeroMQ CURVE).
+
+A folder holds the public NAME.key and NAME.key_secret, which only the computer NAME may have. The
+files are ZeroMQ certificates.
+"""
+
+import os
+import re
+import stat
+import struct
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import NamedTuple
+
+import zmq
+import zmq.auth
+from zmq.utils import z85
+
+from subsea.base.atomic_io import check_folder, replacing
+from subsea.base.errors import UserError, unreadable
+from subsea.base.input_files import check_input
+from subsea.stage.theatre.node_names import NAME
+
+PUBLIC, SECRET = ".key", ".key_secret"
+HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
+
+
+class Keys(NamedTuple):
+    """The keys of one computer."""
+
+    public: bytes  # Z85, 40 bytes, as all of them
+    secret: bytes
+    others: dict[str, bytes]  # public keys of the others, by name
+
+
+def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
+    """Write a new key pair for each computer; return the files, public and secret in turn.
+
+    Only the owner can read secret files. If a name is invalid or has keys already, nothing is
+    written: UserError.
+    """
+    _check_curve()
+    for name in names:
+        if not re.search(NAME, name):
+            raise UserError(f"{name!r}: expected a name of letters, digits, - and _, 64 at most")
+        for suffix in (PUBLIC, SECRET):
+            if (folder / f"{name}{suffix}").exists():
+                raise UserError(
+                    "exists; remove it on every computer before making another",
+                    file=folder / f"{name}{suffix}",
+                )
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(f"{name!r} was given twice")
+    check_folder(folder)
+    written = []
+    with ExitStack() as undo, ExitStack() as all_at_once:
+        for name in names:
+            public, secret = (key.decode() for key in zmq.curve_keypair())
+            for suffix, what, mode in (
+                (PUBLIC, "public key", 0o644),
+                (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+            ):
+                text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+                if suffix == SECRET:
+                    text += f'    secret-key = "{secret}"\n'
+                written.append(folder / f"{name}{suffix}")
+                undo.callback(written[-1].unlink, missing_ok=True)
+                path = all_at_once.enter_context(replacing(written[-1]))
+                # Created with its mode, so that others can never read it.
+                path.touch(mode, exist_ok=False)
+                path.write_text(text)
+        all_at_once.close()
+        undo.pop_all()
+    return written
+
+
+def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
+    """Read the pair of `name` and the public keys of `others`; UserError if one is missing."""
+    _check_curve()
+    path = folder / f"{name}{SECRET}"
+    public, secret = _read(path)
+    if secret is None:
+        raise UserError("holds no secret key", file=path)
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if os.name == "posix" and mode & 0o077:
+        raise UserError(f"others may read it (mode {mode:o}); `chmod 600 {path}`", file=path)
+    return Keys(public, secret, {other: _read(folder / f"{other}{PUBLIC}")[0] for other in others})
+
+
+def _read(path: Path) -> tuple[bytes, bytes | None]:
+    try:
+        check_input(path)
+        public, secret = zmq.auth.load_certificate(path)
+    except UserError as fault:
+        if not isinstance(fault.__cause__, FileNotFoundError):
+            raise
+        hint = f"no such file; `subsea keys {path.parent} NAME...` makes keys"
+        raise UserError(hint, file=path) from fault
+    except OSError as fault:
+        raise unreadable(path, fault) from fault
+    except (ValueError, IndexError) as fault:  # a missing or empty line
+        raise UserError("holds no key", file=path) from fault
+    for key in (public, secret):
+        if key is not None and not _is_key(key):
+            raise UserError("holds no key of 40 letters, as Z85 has them", file=path)
+    return public, secret
+
+
+def _is_key(text: bytes) -> bool:
+    """True if a text is 32 bytes in Z85; not all texts of 40 letters are."""
+    try:
+        return len(z85.decode(text)) == 32
+    except (ValueError, KeyError, struct.error):
+        return False
+
+
+def _check_curve() -> None:
+    if not zmq.has("curve"):
+        raise UserError("this ZeroMQ was built without CURVE; `pip install pyzmq` brings one")

@@ -1,0 +1,124 @@
+"""Sockets of master and nodes, with keys and limits."""
+
+import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import zmq
+from zmq.utils.monitor import parse_monitor_message
+
+from subsea.base.errors import TransientError, UserError
+from subsea.stage.cluster.addresses import parse_address
+from subsea.stage.cluster.gate import Gate
+from subsea.stage.cluster.keys import Keys
+
+PROBE_S, PROBES = 1, 4  # to notice a pulled cable
+LINGER_MS = 300  # for the last messages
+HANDSHAKE_MS = 5000
+UNREAD = 64  # messages of one node that the master has not read: it reads at each picture
+BACKLOG = 1000  # unread messages of a node: four seconds at 120 pictures a second
+
+AUTH = int(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
+PROTOCOL = int(zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
+NO_DETAIL = int(zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
+
+
+def endpoint(address: str, keys: Keys | None) -> str:
+    """The ZeroMQ endpoint of an address such as ``127.0.0.1:5560``.
+
+    Anything but an IP address with a port is a UserError, and so is an address that other
+    computers can reach if there are no keys.
+    """
+    try:
+        ip, port = parse_address(address)
+    except ValueError as fault:
+        raise UserError(str(fault)) from fault
+    if ip.is_unspecified:
+        raise UserError(f"address {address!r}: no node can call it; expected the master's own")
+    if not ip.is_loopback and keys is None:
+        raise UserError(
+            f"address {address!r}: other computers reach it, so keys are needed; "
+            '`subsea keys DIR NAME...` makes them, `keys = "DIR"` in the theatre file uses them'
+        )
+    return f"tcp://[{ip}]:{port}" if ip.version == 6 else f"tcp://{ip}:{port}"
+
+
+def listening(
+    context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int
+) -> tuple[Any, Gate]:
+    """The socket of the master and its gate; parts of more than `limit` bytes end a connection."""
+    where = endpoint(address, keys)
+    socket = _socket(context, zmq.ROUTER, limit)
+    socket.rcvhwm = UNREAD
+    with _closed_if_not(socket, f"address {address}: cannot listen there"):
+        # Raise when sending to a node that has gone or no longer reads.
+        socket.router_mandatory = True
+        if keys:
+            socket.curve_server = True
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
+        gate = Gate(socket, parse_address(address)[1])
+        try:
+            socket.bind(where)
+        except BaseException:
+            gate.close()
+            raise
+    return socket, gate
+
+
+def calling(
+    context: "zmq.Context[Any]", address: str, keys: Keys | None, master: str, limit: int
+) -> Any:
+    """The socket of a node, which reconnects until the master answers."""
+    where = endpoint(address, keys)
+    socket = _socket(context, zmq.DEALER, limit)
+    with _closed_if_not(socket, f"address {address}: cannot call there"):
+        socket.immediate = True  # drop messages while not connected
+        socket.reconnect_ivl, socket.reconnect_ivl_max = 100, 1000
+        if keys:
+            socket.curve_serverkey = keys.others[master]
+            socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
+        socket.connect(where)
+    return socket
+
+
+def failures(socket: Any) -> Any:
+    """A socket that reports failed handshakes; see `failed`."""
+    return socket.get_monitor_socket(AUTH | PROTOCOL | NO_DETAIL)
+
+
+def failed(monitor: Any) -> int:
+    """Why the next handshake failed: AUTH, PROTOCOL or NO_DETAIL; 0 if none did."""
+    if not monitor.poll(0):
+        return 0
+    return int(parse_monitor_message(monitor.recv_multipart())["event"])
+
+
+@contextmanager
+def _closed_if_not(socket: Any, fault: str) -> Iterator[None]:
+    """Turn a ZMQError into a UserError and close the socket, so that its context can end.
+
+    At power-on the network may come later than the dive: that error is a TransientError.
+    """
+    try:
+        yield
+    except zmq.ZMQError as reason:
+        socket.close(0)
+        late = reason.errno in (errno.EADDRNOTAVAIL, errno.ENODEV, errno.EADDRINUSE)
+        kind = TransientError if late else UserError
+        raise kind(f"{fault} ({reason.strerror})") from reason
+
+
+def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
+    socket: Any = context.socket(kind)
+    socket.ipv6 = True
+    socket.linger = LINGER_MS
+    socket.maxmsgsize = limit
+    socket.sndhwm = socket.rcvhwm = BACKLOG
+    socket.handshake_ivl = HANDSHAKE_MS
+    # Not ZeroMQ's heartbeats: one after the loss of a connection whose messages are not all read
+    # ends the process (`!_io_error` in its stream_engine_base.cpp).
+    socket.tcp_keepalive, socket.tcp_maxrt = 1, 1000 * PROBE_S * PROBES
+    socket.tcp_keepalive_idle = socket.tcp_keepalive_intvl = PROBE_S
+    socket.tcp_keepalive_cnt = PROBES
+    return socket

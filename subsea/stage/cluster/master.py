@@ -1,0 +1,400 @@
+"""The master of a cluster: sends the ticks of every picture and waits until all have drawn."""
+
+import math
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from types import SimpleNamespace
+from typing import Any
+
+import zmq
+from zmq.auth.thread import ThreadAuthenticator
+
+from subsea.base.errors import UserError
+from subsea.dive.presented import NOTHING
+from subsea.stage.cluster import link
+from subsea.stage.cluster.identity import NO_VIEW, difference, identity_of, may_open
+from subsea.stage.cluster.keys import Keys
+from subsea.stage.cluster.messages import (
+    SLICE,
+    SMALL,
+    Diverged,
+    FromMaster,
+    Hello,
+    OpenSea,
+    PictureDrawn,
+    Refused,
+    Resume,
+    StatePart,
+    Swap,
+    WorldState,
+    encode,
+    from_node,
+    picture_of,
+    ticks_of,
+)
+from subsea.stage.cluster.node_record import MAX_ASKED, SOON_S, NodeRecord
+from subsea.submarine.helm import Helm
+from subsea.submarine.rail import Rail
+from subsea.world import snapshot
+from subsea.world.step import step
+from subsea.world.world import World
+
+Say = Callable[[str], None]
+
+CHECK_TICKS = 30  # interval of checksums of the world: once a second
+NUDGE_S = 0.02  # interval at which late nodes are probed
+NEAR = 30  # most pictures that a node may be behind to be waited for again
+LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
+READ_S = 0.005  # longest time of reading messages, so that a flood does not stop the dive
+MAX_PARTS = 3  # parts of a message that are kept; valid ones have two
+STATE_S = 1.0  # shortest time between two states sent to a node
+WITHIN_S = 10.0  # a node that makes MAX_ASKED requests within this time is put out ...
+PUT_OUT_S = 10.0  # ... for this time
+GATHER_S = 1.5  # longest time in which nodes come that may know the dive: they call once a second
+FETCH_S = 3.0  # longest time that one takes to send its state
+
+
+class Master:
+    """The connections to the nodes: call `picture`, draw, `swap`, show, in turn."""
+
+    def __init__(
+        self,
+        world: World,
+        nodes: Sequence[str],
+        address: str,
+        keys: Keys | None = None,
+        timeout_s: float = 2.0,
+        tell: Say = lambda message: None,
+        view: Mapping[str, str] = NO_VIEW,
+    ) -> None:
+        """Listen at `address` for `nodes`, which are all but the master itself.
+
+        A node is waited for up to `timeout_s`. With `keys` only nodes with known keys may
+        connect, without keys only this computer. `view` names parts of the theatre and the display;
+        nodes with another view are refused. Raises UserErrors.
+        """
+        self.world, self.presented = world, NOTHING
+        self.offers = ""  # the scenario that nodes may open to take part; empty: none
+        self._timeout_s, self._tell, self._keys = timeout_s, tell, keys
+        self._identity = identity_of(world, view)
+        self.nodes = {name: NodeRecord(name) for name in nodes}
+        self._dive = secrets.token_hex(8)
+        self._number = self._refusals = 0
+        self._checked = -CHECK_TICKS  # the tick of the last checksum
+        self._source: NodeRecord | None = None  # the node whose state was asked for ...
+        self._parts: deque[StatePart] = deque(maxlen=64)  # ... and its parts
+        self._context: Any = zmq.Context()
+        self._authenticator = None
+        try:
+            if keys:
+                self._authenticator = ThreadAuthenticator(self._context)
+                self._authenticator.start()
+                known = set(keys.others.values())
+                self._authenticator.configure_curve_callback(
+                    credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
+                )
+            self._socket, self._gate = link.listening(self._context, address, keys, SMALL)
+            self._begun_s = time.monotonic()
+        except BaseException:
+            self._leave()
+            raise
+
+    def resume(self, check: Callable[[], object] = lambda: None) -> None:
+        """Go on from the nodes' latest state, if they are in a dive whose master has gone.
+
+        To be called before the first picture. It returns at once when all nodes have come and are
+        new, else GATHER_S after the master began to listen. `check` is called while waiting, and
+        may raise. A state that does not come or does not fit is reported; the world then stays as
+        it is.
+        """
+        end = self._begun_s + GATHER_S
+        while len(self._present()) < len(self.nodes) and time.monotonic() < end:
+            check()
+            self._hear(NUDGE_S)
+        source = max(self._present(), key=lambda node: node.tick, default=None)
+        if source is None or source.tick <= self.world.state.tick:
+            return
+        try:
+            snapshot.restore(self.world, self._fetch(source, check))
+        except UserError as fault:
+            self._tell(f"node {source.name}: {fault}; the dive starts from its beginning")
+        else:
+            self._tell(f"resumed the dive of node {source.name} at tick {self.world.state.tick}")
+
+    def _fetch(self, source: NodeRecord, check: Callable[[], object]) -> bytes:
+        """Ask a node for its state, in slices, so that it never may send much; or a UserError."""
+        self._source, route, end = source, source.route, time.monotonic() + FETCH_S
+        data, size, asked = bytearray(), 1, 0
+        while len(data) < size:
+            if len(data) == asked:
+                if source.connection:
+                    self._gate.allow(source.connection, SLICE + SMALL)
+                self._send(source, encode(Resume(asked)))
+                asked += SLICE
+            check()
+            self._hear(NUDGE_S)
+            if source.route != route:
+                raise UserError("has gone before it sent its state")
+            if time.monotonic() > end:
+                raise UserError(f"has not sent its state in {FETCH_S:g} s")
+            while self._parts:
+                part = self._parts.popleft()
+                size = part.size
+                if part.offset != len(data) or size > snapshot.size_limit(self.world):
+                    raise UserError("sent what is not a state of this dive")
+                data += part.data
+        return bytes(data)
+
+    def picture(self, ticks: Iterable[Helm | Rail], alpha: float) -> None:
+        """Send the next picture to all nodes and step its ticks here.
+
+        A sequence is sent first, so that all computers step at the same time. From any other
+        iterable, as of a tour that depends on the world, each tick is taken after the previous
+        one was stepped.
+        """
+        self._hear(0.0)
+        self._send_states()
+        state = self.world.state
+        tick, check, lights = state.tick, "", bool(state.submarine.lights[0])
+        if tick - self._checked >= CHECK_TICKS:
+            check, self._checked = snapshot.checksum(self.world), tick
+        self._number += 1
+        if isinstance(ticks, Sequence):
+            picture = picture_of(self._number, tick, alpha, ticks, check, lights, self.presented)
+            self._send_all(picture)
+            for one in ticks_of(picture):
+                step(self.world, one)
+            return
+        made = []
+        for one in ticks:
+            [exact] = ticks_of(picture_of(self._number, tick, alpha, [one], check))
+            step(self.world, exact)
+            made.append(exact)
+        self._send_all(picture_of(self._number, tick, alpha, made, check, lights, self.presented))
+
+    def swap(self) -> None:
+        """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
+        start = time.monotonic()
+        late: list[NodeRecord] = []
+        while missing := [node for node in self._present() if self._awaited(node)]:
+            waited = time.monotonic() - start
+            if waited >= self._timeout_s:
+                late = missing
+                break
+            self._hear(min(NUDGE_S, self._timeout_s - waited))
+            for node in missing:
+                if self._awaited(node):
+                    # A repeated message: only whether it can be sent matters.
+                    self._send(node, encode(Swap(self._number - 1)))
+        now = time.monotonic()
+        for node in late:
+            node.in_step = False
+            node.waits.late += 1
+            probation_s = min(2.0 * node.waits.late * self._timeout_s, LONGEST_PROBATION_S)
+            node.not_before_s = now + probation_s
+            self._tell(f"node {node.name}: has not drawn in {self._timeout_s:g} s; going on")
+        for node in self._present():
+            if node.in_step:
+                node.waits.add(max(node.drawn_s - start, 0.0))
+            self._send(node, encode(Swap(self._number)))
+
+    def report(self) -> list[str]:
+        """One line for each node with its wait times and events."""
+        return [f"node {node.name}: {node.waits.words()}" for node in self.nodes.values()]
+
+    def in_step(self) -> list[str]:
+        """The names of the nodes that are waited for."""
+        return [node.name for node in self._present() if node.in_step]
+
+    def close(self) -> None:
+        """Close all connections."""
+        self._gate.close()
+        self._socket.close()
+        self._leave()
+
+    def _hear(self, wait_s: float) -> None:
+        """Handle messages of nodes, waiting up to `wait_s` for the first."""
+        for reason, times in self._gate.reports().items():
+            self._report_refused(reason, times)
+        if self._socket.poll(math.ceil(1000.0 * wait_s)):
+            end = time.monotonic() + READ_S
+            while time.monotonic() < end and (parts := self._receive()):
+                self._handle(parts)
+
+    def _receive(self) -> list[Any]:
+        """The first parts of the next message; empty if there is none."""
+        try:
+            parts = [self._socket.recv(zmq.NOBLOCK, copy=False)]
+        except zmq.Again:
+            return []
+        more = parts[0].more
+        while more:
+            part = self._socket.recv(copy=False)
+            more = part.more
+            if len(parts) < MAX_PARTS:
+                parts.append(part)
+        return parts
+
+    def _handle(self, parts: list[Any]) -> None:
+        """Handle one message: its route and its content."""
+        route, connection = parts[0].bytes, parts[-1].get(zmq.SRCFD)
+        try:
+            if len(parts) != 2:
+                raise UserError("the message received is not one of subsea")
+            message = from_node(parts[1].bytes)
+        except UserError as fault:
+            self._gate.fault(connection)
+            self._report_refused(str(fault))
+            self._reply(route, Refused(str(fault)[:200]))
+            return
+        if isinstance(message, Hello):
+            self._welcome(route, message, parts[1])
+        elif node := next((node for node in self._present() if node.route == route), None):
+            self._answer(node, message)  # not of a dropped connection
+
+    def _answer(self, node: NodeRecord, message: PictureDrawn | Diverged | StatePart) -> None:
+        if isinstance(message, Diverged):
+            self._resynchronize(node, message.tick)
+            return
+        if isinstance(message, StatePart):
+            if node is self._source:
+                self._parts.append(message)
+            else:
+                self._put_out(node, "sent a state that was not asked for")
+            return
+        now = time.monotonic()
+        node.drawn, node.drawn_s = min(message.number, self._number), now
+        near = not node.asks and self._number - node.drawn <= NEAR
+        if not node.in_step and near and now >= node.not_before_s:
+            node.waits.rejoined += node.came
+            self._tell(f"node {node.name}: is in step{' again' * node.came}")
+            node.in_step = node.came = True
+
+    def _ask(self, node: NodeRecord) -> None:
+        """Note that a node needs the state; put it out if it asks too often."""
+        now = time.monotonic()
+        node.asked_s.append(now)
+        node.asks, node.in_step = True, False
+        if len(node.asked_s) == MAX_ASKED and now - node.asked_s[0] < WITHIN_S:
+            self._put_out(node, f"came or asked for the state {MAX_ASKED} times in {WITHIN_S:g} s")
+
+    def _put_out(self, node: NodeRecord, reason: str) -> None:
+        """Drop a node and ignore it for a while."""
+        node.out_until_s = time.monotonic() + PUT_OUT_S
+        self._drop(node, f"{reason}: put out for {PUT_OUT_S:g} s")
+
+    def _send_states(self) -> None:
+        """Send the state to the nodes that need it."""
+        now = time.monotonic()
+        asking = [node for node in self._present() if node.asks and now - node.sent_s > STATE_S]
+        if not asking:
+            return
+        state = encode(WorldState(self._dive, self._number, snapshot.take(self.world)))
+        for node in asking:
+            node.asks, node.sent_s = False, now
+            self._send(node, state)
+
+    def _welcome(self, route: bytes, hello: Hello, frame: Any) -> None:
+        if not (reason := self._objection(hello, frame)):
+            reason = difference(hello.identity, self._identity)
+            if reason and self.offers and may_open(hello.identity, self._identity):
+                self._reply(route, OpenSea(self.offers, self.world.state.seed))
+                return
+        if reason:
+            self._refuse(hello.node, reason)
+            self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
+            return
+        node = self.nodes[hello.node]
+        if time.monotonic() < node.out_until_s:
+            return
+        if node.route == route and hello.dive == self._dive:
+            return  # the master was only silent for a while
+        if node.route not in (None, route):
+            reason = f"another computer has come as node {node.name}"
+            self._reply(node.route, Refused(reason))
+            self._drop(node, reason)
+        node.route, node.connection = route, self._gate.keep(frame.get(zmq.SRCFD))
+        node.tick = hello.tick
+        self._ask(node)
+
+    def _refuse(self, name: str, reason: str) -> None:
+        """Report a refused node now and then, as it may try again and again."""
+        if name not in self.nodes:
+            self._report_refused(f"node {name}: {reason}")
+            return
+        node, now = self.nodes[name], time.monotonic()
+        repeated = reason == node.refusal and now - node.refused_s[-1] <= SOON_S
+        if not repeated and now - node.refused_s[0] > SOON_S:
+            node.refusal = reason
+            node.refused_s.append(now)
+            self._tell(f"node {name}: {reason}: refused")
+
+    def _objection(self, hello: Hello, frame: Any) -> str:
+        """Why a computer is not a node of this theatre, to follow its name; empty if it is."""
+        if hello.node not in self.nodes:
+            return f"is not among the nodes of the theatre: {', '.join(self.nodes)}"
+        if self._keys and frame.get("User-Id").encode() != self._keys.others[hello.node]:
+            return "has the key of another node"
+        return ""
+
+    def _resynchronize(self, node: NodeRecord, tick: int) -> None:
+        """Send the state again to a node whose world differs; refuse it the second time."""
+        now = time.monotonic()
+        node.waits.diverged += 1
+        if now - node.diverged_s < SOON_S:
+            reason = f"its world differed from the master's again at tick {tick}; its processor or "
+            reason += "its packages compute otherwise"
+            self._reply(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
+            self._put_out(node, reason)
+            return
+        node.diverged_s = now
+        self._tell(f"node {node.name}: its world differs at tick {tick}; it fetches the state")
+        self._ask(node)
+
+    def _present(self) -> list[NodeRecord]:
+        return [node for node in self.nodes.values() if node.route is not None]
+
+    def _awaited(self, node: NodeRecord) -> bool:
+        return node.in_step and node.drawn < self._number
+
+    def _send(self, node: NodeRecord, data: bytes) -> None:
+        """Send to a node, or drop it if it does not read."""
+        try:
+            self._socket.send_multipart([node.route, data], zmq.NOBLOCK)
+        except zmq.Again:
+            self._drop(node, "takes no messages any more")
+        except zmq.ZMQError as fault:
+            if fault.errno != zmq.EHOSTUNREACH:
+                raise
+            self._drop(node, "is gone")
+
+    def _send_all(self, message: FromMaster) -> None:
+        data = encode(message)
+        for node in self._present():
+            self._send(node, data)
+
+    def _reply(self, route: bytes | None, message: FromMaster) -> None:
+        """Send to a connection, ignoring errors."""
+        with suppress(zmq.ZMQError):
+            self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
+
+    def _drop(self, node: NodeRecord, reason: str) -> None:
+        if node.connection:
+            self._gate.end(node.connection)
+        node.route, node.in_step, node.asks = None, False, False
+        node.waits.dropped += 1
+        self._tell(f"node {node.name}: {reason}; going on without it")
+
+    def _report_refused(self, reason: str, times: int = 1) -> None:
+        """Report refusals at the 1st, 10th, 100th in all, so that the log is not flooded."""
+        before, self._refusals = self._refusals, self._refusals + times
+        if len(str(self._refusals)) > len(str(before)) or not before:
+            self._tell(f"refused: {reason} ({self._refusals} so far)")
+
+    def _leave(self) -> None:
+        if self._authenticator:
+            self._authenticator.stop()
+        self._context.term()

@@ -1,0 +1,171 @@
+"""The commands of a presenter, which the page, HTTP and OSC share."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta, inspect
+
+from subsea.base.errors import UserError, unknown
+from subsea.base.validation import convert
+
+MAX_CAPTION = 300  # characters
+Name = Annotated[str, Meta(min_length=1, max_length=100)]
+Fish = Annotated[
+    str,
+    Meta(
+        min_length=1,
+        max_length=100,
+        description="a number, a species, SPECIES:NUMBER, or nearest: to the middle of the picture",
+    ),
+]
+
+
+class PresenterCommand(
+    msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="command"
+):
+    """Base of all commands; the docstring of each says what it does."""
+
+
+class OpenScenario(PresenterCommand, frozen=True, tag="scenario"):
+    """Open a scenario."""
+
+    name: Annotated[Name, Meta(description="as `subsea dive --scenario` takes it; no path")]
+
+
+class StartTour(PresenterCommand, frozen=True, tag="tour"):
+    """Start a tour."""
+
+    name: Annotated[Name, Meta(description="one of the scenario's, directed or auto")]
+
+
+class StopTour(PresenterCommand, frozen=True, tag="stop-tour"):
+    """End the tour."""
+
+
+class StartCue(PresenterCommand, frozen=True, tag="cue"):
+    """Start a direction of the scenario now, whatever its conditions."""
+
+    number: Annotated[
+        int, Meta(ge=-1, le=1000, description="from 0; -1: the first that has not begun")
+    ] = -1
+
+
+class NextItem(PresenterCommand, frozen=True, tag="next-item"):
+    """Go on to the next item of the show."""
+
+
+class ShowCaption(PresenterCommand, frozen=True, tag="caption"):
+    """Show a caption; an empty one ends the one before."""
+
+    text: Annotated[str, Meta(max_length=MAX_CAPTION, description="300 characters at most")]
+    seconds: Annotated[
+        float, Meta(ge=0, le=600, description="how long; 0: the time to read it")
+    ] = 0.0
+
+
+class FollowFish(PresenterCommand, frozen=True, tag="follow"):
+    """Look at a fish from behind."""
+
+    fish: Fish
+
+
+class RideFish(PresenterCommand, frozen=True, tag="ride"):
+    """Look through the eyes of a fish."""
+
+    fish: Fish
+
+
+class LeaveFish(PresenterCommand, frozen=True, tag="helm"):
+    """Return from a fish to the submarine."""
+
+
+class SetQuality(PresenterCommand, frozen=True, tag="quality"):
+    """Set the quality of the picture."""
+
+    quality: Annotated[
+        Literal["auto", "low", "medium", "high", "ultra"],
+        Meta(description="auto, low, medium, high or ultra"),
+    ]
+
+
+class SetVolume(PresenterCommand, frozen=True, tag="volume"):
+    """Set the volume."""
+
+    volume: Annotated[float, Meta(ge=0, le=1, description="0 to 1; 0: off")]
+
+
+class BlankScreens(PresenterCommand, frozen=True, tag="blank"):
+    """Make all screens black, or show the sea again."""
+
+    on: bool
+
+
+class ShowLineUp(PresenterCommand, frozen=True, tag="line-up"):
+    """Show the test pattern on all screens, or the sea again."""
+
+    on: bool
+
+
+COMMANDS: tuple[type[PresenterCommand], ...] = (
+    OpenScenario, StartTour, StopTour, StartCue, NextItem, ShowCaption, FollowFish, RideFish,
+    LeaveFish, SetQuality, SetVolume, BlankScreens, ShowLineUp,
+)  # fmt: skip
+NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}
+
+
+def from_json(data: bytes) -> PresenterCommand:
+    """Decode ``{"command": NAME, KEY: VALUE…}``; a UserError for anything else."""
+    try:
+        content = msgspec.json.decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
+        raise UserError(f"not JSON ({fault})") from fault
+    name = content.get("command") if isinstance(content, dict) else None
+    if not isinstance(name, str):
+        raise UserError('expected {"command": NAME, KEY: VALUE…}')
+    return convert(content, _kind(name))
+
+
+def from_words(name: str, values: Sequence[Any]) -> PresenterCommand:
+    """The command with a name and values in the order of its keys; a UserError if they misfit.
+
+    Whole numbers count as yes and no, since few senders of OSC have these.
+    """
+    kind = _kind(name)
+    keys = kind.__struct_fields__
+    if len(values) > len(keys):
+        raise UserError(f"{name}: {len(values)} values, expected {len(keys)} at most")
+    content: dict[str, Any] = dict(zip(keys, values, strict=False))
+    if isinstance(content.get("on"), int) and content["on"] in (0, 1):
+        content["on"] = bool(content["on"])
+    return convert({"command": name, **content}, kind)
+
+
+def described() -> list[dict[str, Any]]:
+    """Name, purpose and parameters of each command, for clients and the reference."""
+    return [
+        {
+            "command": name,
+            "what": (kind.__doc__ or "").rstrip("."),
+            "parameters": [_parameter(field) for field in _fields(kind)],
+        }
+        for name, kind in NAMES.items()
+    ]
+
+
+def _kind(name: str) -> type[PresenterCommand]:
+    if name not in NAMES:
+        raise unknown("command", name[:100], list(NAMES))
+    return NAMES[name]
+
+
+def _fields(kind: type[PresenterCommand]) -> Sequence[Any]:
+    return inspect.type_info(kind).fields  # type: ignore[attr-defined]
+
+
+def _parameter(field: Any) -> dict[str, Any]:
+    about, type_ = "true or false", field.type
+    while isinstance(type_, inspect.Metadata):
+        about = (type_.extra_json_schema or {}).get("description", about)
+        type_ = type_.type
+    return {"name": field.encode_name, "about": about, "required": field.required}

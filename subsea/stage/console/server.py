@@ -1,0 +1,111 @@
+"""The thread of the console's server, which ends with the dive and never ends it."""
+
+import asyncio
+import os
+import socket
+from collections.abc import Callable
+from contextlib import closing, suppress
+from threading import Event, Thread
+from typing import Any
+
+from subsea.base.errors import UserError
+from subsea.stage.console.board import Board
+from subsea.stage.console.options import ConsoleOptions, ListenAddress
+
+BEGIN_S, END_S = 20.0, 3.0  # longest times to begin, and to end
+BACKLOG = 64
+
+
+class ConsoleServer:
+    """Listens in a thread of its own until it is closed."""
+
+    def __init__(self, options: ConsoleOptions, board: Board) -> None:
+        """Begin to listen; a UserError if that is impossible, as when a port is taken."""
+        self._options, self._board = options, board
+        self._listening = Event()
+        self._began = False
+        self._fault: str | None = None
+        self._stop: Callable[[], object] = lambda: None
+        sockets = _bound(options.http, socket.SOCK_STREAM, "--console")
+        try:
+            heard = None
+            if options.osc is not None:
+                heard = _bound(options.osc, socket.SOCK_DGRAM, "--console-osc")
+        except UserError:
+            sockets.close()
+            raise
+        self._thread = Thread(target=self._run, args=(sockets, heard), name="console", daemon=True)
+        self._thread.start()
+        if not (self._listening.wait(BEGIN_S) and self._began):
+            self.close()
+            raise UserError(f"the console: {self._fault or 'cannot begin'}")
+
+    def check(self) -> str:
+        """Why the server has ended by itself, once; empty if it has not."""
+        words, self._fault = self._fault, None
+        return "" if words is None else f"the console has ended: {words}"
+
+    def close(self) -> None:
+        """Stop listening and end all connections."""
+        with suppress(RuntimeError):  # its loop has just ended
+            self._stop()
+        self._thread.join(END_S)
+
+    def _run(self, http: socket.socket, osc: socket.socket | None) -> None:
+        try:
+            with closing(http), closing(osc or http):
+                asyncio.run(self._serve(http, osc))
+        except Exception as fault:  # whatever it is, the dive goes on
+            self._fault = str(fault) or type(fault).__name__
+        finally:
+            self._stop = lambda: None
+            self._listening.set()
+
+    async def _serve(self, http: socket.socket, osc: socket.socket | None) -> None:
+        from subsea.stage.console.connections import Connections
+        from subsea.stage.console.http import HttpConsole
+        from subsea.stage.console.osc import OscConsole
+
+        loop, stopped = asyncio.get_running_loop(), asyncio.Event()
+        loop.set_exception_handler(lambda *_: None)  # of connections that break
+        console = HttpConsole(self._options, self._board)
+        runner = console.runner()
+        await runner.setup()
+        connections = Connections(self._options, console, runner.server)
+        accepting = loop.create_task(connections.accept(http))
+        accepting.add_done_callback(lambda _: stopped.set())
+        transport: Any = None
+        if osc is not None:
+            transport, _ = await loop.create_datagram_endpoint(
+                lambda: OscConsole(self._board), sock=osc
+            )
+        self._stop = lambda: loop.call_soon_threadsafe(stopped.set)
+        self._began = True
+        self._listening.set()
+        await stopped.wait()
+        self._stop = lambda: None
+        ended = accepting.done()
+        accepting.cancel()
+        if transport is not None:
+            transport.close()
+        await connections.close()
+        await runner.cleanup()
+        if ended:
+            accepting.result()
+
+
+def _bound(place: ListenAddress, kind: socket.SocketKind, option: str) -> socket.socket:
+    """A socket at an address; a UserError if it is taken or not this computer's."""
+    family = socket.AF_INET6 if place.ip.version == 6 else socket.AF_INET
+    made = socket.socket(family, kind)
+    try:
+        if kind == socket.SOCK_STREAM and os.name == "posix":  # elsewhere it would share a port
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        made.bind((str(place.ip), place.port))
+        if kind == socket.SOCK_STREAM:
+            made.listen(BACKLOG)
+        made.setblocking(False)
+    except OSError as fault:
+        made.close()
+        raise UserError(f"{option} {place}: cannot listen there ({fault.strerror})") from fault
+    return made

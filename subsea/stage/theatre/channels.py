@@ -1,0 +1,292 @@
+"""Resolve the channels of a theatre file, each with its mesh and mask."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from subsea.base.arrays import Array, Ints
+from subsea.base.errors import UserError, unknown
+from subsea.base.input_files import read_input
+from subsea.base.toml_files import error_at
+from subsea.stage.theatre.blend import Projector, blend_mask
+from subsea.stage.theatre.imported import ImportedTheatre
+from subsea.stage.theatre.mpcdi import MpcdiRegion, read_mpcdi
+from subsea.stage.theatre.mpcdi import mask as calibrated_mask
+from subsea.stage.theatre.png import MAX_BYTES, parse_png, stretched
+from subsea.stage.theatre.screens import (
+    Flat,
+    Screen,
+    distance_to,
+    frustum_of,
+    part_of,
+    points_on,
+    screen_of,
+)
+from subsea.stage.theatre.theatre_file import (
+    SCREENS,
+    Angles,
+    Archive,
+    Channel,
+    Dome,
+    Panorama,
+    ScreenTable,
+    Theatre,
+    Window,
+    viewport,
+)
+from subsea.stage.theatre.warp import cropped, identity, rasterized, subdivided
+from subsea.stage.theatre.warp_files import read_warp
+from subsea.view.rig import Projection, Rect, Warp, overlap
+from subsea.view.surround import ALL_ROUND, Surround
+
+COARSER = 4  # pixels of a projector a side for one of its blending mask
+PIECE = math.radians(1.0)  # of a curved screen, which counts as flat within it
+TALL = 8  # pieces of its height
+
+
+@dataclass(frozen=True)
+class ProjectorChannel:
+    """A usable channel; lengths in centimetres of the sea."""
+
+    name: str
+    window: int  # number of its window in the theatre
+    place: Rect  # in its window, origin lower left
+    distance_cm: float  # of its screen, or of the plane in which that lies, from the eyes
+    gamma: float
+    black: float
+    screen: Screen | None = None  # None for panoramas, domes and the like
+    shape: Projection = Projection.FLAT
+    surround: Surround = ALL_ROUND  # angle of a panorama, tilt of a dome
+    warp: Warp | None = None  # from the picture to the screen
+    mask: Array | None = None  # (h, w, 4) as `rig.DisplayPatch` has it
+    blend: bool = False
+    eye: str | None = None  # "left" or "right" of a projector for one eye
+    key: str = ""  # of its table in the theatre file, such as channel[0]
+
+
+def usable_channels(
+    theatre: Theatre, path: Path
+) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
+    """The channels that work, and an error for each fault in the file `path`.
+
+    Raises the first error if no channel works.
+    """
+    found: list[ProjectorChannel] = []
+    faults: list[UserError] = []
+    for k, channel in enumerate(theatre.channel):
+        key = f"channel[{k}]"
+        try:
+            found.append(_check_free(_file_channel(theatre, channel, path.parent, key), found))
+        except UserError as fault:
+            faults.append(error_at(path, key, f"channel {channel.name!r}: {fault}"))
+    for k, archive in enumerate(theatre.mpcdi):
+        key = f"mpcdi[{k}]"
+        try:
+            read = read_mpcdi(path.parent / archive.file)
+        except UserError as fault:
+            faults.append(error_at(path, key, f"{fault}"))
+            continue
+        faults += [error_at(path, key, fault) for fault in read.faults]
+        for region in read.regions:
+            if archive.buffer not in (None, region.buffer):
+                continue
+            try:
+                found.append(_check_free(_mpcdi_channel(theatre, archive, region, key), found))
+            except UserError as fault:
+                where = f"{archive.file}: region {region.name!r}"
+                faults.append(error_at(path, key, f"{where}: {fault}"))
+    if not found:
+        raise faults[0] if faults else UserError("no channel is left", file=path)
+    return tuple(_with_masks(found)), tuple(faults)
+
+
+def screen_mesh(lighted: ProjectorChannel) -> tuple[Array, Ints]:
+    """Vertices (n, 4), x and y in the picture and s and t on the screen, and triangles."""
+    assert lighted.screen is not None  # a surround projection has no mesh
+    grid = screen_grid(lighted.screen)
+    up, across = grid.shape[0] - 1, grid.shape[1] - 1
+    if lighted.warp is not None:
+        warp = subdivided(lighted.warp, across, up)
+        return warp.vertices[:, :4].astype(np.float64), warp.triangles
+    k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
+    low = np.stack([k, k + 1, k + across + 2], axis=1)
+    high = np.stack([k, k + across + 2, k + across + 1], axis=1)
+    places = grid.reshape(-1, 2)
+    return np.hstack([places, places]), np.concatenate([low, high]).astype(np.int32)
+
+
+def screen_grid(screen: Screen) -> Array:
+    """Places (rows, columns, 2) on a screen, between which it is almost flat."""
+    across, up = 1, 1
+    if not isinstance(screen, Flat):
+        across, up = math.ceil((screen.right - screen.left) / PIECE), TALL
+    x, y = np.meshgrid(np.linspace(0, 1, across + 1), np.linspace(0, 1, up + 1))
+    return np.stack([x, y], axis=-1)
+
+
+def _check_free(new: ProjectorChannel, found: Sequence[ProjectorChannel]) -> ProjectorChannel:
+    """Return the new channel; a UserError if it overlaps another in its window."""
+    for other in found:
+        if other.window == new.window and overlap(other.place, new.place):
+            raise UserError(f"lies on {other.name!r} in its window; expected places side by side")
+    return new
+
+
+def _file_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> ProjectorChannel:
+    names = [window.name for window in theatre.window]
+    number = names.index(channel.window)
+    window = theatre.window[number]
+    x, y, width, height = viewport(channel, window)
+    place = x, y, width, height
+    lighted = _channel_on(theatre, channel, channel.name, number, place, channel.part)
+    for word in ("blend", "eye"):
+        if getattr(channel, word) and lighted.screen is None:
+            kind = lighted.shape.name.lower()
+            raise UserError(f"`{word}` is of a `plane`, `cylinder` or `angles`, not of a {kind}")
+    lighted = replace(lighted, blend=channel.blend, eye=channel.eye, key=key)
+    if channel.warp is not None:
+        made = theatre.meshes.get(channel.warp) if isinstance(theatre, ImportedTheatre) else None
+        warp, mask = made[:2] if made else read_warp(folder / channel.warp, (width, height))
+        lighted = replace(lighted, warp=warp, mask=mask)
+    if channel.part is not None and lighted.screen is None:
+        lighted = replace(lighted, warp=cropped(lighted.warp or identity(), channel.part))
+    if channel.mask is not None:
+        picture = _mask_picture(folder / channel.mask, (width, height))
+        lighted = replace(lighted, mask=_masked(lighted.mask, picture))
+    return lighted
+
+
+def _mask_picture(path: Path, most: tuple[int, int]) -> Array:
+    """The factors (h, w, 3) of a PNG picture, of at most `most` pixels."""
+    picture = parse_png(read_input(path, MAX_BYTES), str(path))
+    height, width, _ = picture.shape
+    return stretched(picture, min(width, most[0]), min(height, most[1]))
+
+
+def _masked(mask: Array | None, picture: Array) -> Array:
+    """A mask (h, w, 4) times the factors (h, w, 3) of a picture."""
+    found = np.zeros((*picture.shape[:2], 4), np.float32)
+    found[..., :3] = picture
+    if mask is not None:
+        height, width = picture.shape[:2]
+        found[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    return found
+
+
+def _mpcdi_channel(
+    theatre: Theatre, archive: Archive, region: MpcdiRegion, key: str
+) -> ProjectorChannel:
+    """A region of an archive: the part of the screen that is its place in the buffer.
+
+    One with a frustum shows that instead, at the distance of the screen.
+    """
+    shown = region.name if archive.windows is None else archive.windows.get(region.name)
+    names = [window.name for window in theatre.window]
+    if shown is None:
+        raise UserError("`windows` gives it none, so it is left out")
+    if shown not in names:
+        raise unknown("window", shown, names)
+    number = names.index(shown)
+    place = 0, 0, *theatre.window[number].size
+    if region.frustum is not None:
+        turn, edges = region.frustum[:3], region.frustum[3:]
+        own = Angles(
+            heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
+            left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
+        )  # fmt: skip
+        if (far := _screen_distance(theatre, archive)) is not None:
+            own = msgspec.structs.replace(own, distance_cm=far)
+        lit = ScreenTable(angles=own, gamma=archive.gamma, black=archive.black)
+        lighted = _channel_on(theatre, lit, region.name, number, place, None)
+    elif not any(getattr(archive, kind) for kind in SCREENS):
+        raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
+    else:
+        lighted = _channel_on(theatre, archive, region.name, number, place, region.place)
+    warp = region.warp
+    if lighted.shape == Projection.PANORAMA:
+        raise UserError("`panorama` is for uncalibrated screens, expected a `cylinder`")
+    if lighted.screen is None:
+        warp = cropped(warp or identity(), region.place)
+    seen = calibrated_mask(region, archive.gamma, place[2:])
+    return replace(lighted, warp=warp, mask=seen, key=key)
+
+
+def _screen_distance(theatre: Theatre, archive: Archive) -> float | None:
+    """Distance of an archive's screen in real centimetres, None if it has none."""
+    wide = archive.panorama or archive.dome or archive.equirectangular
+    if wide is not None:
+        return wide.distance_cm
+    flat = archive.plane or archive.cylinder or archive.angles
+    return None if flat is None else distance_to(screen_of(flat, np.array(theatre.eye_cm), 1.0))
+
+
+def _channel_on(
+    theatre: Theatre,
+    lit: ScreenTable,
+    name: str,
+    number: int,
+    place: Rect,
+    part: tuple[float, float, float, float] | None,
+) -> ProjectorChannel:
+    """The channel on the screen `lit`; `place` counts from the window's upper left corner."""
+    x, y, width, height = place
+    window: Window = theatre.window[number]
+    common = ProjectorChannel(
+        name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
+    )
+    for table, shape in (
+        (lit.panorama, Projection.PANORAMA),
+        (lit.dome, Projection.DOME),
+        (lit.equirectangular, Projection.EQUIRECTANGULAR),
+    ):
+        if table is not None:
+            far = theatre.scale * table.distance_cm
+            wide = table.angle_deg if isinstance(table, Panorama) else ALL_ROUND.angle_deg
+            surround = Surround(
+                wide,
+                getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
+                table.angle_deg if isinstance(table, Dome) else ALL_ROUND.dome_deg,
+            )
+            return replace(common, distance_cm=far, shape=shape, surround=surround)
+    flat = lit.plane or lit.cylinder or lit.angles
+    assert flat is not None  # one of six, as `ScreenTable` has checked
+    screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
+    screen = screen if part is None else part_of(screen, part)
+    # Raises a UserError if no view takes it in.
+    frustum_of(screen, np.zeros(3), points_on(screen, screen_grid(screen).reshape(-1, 2)))
+    return replace(common, screen=screen, distance_cm=distance_to(screen))
+
+
+def _with_masks(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
+    """The channels, those to blend with their masks."""
+    together = [one for one in found if one.blend and one.screen is not None]
+    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
+    for one in found:
+        if not one.blend or one.screen is None or len(together) < 2:
+            yield one
+            continue
+        size = max(one.place[2] // COARSER, 1), max(one.place[3] // COARSER, 1)
+        x, y = (np.arange(n) + 0.5 for n in size)
+        places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
+        if one.warp is not None:
+            shown = one.warp.vertices[:, 2:4].T.astype(np.float64)
+            places = np.stack(
+                [rasterized(one.warp, values, size).ravel() for values in shown], axis=1
+            )
+        mask = blend_mask(lamps, together.index(one), places).reshape(size[1], size[0], 4)
+        if one.mask is not None:  # the mesh's own brightness
+            mask = mask * _resized(one.mask, size)
+        yield replace(one, mask=mask.astype(np.float32))
+
+
+def _resized(mask: Array, size: tuple[int, int]) -> Array:
+    """A mask at another size, by its nearest values; the last column becomes 1."""
+    rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
+    columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
+    found = mask[rows][:, columns].copy()
+    found[..., 3] = 1.0
+    return found

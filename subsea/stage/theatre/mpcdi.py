@@ -1,0 +1,285 @@
+"""MPCDI archives: the projectors of a theatre as a calibration program has measured them.
+
+The format (VESA MPCDI 1.0 and 2.0) and the sources of these statements:
+
+- A zip archive with ``mpcdi.xml`` (also seen: ``mpacs.xml``, ``mpcdi1_.xml``); all other files are
+  found by path from there. The root ``MPCDI`` has ``profile``: 2d (media), 3d (simulation), a3
+  (advanced 3-D) or sl (shader lamps). ``display`` holds ``buffer``s, a buffer ``region``s, one for
+  each projector;
+  ``files`` holds a ``fileset`` for each region: ``geometryWarpFile``, ``alphaMap``, ``betaMap``,
+  ``distortionMap``, each with ``path`` (Scalable's MPCDI library: mpcdiReaderIntern.cpp,
+  mpcdiXMLStrings.h, mpcdiProfile.cpp). Programs differ in capitals: Xresolution, xResolution.
+- ``x y xsize ysize`` of a region are shares of its buffer from the lower left corner; the region
+  is cut from the picture and then warped (PyMPCDI: MpacsWarp2DShader.py; nDisplay:
+  CalcProfile2DScreen). Some programs write u and v as shares of the whole buffer instead
+  (mpcdi-viewer, of a measured archive), which then fill just the region's place.
+- The warp of 2d and 3d is a PFM grid over the projector, at the middles of its cells: u and v from
+  the lower left; NaN where no picture is (mpcdi-viewer: shaders.ts; PyMPCDI: PfmMesh2D.py). Its
+  lowest row comes first (mpcdiPfmIO.cpp). In a3 and sl it holds points in space.
+- ``frustum`` of 3d: yaw to the right, then pitch up, then roll that raises the left wing, in
+  degrees; leftAngle and downAngle are usually negative (Christie: MPCDI_explained.md).
+- Final = (initial · a · (1 - b)) + b in light, not in code values, with a = alpha^gammaEmbedded and
+  b = beta^gammaEmbedded, the alpha map's, for a beta map has none (MPCDI 2.0 §2.4, as nDisplay's
+  MPCDIUtils.ush has it).
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.base.errors import UserError
+from subsea.stage.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
+from subsea.stage.theatre.pfm import MAX_BYTES, parse_pfm
+from subsea.stage.theatre.png import MAX_BYTES as MAX_PICTURE
+from subsea.stage.theatre.png import MAX_SIDE, parse_png, stretched
+from subsea.stage.theatre.view_angles import ViewAngles
+from subsea.stage.theatre.warp import from_grid, validated, without_invalid
+from subsea.stage.theatre.warp_files import sources_of
+from subsea.view.rig import Warp
+
+Rect = tuple[float, float, float, float]
+
+MAX_REGIONS = 256
+XML_NAMES = ("mpcdi.xml", "mpacs.xml", "mpcdi1_.xml")  # the last: SGCT's calibrator
+MAX_POINTS = 2**27  # of the warps and maps of all regions together: eight projectors of 4K
+PROFILES = {"a3": "advanced 3-D", "sl": "shader lamps"}  # known, but not shown
+USED = ("geometrywarpfile", "alphamap", "betamap")
+AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
+
+
+class MpcdiRegion(NamedTuple):
+    """The calibration of a projector."""
+
+    name: str
+    buffer: str
+    size: tuple[int, int]  # pixels
+    place: Rect  # x, y, width, height: shares of the buffer from its lower left corner
+    frustum: ViewAngles | None = None
+    warp: Warp | None = None  # u, v are shares of the region, not of the buffer
+    alpha: NDArray[np.float32] | None = None  # (h, w, 3), upper row first: 0 to 1, as stored
+    alpha_gamma: float = 1.0
+    beta: NDArray[np.float32] | None = None  # (h, w, 3)
+    beta_gamma: float = 1.0
+
+
+class MpcdiArchive(NamedTuple):
+    """The usable projectors, and a line for each thing that cannot be used."""
+
+    profile: str  # 2d or 3d
+    regions: tuple[MpcdiRegion, ...]
+    faults: tuple[str, ...]
+
+
+def read_mpcdi(path: Path) -> MpcdiArchive:
+    """Read the projectors of an archive; a UserError if none can be used."""
+    with open_archive(path) as fetch:
+        for name in XML_NAMES:
+            if (xml := fetch(name, MAX_XML)) is not None:
+                return _archive(parse_xml(xml, f"{path}: {name}"), fetch, str(path))
+    raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
+
+
+def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
+    """Factors on red, green and blue code values, and a black level that is added: (h, w, 4).
+
+    As large as the larger map, but at most `most` pixels. Light is code^gamma. By the standard
+    light L becomes A·L + B, with A = a (1 - b) and B = b. Here a code value c becomes f·c + k, with
+    k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black and white, and for all values where
+    there is no beta map. k is the mean of three colours.
+    """
+    maps = [one for one in (region.alpha, region.beta) if one is not None]
+    if not maps:
+        return np.array([[[1.0, 1.0, 1.0, 0.0]]], np.float32)
+    height, width, _ = max((one.shape for one in maps), key=lambda shape: shape[0] * shape[1])
+    width, height = min(width, most[0]), min(height, most[1])
+    found = np.zeros((height, width, 4), np.float32)
+    alpha, beta = np.ones((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
+    if region.alpha is not None:
+        alpha = stretched(region.alpha, width, height)
+    if region.beta is not None:
+        beta = stretched(region.beta, width, height)
+    for k in range(3):  # one after the other: pictures of projectors are large
+        a, b = alpha[..., k] ** region.alpha_gamma, beta[..., k] ** region.beta_gamma
+        found[..., k] = (a * (1 - b) + b) ** (1 / gamma)
+        found[..., 3] += b ** (1 / gamma) / 3
+    found[..., :3] = np.maximum(found[..., :3] - found[..., 3:], 0.0)
+    return found
+
+
+def _edges(place: Rect) -> Rect:
+    """Left, lower, right and upper edge."""
+    x, y, width, height = place
+    return x, y, x + width, y + height
+
+
+def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
+    """All regions; a fault of one leaves the others."""
+    profile = root.get("profile", "").strip().lower()
+    if root.tag != "mpcdi":
+        raise UserError(f"root {root.tag[:40]!r} of the XML, expected 'MPCDI'", file=where)
+    if profile in PROFILES:
+        named = f"{profile!r} ({PROFILES[profile]})"
+        raise UserError(f"profile {named} has points in space, expected '2d' or '3d'", file=where)
+    if profile not in ("2d", "3d"):
+        raise UserError(f"profile {profile[:20]!r}, expected '2d' or '3d'", file=where)
+    filesets = {one.get("region", ""): one for one in root.iterfind("files/fileset")}
+    found = [
+        (buffer.get("id", ""), one)
+        for buffer in root.iterfind("display/buffer")
+        for one in buffer.iterfind("region")
+    ]
+    if not 1 <= len(found) <= MAX_REGIONS:
+        raise UserError(
+            f"{len(found)} regions in its buffers, expected 1 to {MAX_REGIONS}", file=where
+        )
+    regions: dict[str, MpcdiRegion] = {}
+    faults: list[str] = []
+    points = 0
+    for buffer, element in found:
+        name = element.get("id", "")
+        at = f"{where}: region {name[:80]!r}"
+        files = {one.tag: one for one in filesets.get(name, ())}
+        try:
+            if name in regions:
+                raise UserError(f"{at}: is there twice, expected names that differ")
+            if points > MAX_POINTS:
+                raise UserError(
+                    f"{at}: warps and maps of those before it have {points} points, "
+                    f"expected {MAX_POINTS} in all"
+                )
+            region = _region(element, buffer, profile, at)
+            region = _with_warp(region, files, fetch, at)
+        except UserError as fault:
+            faults.append(str(fault))
+            continue
+        for blend in (_with_alpha, _with_beta):
+            try:
+                region = blend(region, files, fetch, at)
+            except UserError as fault:
+                faults.append(f"{fault}; shown without it")
+        unused = [tag[:40] for tag, one in files.items() if tag not in USED and _path(one)]
+        faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
+        regions[name] = region
+        points += _points(region)
+    if not regions:
+        more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+        raise UserError(f"{faults[0]}{more}")
+    lost = sorted(set(filesets) - {element.get("id", "") for _, element in found})
+    faults.extend(f"{where}: files for region {name[:80]!r}, which is not there" for name in lost)
+    return MpcdiArchive(profile, tuple(regions.values()), tuple(faults))
+
+
+def _points(region: MpcdiRegion) -> int:
+    """The number of points of the warp and pixels of the maps of a region."""
+    maps = [one for one in (region.alpha, region.beta) if one is not None]
+    warped = 0 if region.warp is None else len(region.warp.vertices)
+    return warped + sum(one.shape[0] * one.shape[1] for one in maps)
+
+
+def _region(element: Element, buffer: str, profile: str, at: str) -> MpcdiRegion:
+    """Read the attributes of a region from the XML."""
+    width, height = (
+        _number(element.get(f"{axis}resolution"), f"{axis}Resolution", at) for axis in "xy"
+    )
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
+        raise UserError(f"{at}: {width:g}×{height:g} pixels, expected 1 to {MAX_SIDE} a side")
+    x, y, across, up = (_number(element.get(key), key, at) for key in ("x", "y", "xsize", "ysize"))
+    left, low, right, high = _edges((x, y, across, up))
+    if not (-1e-3 <= left < right <= 1.001 and -1e-3 <= low < high <= 1.001):
+        size = f"{across:g}×{up:g} at {x:g}, {y:g}"
+        raise UserError(f"{at}: {size} of the buffer, expected shares of it from 0 to 1")
+    region = MpcdiRegion(
+        element.get("id", ""), buffer, (int(width), int(height)), (x, y, across, up)
+    )
+    return region._replace(frustum=_frustum(element, at)) if profile == "3d" else region
+
+
+def _frustum(element: Element, at: str) -> ViewAngles:
+    frustum = element.find("frustum")
+    if frustum is None:
+        raise UserError(f"{at}: no 'frustum', which profile '3d' needs")
+    names = ("yaw", "pitch", "roll", "leftAngle", "rightAngle", "downAngle", "upAngle")
+    found = ViewAngles(*(_number(frustum.findtext(name.lower()), name, at) for name in names))
+    wide = -89 <= found.left_deg < found.right_deg <= 89
+    if not (wide and -89 <= found.down_deg < found.up_deg <= 89):
+        angles = " ".join(f"{angle:g}" for angle in found[3:])
+        raise UserError(f"{at}: left, right, down, up {angles}, expected growing pairs within 89°")
+    return found
+
+
+def _with_warp(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
+    """The region with its warp, if it names one."""
+    path = _path(files.get("geometrywarpfile"))
+    if not path:
+        return region
+    at = f"{at}: {path[:80]!r}"
+    numbers = parse_pfm(_fetched(fetch, path, MAX_BYTES, at), at)
+    sources = without_invalid(sources_of(numbers, at))
+    left, low, right, high = _edges(region.place)
+    points = sources[~np.isnan(sources[..., 0])]
+    if len(points) and (left, low, right, high) != (0, 0, 1, 1):
+        edges = np.concatenate([points.min(axis=0), points.max(axis=0)])
+        if (np.abs(edges - [left, low, right, high]) < AGREES).all():  # shares of the buffer
+            sources = (sources - [left, low]) / [right - left, high - low]
+    return region._replace(warp=validated(from_grid(sources, region.size), at))
+
+
+def _with_alpha(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
+    """The region with its alpha map, if it names one, and with the gamma of both maps."""
+    element = files.get("alphamap")
+    text = element.findtext("gammaembedded") if element is not None else None
+    gamma = 1.0 if text is None else _number(text, "gammaEmbedded", at)
+    if not 0.1 <= gamma <= 10:
+        raise UserError(f"{at}: gammaEmbedded {gamma:g} of its alpha map, expected 0.1 to 10")
+    region = region._replace(alpha_gamma=gamma, beta_gamma=gamma)
+    picture = _map(element, fetch, at)
+    return region if picture is None else region._replace(alpha=picture)
+
+
+def _with_beta(
+    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+) -> MpcdiRegion:
+    """The region with its beta map, if it names one."""
+    picture = _map(files.get("betamap"), fetch, at)
+    return region if picture is None else region._replace(beta=picture)
+
+
+def _map(element: Element | None, fetch: Fetch, at: str) -> NDArray[np.float32] | None:
+    path = _path(element)
+    if not path:
+        return None
+    at = f"{at}: {path[:80]!r}"
+    return parse_png(_fetched(fetch, path, MAX_PICTURE, at), at)
+
+
+def _path(element: Element | None) -> str:
+    """The path in a part of a fileset, or an empty text."""
+    return (element.findtext("path") or "").strip() if element is not None else ""
+
+
+def _fetched(fetch: Fetch, path: str, most: int, at: str) -> bytes:
+    data = fetch(path, most)
+    if data is None:
+        raise UserError(f"{at} is not in the archive")
+    return data
+
+
+def _number(text: str | None, name: str, at: str) -> float:
+    if text is None:
+        raise UserError(f"{at}: {name!r} is missing, expected a number")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(f"{at}: {name} {text.strip()[:40]!r}, expected a number")
+    return value

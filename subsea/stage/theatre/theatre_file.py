@@ -1,0 +1,227 @@
+"""Theatre files: windows, projectors and the screens that they light, from TOML.
+
+Lengths are real centimetres in the axes of somebody who looks ahead: x right, y up, z ahead.
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+import msgspec
+
+from subsea.stage.cluster.addresses import parse_address
+from subsea.stage.theatre.node_names import NAME
+from subsea.view.rig import Rect
+from subsea.view.surround import ALL_ROUND
+
+FOLDER = "assets/theatres"
+MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32
+MAIN = "main"  # the node of windows that name none
+
+FEWEST_PIXELS = 16  # a side of a window or of a part of one
+Pixels = Annotated[int, msgspec.Meta(ge=FEWEST_PIXELS, le=16384)]
+Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
+Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of surround screens, which hold both eyes
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
+Name = Annotated[str, msgspec.Meta(pattern=NAME)]
+Extent = Annotated[float, msgspec.Meta(ge=-10, le=10)]
+Span = Annotated[float, msgspec.Meta(ge=0.001, le=10)]
+
+
+class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of a theatre file."""
+
+
+class Plane(_Table, frozen=True, kw_only=True):
+    """A flat screen by three of its corners."""
+
+    lower_left: Point
+    lower_right: Point
+    upper_left: Point
+
+
+class Cylinder(_Table, frozen=True, kw_only=True):
+    """A part of an upright cylinder about the point `axis_cm` (x, z), seen from within."""
+
+    radius_cm: Positive
+    left_deg: Angle  # from straight ahead, right positive
+    right_deg: Angle
+    bottom_cm: Coordinate
+    top_cm: Coordinate
+    axis_cm: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+
+
+class Angles(_Table, frozen=True, kw_only=True):
+    """A flat screen by the angles under which the eye sees it."""
+
+    left_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    right_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    down_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    up_deg: Annotated[float, msgspec.Meta(gt=-89, lt=89)]
+    heading_deg: Angle = 0.0  # right positive
+    pitch_deg: Angle = 0.0  # up positive
+    roll_deg: Angle = 0.0  # clockwise positive
+    distance_cm: Positive = 300.0  # only matters for two eyes
+
+
+class Panorama(_Table, frozen=True, kw_only=True):
+    """An uncalibrated cylinder: every column of pixels is an equal angle."""
+
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, lt=360)] = ALL_ROUND.angle_deg
+    distance_cm: Away = 300.0
+
+
+class Dome(_Table, frozen=True, kw_only=True):
+    """An equidistant fisheye, tilted to the front, which is below."""
+
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = ALL_ROUND.tilt_deg
+    angle_deg: Annotated[float, msgspec.Meta(ge=30, le=360)] = ALL_ROUND.dome_deg
+    distance_cm: Away = 500.0
+
+
+class Equirectangular(_Table, frozen=True, kw_only=True):
+    """All directions, the front in the middle."""
+
+    distance_cm: Away = 300.0
+
+
+SCREENS = ("plane", "cylinder", "angles", "panorama", "dome", "equirectangular")
+
+
+class ScreenTable(_Table, frozen=True, kw_only=True):
+    """Keys of channels and archives: one of six kinds of screen, and the light on it."""
+
+    plane: Plane | None = None
+    cylinder: Cylinder | None = None
+    angles: Angles | None = None
+    panorama: Panorama | None = None
+    dome: Dome | None = None
+    equirectangular: Equirectangular | None = None
+    # Of the projector: light is the value that it gets to this power.
+    gamma: Annotated[float, msgspec.Meta(ge=0.5, le=4)] = 2.2
+    # The share of its white that the projector shines when it should be dark.
+    black: Annotated[float, msgspec.Meta(ge=0, le=0.05)] = 0.0
+
+    _needs_screen: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        """Require exactly one screen."""
+        given = [name for name in SCREENS if getattr(self, name) is not None]
+        if len(given) > 1 or (not given and self._needs_screen):
+            what = " and ".join(f"`{name}`" for name in given) or "none"
+            raise ValueError(f"expected one of {', '.join(SCREENS)}, got {what}")
+
+
+class Window(_Table, frozen=True, kw_only=True):
+    """A window at a position of the desktop, or on a whole monitor."""
+
+    name: Name
+    size: tuple[Pixels, Pixels]
+    position: tuple[Offset, Offset] | None = None  # of its upper left corner, in pixels
+    monitor: str | Annotated[int, msgspec.Meta(ge=1, le=64)] | None = None  # by name, or 1, 2, …
+    node: Name = MAIN  # the computer that it is on
+
+
+class Channel(ScreenTable, frozen=True, kw_only=True):
+    """The part of a window for one projector or screen."""
+
+    name: Name
+    window: Name
+    # x, y, width, height in pixels from the window's upper left corner; None: all of it
+    viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
+                    Pixels, Pixels] | None = None  # fmt: skip
+    blend: bool = False  # with all others that light the same part of the screen
+    warp: str | None = None  # a mesh of `warp_files.FORMATS`, relative to the theatre file
+    mask: str | None = None  # a PNG picture of factors, relative to the theatre file
+    # x, y, width, height of the part that is shown, in shares of the screen from the lower left
+    part: tuple[Extent, Extent, Span, Span] | None = None
+    eye: Literal["left", "right"] | None = None  # of a projector for one eye; None: the mode's
+
+
+class Archive(ScreenTable, frozen=True, kw_only=True):
+    """Channels from a calibration tool's MPCDI archive.
+
+    The screen is that of a whole buffer; regions that have a frustum of their own need none.
+    """
+
+    _needs_screen: ClassVar[bool] = False
+
+    file: str
+    # Window of each region; None: the window of the same name.
+    windows: dict[str, Name] | None = None
+    buffer: str | None = None  # None: all of them
+
+
+class Cluster(_Table, frozen=True, kw_only=True):
+    """Several computers: the master and its address."""
+
+    master: Name
+    address: str = "127.0.0.1:5560"
+    timeout_s: Annotated[float, msgspec.Meta(ge=0.05, le=60)] = 2.0
+    keys: str | None = None  # a folder made by `subsea keys`
+
+    def __post_init__(self) -> None:
+        """Refuse an invalid address."""
+        parse_address(self.address)
+
+
+class Loudspeaker(_Table, frozen=True, kw_only=True):
+    """A loudspeaker as the best seat sees it: a channel of the sound device of a computer."""
+
+    azimuth_deg: Angle  # from straight ahead, right positive
+    elevation_deg: Annotated[float, msgspec.Meta(ge=-90, le=90)] = 0.0  # up positive
+    node: Name = MAIN  # the computer that it is connected to
+
+
+class VesselTable(_Table, frozen=True, kw_only=True):
+    """The vessel drawn around the audience, at rest on the hull."""
+
+    spring_deg: Annotated[float, msgspec.Meta(ge=-80, le=60)] = 0.0  # elevation of the lower edge
+    rim_deg: Annotated[float, msgspec.Meta(ge=0.5, le=30)] = 4.0  # height of the rim
+    tilt_deg: Annotated[float, msgspec.Meta(ge=0, le=90)] = 0.0  # to the front, as that of a dome
+    instruments: bool = True  # text and instruments on a panel that stands on the rim
+    panel_deg: Annotated[float, msgspec.Meta(ge=10, le=90)] = 50.0  # width of the panel
+
+
+class SphericalMirror(_Table, frozen=True, kw_only=True):
+    """A convex mirror that a projector shines on."""
+
+    centre_cm: Point
+    radius_cm: Positive
+
+
+class Room(_Table, frozen=True, kw_only=True):
+    """Things that only the picture of the room shows."""
+
+    floor_cm: Coordinate | None = None
+    dome: Dome | None = None  # that `angles` are projected on
+    projectors: dict[str, Point] = {}  # lenses, by channel
+    mirror: SphericalMirror | None = None
+
+
+class Theatre(_Table, frozen=True, kw_only=True):
+    """A whole theatre."""
+
+    title: str = ""
+    scale: Annotated[float, msgspec.Meta(ge=0.01, le=100)] = 1.0  # cm of the sea per real cm
+    eye_cm: Point = (0.0, 0.0, 0.0)  # between the eyes at the best seat
+    eye_distance_cm: Annotated[float, msgspec.Meta(ge=0, le=20)] = 6.4
+    level: bool = False  # the horizon stays level, whatever the submarine's pitch
+    window: Annotated[list[Window], msgspec.Meta(min_length=1, max_length=MOST_WINDOWS)]
+    channel: Annotated[list[Channel], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    mpcdi: Annotated[list[Archive], msgspec.Meta(max_length=MOST_WINDOWS)] = []
+    loudspeaker: Annotated[list[Loudspeaker], msgspec.Meta(max_length=MOST_LOUDSPEAKERS)] = []
+    cluster: Cluster | None = None
+    room: Room | None = None
+    vessel: VesselTable | None = None
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The computers, in the order in which windows name them."""
+        return tuple(dict.fromkeys(window.node for window in self.window))
+
+
+def viewport(channel: Channel, window: Window) -> Rect:
+    """The rectangle of a channel in its window: x, y from the upper left, width, height."""
+    return channel.viewport or (0, 0, *window.size)

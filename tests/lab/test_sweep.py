@@ -1,0 +1,208 @@
+"""Sweeps: tables, resuming and faults."""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from distributed import LocalCluster
+from pyarrow import parquet
+
+from subsea.base.errors import UserError
+from subsea.cli.main import main
+from subsea.jobs.dask_cluster import dask_pool
+from subsea.jobs.workers import serial
+from subsea.lab import sweep as module
+from subsea.lab.flat_measures import flat_measures
+from subsea.lab.report import measure
+from subsea.lab.sweep import Sweep, make_run, read_result, sweep
+from subsea.media.record import read_record
+from tests.support.scenes import BARE
+
+OPTIONS = Sweep(str(BARE), (1, 2), 2, values={"fish.1.number": (1, "2")})
+COMMAND = ["sweep", str(BARE), "--seeds", "1:2", "--ticks", "2", "--set", "fish.1.number=1,2"]
+
+
+def counting(made):
+    """A pool that notes the jobs that it gets."""
+
+    def run(work, jobs, check):
+        made.append(len(jobs))
+        return serial(work, jobs, check)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    out = tmp_path_factory.mktemp("sweep") / "out"
+    assert sweep(OPTIONS, out, csv=True, records=True) == out / "sweep.parquet"
+    return out
+
+
+@pytest.fixture
+def copy(whole, tmp_path):
+    shutil.copytree(whole, tmp_path / "out")
+    return tmp_path / "out"
+
+
+def test_a_row_for_each_run_in_order(whole):
+    rows = parquet.read_table(whole / "sweep.parquet").to_pylist()
+    assert [(row["seed"], row["fish.1.number"], row["ticks"]) for row in rows] == [
+        (1, 1, 2), (2, 1, 2), (1, 2, 2), (2, 2, 2),
+    ]  # fmt: skip
+    assert [row["fishes"] for row in rows] == [5.0, 5.0, 6.0, 6.0]
+    with (whole / "sweep.csv").open() as file:
+        texts = list(csv.DictReader(file))
+    assert [row["run"] for row in texts] == [row["run"] for row in rows]
+    for row in rows:
+        record = read_record(whole / "records" / f"{row['run']}.h5")
+        assert record.seed == row["seed"]
+        expected = flat_measures(measure(record))
+        assert {name: row[name] for name in expected} == expected
+    assert sorted(path.name for path in whole.iterdir()) == [
+        "records", "runs", "sweep.csv", "sweep.parquet",
+    ]  # fmt: skip
+
+
+def test_the_number_of_processes_changes_no_byte(whole, tmp_path, capsys):
+    out = tmp_path / "three"
+    assert main([*COMMAND, "--jobs", "3", "--csv", "--out", str(out)]) == 0
+    assert capsys.readouterr().out == f"{out}/sweep.parquet\n"
+    for name in ("sweep.parquet", "sweep.csv"):
+        assert (out / name).read_bytes() == (whole / name).read_bytes()
+    assert not (out / "records").exists()
+
+
+def test_a_cluster_changes_no_byte(whole, tmp_path):
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
+        host="127.0.0.1", dashboard_address=None,
+    ) as cluster:  # fmt: skip
+        pool = dask_pool(cluster.scheduler_address)
+        sweep(OPTIONS, tmp_path / "out", pool=pool, records=True)
+    for place in ("sweep.parquet", "runs", "records"):
+        ours, theirs = whole / place, tmp_path / "out" / place
+        for path in ours.iterdir() if ours.is_dir() else [ours]:
+            assert (theirs / path.relative_to(ours)).read_bytes() == path.read_bytes()
+
+
+def test_a_worker_with_other_code_refuses(whole):
+    name, job = next(iter(module._jobs(OPTIONS, whole, False)))
+    assert make_run(job)[0] == read_result(whole / "runs" / f"{name}.json", job.inputs)
+    with pytest.raises(UserError, match="a worker has another version"):
+        make_run(job._replace(inputs="0" * 64))
+
+
+def test_only_what_is_missing_or_differs_is_made_again(copy, monkeypatch):
+    made = []
+    before = (copy / "sweep.parquet").read_bytes()
+    sweep(OPTIONS, copy, pool=counting(made), records=True)
+    assert made == []
+    runs = sorted((copy / "runs").iterdir())
+    runs[0].write_text("{}")
+    runs[1].unlink()
+    (copy / "records" / f"{runs[2].stem}.h5").unlink()
+    sweep(OPTIONS, copy, pool=counting(made), records=True)
+    assert made == [3]
+    assert (copy / "sweep.parquet").read_bytes() == before
+    sweep(replace(OPTIONS, seeds=(1, 2, 3), values={"fish.1.number": ("1",)}), copy,
+          pool=counting(made))  # fmt: skip
+    assert made == [3, 1]
+    sweep(replace(OPTIONS, seeds=(1,), values={}, ticks=1), copy, pool=counting(made))
+    origin = module.provenance_of
+    monkeypatch.setattr(
+        module, "provenance_of", lambda *given: origin(*given)._replace(code_sha256="other")
+    )
+    sweep(OPTIONS, copy, pool=counting(made))
+    assert made == [3, 1, 1, 4]
+
+
+def test_a_run_of_other_inputs_is_not_taken(whole):
+    path = next((whole / "runs").iterdir())
+    inputs = json.loads(path.read_text())["inputs"]
+    assert read_result(path, inputs)
+    assert read_result(path, "0" * 64) is None
+    assert read_result(whole / "missing.json", inputs) is None
+
+
+def test_a_run_that_crashes_is_named_and_the_others_stay(tmp_path, monkeypatch):
+    def run(work, jobs, check):
+        for k, (job, given) in enumerate(jobs.items()):
+            yield job, None if k == 2 else work(given)
+
+    with pytest.raises(UserError, match=r"1 run whose .* \(seed 1 fish.1.number=2\)"):
+        sweep(OPTIONS, tmp_path, pool=run)
+    assert parquet.read_table(tmp_path / "sweep.parquet").num_rows == 3
+
+
+def test_ctrl_c_keeps_the_finished_runs(tmp_path, capsys):
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "subsea", *COMMAND, "--jobs", "1", "--out", str(out)]
+    command[command.index("1:2")] = "1:500"
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, process_group=0) as running:
+        while not list(out.glob("runs/*.json")):
+            assert running.poll() is None
+            time.sleep(0.02)
+        os.killpg(running.pid, signal.SIGINT)
+        _, err = running.communicate(timeout=60)
+    assert running.returncode == 130
+    kept = len(list(out.glob("runs/*.json")))
+    assert f"interrupted: {out}: {kept} run" in err.splitlines()[-1]
+    assert err.splitlines()[-1].endswith("kept; run the same command to continue")
+    assert [path.name for path in out.iterdir()] == ["runs"]
+
+
+def test_a_full_disk_is_one_line_and_keeps_what_is_done(tmp_path, monkeypatch):
+    save = module._save
+
+    def full(out, name, *given):
+        if list(out.glob("runs/*.json")):
+            raise UserError("cannot write (No space left on device)", file=out)
+        return save(out, name, *given)
+
+    monkeypatch.setattr(module, "_save", full)
+    with pytest.raises(UserError, match="No space left"):
+        sweep(OPTIONS, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
+    assert len(list(tmp_path.glob("runs/*.json"))) == 1
+
+
+def test_without_pyarrow_only_csv_works(tmp_path, monkeypatch, whole):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(UserError, match=r"Parquet \(without it: --csv\) needs PyArrow: run "):
+        sweep(OPTIONS, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+    shutil.copytree(whole / "runs", tmp_path / "runs")
+    assert sweep(OPTIONS, tmp_path, csv=True) == tmp_path / "sweep.csv"
+    assert (tmp_path / "sweep.csv").read_bytes() == (whole / "sweep.csv").read_bytes()
+    assert not (tmp_path / "sweep.parquet").exists()
+
+
+def test_a_foreign_table_stays(tmp_path):
+    (tmp_path / "sweep.parquet").write_text("my notes")
+    with pytest.raises(UserError, match=r"exists and is not a Parquet table"):
+        sweep(OPTIONS, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"values": {"fish.1.numbr": (1, 2)}}, "numbr"),
+        ({"values": {"fish.1.number": (1, -2)}}, "fish.1.number=-2"),
+        ({"seeds": ()}, "0 runs, expected 1 to"),
+    ],
+)
+def test_faulty_inputs_are_found_before_the_first_run(tmp_path, changed, words):
+    made = []
+    with pytest.raises(UserError, match=words):
+        sweep(replace(OPTIONS, **changed), tmp_path / "out", pool=counting(made))
+    assert not made
+    assert not Path(tmp_path / "out").exists()

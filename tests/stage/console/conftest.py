@@ -1,0 +1,161 @@
+"""A console on a board whose dive is a thread that notes its commands."""
+
+import http.client
+import json
+import socket
+import subprocess
+import threading
+import time
+from dataclasses import replace
+from ipaddress import ip_address
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from subsea.base.errors import UserError
+from subsea.stage.console.board import Board
+from subsea.stage.console.commands import BlankScreens, PresenterCommand, ShowCaption
+from subsea.stage.console.options import ConsoleOptions, ListenAddress, console_options
+from subsea.stage.console.server import ConsoleServer
+
+TOKEN = "a-token-of-more-than-thirty-two-letters"
+STATE: dict[str, Any] = {
+    "title": "A bay", "scenario": "bay", "tours": ["auto", "directed", "reef"], "tour": None,
+    "scenarios": [{"name": "bay", "title": "A bay"}, {"name": "deep", "title": "The deep"}],
+    "cues": [{"number": 0, "name": "sharks", "caption": "Here they come", "begun": True},
+             {"number": 1, "name": "", "caption": "", "begun": False}],
+    "next_cue": 1, "caption": "", "fish": None, "quality": "auto", "quality_now": "picture auto",
+    "species": [{"name": "moon_wrasse", "living": 7}, {"name": "extinct", "living": 0}],
+    "volume": 0.6, "blank": False, "line_up": False, "several_computers": False,
+    "nodes": [{"name": "left", "connected": True, "in_step": True, "last_ms": 1.25, "mean_ms": 2.0,
+               "longest_ms": 9.0, "late": 0, "dropped": 0, "diverged": 0}],
+    "loading": False, "pictures_a_s": 59.9, "up_s": 100.0, "fault": None,
+}  # fmt: skip
+
+
+def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
+    """A port of this computer that nobody uses."""
+    with socket.socket(socket.AF_INET, kind) as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+class FakeDive:
+    """Takes commands as a dive does, and refuses captions that say so."""
+
+    def __init__(self, board: Board) -> None:
+        self.board, self.state = board, dict(STATE)
+        self.taken: list[PresenterCommand] = []
+        self.alive = True  # beats
+        self.stops = False  # takes no commands
+        self._ends = False
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._ends = True
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._ends:
+            if self.alive:
+                self.board.beat()
+            self.board.state = msgspec.json.encode(self.state)
+            self.board.health = msgspec.json.encode({"up_s": 100.0, "fault": None})
+            while not self.stops and (request := self.board.take()) is not None:
+                command, done = request
+                self.taken.append(command)
+                if isinstance(command, BlankScreens):
+                    self.state["blank"] = command.on
+                if isinstance(command, ShowCaption) and command.text == "refuse":
+                    done.set_exception(UserError("the dive refuses"))
+                else:
+                    done.set_result("done")
+            if self.board.picture_wanted:
+                ramp = np.linspace(0, 255, 64 * 36 * 4).reshape(36, 64, 4)
+                self.board.show(ramp.astype(np.uint8))
+            time.sleep(0.01)
+
+
+class Console:
+    """A console, its dive, and a client."""
+
+    def __init__(self, options: ConsoleOptions) -> None:
+        self.options, self.board = options, Board()
+        self.dive = FakeDive(self.board)
+        self.server = ConsoleServer(options, self.board)
+        self.port = options.http.port
+        self.host = f"127.0.0.1:{self.port}"
+
+    def ask(self, path: str, content: Any = None, /, **headers: str) -> tuple[int, Any, Any]:
+        """GET a path, or POST JSON; returns status, content and headers."""
+        client = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        try:
+            sent = {"Host": self.host, "Connection": "close"}
+            sent |= {name.replace("_", "-"): value for name, value in headers.items()}
+            body = None
+            if content is not None:
+                body = content if isinstance(content, bytes) else json.dumps(content)
+                sent.setdefault("Content-Type", "application/json")
+            client.request("GET" if content is None else "POST", path, body, sent)
+            answer = client.getresponse()
+            data = answer.read()
+            kind = answer.headers.get_content_type()
+            return answer.status, json.loads(data) if "json" in kind else data, answer.headers
+        finally:
+            client.close()
+
+    def close(self) -> None:
+        self.server.close()
+        self.dive.close()
+
+
+def local(**changes: Any) -> ConsoleOptions:
+    """Options of a console for this computer, on ports that are free."""
+    ip = ip_address("127.0.0.1")
+    osc = ListenAddress(ip, free_port(socket.SOCK_DGRAM))
+    return replace(ConsoleOptions(ListenAddress(ip, free_port()), osc), **changes)
+
+
+@pytest.fixture
+def console():
+    """A console that needs no token."""
+    made = Console(local())
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def guarded():
+    """A console that needs one."""
+    made = Console(local(token=TOKEN))
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="session")
+def certificate(tmp_path_factory):
+    """A certificate of 127.0.0.1 that signs itself, and its key."""
+    folder = tmp_path_factory.mktemp("tls")
+    paths = folder / "cert.pem", folder / "key.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+         "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1", "-addext",
+         "subjectAltName=IP:127.0.0.1", "-out", str(paths[0]), "-keyout", str(paths[1])],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    return paths
+
+
+@pytest.fixture
+def secure(certificate, tmp_path):
+    """A console with TLS and a token, as for other computers."""
+    file = tmp_path / "token"
+    file.write_text(TOKEN)
+    file.chmod(0o600)
+    options, _ = console_options(f"127.0.0.1:{free_port()}", None, file, certificate)
+    made = Console(options)
+    yield made
+    made.close()

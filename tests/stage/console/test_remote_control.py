@@ -1,0 +1,250 @@
+"""A dive in a real window, controlled by the presenter's console."""
+
+import threading
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from subsea.base.errors import UserError
+from subsea.scenario.load import own_scenarios
+from subsea.stage.console.commands import (
+    BlankScreens,
+    FollowFish,
+    LeaveFish,
+    OpenScenario,
+    RideFish,
+    SetQuality,
+    SetVolume,
+    ShowCaption,
+    ShowLineUp,
+    StartCue,
+    StartTour,
+    StopTour,
+)
+from subsea.stage.console.remote_control import open_console
+from subsea.ui.dive import Dive
+from tests.stage.console.conftest import Console, free_port, local
+from tests.support.scenes import BARE, scene
+from tests.support.windows import dive_options
+
+SIZE = (320, 240)
+CAPTION = "A voice from the side"
+DIRECTIONS = (
+    'name = "fear"\nat_s = 1e5\nwho = { shoal = 0 }\nfear = 1.0\nfor_s = 2.0',
+    'at_s = 1e5\ncaption = "Look there"',
+)
+
+
+@pytest.fixture(scope="module")
+def boat(display, user, tmp_path_factory):
+    file = scene(tmp_path_factory.mktemp("sea"), *DIRECTIONS)
+    with closing(Dive(dive_options(file, SIZE, "low"))) as running:
+        open_console(running, local())
+        assert running.remote is not None
+        user.glide(running, 0.2)
+        yield running
+
+
+@pytest.fixture
+def give(boat, user):
+    """Give a command as the server does, and run frames until it is done."""
+
+    def given(command):
+        done = boat.remote._board.put(command)
+        user.until(boat, done.done)
+        return done.result()
+
+    yield given
+    given(BlankScreens(False))
+    given(ShowLineUp(False))
+    given(ShowCaption(""))
+    given(LeaveFish())
+    user.glide(boat, 1.0)
+
+
+def shown(boat, user):
+    """The board's picture of the window, after frames that want it: (h, w, 3)."""
+    board = boat.remote._board
+    board.want_picture()
+    before = board.picture_number
+    user.until(boat, lambda: board.picture_number >= before + 2)
+    return board.picture[..., :3].astype(int)
+
+
+def test_the_small_picture_is_that_of_the_window(boat, user, give):
+    picture = shown(boat, user)
+    assert picture.shape == (240, 320, 3)  # no smaller window is enlarged
+    real = boat.window_set.picture().astype(int)
+    assert np.abs(picture - real).mean() < 12.0  # the sea moves between them
+    assert np.abs(picture - real[::-1]).mean() > 12.0
+
+
+def test_no_picture_is_copied_while_nobody_looks(boat, user, monkeypatch):
+    board = boat.remote._board
+    monkeypatch.setattr(type(board), "picture_wanted", False)
+    user.glide(boat, 0.5)
+    before = board.picture_number
+    user.glide(boat, 2.0)
+    assert board.picture_number == before
+
+
+def test_the_screens_become_black_and_return(boat, user, give):
+    bright = shown(boat, user).mean()
+    give(BlankScreens(True))
+    user.glide(boat, 1.0)
+    assert shown(boat, user).max() <= 2
+    give(BlankScreens(False))
+    user.glide(boat, 1.0)
+    assert shown(boat, user).mean() > 0.5 * bright
+
+
+def test_a_caption_is_shown_for_a_while(boat, user, give):
+    give(ShowCaption(f"{CAPTION}\n\x1b[31m", 3.0))
+    user.glide(boat, 1.0)
+    assert boat.caption.words == f"{CAPTION} ?[31m" and boat.caption.opacity == 1.0
+    user.glide(boat, 2.5)
+    assert boat.caption.words == ""
+
+
+def test_the_line_up_pattern_comes_and_goes(boat, user, give):
+    assert "pattern" in give(ShowLineUp(True))
+    assert boat.picture.pattern
+    user.glide(boat, 0.3)
+    give(ShowLineUp(True))
+    assert boat.picture.pattern
+    boat.run_command("pattern")  # the pilot's key
+    assert not boat.picture.pattern
+    give(ShowLineUp(True))
+    assert boat.picture.pattern
+
+
+def test_fishes_are_followed_and_ridden(boat, give):
+    species = boat.world.script.species[0]
+    give(FollowFish(species))
+    assert boat.picture.ride.behind
+    give(RideFish("1"))
+    assert boat.picture.ride.by.fish == 1 and not boat.picture.ride.behind
+    give(LeaveFish())
+    assert boat.picture.ride is None
+    give(FollowFish("nearest"))
+    assert boat.picture.ride is not None
+    for name in ("999", "nobody", f"{species}:999", f"{species}:x", "/etc/passwd"):
+        with pytest.raises(UserError):
+            give(FollowFish(name))
+
+
+def test_a_tour_begins_and_ends(boat, give):
+    give(StartTour("auto"))
+    assert boat.tick_source.steering.tour is not None and boat.tours.timer.touring
+    assert boat.remote._state(0.0, False).tour == "auto"
+    give(StopTour())
+    assert boat.tick_source.steering.tour is None and not boat.tours.timer.touring
+    with pytest.raises(UserError, match="unknown tour 'nowhere'"):
+        give(StartTour("nowhere"))
+
+
+def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
+    log = boat.world.state.directions
+    assert boat.remote._state(0.0, False).next_cue == 0
+    give(StartCue())
+    user.glide(boat, 0.2)
+    assert log.began[0] >= 0 and log.times[0] == 1 and boat.remote._next_cue == 1
+    give(StartCue(1))
+    user.glide(boat, 1.0)
+    assert boat.caption.words == "Look there"
+    with pytest.raises(UserError, match="no cue is left"):
+        give(StartCue())
+    with pytest.raises(UserError, match="cue 7: expected 0 to 1"):
+        give(StartCue(7))
+    assert [one.begun for one in boat.remote._state(0.0, False).cues] == [True, True]
+    tick = boat.world.state.tick
+    boat.timeline.go(0)
+    assert log.began[0] < 0
+    boat.timeline.go(tick)
+    assert log.began[0] >= 0  # the same again
+
+
+def test_quality_and_volume_are_set(boat, give):
+    give(SetQuality("medium"))
+    assert boat.picture.quality == "medium"
+    give(SetQuality("low"))
+    give(SetVolume(0.35))
+    assert boat.sound.settings.volume == 0.35 and not boat.sound.settings.mute
+    assert give(SetVolume(0.0)) == "sound off"
+
+
+@pytest.mark.parametrize("name", ["nowhere", "/etc/passwd", "../x", "./bare.toml", str(BARE)])
+def test_only_named_scenarios_are_opened(boat, give, name):
+    before = boat.world
+    with pytest.raises(UserError, match="unknown scenario"):
+        give(OpenScenario(name))
+    assert boat.world is before
+
+
+def test_a_scenario_that_is_broken_leaves_the_dive_as_it_is(boat, give):
+    before = boat.world
+    own_scenarios().mkdir(parents=True, exist_ok=True)
+    file = own_scenarios() / "broken.toml"
+    file.write_text('title = "Broken"\n[[fish]]\nspecies = "unicorn"\nnumber = 2\n')
+    try:
+        with pytest.raises(UserError, match=r"broken\.toml"):
+            give(OpenScenario("broken"))
+    finally:
+        file.unlink()
+    assert boat.world is before
+
+
+def test_a_scenario_is_opened_behind_black_screens(boat, user, give):
+    own_scenarios().mkdir(parents=True, exist_ok=True)
+    file = own_scenarios() / "another.toml"
+    file.write_text(BARE.read_text())
+    try:
+        give(BlankScreens(True))
+        user.glide(boat, 1.0)
+        give(OpenScenario("another"))
+        assert boat.source.stem == "another" and boat.remote._state(0.0, False).cues == []
+        user.glide(boat, 0.1)
+        assert boat.tick_source.presented.blank == 1.0
+        with pytest.raises(UserError, match="there are no directions"):
+            give(StartCue())
+    finally:
+        file.unlink()
+
+
+def test_a_picture_that_stood_still_is_a_fault(boat, user):
+    boat.remote._opened = False
+    boat.remote.update(3.0)
+    assert boat.faults.state.text == "the picture stood still for 3.0 s"
+    assert boat.faults.state.ago_s < 1.0
+
+
+def test_a_client_controls_the_dive_over_http(boat, user):
+    """The server's thread answers while frames are drawn."""
+    client = Console.__new__(Console)
+    client.port = boat.remote._server._options.http.port
+    client.host = f"127.0.0.1:{client.port}"
+    answers = []
+
+    def work():
+        answers.append(client.ask("/api/commands", {"command": "volume", "volume": 0.5}))
+        answers.append(client.ask("/api/state"))
+        answers.append(client.ask("/api/picture.jpg"))
+        answers.append(client.ask("/health"))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    user.until(boat, lambda: not thread.is_alive())
+    assert [one[0] for one in answers] == [200] * 4
+    assert boat.sound.settings.volume == 0.5
+    assert answers[1][1]["scenario"] == boat.source.stem
+    assert answers[2][1][:2] == b"\xff\xd8"
+
+
+def test_a_port_that_is_taken_does_not_end_the_dive(boat, capsys):
+    options = boat.remote._server._options
+    before = boat.remote
+    open_console(boat, options)
+    assert boat.remote is before
+    assert f"{options.http}: cannot listen there" in boat.overlay.note_text
+    assert free_port() != options.http.port

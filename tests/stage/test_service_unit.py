@@ -1,0 +1,66 @@
+"""The text of a unit; tests/stage/test_kiosk_service.py runs it."""
+
+import configparser
+import shlex
+from pathlib import Path
+
+import pytest
+
+from subsea.base.errors import UserError
+from subsea.cli.main import main
+from subsea.stage.service_unit import unit_path, unit_text
+
+
+def command(text):
+    parser = configparser.RawConfigParser(strict=False)
+    parser.optionxform = str
+    parser.read_string(text)
+    return parser["Service"]["ExecStart"]
+
+
+def test_files_have_absolute_paths_and_names_stay(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["--kiosk", "--scenario", "mine.toml", "--theatre=hall.toml", "--node", "left"]
+    found = shlex.split(command(unit_text(words, "left")))
+    assert Path(found[0]).is_absolute() and found[1:4] == ["-m", "subsea", "dive"]
+    assert found[4:] == [
+        "--kiosk", "--scenario", f"{tmp_path}/mine.toml", f"--theatre={tmp_path}/hall.toml",
+        "--node", "left",
+    ]  # fmt: skip
+    assert "--scenario peaceful" in command(unit_text(["--scenario", "peaceful"]))
+
+
+def test_odd_letters_are_escaped_as_systemd_reads_them():
+    found = command(unit_text(["--scenario", "/a b/100%/$x/'\"\\.toml"]))
+    assert found.endswith("""--scenario "/a b/100%%/$$x/'\\"\\\\.toml\"""")
+    with pytest.raises(UserError, match="printable"):
+        unit_text(["--scenario", "/a\nb.toml"])
+
+
+def test_each_node_has_a_unit_of_its_own(monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/home/me/.config")
+    assert str(unit_path(None)) == "/home/me/.config/systemd/user/subsea.service"
+    assert unit_path("left").name == "subsea-left.service"
+
+
+@pytest.mark.parametrize("kiosk", [[], ["--kiosk"]])
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (["--scenario", "peaceful"], "subsea"),
+        (["--theatre", "three-computers", "--node", "middle"], "subsea-middle"),
+        (["--theatre", "three-computers", "--node", "left"], "subsea-left"),
+    ],
+)
+def test_units_of_one_computer_a_master_and_a_node(
+    words, name, kiosk, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert main(["dive", *words, *kiosk, "--write-unit"]) == 0
+    out = capsys.readouterr().out
+    path = tmp_path / "systemd/user" / f"{name}.service"
+    assert out.splitlines()[0] == str(path)
+    assert f"systemctl --user enable --now {name}" in out
+    found = shlex.split(command(path.read_text()))
+    assert found[4:] == [*words, *kiosk]
+    assert main(["dive", *words, *kiosk, "--write-unit"]) == 0  # replaces its own

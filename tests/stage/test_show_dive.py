@@ -1,0 +1,219 @@
+"""A show in a window: its items, cues, fades and captions, and a cut of the power."""
+
+import json
+from contextlib import closing
+from dataclasses import replace
+from datetime import date
+
+import pytest
+
+from subsea.cli.main import main
+from subsea.dive.settings import AttractSettings, Settings
+from subsea.dive.tick_source import LocalTicks
+from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
+from subsea.stage.console.remote_control import open_console
+from subsea.stage.show_screens import ShowScreens
+from subsea.stage.show_state import DiveCount, state_folder
+from subsea.ui.dive import Dive
+from subsea.ui.dive_loop import restoring
+from tests.stage.console.conftest import local
+from tests.support.scenes import BARE
+from tests.support.windows import display_pixels, dive_options
+
+pytestmark = pytest.mark.timeout(900)  # a first start compiles
+SHOW = """
+title = "a short one"
+fade_s = 0.4
+[[item]]
+scenario = "first.toml"
+tour = "auto"
+caption = "first words"
+for_s = 3
+[[item]]
+scenario = "second.toml"
+caption = "second words"
+[[item]]
+start = "cue"
+tour = "glide"
+[[item]]
+start = "cue"
+scenario = "gone.toml"
+[[item]]
+start = "cue"
+scenario = "first.toml"
+"""
+
+
+@pytest.fixture
+def playlist(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.toml").write_text(BARE.read_text())
+    path = tmp_path / "show.toml"
+    path.write_text(SHOW)
+    return path
+
+
+def opened(path, coarse, told, kiosk=False):
+    show = ShowScreens(path, told.append)
+    settings = Settings(attract=AttractSettings(after_min=0.0))
+    options = dive_options(show.first_scenario, (320, 240), coarse, settings=settings, kiosk=kiosk)
+    options = replace(options, playlist=path)
+    return show, Dive(options, None, restoring(show, LocalTicks), show=show)
+
+
+def test_a_presenter_sees_the_show_and_leads_it(display, user, coarse, playlist):
+    _, dive = opened(playlist, coarse, [])
+    with closing(dive) as running:
+        open_console(running, local())
+        user.glide(running, 1.0)
+        state = json.loads(running.remote._board.state)["show"]
+        assert (state["title"], state["item"], state["items"]) == ("a short one", 1, 5)
+        done = running.remote._board.put(NextItem())
+        user.until(running, lambda: running.source.name == "second.toml")
+        assert done.result() == "on to the next item"
+        # A node of a cluster would get the black between two items with the picture.
+        assert running.tick_source.presented.blank > 0.0
+        running.remote._board.put(ShowCaption("Welcome"))
+        user.until(running, lambda: running.caption.words == "Welcome")
+        running.remote._board.put(BlankScreens(True))
+        user.until(running, lambda: running.tick_source.presented.blank == 1.0)
+        running.remote._board.put(BlankScreens(False))
+        user.until(running, lambda: running.tick_source.presented.blank == 0.0)
+
+
+def brightness():
+    return display_pixels()[:240, :320].mean()
+
+
+def test_a_show_of_items_and_two_cues(display, user, coarse, playlist):
+    told = []
+    show, dive = opened(playlist, coarse, told)
+    with closing(dive) as running:
+        assert [one for one in told if "show.toml:17: item 4" in one and "no such file" in one]
+        running.frame(0.05)
+        assert brightness() < 60.0  # still dark
+        user.glide(running, 1.0)
+        assert running.source.name == "first.toml" and running.tick_source.steering.tour
+        assert running.caption.words == "first words" and brightness() > 40.0
+        dark = []
+        for _ in range(60):
+            running.frame(0.1)
+            dark.append(display_pixels()[:240, :320].max())
+            if running.source.name == "second.toml":
+                break
+        assert running.source.name == "second.toml" and min(dark) == 0
+        user.glide(running, 1.0)
+        assert running.caption.words == "second words"
+        assert running.tick_source.steering.tour is None  # the pilot steers
+        user.glide(running, 4.0)
+        assert show.player.state().next == "cue" and show.player.state().item == 2
+        world = running.world
+        user.do("key", "n")
+        user.until(running, lambda: show.player.shown == 2)
+        user.glide(running, 1.0)
+        assert running.world is world  # the same sea goes on
+        assert running.tick_source.steering.tour
+        show.player.next_cue()  # as a console does
+        user.glide(running, 2.0)
+        assert running.world is world and show.player.shown == 3
+        assert sum("gone.toml" in line for line in told) == 2  # at the start, and now
+        show.player.next_cue()
+        user.glide(running, 2.0)
+        assert running.world is not world and running.source.name == "first.toml"
+        show.end()
+    assert not (state_folder() / "show.state").exists()
+
+
+def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, playlist):
+    told = []
+    show, dive = opened(playlist, coarse, told)
+    with closing(dive) as running:
+        user.glide(running, 2.0)
+        show.player.next_cue()
+        user.glide(running, 18.0)  # a state is saved meanwhile
+        ticks = running.world.state.tick
+    assert (state_folder() / "show.state").exists()
+    again, dive = opened(playlist, coarse, told)
+    with closing(dive) as running:
+        assert again.player.progress.item == 1 and running.source.name == "second.toml"
+        assert 10.0 < again.player.progress.elapsed_s < 20.0
+        assert 300 < running.world.state.tick < ticks  # the sea, too
+        assert [line for line in told if line.startswith("the show goes on at item 2, second 1")]
+        user.glide(running, 1.0)
+        assert running.world.state.tick > 300 and again.player.shown == 1
+        again.end()
+
+
+def test_a_damaged_state_is_one_line_and_the_show_begins(display, user, coarse, playlist):
+    state_folder().mkdir(parents=True)
+    (state_folder() / "show.state").write_bytes(b"\x91" * 999)
+    told = []
+    show, dive = opened(playlist, coarse, told)
+    with closing(dive) as running:
+        user.glide(running, 1.0)
+        assert show.player.shown == 0
+    assert [line for line in told if "not the state of a show" in line]
+
+
+def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
+    playlist.write_text(SHOW.replace("[[item]]", "[hours]\n[[item]]", 1))  # no day is named
+    show, dive = opened(playlist, coarse, [], kiosk=True)
+    with closing(dive) as running:
+        user.glide(running, 1.0)
+        assert show.player.closed and display_pixels().max() == 0
+        assert running.sound.settings.mute
+        before = running.pictures, running.world.state.tick
+        user.glide(running, 0.5)
+        assert running.pictures > before[0]  # the watchdog stays calm
+        assert running.world.state.tick == before[1]
+
+
+def test_dives_of_visitors_are_counted_by_day(display, user, coarse, playlist):
+
+    _, dive = opened(playlist, coarse, [], kiosk=True)
+    with closing(dive) as running:
+        user.glide(running, 1.0)
+        for _ in range(3):  # one visitor
+            user.do("mousemove_relative", 9, 9)
+            user.glide(running, 0.5)
+        assert DiveCount(print).of(date.today()) == 1
+        running.tours.begin()  # after a while without input
+        user.do("mousemove_relative", 9, 9)
+        user.glide(running, 0.5)
+    assert DiveCount(print).of(date.today()) == 2
+    assert (state_folder() / "dives.csv").read_text() == f"date,dives\n{date.today()},2\n"
+
+
+def test_the_command_checks_a_show(playlist, capsys):
+    assert main(["show", str(playlist)]) == 1
+    out, err = capsys.readouterr()
+    assert "5 items, always open today" in out and "on cue" in out and "first words" in out
+    assert err.splitlines() == [
+        f"subsea: {playlist}:17: item 4: {playlist.parent / 'gone.toml'}: no such file"
+    ]
+    for faulty, line in (
+        ('start = "cue"', 'start = "soon"'),
+        ("for_s = 3", ""),
+        ('scenario = "first.toml"', 'scenery = "first.toml"'),
+        ('[[item]]\nscenario = "first.toml"', '[[item]]\ntour = "auto"'),
+    ):
+        playlist.write_text(SHOW.replace(faulty, line, 1))
+        assert main(["show", str(playlist)]) == 2
+        err = capsys.readouterr().err
+        assert err.startswith(f"subsea: {playlist}:") and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--tour", "auto"],
+        ["--set", "seed=1"],
+        ["--display", "headset"],
+        ["--fish", "3"],
+        ["--scenario", "visitors"],
+    ],
+)
+def test_options_that_a_show_chooses_are_refused(words, playlist, capsys):
+    assert main(["dive", "--playlist", str(playlist), *words]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1

@@ -1,0 +1,94 @@
+"""Files that outlive a power cut."""
+
+import os
+from datetime import date, datetime, timedelta
+from subprocess import run
+
+import pytest
+
+from subsea.stage.show import Progress
+from subsea.stage.show_state import DiveCount, ShowStore, state_folder
+
+DAY = date(2026, 11, 26)
+PROGRESS = Progress(item=3, elapsed_s=12.5, seen=datetime(2026, 11, 26, 10, 30), utc_s=1.7e9)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    return state_folder()
+
+
+@pytest.fixture
+def dead():
+    """The number of a process that has ended."""
+    return int(run(["sh", "-c", "echo $$"], capture_output=True, check=True).stdout)
+
+
+def test_a_state_comes_back_for_the_same_show_only(folder):
+    told = []
+    store = ShowStore("this", told.append)
+    assert store.load() is None
+    store.save(PROGRESS, 3, lambda: b"sea")
+    store.close()
+    saved = ShowStore("this", told.append).load()
+    assert (saved.progress, saved.shown, saved.sea) == (PROGRESS, 3, b"sea")
+    assert ShowStore("another", told.append).load() is None
+    assert not told and [path.name for path in folder.iterdir()] == ["show.state"]
+    store.forget()
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.3, 0.9])
+def test_half_a_state_is_one_line(folder, cut):
+    told = []
+    store = ShowStore("this", told.append)
+    store.save(PROGRESS, 3, lambda: b"sea" * 99)
+    store.close()
+    data = (folder / "show.state").read_bytes()
+    (folder / "show.state").write_bytes(data[: int(cut * len(data))])
+    assert store.load() is None
+    assert told == [f"{folder / 'show.state'}: not the state of a show; the show begins again"]
+
+
+def test_a_folder_that_takes_no_file_is_one_line_and_the_show_goes_on(folder):
+    folder.parent.mkdir(exist_ok=True)
+    folder.write_text("a file in the place of the folder")
+    told = []
+    store, count = ShowStore("this", told.append), DiveCount(told.append)
+    for _ in range(3):
+        store.save(PROGRESS, 0, lambda: b"")
+        store.close()
+        count.add(DAY)
+    assert count.of(DAY) == 3
+    assert len(told) == 2 and all("cannot write" in line or "cannot read" in line for line in told)
+
+
+def test_dives_are_counted_by_day_over_restarts(folder):
+    for k in range(5):
+        DiveCount(print).add(DAY + timedelta(days=k // 3))
+    assert (folder / "dives.csv").read_text() == "date,dives\n2026-11-26,3\n2026-11-27,2\n"
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n", "date,dives\nsoon,3\n", "date,dives\n2026-11-26,x"])
+def test_a_damaged_table_is_set_aside(folder, text):
+    folder.mkdir(parents=True)
+    (folder / "dives.csv").write_text(text)
+    told = []
+    count = DiveCount(told.append)
+    count.add(DAY)
+    assert len(told) == 1 and (folder / "dives.csv.damaged").read_text() == text
+    assert (folder / "dives.csv").read_text() == "date,dives\n2026-11-26,1\n"
+
+
+def test_partial_files_of_ended_processes_are_removed(folder, dead):
+    folder.mkdir(parents=True)
+    parts = {number: folder / f".show.state.{number}.part" for number in (dead, os.getpid())}
+    for part in parts.values():
+        part.write_text("half")
+    others = [folder / f".{name}.part" for name in ("other.7", "show.state.x", "show.state.9.9")]
+    for other in others:
+        other.write_text("")
+    ShowStore("this", print).load()
+    assert not parts[dead].exists() and parts[os.getpid()].exists()
+    assert all(other.exists() for other in others)

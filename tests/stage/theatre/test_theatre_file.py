@@ -1,0 +1,178 @@
+"""Theatre files: each fault is one line that names file and key."""
+
+from itertools import combinations, pairwise
+
+import pytest
+
+from subsea.base.errors import UserError
+from subsea.base.resources import resource_names
+from subsea.stage.theatre.channels import usable_channels
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.theatre_file import FOLDER
+from subsea.view.rig import overlap
+
+WINDOW = '[[window]]\nname = "a"\nsize = [640, 360]\n'
+CHANNEL = '[[channel]]\nname = "c"\nwindow = "a"\n'
+PLANE = "plane = { lower_left = [-1, -1, 1], lower_right = [1, -1, 1], upper_left = [-1, 1, 1] }\n"
+
+
+def written(tmp_path, text):
+    path = tmp_path / "theatre.toml"
+    path.write_text(text)
+    return str(path)
+
+
+@pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
+def test_every_theatre_that_is_shipped_works(name):
+    theatre, path = load_theatre(name)
+    found, faults = usable_channels(theatre, path)
+    assert len(found) == len(theatre.channel)
+    assert not faults
+    assert theatre.title
+
+
+@pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
+def test_the_windows_of_a_shipped_theatre_do_not_cover_each_other(name):
+    """On one computer with one monitor, which also shows the windows of all nodes."""
+    windows = load_theatre(name)[0].window
+    assert len(windows) == 1 or all(one.monitor is None for one in windows)
+    rects = [(*one.position, *one.size) for one in windows if one.position is not None]
+    assert len(rects) == len(windows) or len(windows) == 1
+    for one, other in combinations(rects, 2):
+        assert not overlap(one, other)
+
+
+def test_a_screen_of_several_projectors_is_as_large_as_its_picture_is_seamless():
+    """Three projectors of 1440 pixels that overlap by 160: 4000 over 5.5 m along the curve."""
+    theatre, _ = load_theatre("three-projectors")
+    edges = [(c.cylinder.left_deg, c.cylinder.right_deg) for c in theatre.channel]
+    turn = edges[-1][1] - edges[0][0]
+    radius = theatre.channel[0].cylinder.radius_cm
+    assert 2 * 3.14159 * radius * turn / 360 == pytest.approx(550.0, abs=0.5)
+    pixel = turn / 4000
+    for (left, right), (following, _) in pairwise(edges):
+        assert (right - left) / 1440 == pytest.approx(pixel, rel=1e-3)
+        assert (right - following) / pixel == pytest.approx(160, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (WINDOW, "shows nothing, expected at least one `channel`"),
+        (WINDOW + CHANNEL, "expected one of plane, cylinder, .* got none, at `channel"),
+        (WINDOW + CHANNEL + "dome = {}\npanorama = {}", "got `panorama` and `dome`"),
+        (WINDOW + CHANNEL + "dome = { tilt = 3 }", "unknown key `tilt`.*did you mean 'tilt_deg'"),
+        (WINDOW + WINDOW + CHANNEL + PLANE, "2 windows are called 'a', expected 1"),
+        (WINDOW + 2 * (CHANNEL + PLANE), "2 channels are called 'c'"),
+        (WINDOW + CHANNEL.replace('"a"', '"b"') + PLANE, "channel 'c': unknown window 'b'"),
+        (WINDOW + CHANNEL + "viewport = [8, 0, 640, 360]\n" + PLANE, "reaches out of window 'a'"),
+        (
+            WINDOW
+            + CHANNEL.replace('"c"', '"one"')
+            + PLANE
+            + CHANNEL.replace('"c"', '"two"')
+            + PLANE,
+            "'one' and 'two' lie on one another in window 'a'",
+        ),
+        (
+            WINDOW + "monitor = 1\n" + WINDOW.replace('"a"', '"b"') + "monitor = 1\n" + CHANNEL
+            + PLANE,
+            "'a' and 'b' both fill monitor 1",
+        ),
+        (
+            WINDOW + "position = [0, 0]\n" + WINDOW.replace('"a"', '"b"') + "position = [639, 9]\n"
+            + CHANNEL + PLANE,
+            "'a' and 'b' lie on one another; expected places side by side",
+        ),
+        (WINDOW + "position = [0, 0]\nmonitor = 1\n" + CHANNEL + PLANE, "expected one"),
+        (WINDOW + 'node = "x"\n' + WINDOW.replace('"a"', '"b"') + CHANNEL + PLANE, "the `master`"),
+        (WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "x"', "unknown node 'x'.* main"),
+        (
+            WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "main"\naddress = "stage:80"',
+            "address 'stage:80': expected an IP address and a port",
+        ),
+        (
+            WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "main"\naddress = "localhost:5560"',
+            "address 'localhost:5560': expected an IP address and a port",
+        ),
+        *(
+            (WINDOW.replace('"a"', name) + CHANNEL + PLANE, "text that matches .* at `window")
+            for name in ('"a\\n"', '"-a"', '"ä"', '""', f'"{65 * "a"}"')
+        ),
+        (WINDOW + CHANNEL + PLANE + "gamma = 9", "at `channel"),
+        (WINDOW + CHANNEL + "dome = { distance_cm = 20 }", "at least 50, got 20"),
+        (WINDOW + '[[mpcdi]]\nfile = "a.mpcdi"\nblend = true', "unknown key `blend`"),
+        ("[[window]", "not valid TOML"),
+    ],
+)  # fmt: skip
+def test_errors_of_the_whole_file_are_one_line(tmp_path, text, said):
+    with pytest.raises(UserError, match=rf"^{tmp_path}/theatre.toml(:\d+)?: .*{said}") as caught:
+        load_theatre(written(tmp_path, text))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (WINDOW + "wide = 3\n" + CHANNEL + PLANE, 4),
+        (WINDOW + WINDOW + CHANNEL + PLANE, 5),
+        (WINDOW + CHANNEL.replace('"a"', '"b"') + PLANE, 6),
+        (WINDOW + CHANNEL + PLANE + '[cluster]\nmaster = "x"\naddress = "127.0.0.1:80"', 9),
+        (WINDOW + CHANNEL + "\nplane = {\n" + PLANE[9:], None),
+        (WINDOW + "position = [0, 0]\n\nmonitor = 1\n" + CHANNEL + PLANE, 4),
+        (WINDOW + '[[mpcdi]]\nfile = "a.mpcdi"\nwindows = { r = "b" }', 6),
+    ],
+)
+def test_the_line_is_that_of_the_key(tmp_path, text, line):
+    path = written(tmp_path, text)
+    with pytest.raises(UserError, match=rf"^{path}:{line or '[0-9]+'}: "):
+        load_theatre(path)
+
+
+def test_an_unknown_name_says_which_there_are():
+    with pytest.raises(UserError, match=r"unknown theatre 'domes'; did you mean 'dome'\?"):
+        load_theatre("domes")
+
+
+SQUINT = "plane = { lower_left = [-1, -1, 1], lower_right = [1, -1, 1], upper_left = [0, 1, 1] }\n"
+BEHIND = "plane = { lower_left = [1, -1, 1], lower_right = [-1, -1, 1], upper_left = [1, 1, 1] }\n"
+POINT = "plane = { lower_left = [1, -1, 1], lower_right = [1, -1, 1], upper_left = [1, 1, 1] }\n"
+ASLANT = (
+    "plane = { lower_left = [0, -1, 99], lower_right = [0.2, -1, 1], upper_left = [0, 1, 99] }\n"
+)
+CYLINDER = (
+    "cylinder = {{ radius_cm = {}, left_deg = {}, right_deg = {}, bottom_cm = -9, top_cm = 9{} }}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("screen", "said"),
+    [
+        (SQUINT, "no right angle at `lower_left`"),
+        (BEHIND, "the eye is behind the screen"),
+        (POINT, "two corners are one point"),
+        (ASLANT, "too much from the side|behind"),
+        (CYLINDER.format(9, 30, -30, ""), "`left_deg` less than `right_deg`"),
+        (CYLINDER.format(9, -100, 100, ""), "half a turn or more, expected several channels"),
+        (CYLINDER.format(9, -10, 10, ", axis_cm = [0, 9.5]"), "the eye is outside of it"),
+        (PLANE + 'warp = "nowhere.obj"\n', "nowhere.obj"),
+        ('dome = {}\nwarp = "a.obj"\n', "a.obj"),
+        ("dome = {}\nblend = true\n", "`blend` is of a `plane`"),
+        (
+            "angles = { left_deg = 5, right_deg = -5, down_deg = -5, up_deg = 5 }\n",
+            "`left_deg` less than `right_deg`",
+        ),
+    ],
+)
+def test_a_channel_that_cannot_be_is_one_line_and_the_others_go_on(tmp_path, screen, said):
+    path = written(tmp_path, WINDOW + CHANNEL + screen)
+    with pytest.raises(UserError, match=f"^{path}:4: channel 'c': .*({said})") as caught:
+        usable_channels(*load_theatre(path))
+    assert "\n" not in str(caught.value)
+    good = WINDOW.replace('"a"', '"b"') + '[[channel]]\nname = "good"\nwindow = "b"\n' + PLANE
+    found, faults = usable_channels(
+        *load_theatre(written(tmp_path, WINDOW + CHANNEL + screen + good))
+    )
+    assert [one.name for one in found] == ["good"]
+    assert len(faults) == 1
+    assert "channel 'c'" in str(faults[0])
