@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 import subsea.lab.environments  # noqa: F401  registers the environments
-from subsea.base.processors import cores
+from subsea.base.system import cores
 
 STEPS, BODIES, VECTOR_STEPS = 1000, 1024, 8
 OTHER = """

@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from subsea.base.atomic_io import replacing
+from subsea.base.files import replacing
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "docs" / "developers" / "performance.md"

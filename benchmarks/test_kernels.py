@@ -25,8 +25,8 @@ from subsea.biomechanics.solver import ROWS, STEPS_PER_TICK, factorize, substitu
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import load_species
 from subsea.frame.packet import pack
-from subsea.geometry.height_field import height_at
-from subsea.geometry.spline import DEGREE, basis_table
+from subsea.geometry.curves import DEGREE, basis_table
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
 from subsea.habitat.current import flow_at
 from subsea.habitat.plankton import drift
@@ -36,7 +36,7 @@ from subsea.motor.playback import play
 from subsea.perception.grid import make_grid, nearest
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.culling import OUT_OF_SIGHT, coverage, view_arrays
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.build import create_world

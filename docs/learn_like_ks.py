@@ -28,12 +28,12 @@ from subsea.biomechanics.body import (
     TRIANGLES,
     Body,
     Floats,
+    body_frame,
     build_body,
 )
-from subsea.biomechanics.body_frame import body_frame
 from subsea.biomechanics.body_plan import Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import ease, swim_contraction, turn_contraction
-from subsea.biomechanics.gait import headings
+from subsea.biomechanics.fins import headings
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
 from subsea.fish.species import load_species

@@ -17,8 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from subsea.lab.environments.fish_senses import NAMES, senses
-from subsea.lab.environments.living_sea import LivingSea, SeaOptions
+from subsea.lab.environments.living_sea import NAMES, LivingSea, SeaOptions, senses
 from subsea.world.world import TICK_S
 
 Floats = NDArray[np.floating]

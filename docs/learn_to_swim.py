@@ -20,7 +20,7 @@ from picture_files import BLUE, FOLDER, ORANGE, SKY, STYLE, save, save_plot
 from PIL import Image
 
 from subsea.base.arrays import Array
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES
 from subsea.biomechanics.controllers import ease
 from subsea.biomechanics.solver import TICK_S

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from picture_files import STYLE, output_folder, save, save_plot
 from PIL import Image, ImageDraw
 
-from subsea.dive.start import headless, picture_maker
+from subsea.dive.options import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ASCENDING, CIRCLING, COURTSHIP, LOOPING, NO_COURTSHIP, NUZZLING
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.display_rigs import display_rig
 from subsea.world.build import create_world

@@ -11,7 +11,7 @@ from picture_files import output_folder, save
 from PIL import Image
 
 from capture.plots.pages import plot_repertoire
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.repertoire import read_repertoire
 
 SHOWN = {

@@ -8,12 +8,11 @@ import numpy as np
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
-from subsea.frame.diagrams import DiagramBuilder
-from subsea.frame.labels import place_labels
+from subsea.frame.diagrams import DiagramBuilder, place_labels
 from subsea.frame.packet import PackOptions, pack
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.media.film import lettered
 from subsea.rendering.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit, display_rig

@@ -27,7 +27,7 @@ from subsea.studio.fitting import align_shape, find_fish
 from subsea.studio.lift import lift_sheet
 from subsea.studio.photograph import Photograph, downscale
 from subsea.studio.side_view import make_fish_meshes, mesh_outlines
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world

@@ -24,7 +24,7 @@ from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
 from subsea.state import ESCAPE, HOOKED, PREDATOR, PREY
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world

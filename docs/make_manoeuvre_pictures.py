@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw
 
 import subsea
 from subsea.geometry.rotation import matrix
-from subsea.motor.segments import CSTARTS, ROW
+from subsea.motor.playback import CSTARTS, ROW
 from subsea.world.world import TICK_S
 
 Array = NDArray[np.floating[Any]]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.base.resources import resource_path
-from subsea.fish.coupling import couple, place
+from subsea.base.system import resource_path
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene

@@ -18,10 +18,9 @@ from msgspec import inspect
 
 import capture.cli.main
 import subsea.cli.main
-from subsea.base.atomic_io import replacing
 from subsea.base.command_line import NumberReader
-from subsea.dive.bindings import CONTROLS
-from subsea.dive.settings import Settings
+from subsea.base.files import replacing
+from subsea.dive.settings import CONTROLS, Settings
 from subsea.stage.console import commands as console
 from subsea.state import GROUPS, declared
 

@@ -12,9 +12,9 @@ import numpy as np
 from picture_files import FOLDER, save
 from PIL import Image
 
-from subsea.dive.retina_images import SIDES
+from subsea.dive.ride import SIDES
 from subsea.media.eye_frames import film_eyes
-from subsea.media.film_options import EyeFilmOptions
+from subsea.media.film import EyeFilmOptions
 
 SIZE, GAP = (480, 360), 6
 FISH, SECONDS = "9", 7.425

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.base.resources import ROOT, resource_path
-from subsea.dive.start import headless, picture_maker
+from subsea.base.system import ROOT, resource_path
+from subsea.dive.options import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.load import SHIPPED, load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose
 from subsea.world.build import create_world

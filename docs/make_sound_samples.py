@@ -16,11 +16,10 @@ from picture_files import STYLE, output_folder, save_plot
 
 from subsea.dive.directed_camera import tour_steering
 from subsea.scenario.load import load_scenario
-from subsea.sound.listening import listener_of
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.soundtrack import Soundtrack, render
-from subsea.sound.space import LAYOUTS, RATE
-from subsea.submarine.helm import Helm
+from subsea.sound.space import LAYOUTS, RATE, listener_of
+from subsea.submarine.vessel import Helm
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World

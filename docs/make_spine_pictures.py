@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from picture_files import BLUE, ORANGE, STYLE, output_folder, save, save_plot
 from PIL import Image
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.fish.species import load_species, shipped_species
 from subsea.fish.spine import MIDDLES, UNITS, pose_spine, swing_angles
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene

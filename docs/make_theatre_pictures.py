@@ -7,12 +7,12 @@ import numpy as np
 from picture_files import output_folder, save
 from PIL import Image
 
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import PackOptions, pack
 from subsea.rendering.output.quality import PRESETS
-from subsea.stage.theatre.lineup import lineup
-from subsea.stage.theatre.theatre_setup import set_up_theatre
+from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.theatre.test_pattern import lineup
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views
 from subsea.world.step import step

@@ -16,7 +16,7 @@ import numpy as np
 from subsea.fish import paint, sheet_layout
 from subsea.fish.species import load_species
 from subsea.fish.surface import DORSAL, FIN_V, LEFT, VENTRAL, U, V, rest_control_points
-from subsea.geometry.spline import basis_at, dense
+from subsea.geometry.curves import basis_at, dense
 from subsea.studio.deformable_mesh import FishMeshes
 from subsea.studio.fitting import fin_errors, find_fish, outline_error
 from subsea.studio.lift import rasterize

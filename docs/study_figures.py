@@ -21,7 +21,7 @@ from subsea.lab.table import table
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
 from subsea.state import HUNGER
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S

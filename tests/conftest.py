@@ -14,9 +14,9 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
-from subsea.base.console import say
+from subsea.base.progress import say
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.biomechanics.body import body_frame, to_body
 from subsea.dive.warm_up import warm_up
 from subsea.geometry.rotation import from_matrix
 from subsea.repertoire import BASIC_SEGMENTS, Repertoire, Segment

@@ -23,8 +23,8 @@ import moderngl
 import numpy as np
 
 from subsea.base.errors import UserError
+from subsea.stage.headset.controllers import HeadsetFrame, HeadsetLostError
 from subsea.stage.headset.openxr import OpenXrHeadset, open_headset
-from subsea.stage.headset.session import HeadsetFrame, HeadsetLostError
 from subsea.view.head import home_of, rotation_of
 
 PATIENCE_S = 20.0  # until the session has the focus

@@ -9,10 +9,10 @@ or more with all scenarios.
 import argparse
 import sys
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step

@@ -31,8 +31,8 @@ import numpy as np
 from PIL import ExifTags, Image
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
-from subsea.base.resources import resource_path
+from subsea.base.files import read_input
+from subsea.base.system import resource_path
 from subsea.dive.settings import default_text, read_settings
 from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
@@ -44,7 +44,7 @@ from subsea.lab.sweep import read_result
 from subsea.media.record import read_record
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
-from subsea.scenario.thumbnails import read_thumbnail
+from subsea.scenario.storage import read_thumbnail
 from subsea.stage.cluster import messages
 from subsea.stage.show_file import load_show
 from subsea.stage.theatre import pfm

@@ -30,7 +30,7 @@ from subsea.stage.cluster import messages
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.identity import identity_of
 from subsea.stage.cluster.master import FETCH_S, GATHER_S, Master
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -23,21 +23,20 @@ sys.path.insert(0, str(ROOT / "docs"))
 from make_pictures import species_plate  # noqa: E402
 
 from subsea import __version__  # noqa: E402
-from subsea.base.atomic_io import check_folder, replacing  # noqa: E402
-from subsea.base.console import say  # noqa: E402
 from subsea.base.errors import UserError, unknown  # noqa: E402
-from subsea.base.extras import require  # noqa: E402
-from subsea.base.progress import progress  # noqa: E402
+from subsea.base.files import check_folder, replacing  # noqa: E402
+from subsea.base.progress import progress, say  # noqa: E402
+from subsea.base.system import require  # noqa: E402
 from subsea.export.clips import make_clips  # noqa: E402
 from subsea.export.dive_scene import record_scene  # noqa: E402
 from subsea.export.gltf import write_gltf  # noqa: E402
 from subsea.export.gltf_scene import WRITER as GLTF  # noqa: E402
 from subsea.export.licence import HOLDER, SENTENCE  # noqa: E402
 from subsea.export.recording import SceneFilmOptions  # noqa: E402
-from subsea.export.scene_writer import SceneOptions  # noqa: E402
+from subsea.export.scene import SceneOptions  # noqa: E402
 from subsea.export.skinning import fit_skeleton  # noqa: E402
 from subsea.export.usd import write_usd  # noqa: E402
-from subsea.export.usd_package import write_package  # noqa: E402
+from subsea.export.usd_parts import write_package  # noqa: E402
 from subsea.export.usd_scene import WRITER as USD  # noqa: E402
 from subsea.fish.species import load_species, repertoire_file, shipped_species, species_file  # noqa: E402
 from subsea.kernels.source_stamp import source_stamp  # noqa: E402

@@ -13,10 +13,10 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.fish.coupling import CouplingMethod, couple, place
+from subsea.fish.skinning import CouplingMethod, couple, place
 from subsea.fish.species import load_species, repertoire_file
 from subsea.fish.surface import LEFT, RIGHT, U, V, rest_control_points
-from subsea.geometry.spline import basis_at, dense
+from subsea.geometry.curves import basis_at, dense
 from subsea.repertoire import read_repertoire
 
 Array = NDArray[np.floating[Any]]

@@ -22,13 +22,11 @@ sys.path.insert(0, str(ROOT))
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres  # noqa: E402
 from subsea.export.clips import Clip, Model, make_clips, transform_points  # noqa: E402
 from subsea.export.dive_scene import record_scene  # noqa: E402
+from subsea.export.glb import COMPRESSIONS, packing_of  # noqa: E402
 from subsea.export.gltf import write_gltf  # noqa: E402
 from subsea.export.gltf_scene import WRITER as GLTF  # noqa: E402
-from subsea.export.packed import COMPRESSIONS  # noqa: E402
-from subsea.export.packing import packing_of  # noqa: E402
 from subsea.export.recording import SceneFilmOptions  # noqa: E402
-from subsea.export.scene import Scene  # noqa: E402
-from subsea.export.scene_writer import SceneOptions  # noqa: E402
+from subsea.export.scene import Scene, SceneOptions  # noqa: E402
 from subsea.export.skinning import Skeleton, fit_skeleton  # noqa: E402
 from subsea.export.usd import write_usd  # noqa: E402
 from subsea.export.vat import encode, write_vat  # noqa: E402

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.state import Clock, Fishes, Minds, Sea
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import step
 from subsea.world.build import create_world
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from scipy.linalg import solveh_banded
 
-from capture.inspection.timing import fastest_us, step_cost
+from capture.inspection.gait import fastest_us, step_cost
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,

@@ -35,7 +35,7 @@ def child(scenario: str, begin: float) -> None:
     def mark(what: str) -> None:
         marks.append((what, sum(os.times()[:4]), time.monotonic() - begin))
 
-    from subsea.base import console
+    from subsea.base import progress as console
     from subsea.cli.main import main
 
     mark("the interpreter")

@@ -18,7 +18,7 @@ import numpy as np
 from subsea.kernels import threads
 from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import World

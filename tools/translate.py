@@ -15,17 +15,17 @@ from babel.messages.extract import extract_from_dir
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
-from subsea.base.atomic_io import replacing
+from subsea.base.files import replacing
 from subsea.base.language import LANGUAGES
-from subsea.base.resources import ROOT, resource_names
+from subsea.base.system import ROOT, resource_names
 from subsea.behavior.table import BEHAVIORS
-from subsea.dive.bindings import CONTROLS
 from subsea.dive.options import RETINA_COLOURS
-from subsea.export.web_words import WORDS as EXPORTED_PAGE
+from subsea.dive.settings import CONTROLS
+from subsea.export.web import WORDS as EXPORTED_PAGE
 from subsea.fish.species import load_species, shipped_species
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario
-from subsea.stage.console.words import PAGE, SCRIPT
+from subsea.stage.console.http import PAGE, SCRIPT
 from subsea.state.codes import MENTAL_STATES
 
 FOLDER = ROOT / "assets/locale"

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from subsea.base.atomic_io import check_folder
-from subsea.base.resources import resource_names
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.base.files import check_folder
+from subsea.base.system import resource_names
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.frame.packet import pack
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.rendering.output.quality import PRESETS
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.rig import CameraPose, pose_from_angles
 from subsea.world.step import step

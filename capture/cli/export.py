@@ -5,11 +5,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from subsea.base.atomic_io import check_folder
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
-from subsea.export.packed import COMPRESSIONS, PLAIN
+from subsea.base.files import check_folder
+from subsea.export.glb import COMPRESSIONS, PLAIN
 
 KINDS = {
     ".glb": GLTF,
@@ -99,8 +99,8 @@ def run(options: argparse.Namespace) -> int:
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from tqdm import tqdm
 
+    from subsea.export.glb import packing_of
     from subsea.export.gltf import write_gltf
-    from subsea.export.packing import packing_of
     from subsea.export.skinning import fit_skeleton
 
     packing = packing_of(options.compress)

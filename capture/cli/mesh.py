@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.base.atomic_io import check_folder
 from subsea.base.command_line import add_command, add_force
 from subsea.base.errors import unknown
 from subsea.base.file_kinds import MESH, check_results
+from subsea.base.files import check_folder
 
 
 def add(commands: Any) -> None:

@@ -4,12 +4,12 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from subsea.base.atomic_io import check_folder
 from subsea.base.command_line import add_command, number_reader
 from subsea.base.errors import UserError, unknown
 from subsea.base.file_kinds import check_results, hdf5_file
+from subsea.base.files import check_folder
 from subsea.base.interrupts import deferred_interrupts
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 
 MAX_JOBS = 64
 
@@ -65,10 +65,14 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from tqdm import tqdm
 
-    from capture.recording.batch import record_all
+    from capture.recording.batch import (
+        dask_workers,
+        process_pool,
+        record_all,
+        repertoire_path,
+        serial,
+    )
     from capture.recording.record import segments_of
-    from capture.recording.resume import repertoire_path
-    from capture.recording.workers import dask_workers, process_pool, serial
     from subsea.fish.species import load_species, shipped_species, species_names
     from subsea.repertoire.schema import FORMAT
 

@@ -35,7 +35,7 @@ def add(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from capture.inspection.validation import validate
-    from capture.plots.validation import SWIMMING_PLOTS, swimming_plots
+    from capture.plots.pages import SWIMMING_PLOTS, swimming_plots
     from subsea.base.report_files import Report, ReportFiles
     from subsea.fish.measured import load_measured, measured_species
     from subsea.fish.species import load_species, repertoire_file

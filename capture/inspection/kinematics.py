@@ -10,8 +10,7 @@ import numpy as np
 from capture.inspection.simulated import replay
 from capture.inspection.top_view import above, lateral_offset, midline, path_direction
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import Floats
-from subsea.biomechanics.body_frame import body_frame, to_world
+from subsea.biomechanics.body import Floats, body_frame, to_world
 from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
 

@@ -1,13 +1,23 @@
 """Measure the repertoire of a muscle-driven fish against docs/developers/biomechanics-figures.md.
 
 Except for the timing, the fish is simulated again from the plans in the provenance.
+
+Measure the repertoire of a spine-driven fish against its plan.
 """
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from capture.inspection.gait import entries, speed_kept, swim_beats, turned
+from capture.inspection.gait import (
+    entries,
+    frame_cost,
+    replay_cost,
+    speed_kept,
+    step_cost,
+    swim_beats,
+    turned,
+)
 from capture.inspection.targets import (
     Measure,
     Range,
@@ -18,8 +28,8 @@ from capture.inspection.targets import (
     limit_at_phase_0,
     within,
 )
-from capture.inspection.timing import frame_cost, replay_cost, step_cost
-from capture.recording.record import Motion, run_trial, steady_contraction
+from capture.recording.record import Motion, run_trial, spine_from_provenance, steady_contraction
+from capture.recording.segment import motion_of_segment
 from capture.recording.trial import (
     Trial,
     beat_contraction,
@@ -29,13 +39,28 @@ from capture.recording.trial import (
 )
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Body, Floats, build_body
-from subsea.biomechanics.body_frame import body_frame, to_world
+from subsea.biomechanics.body import (
+    LOWER_TAIL,
+    UPPER_TAIL,
+    Body,
+    Floats,
+    body_frame,
+    build_body,
+    to_world,
+)
 from subsea.biomechanics.controllers import S_MAX
-from subsea.biomechanics.fins import balance, pectoral_force
-from subsea.biomechanics.gait import contraction_step, snout_bend, straightness, sweep
+from subsea.biomechanics.fins import (
+    balance,
+    contraction_step,
+    pectoral_force,
+    snout_bend,
+    straightness,
+    sweep,
+)
 from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.fish.spine import SpinePlan
+from subsea.fish.surface import SurfacePlan
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import Repertoire, Segment
 
@@ -209,3 +234,45 @@ def _replay_error(motion: Motion, body: Body, trial: Trial, segment: Segment, na
     beat = steady_contraction(motion, name)
     swum = swim_beats(body, copy_state(trial.state), beat, REPLAYED_CYCLES)[1:]
     return float(np.linalg.norm(played - swum, axis=2).max())
+
+
+def measure_spine_driven(repertoire: Repertoire) -> Iterator[Measure]:
+    """Measures of a complete repertoire with the source `spine`.
+
+    msgspec.ValidationError where the provenance holds no plan. Swimming speed has no target: it
+    is part of the plan.
+    """
+    plan, surface = spine_from_provenance(repertoire.provenance)
+    segments = repertoire.segments
+    speeds = [segments[f"swim_{grade}"].speed_cm_s for grade in ("slow", "medium", "fast")]
+    yield compare("medium over slow", speeds[1] / speeds[0], ".2f", " ×", at_least(1.4))
+    yield compare("fast over medium", speeds[2] / speeds[1], ".2f", " ×", at_least(1.4))
+    for grade, asked in (("gradual", plan.turn.gradual), ("sharp", plan.turn.sharp)):
+        left, right = (segments[f"turn_{side}_{grade}"].turn_deg for side in ("left", "right"))
+        name = f"{grade} turn of {asked:g}°, left and right"
+        yield compare(name, (left - asked, -right - asked), "+.3f", "°", within(1), within(0.1))
+    cyclic = [name for name, segment in segments.items() if segment.cyclic]
+    closure = max(segments[name].loop_error_bl for name in cyclic)
+    yield compare("loop closure, worst cycle", closure, ".1e", " L", at_most(1e-3), at_most(1e-5))
+    errors = [_spine_replay_error(plan, surface, repertoire, name) for name in cyclic]
+    name = f"{REPLAYED_CYCLES} cycles replayed against the plan"
+    yield compare(name, max(errors) / plan.length, ".1e", " L", at_most(0.01), at_most(1e-4))
+    nodes = motion_of_segment(plan, surface, "swim_fast").nodes
+    tail = nodes[:, 21:].mean(axis=1)[:, 2]
+    yield Measure("tail sweep, fast", f"{np.ptp(tail) / plan.length:.3f} L")
+
+
+def _spine_replay_error(
+    plan: SpinePlan, surface: SurfacePlan, repertoire: Repertoire, name: str
+) -> float:
+    """Largest error of a node after some cycles of replay, cm."""
+    nodes = motion_of_segment(plan, surface, name).nodes
+    origin, rotation = body_frame(nodes)
+    replayed = replay(repertoire.segments[name], origin[0], rotation[0], REPLAYED_CYCLES)[-1]
+    # Each cycle moves the fish by the same rigid motion.
+    turn = rotation[-1] @ rotation[0].T
+    step = origin[-1] - turn @ origin[0]
+    last = nodes[-1]
+    for _ in range(REPLAYED_CYCLES - 1):
+        last = last @ turn.T + step
+    return float(np.linalg.norm(replayed - last, axis=1).max())

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from capture.inspection.simulated import replay
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Floats
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Floats, body_frame
 from subsea.repertoire import Segment
 
 Complex = NDArray[np.complex128]

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import msgspec
 
-from capture.inspection.drag import expected_strouhal, glide_drag
 from capture.inspection.kinematics import (
     BodyWave,
     body_wave,
@@ -14,6 +13,7 @@ from capture.inspection.kinematics import (
     turning_radius,
     wing_amplitude,
 )
+from capture.inspection.report import expected_strouhal, glide_drag
 from capture.recording.record import motion_from_provenance
 from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S

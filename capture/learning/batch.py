@@ -13,16 +13,15 @@ from typing import NamedTuple
 
 from tqdm import tqdm
 
-from capture.learning.improve import writable_source
+from capture.learning.improve import writable_source, write_plans
 from capture.learning.journal import evaluations, read_journal, write_journal
 from capture.learning.report import report
-from capture.learning.species_edit import write_plans
 from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole
 from capture.recording.fingerprint import fingerprint
 from subsea.base.errors import UserError
-from subsea.base.extras import require
 from subsea.base.file_kinds import check_results, toml_file
 from subsea.base.interrupts import deferred_interrupts
+from subsea.base.system import require
 from subsea.base.toml_files import load_toml
 from subsea.fish.species import Species, shipped_species, species_file
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, process_pool

@@ -10,8 +10,7 @@ import numpy as np
 from capture.learning.swim import LAGS, max_contractions
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, SwimPlan
-from subsea.biomechanics.solver import STEP
-from subsea.biomechanics.stability import longest_step
+from subsea.biomechanics.solver import STEP, longest_step
 from subsea.fish.surface import SurfacePlan, along
 
 TICKS, FIRST_TICKS = (12, 20), 17  # of a fast beat: range of the search, and its start

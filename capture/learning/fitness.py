@@ -34,8 +34,7 @@ from capture.recording.trial import (
     steady_beat,
 )
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats, body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import (
     LEFT,
@@ -45,7 +44,7 @@ from subsea.biomechanics.controllers import (
     ease,
     turn_contraction,
 )
-from subsea.biomechanics.gait import (
+from subsea.biomechanics.fins import (
     MIN_DISTANCE,
     contraction_step,
     headings,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from subsea.base.atomic_io import replacing
+from subsea.base.files import replacing
 
 Candidate = TypeVar("Candidate")
 SAVE_S = 5.0  # least time between two writes

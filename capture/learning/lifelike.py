@@ -2,10 +2,13 @@
 
 A lifelike gait has the tail amplitude, Strouhal number, stride and body wave of steadily swimming
 fishes, and its grades differ by frequency rather than amplitude (Bainbridge 1958).
+
+Fit the amplitudes of the grades, so that the tail beats about as far at each of them.
 """
 
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 
 from capture.inspection.gait import muscle_work, swim_beats
@@ -19,13 +22,13 @@ from capture.learning.fitness import (
     start_swimming,
 )
 from capture.recording.trial import beat_contraction, displacement, loop_error
-from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats
-from subsea.biomechanics.body_frame import body_frame
-from subsea.biomechanics.body_plan import SwimPlan
+from subsea.base.errors import UserError
+from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats, body_frame
+from subsea.biomechanics.body_plan import MAX_CONTRACTION, SwimPlan
 from subsea.biomechanics.controllers import LEFT, S_MAX, bend_contraction, ease
-from subsea.biomechanics.fins import UP
-from subsea.biomechanics.gait import (
+from subsea.biomechanics.fins import (
     MIN_DISTANCE,
+    UP,
     contraction_step,
     headings,
     snout_bend,
@@ -240,3 +243,50 @@ def missed_aims(wave: Wave) -> list[str]:
         for name, limit in LIMITS.items()
         if not limit.holds(getattr(wave, name))
     ]
+
+
+TAIL = {"slow": 0.8, "medium": 0.9, "burst": 1.0}  # amplitude of the tail over that at fast
+ROUNDS, NEAR = 5, 0.02  # of the fit, and share by which a grade may miss its amplitude
+
+
+def with_amplitudes(body: Body, swim: SwimPlan) -> SwimPlan:
+    """The plan with amplitudes that move the tail as TAIL says, within what muscles can do.
+
+    UserError where the body loses its shape.
+    """
+    aim = _wave(body, swim, "fast").tail
+    found = {}
+    for grade in (grade for grade in swim.grades if grade != "fast"):
+        most = _greatest(body, swim, grade)
+        amplitude = min(swim.amplitude(grade), most)
+        for _ in range(ROUNDS):
+            gear = msgspec.structs.replace(swim, **{grade: amplitude})
+            ratio = TAIL[grade] * aim / _wave(body, gear, grade).tail
+            better = round(min(most, amplitude * float(np.clip(ratio, 0.5, 2.0))), 3)
+            if abs(ratio - 1.0) <= NEAR or better == amplitude:
+                break
+            amplitude = better
+        found[grade] = amplitude
+    return msgspec.structs.replace(swim, **found)
+
+
+def grade_waves(body: Body, swim: SwimPlan) -> dict[str, Wave]:
+    """Measures of every grade; UserError where the body loses its shape."""
+    return {grade: _wave(body, swim, grade) for grade in swim.grades}
+
+
+def _wave(body: Body, swim: SwimPlan, grade: str) -> Wave:
+    """Measures of a grade, swum from rest."""
+    rng = np.random.default_rng(0)
+    wave, _, _ = swim_and_measure(body, swim.at(grade), swim.amplitude(grade), 0.0, rng)
+    if wave is None:
+        raise UserError(f"it loses its shape at grade {grade}")
+    return wave
+
+
+def _greatest(body: Body, swim: SwimPlan, grade: str) -> float:
+    """The greatest amplitude of a grade: by speed and share of contraction, and that of fast."""
+    step = contraction_step(body, beat_contraction(swim.at(grade), 1.0))
+    share = MAX_CONTRACTION / max(*swim.contraction, 1e-3)
+    most = min(S_MAX / max(step, 1e-6), share, 1.0)
+    return float(np.floor(1000 * most) / 1000)

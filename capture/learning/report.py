@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from capture.learning.grades import grade_waves
-from capture.learning.lifelike import missed_aims
+from capture.learning.lifelike import grade_waves, missed_aims
 from capture.learning.whole import Learned
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.solver import TICK_S

@@ -22,9 +22,8 @@ from capture.learning.body_space import (
     species_point,
 )
 from capture.learning.fitness import disturbed_faults
-from capture.learning.grades import grade_waves, with_amplitudes
 from capture.learning.journal import Journal
-from capture.learning.lifelike import HALF, POOR, wave_loss
+from capture.learning.lifelike import HALF, POOR, grade_waves, wave_loss, with_amplitudes
 from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint

@@ -1,21 +1,134 @@
-"""Record several species: only what is missing, and whole files only."""
+"""Record several species: only what is missing, and whole files only.
 
-from collections.abc import Callable, Mapping
-from contextlib import closing
+Record segments in this process, in other processes or on a Dask cluster, with the same result.
+
+A job is one segment of one species. Workers are functions that take jobs and yield each with its
+result, in any order.
+
+Save finished segments, so that an interrupted recording can continue.
+
+Each is a repertoire of one segment, ``.SPECIES.SEGMENT.recording`` beside the final file, and is
+removed when that is written. A folder for them could be removed by another process.
+"""
+
+from collections.abc import Callable, Generator, Mapping
+from contextlib import closing, suppress
 from pathlib import Path
 
-from capture.recording.record import Recorded, assemble, segments_of
-from capture.recording.resume import (
-    finished_segments,
-    is_up_to_date,
-    remove_segments,
-    repertoire_path,
-    save_segment,
-)
-from capture.recording.workers import Workers
-from subsea.fish.species import load_species
+from capture.recording.fingerprint import fingerprint
+from capture.recording.record import Recorded, assemble, record_segment, segments_of
+from subsea.base.errors import UserError
+from subsea.fish.species import Species, load_species
+from subsea.jobs import workers
+from subsea.jobs.dask_cluster import dask_pool
 from subsea.jobs.workers import Check
-from subsea.repertoire import write_repertoire
+from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
+
+Job = tuple[str, str]  # names of species and segment
+Results = Generator[tuple[Job, Recorded], None, None]
+Workers = Callable[[Mapping[Job, Species], Check], Results]
+
+
+def record_job(job: Job, species: Species) -> Recorded:
+    """Record the segment of a job; UserError with its names if the fish cannot swim."""
+    try:
+        return record_segment(species, job[1])
+    except UserError as fault:
+        raise UserError(f"{job[0]}, {job[1]}: {fault}") from fault
+
+
+def record_equally(given: tuple[Job, Species, str]) -> Recorded:
+    """Record a segment if the worker has the version of the caller, by the fingerprint."""
+    job, species, expected = given
+    if fingerprint(species) != expected:
+        raise UserError("a worker has another version of subsea, numpy or numba; install the same")
+    return record_job(job, species)
+
+
+def serial(jobs: Mapping[Job, Species], check: Check) -> Results:
+    """Run the jobs in this process, one after another."""
+    return _run(workers.serial, jobs, check)
+
+
+def process_pool(number: int) -> Workers:
+    """Workers in ``number`` processes of this computer.
+
+    The job of a crashed process is repeated; UserError if it crashes each time.
+    """
+    pool = workers.process_pool(number)
+    return lambda jobs, check: _run(pool, jobs, check)
+
+
+def dask_workers(address: str) -> Workers:
+    """Workers of the Dask cluster with a scheduler at ``address``; see `dask_pool`."""
+    pool = dask_pool(address)
+    return lambda jobs, check: _run(pool, jobs, check)
+
+
+def _run(pool: workers.Pool[Job], jobs: Mapping[Job, Species], check: Check) -> Results:
+    given = {job: (job, species, fingerprint(species)) for job, species in jobs.items()}
+    for job, result in pool(record_equally, given, check):
+        if result is None:
+            raise UserError(
+                f"worker processes crashed {workers.MAX_ATTEMPTS} times; is there enough memory? "
+                f"Not recorded: {' '.join(job)}"
+            )
+        yield job, result
+
+
+def repertoire_path(folder: Path, name: str) -> Path:
+    """The repertoire of the species ``name`` in ``folder``."""
+    return folder / f"{name}.h5"
+
+
+def is_up_to_date(folder: Path, name: str, species: Species) -> bool:
+    """True if the repertoire is complete and was recorded from exactly this species."""
+    repertoire = _read(repertoire_path(folder, name), name, species)
+    return repertoire is not None and set(segments_of(species)) <= repertoire.segments.keys()
+
+
+def save_segment(
+    folder: Path, name: str, species: Species, segment: str, recorded: Recorded
+) -> None:
+    """Save a finished segment; UserError where it cannot be written."""
+    write_repertoire(
+        _segment_path(folder, name, segment), assemble(name, species, {segment: recorded})
+    )
+
+
+def finished_segments(folder: Path, name: str, species: Species) -> dict[str, Recorded]:
+    """The saved segments of a species; damaged ones and those of other fishes are skipped."""
+    found = {}
+    for segment in segments_of(species):
+        one = _read(_segment_path(folder, name, segment), name, species)
+        if one is not None and segment in one.segments:
+            found[segment] = Recorded(
+                one.segments[segment],
+                one.provenance["warm_up_beats"][segment],
+                one.provenance["couples"].get(segment, 0.0),
+            )
+    return found
+
+
+def remove_segments(folder: Path, name: str) -> None:
+    """Remove the saved segments of a species."""
+    for segment in SEGMENTS:
+        with suppress(OSError):  # missing, or removed by another process
+            _segment_path(folder, name, segment).unlink()
+
+
+def _segment_path(folder: Path, name: str, segment: str) -> Path:
+    return folder / f".{name}.{segment}.recording"
+
+
+def _read(path: Path, name: str, species: Species) -> Repertoire | None:
+    """The repertoire at ``path``, if this program recorded it from this species."""
+    try:
+        repertoire = read_repertoire(path)
+    except UserError:  # missing, damaged or of another version
+        return None
+    found = repertoire.species, repertoire.provenance.get("fingerprint")
+    return repertoire if found == (name, fingerprint(species)) else None
 
 
 def record_all(

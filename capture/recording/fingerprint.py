@@ -16,7 +16,7 @@ from subsea import __version__
 from subsea.fish.species import Species
 
 ROOT = "capture.recording.record"
-SKIPPED = ("subsea.base", "subsea.fish.species")
+SKIPPED = ("subsea.base", "subsea.jobs", "subsea.kernels", "subsea.fish.species")
 """Input, output and species files: their result is part of the fingerprint as numbers."""
 BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}
 IGNORED = (tokenize.COMMENT, tokenize.NL)

@@ -22,8 +22,7 @@ from capture.recording.trial import (
     steady_beat,
 )
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, build_body
-from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, body_frame, build_body, to_body
 from subsea.biomechanics.body_plan import Muscles, SwimPlan
 from subsea.biomechanics.controllers import (
     LEFT,
@@ -32,8 +31,7 @@ from subsea.biomechanics.controllers import (
     ease,
     swim_contraction,
 )
-from subsea.biomechanics.fins import brake, couple_force, pectoral_force
-from subsea.biomechanics.gait import headings
+from subsea.biomechanics.fins import brake, couple_force, headings, pectoral_force
 from subsea.biomechanics.reactive_water import inertial_mass
 from subsea.biomechanics.simulation import (
     STILL,

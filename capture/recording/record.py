@@ -7,9 +7,8 @@ import numpy as np
 
 from capture.recording.fingerprint import fingerprint, library_versions
 from capture.recording.manoeuvres import manoeuvre
-from capture.recording.segment import make_segment
+from capture.recording.segment import make_segment, record_spine_segment, spine_segments
 from capture.recording.spine_motion import nodes_at_rest
-from capture.recording.spine_segments import record_spine_segment, spine_segments
 from capture.recording.trial import STRAIGHT, Trial, grade_contraction, steady_beat
 from subsea.biomechanics.body import Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
@@ -17,7 +16,7 @@ from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.rowing import row_ticks
 from subsea.biomechanics.simulation import at_rest
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
-from subsea.fish.coupling import Coupling, couple
+from subsea.fish.skinning import Coupling, couple
 from subsea.fish.species import Species
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points

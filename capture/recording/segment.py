@@ -1,13 +1,20 @@
-"""Make a segment of the nodes of a trial: increments and deformation (SMC eqs. 1-9)."""
+"""Make a segment of the nodes of a trial: increments and deformation (SMC eqs. 1-9).
+
+Record the segments of a spine-driven species (KS part II).
+"""
 
 import numpy as np
 
-from subsea.biomechanics.body import Floats
-from subsea.biomechanics.body_frame import body_frame, to_body
+from capture.recording.spine_manoeuvre import spine_manoeuvre
+from capture.recording.spine_motion import SpineMotion, spine_motion
+from subsea.biomechanics.body import Floats, body_frame, to_body
 from subsea.biomechanics.solver import TICK_S
-from subsea.fish.coupling import Coupling, place
+from subsea.fish.skinning import Coupling, place
+from subsea.fish.spine import SpinePlan
+from subsea.fish.surface import SurfacePlan
 from subsea.geometry.rotation import from_matrix
-from subsea.repertoire import Segment
+from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Segment
+from subsea.repertoire.schema import ACYCLIC
 
 
 def make_segment(
@@ -58,3 +65,43 @@ def heading_change(before: Floats, after: Floats) -> float:
     """
     forward = before.T @ after[:, 0]
     return float(np.degrees(np.arctan2(-forward[2], forward[0])))
+
+
+GLIDES = ("turn_left_glide", "turn_right_glide")
+
+
+def spine_segments(plan: SpinePlan) -> tuple[str, ...]:
+    """The segments of a species, in the order of SEGMENTS.
+
+    A ray never rests, and does not row. Without water there are only the basic ones.
+    """
+    if plan.medium.slip is not None:
+        return BASIC_SEGMENTS
+    if plan.wings:
+        names = {*BASIC_SEGMENTS, *GLIDES, "swim_burst"}
+    else:
+        names = set(SEGMENTS) - {"row_forward"}
+    if plan.burst is None:
+        names -= {"swim_burst"}
+    return tuple(name for name in SEGMENTS if name in names)
+
+
+def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Segment:
+    """Record the segment ``name`` with control points: 23 nodes are too few for eels and rays."""
+    _, _, grade = name.rpartition("_")
+    motion = motion_of_segment(plan, surface, name)
+    return make_segment(
+        motion.nodes,
+        plan.length,
+        pattern="left" if "left" in name else "right" if "right" in name else "forward",
+        grade=grade,
+        cyclic=grade not in ACYCLIC,
+        surface=motion.points,
+    )
+
+
+def motion_of_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
+    """Compute all frames of a segment: along a path, or free."""
+    _, _, grade = name.rpartition("_")
+    free = grade in ACYCLIC and grade != "sharp" and not plan.wings
+    return (spine_manoeuvre if free else spine_motion)(plan, surface, name)

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import Body, Floats
-from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.biomechanics.body import Body, Floats, body_frame, to_body
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import (
     LEFT,

@@ -19,11 +19,10 @@ from typing import Any, ParamSpec, TypeVar, get_type_hints
 import numpy as np
 import platformdirs
 
-from subsea.base.array_pack import pack, unpack
-from subsea.base.atomic_io import replacing
-from subsea.base.console import say
+from subsea.base.arrays import pack, unpack
 from subsea.base.errors import UserError
-from subsea.base.own_files import make_own_folder, open_own
+from subsea.base.files import make_own_folder, open_own, replacing
+from subsea.base.progress import say
 from subsea.kernels.source_stamp import source_stamp
 
 P = ParamSpec("P")
@@ -40,7 +39,7 @@ def cache_folder() -> Path:
 def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
     """Return ``make(*given, **named)``, from the disk if it was computed before.
 
-    Arguments must be picklable, and the result what `subsea.base.array_pack` accepts, of the
+    Arguments must be picklable, and the result what `subsea.base.arrays` accepts, of the
     annotated type. Without a folder that only the user may write, compute it each time.
     """
     name = cache_name(make, *given, **named)
@@ -67,7 +66,7 @@ def recall(name: str, kind: Any) -> Any:
 
 
 def keep(name: str, made: Any) -> None:
-    """Keep a value that `subsea.base.array_pack` accepts under a name, if the disk permits."""
+    """Keep a value that `subsea.base.arrays` accepts under a name, if the disk permits."""
     path = cache_folder() / f"{name}.data"
     if not _may_use(path.parent):
         return

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from subsea.base.atomic_io import check_file
 from subsea.base.errors import UserError
+from subsea.base.files import check_file
 
 MAX_JSON = 100_000_000  # bytes; no report is longer
 HEAD = 4096  # characters that identify a file of text

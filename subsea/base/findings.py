@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from subsea.base.atomic_io import check_file, replacing
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import json_file
-from subsea.base.input_files import read_text
+from subsea.base.files import check_file, read_text, replacing
 
 REPORT = json_file("a validation report", "findings")
 PASS, FAIL, MISSING, NO_RANGE = "pass", "fails", "not recorded", "–"

@@ -11,9 +11,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
-from subsea.base.input_files import check_input
+from subsea.base.files import check_input, replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire has a few megabytes; more is a damaged header
 MAX_ATTRIBUTE_BYTES = 2**20

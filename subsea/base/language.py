@@ -3,16 +3,20 @@
 The words in the code are English and are the keys of GNU gettext's catalogues in
 ``assets/locale``, which `tools/translate.py` makes. Words for operators and makers (the terminal,
 panels, errors) stay English.
+
+The fonts of text in windows and on pictures: files of TrueType or OpenType outlines.
 """
 
 import gettext
+import importlib.util
 import os
 import re
 from collections.abc import Iterable
 from functools import cache
-from typing import TypeVar
+from pathlib import Path
+from typing import Literal, TypeVar
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 
 LANGUAGES = {"en": "English", "de": "Deutsch", "es": "Español", "fr": "Français", "ja": "日本語"}
 """Their own names, by the codes of ISO 639."""
@@ -67,3 +71,23 @@ def first_known(tags: Iterable[str]) -> str:
 def _catalogue(code: str) -> gettext.NullTranslations:
     folder = str(resource_path("assets/locale"))
     return gettext.translation("subsea", folder, [code], fallback=True)
+
+
+CJK = "\u2e80-\uffef"  # letters of Chinese and Japanese, as a range in a regular expression
+
+
+def latin_font(weight: Literal["Regular", "Bold"] = "Regular") -> Path:
+    """Roboto, which comes with the library of the panels."""
+    found = importlib.util.find_spec("imgui_bundle")
+    assert found is not None and found.origin is not None  # a dependency
+    return Path(found.origin).parent / "assets" / "fonts" / "Roboto" / f"Roboto-{weight}.ttf"
+
+
+def japanese_font() -> Path:
+    """The letters of Noto Sans CJK that the Japanese catalogue needs, and all kana."""
+    return resource_path("assets/fonts/NotoSansJP-subset.otf")
+
+
+def font_of(words: str) -> Path:
+    """The font that has the letters of some words."""
+    return japanese_font() if re.search(f"[{CJK}]", words) else latin_font()

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_text
+from subsea.base.files import read_text
 from subsea.base.toml_positions import is_count, key_lines, line_of, place_of, words_of
 from subsea.base.validation import same_at, violation
 

@@ -10,7 +10,7 @@ from subsea.behavior.hunting import OPEN_BL as HUNTERS_OPEN_BL
 from subsea.behavior.hunting import hunger as hunters_hunger
 from subsea.behavior.schooling import straggles
 from subsea.behavior.wandering import is_at_home, wander
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, dot, minus, norm, vector
 from subsea.kernels import kernel

@@ -13,7 +13,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.behavior.bursting import burst
 from subsea.behavior.chasing import mouth_of, set_urge
 from subsea.behavior.schooling import has_school
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, vector
 from subsea.kernels import kernel

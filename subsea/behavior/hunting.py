@@ -7,7 +7,7 @@ from subsea.behavior.bursting import burst
 from subsea.behavior.chasing import chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import wander
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel

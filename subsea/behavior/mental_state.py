@@ -1,8 +1,33 @@
-"""Hunger, libido and fear (Tu §7.4)."""
+"""Hunger, libido and fear (Tu §7.4).
+
+Initial sexes, habits and mental states of shoals, and those of individual fishes.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from subsea.base.arrays import Ints
+from subsea.behavior.death import forget
 from subsea.kernels import kernel
-from subsea.state import FEAR, HUNGER, LIBIDO, PACIFIST, PREY, Clock, Fishes, Minds, Nature
+from subsea.scenario.schema import IndividualTable, Shoal
+from subsea.state import (
+    FEAR,
+    HUNGER,
+    KINDS,
+    LIBIDO,
+    NO_COURTSHIP,
+    NOBODY,
+    PACIFIST,
+    PREDATOR,
+    PREY,
+    WANDER,
+    Clock,
+    Fishes,
+    Minds,
+    Nature,
+)
 
 # Tu's p0 = 0.00067 and p1 = 0.0025 per time unit of 0.1 s.
 DIGESTION = 0.0067  # 1/s: a meal is digested after 149 s
@@ -48,3 +73,108 @@ def stimulus(distance: float, low: float, high: float) -> float:
     if strength >= high:
         return 1.0
     return (strength - low) / (2.0 * high - low - strength)
+
+
+PLANKTON_CM, PREY_CM = 8.0, 50.0  # body length per meal of its appetite
+DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
+HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
+
+
+def set_temperament(
+    shoal: Shoal, fishes: Fishes, minds: Minds, these: slice, rng: np.random.Generator
+) -> None:
+    """Set sexes, habits and initial mental states of the fishes of a shoal."""
+    number = these.stop - these.start
+    minds.male[these] = males_of(shoal, number)
+    minds.likes[these] = [name in shoal.likes for name in HABITS]
+    _set_appetite(fishes, minds, these)
+    minds.digestion[these] = DIGESTION if shoal.digestion is None else shoal.digestion
+    minds.libido_rate[these] = LIBIDO_RATE if shoal.libido_rate is None else shoal.libido_rate
+    minds.dread[these] = DREAD_CM if shoal.dread_cm is None else shoal.dread_cm
+    hunger = rng.uniform(0, 0.6, number) if shoal.hunger is None else shoal.hunger
+    libido = rng.uniform(0, 0.3, number) if shoal.libido is None else shoal.libido
+    minds.eaten[these] = (1.0 - hunger) * minds.appetite[these]
+    set_libido(minds, these, hunger, libido, 0.0)
+
+
+def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: float) -> None:
+    """Apply the settings of an individual fish at `now_s`, the time of its hunger and libido.
+
+    A change of kind or sex clears what the fish and others know of each other.
+    """
+    i = one.fish
+    kind = minds.kind[i] if one.kind is None else KINDS.index(one.kind)
+    male = minds.male[i] if one.male is None else one.male
+    hunger = urge_to_eat(minds, i, now_s) if one.hunger is None else one.hunger
+    if kind != minds.kind[i] or male != minds.male[i]:
+        _forget_all(minds, i)
+        minds.kind[i], minds.male[i] = kind, male
+        _set_appetite(fishes, minds, i)
+    if one.likes is not None:
+        minds.likes[i] = [name in one.likes for name in HABITS]
+    for name, value in (
+        ("schools", one.schooling), ("digestion", one.digestion),
+        ("libido_rate", one.libido_rate), ("dread", one.dread_cm), ("appetite", one.appetite),
+    ):  # fmt: skip
+        if value is not None:
+            getattr(minds, name)[i] = value
+    if hunger != urge_to_eat(minds, i, now_s):
+        minds.eaten[i], minds.last_meal[i] = (1.0 - hunger) * minds.appetite[i], now_s
+    if one.libido is not None:
+        set_libido(minds, i, hunger, one.libido, now_s)
+
+
+def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
+    """Select the males of a shoal, spread evenly so that a shoal of two is a pair."""
+    males = np.floor(np.arange(1, number + 1) * shoal.male_share + 1e-9)
+    return np.asarray(np.diff(males, prepend=0.0) > 0)
+
+
+def appetite_of(length: Any, kind: Any) -> Any:
+    """Default number of meals that fill fishes of these lengths, cm, and kinds."""
+    meal_cm = np.where(kind == PREDATOR, PREY_CM, PLANKTON_CM)
+    return np.maximum(np.round(length / meal_cm), 2.0)
+
+
+def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
+    minds.appetite[these] = appetite_of(fishes.length[these], minds.kind[these])
+
+
+def urge_to_eat(minds: Minds, these: Any, now_s: float) -> Any:
+    """Hunger of one or more fishes without the stimulus of food in sight (Tu §7.4)."""
+    left = np.maximum(1.0 - minds.digestion[these] * (now_s - minds.last_meal[these]), 0.0)
+    return 1.0 - minds.eaten[these] * left / minds.appetite[these]
+
+
+def urge_to_mate(minds: Minds, these: Any, now_s: float) -> Any:
+    """Libido of fishes that are not hungry, without the stimulus of a mate in sight."""
+    since = now_s - minds.last_mating[these]
+    return np.clip(minds.libido_rate[these] * since, 0.0, 1.0)
+
+
+def set_hunger(minds: Minds, these: Any, hunger: Any, now_s: float) -> None:
+    """Set the hunger of fishes by time and size of their last meal; none of them chews."""
+    minds.last_meal[these] = now_s - DONE_CHEWING_S
+    left = np.maximum(1.0 - minds.digestion[these] * DONE_CHEWING_S, 0.05)
+    minds.eaten[these] = (1.0 - hunger) * minds.appetite[these] / left
+
+
+def set_libido(minds: Minds, these: Any, hunger: Any, libido: Any, now_s: float) -> None:
+    """Set the libido of fishes of that hunger by the time of their last mating."""
+    share = libido / np.maximum(1.0 - hunger, 0.1)
+    minds.last_mating[these] = now_s - share / np.maximum(minds.libido_rate[these], 1e-9)
+
+
+def _forget_all(minds: Minds, i: int) -> None:
+    """Clear all that others know of fish i and it of others: indices depend on its kind."""
+    forget(minds, i)
+    for name in ("target", "memory", "memory_target", "food"):
+        getattr(minds, name)[i] = -1
+    for name in ("predator", "predators", "mate", "mates", "partner"):
+        getattr(minds, name)[i] = NOBODY
+    minds.foods[i] = -1
+    minds.food_distance[i] = minds.mate_distance[i] = np.inf
+    minds.intention[i], minds.courtship[i] = WANDER, NO_COURTSHIP
+    for name in ("busy", "menace", "menaces", "courtship_time", "courtship_count", "alone"):
+        getattr(minds, name)[i] = 0.0
+    minds.resumed[i] = False

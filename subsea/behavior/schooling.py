@@ -13,7 +13,7 @@ from subsea.behavior.chasing import set_urge
 from subsea.behavior.detour import detour
 from subsea.behavior.leading import CLOSED, LOST_S, follow_leader
 from subsea.behavior.wandering import BOUND, redraw
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel

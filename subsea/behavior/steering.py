@@ -4,9 +4,8 @@ import numpy as np
 
 from subsea.base.arrays import Ints
 from subsea.behavior.chasing import set_urge
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, unit, vector
 from subsea.kernels import kernel
 from subsea.state import (

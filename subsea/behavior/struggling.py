@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
 from subsea.state import HOOKED, Clock, Fishes, Minds, Nature, Sea
 

@@ -5,10 +5,15 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.chasing import set_urge
 from subsea.behavior.leading import leaves_behind
-from subsea.geometry.height_field import height_at
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import from_pillar, from_rock, ray_meets_pillar, ray_meets_rock
+from subsea.geometry.solids import (
+    from_pillar,
+    from_rock,
+    height_at,
+    ray_meets_pillar,
+    ray_meets_rock,
+)
 from subsea.geometry.vector import Vector, dot, minus, norm, store, times, vector
 from subsea.kernels import kernel
 from subsea.state import Clock, Fishes, Minds, Nature, Sea

@@ -166,7 +166,7 @@ def run(options: Namespace) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from msgspec.structs import replace
 
-    from subsea.base.console import say
+    from subsea.base.progress import say
     from subsea.dive.settings import read_settings, settings_path, usual_settings
     from subsea.scenario.load import scenario_file
 
@@ -185,12 +185,12 @@ def run(options: Namespace) -> int:
         settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
     chosen = _dive_options(options, settings)
     if options.write_unit is not None:
-        from subsea.stage.service_unit import write_unit
+        from subsea.stage.service import write_unit
 
         out = None if options.write_unit == Path() else options.write_unit
         return write_unit(options.words, chosen, out)
     if options.console is not None:
-        from subsea.base.extras import require
+        from subsea.base.system import require
         from subsea.stage.console.options import console_options
 
         require("console", "--console")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from subsea.base.command_line import add_command
 from subsea.base.errors import UserError
-from subsea.base.extras import BASE_COMMAND, EXTRAS, install_command, missing_packages
+from subsea.base.system import BASE_COMMAND, EXTRAS, install_command, missing_packages
 
 if TYPE_CHECKING:
     from subsea.ui.monitors import Monitor
@@ -217,7 +217,7 @@ def _monitor(monitor: "Monitor") -> Finding:
 
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
-    from subsea.ui.system_packages import INSTALL
+    from subsea.ui.monitors import INSTALL
     from subsea.view.stereo import OTHER_STEREO
 
     try:

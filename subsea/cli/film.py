@@ -112,8 +112,7 @@ def run(options: Namespace) -> int:
         shared.refuse(options, BLUR, "film: {} cannot be combined with --eyes")
         return _film_eyes(options)
     shared.refuse(options, ("gaze", "field", "see-brightness"), "film: {} needs --eyes FISH")
-    from subsea.media.film import film
-    from subsea.media.film_options import TourFilmOptions
+    from subsea.media.film import TourFilmOptions, film
 
     shared.check_display_without_window(options.display)
     shared.settle_size(options)
@@ -139,7 +138,7 @@ def _exposure(options: Namespace) -> "Exposure":
 
 def _film_eyes(options: Namespace) -> int:
     from subsea.media.eye_frames import film_eyes
-    from subsea.media.film_options import EyeFilmOptions
+    from subsea.media.film import EyeFilmOptions
     from subsea.view.retina import FIELD_DEG, Gaze
 
     if options.display != "mono":

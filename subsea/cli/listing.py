@@ -50,7 +50,7 @@ def run(options: Namespace) -> int:
 
 
 def _scenarios() -> tuple[list[ListedFile], Path | None]:
-    from subsea.base.resources import resource_names
+    from subsea.base.system import resource_names
     from subsea.scenario.load import SHIPPED as FOLDER
     from subsea.scenario.load import load_scenario, own_scenarios, scenario_names
 
@@ -72,7 +72,7 @@ def _species() -> tuple[list[ListedFile], Path | None]:
 
 
 def _theatres() -> tuple[list[ListedFile], Path | None]:
-    from subsea.base.resources import resource_names
+    from subsea.base.system import resource_names
     from subsea.stage.theatre.load import load_theatre
     from subsea.stage.theatre.theatre_file import FOLDER
 
@@ -93,7 +93,7 @@ def _entries(
 
 def _hidden(folder: Path, shipped: list[str]) -> Iterator[ListedFile]:
     """Own files that no name leads to, because a shipped file has it."""
-    from subsea.base.resources import stems
+    from subsea.base.system import stems
 
     for name in stems(folder, ".toml"):
         if name in shipped:

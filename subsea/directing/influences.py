@@ -8,7 +8,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.hunting import STALK
 from subsea.behavior.mating import REST_S
-from subsea.behavior.temperament import HABITS, set_hunger, set_libido, urge_to_mate
+from subsea.behavior.mental_state import HABITS, set_hunger, set_libido, urge_to_mate
 from subsea.directing.script import Cast, Cue, DirectingContext, hunger_of, now_s
 from subsea.scenario.directions import INFLUENCES, MOVES, FishSelector
 from subsea.state import (

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.temperament import urge_to_eat
+from subsea.behavior.mental_state import urge_to_eat
 from subsea.scenario.directions import Direction, FishSelector, Shoals, numbers_of
 from subsea.scenario.schema import Scenario
 from subsea.state import Clock, Nature, State

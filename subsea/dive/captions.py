@@ -1,18 +1,23 @@
 """Captions of directions at the foot of the picture: text, opacity and layout.
 
 `ui/subtitles.py` draws them in a window, `draw_caption` on the pictures of a film.
+
+The last fault of a dive that went on, for its presenter and for monitors.
 """
 
 import re
+import time
 from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.base.fonts import CJK, font_of
-from subsea.base.language import translated
+from subsea.base.errors import printable
+from subsea.base.language import CJK, font_of, translated
+from subsea.base.progress import say
 from subsea.directing.director import latest
 from subsea.view.rig import CameraRig, Projection, front
 from subsea.view.text_viewports import text_viewports
@@ -137,3 +142,32 @@ def _sign(words: str, size: tuple[int, int]):  # type: ignore[no-untyped-def]
             layer = layer.filter(ImageFilter.GaussianBlur(blur * tall))
         sign = Image.alpha_composite(sign, layer)
     return sign
+
+
+class FaultState(msgspec.Struct, frozen=True):
+    """A fault, and how long ago it was."""
+
+    text: str
+    ago_s: float
+
+
+class FaultLog:
+    """Remembers the last fault."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """`clock` gives the time, s."""
+        self._clock, self._text, self._at_s = clock, "", 0.0
+
+    def add(self, text: str) -> None:
+        """Remember a fault that has just happened."""
+        self._text, self._at_s = printable(text), self._clock()
+
+    def say(self, text: str) -> None:
+        """Report a fault on the terminal, and remember it."""
+        say(text)
+        self.add(text)
+
+    @property
+    def state(self) -> FaultState | None:
+        """The last fault; None if there was none."""
+        return FaultState(self._text, round(self._clock() - self._at_s, 1)) if self._text else None

@@ -15,17 +15,27 @@ from subsea.base.errors import UserError, unknown
 from subsea.directing.director import latest
 from subsea.dive.captions import shown_s
 from subsea.dive.tour import DETOUR_CM, DETOURS, MARGIN_CM, Steer, Tour, hidden, steer_along
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import clearance, out_of_solids
+from subsea.habitat.contact import clearance, out_of_solids
 from subsea.scenario.directions import Camera, Direction
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.state import HULL_CM, Submarine
-from subsea.submarine.course import Course, angles_of, course_of, middle_of, rail_at
-from subsea.submarine.helm import STATION, Helm
-from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, keep_clear
-from subsea.submarine.rail import Rail, board
+from subsea.submarine.vessel import (
+    ACCELERATION_CM_S2,
+    AHEAD_CM_S,
+    STATION,
+    Course,
+    Helm,
+    Rail,
+    angles_of,
+    board,
+    course_of,
+    keep_clear,
+    middle_of,
+    rail_at,
+)
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 

@@ -7,10 +7,9 @@ import msgspec
 from subsea.base.language import translated
 from subsea.dive.settings import SoundSettings
 from subsea.sound.device import Open, Player, open_device
-from subsea.sound.listening import Head, at_rest, listener_of
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.moment import Moment, Sources, hear, side_of, sources_of
-from subsea.sound.space import Layout, layout_of
+from subsea.sound.space import Head, Layout, at_rest, layout_of, listener_of
 from subsea.world.world import TICK_S, World
 
 STEP = 0.1  # of the volume

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from subsea.base.console import say
+from subsea.base.progress import say
 from subsea.behavior.teleop import TeleopCommand
-from subsea.dive.clock import TickClock
-from subsea.dive.pilot import Pilot
-from subsea.dive.prediction import Prediction
+from subsea.dive.idle_timer import TickClock
+from subsea.dive.pilot import Pilot, Prediction
 from subsea.dive.presented import NOTHING, Presented
 from subsea.dive.timeline import Timeline
 from subsea.dive.tour import Steer
 from subsea.scenario.load import scenario_file, scenario_names
 from subsea.stage.theatre.theatre_file import Theatre
-from subsea.submarine.helm import NEUTRAL, Helm
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import NEUTRAL, Helm, Rail
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
 from subsea.world.step import Order
@@ -277,8 +275,8 @@ def tick_source_maker(
     cluster = theatre.cluster
     if node is None or cluster is None:
         return LocalTicks
-    from subsea.stage.cluster.credentials import credentials
     from subsea.stage.cluster.follower import Follower
+    from subsea.stage.cluster.link import credentials
     from subsea.stage.cluster.master import Master
 
     keys = credentials(cluster, theatre.nodes, node, path)

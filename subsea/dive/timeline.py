@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.language import translated
-from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
+from subsea.dive.idle_timer import MAX_TICKS_PER_FRAME, TickClock
 from subsea.world import snapshot
 from subsea.world.step import Order, step
-from subsea.world.tunables import Tunables, get_tunables, set_tunables
+from subsea.world.to_scenario import Tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
 
 RATES = (0.25, 0.5, 1.0, 2.0, 4.0)

@@ -20,10 +20,16 @@ from subsea.state import (
     PREDATOR,
     SINKING,
 )
-from subsea.submarine.course import Course, middle_of, rail_at
-from subsea.submarine.helm import Helm
-from subsea.submarine.hull import MAX_PITCH, hull_axes
-from subsea.submarine.rail import Rail, board
+from subsea.submarine.vessel import (
+    MAX_PITCH,
+    Course,
+    Helm,
+    Rail,
+    board,
+    hull_axes,
+    middle_of,
+    rail_at,
+)
 from subsea.world.world import TICK_S, World
 
 # Kinds of subjects, the most interesting first.

@@ -22,23 +22,22 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.base.disk_cache import cache_folder
+from subsea.base.files import make_own_folder
 from subsea.base.language import marked
-from subsea.base.own_files import make_own_folder
-from subsea.base.processors import cores
+from subsea.base.system import cores
 from subsea.behavior.table import run_routine
 from subsea.frame.packet import pack
-from subsea.geometry.height_field import height_at
-from subsea.habitat.stone_shade import SUN
+from subsea.geometry.solids import height_at
+from subsea.habitat.stone import SUN
 from subsea.jobs.background import CancelledByUserError
 from subsea.kernels.source_stamp import ROOT, source_stamp
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
-from subsea.sound.listening import listener_of
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
-from subsea.sound.space import LAYOUTS
+from subsea.sound.space import LAYOUTS, listener_of
 from subsea.state import Clock, Reef, empty
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
 from subsea.world.build import create_world
@@ -60,8 +59,8 @@ def _scenery() -> None:
     from subsea.rendering.gl.static_batch import bounding_spheres, gather, levels_in_sight
     from subsea.rendering.reef.rocks import overgrown
     from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
-    from subsea.rendering.sea.bubbles import in_sight
     from subsea.rendering.sea.ground_map import with_growths
+    from subsea.rendering.sea.particles import in_sight
     from subsea.rendering.sea.seabed import surroundings
 
     sand, pillars = Sand(np.zeros((2, 2), np.float32), 100.0), np.zeros((0, 4))

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
-from subsea.base.resources import is_path
+from subsea.base.system import is_path
 from subsea.export.drawn_surface import Surface
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.color_sheet import sheet_of
-from subsea.fish.coupling import couple, place
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
 from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix, multiply, normalised

@@ -7,7 +7,7 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.cli import options as shared
-from subsea.export.packed import COMPRESSIONS, PLAIN
+from subsea.export.glb import COMPRESSIONS, PLAIN
 
 
 def add(commands: Any) -> None:
@@ -103,8 +103,7 @@ def run(options: Namespace) -> int:
     """Export the scene."""
     from subsea.export.dive_scene import export_scene
     from subsea.export.recording import SceneFilmOptions
-    from subsea.export.scene import GROUPS
-    from subsea.export.scene_writer import SceneOptions
+    from subsea.export.scene import GROUPS, SceneOptions
 
     if options.record is not None:
         given = [name for name in ("changes", "seed", "fish") if getattr(options, name)]

@@ -7,25 +7,22 @@ from pathlib import Path
 import numpy as np
 
 from subsea.base import interrupts
-from subsea.base.console import count_noun, say
 from subsea.base.errors import UserError, unknown
-from subsea.base.input_files import file_hash
+from subsea.base.files import file_hash
+from subsea.base.progress import count_noun, say
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.start import ready_world
+from subsea.dive.options import ready_world
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
-from subsea.export.scene import GROUPS, Scene
-from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
+from subsea.export.scene import GROUPS, Scene, SceneExtent, SceneOptions, SceneWriter
 from subsea.export.statics import moment_of, static_meshes
 from subsea.export.writers import writer_of
 from subsea.fish.mesh import DETAILS, fish_mesh
-from subsea.media.film_timing import film_length_s, instants, reach
+from subsea.media.film import film_length_s, instants, reach
 from subsea.media.frame_writers import frame_rate
 from subsea.media.record import Record, read_origin, read_record
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import find_fish, load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.submarine.helm import NEUTRAL, Helm
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import NEUTRAL, Helm, Rail
 from subsea.view.display_rigs import cockpit
 from subsea.world.populate import with_total
 from subsea.world.world import World

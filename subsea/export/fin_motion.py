@@ -12,7 +12,7 @@ from subsea.base.arrays import Array
 from subsea.fish.species import Species
 from subsea.motor.controller import CSTART_TEMPO
 from subsea.motor.fins import flap
-from subsea.motor.segments import FAST, SLOW, STOP, is_cstart
+from subsea.motor.playback import FAST, SLOW, STOP, is_cstart
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import pack
 from subsea.state import Fishes, empty

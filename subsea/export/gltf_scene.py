@@ -12,11 +12,12 @@ import numpy as np
 from tqdm import tqdm
 
 from subsea.base.arrays import Array
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, check_result
+from subsea.base.files import replacing
 from subsea.export.axes import METRES, Y_UP, to_metres
-from subsea.export.gltf_parts import (
+from subsea.export.glb import MESHOPT, PLAIN, QUANTISED, packing_of
+from subsea.export.gltf import (
     Json,
     KeyTrack,
     add_bind,
@@ -28,18 +29,16 @@ from subsea.export.gltf_parts import (
     joint_tracks,
 )
 from subsea.export.gltf_scene_file import SceneFile
-from subsea.export.packed import MESHOPT, PLAIN, QUANTISED
-from subsea.export.packing import packing_of
-from subsea.export.scene import Scene
-from subsea.export.scene_vat import add_textures, check_textures, texture_bytes
-from subsea.export.scene_writer import (
+from subsea.export.scene import (
     OF_GLTF,
+    Scene,
     SceneExtent,
     SceneOptions,
     SceneWriter,
     check_options,
 )
 from subsea.export.skinning import fit_to_points, follow, off_percent
+from subsea.export.vat import add_textures, check_textures, texture_bytes
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
 CHUNK = 64  # frames of a fish at once

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input, replacing
 from subsea.biomechanics.body import Floats
 from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire

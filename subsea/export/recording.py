@@ -32,8 +32,7 @@ from subsea.frame.packet import (
     pack,
 )
 from subsea.geometry.rotation import from_matrix
-from subsea.media.film_options import FilmOptions
-from subsea.media.film_timing import reach
+from subsea.media.film import FilmOptions, reach
 from subsea.repertoire import read_repertoire
 from subsea.view.camera import FAR_CM, NEAR_CM
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit, display_rig

@@ -15,15 +15,14 @@ from subsea.export.scene import SceneMesh
 from subsea.export.seaweed_mesh import frond_meshes
 from subsea.frame.in_sight import leaf_texels
 from subsea.frame.packet import RenderScene, make_scene
-from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS
-from subsea.habitat.stone_shade import sun_at
+from subsea.habitat.stone import sun_at
+from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.textures import tileable_noise
-from subsea.rendering.reef import rock_mesh
-from subsea.rendering.reef.coral import PlacedGrowths, contact
-from subsea.rendering.reef.coral_looks import ALGAE, DULL, LOOKS, tints
+from subsea.rendering.reef import rocks as rock_mesh
+from subsea.rendering.reef.coral import ALGAE, DULL, LOOKS, PlacedGrowths, contact, tints
+from subsea.rendering.reef.coral_kinds import LEVELS, forms
 from subsea.rendering.reef.coral_mesh import CoralMesh
-from subsea.rendering.reef.coral_shapes import LEVELS, forms
 from subsea.rendering.reef.rocks import overgrown
 from subsea.rendering.sea.ground_map import with_growths
 from subsea.rendering.sea.seabed import standing, surface, surroundings

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
-from subsea.base.extras import require
+from subsea.base.files import replacing
+from subsea.base.system import require
 from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root, first_frames
 from subsea.export.png import sheet_png

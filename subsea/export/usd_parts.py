@@ -1,15 +1,22 @@
 """Parts of USD stages that species and scenes share: units, meshes, motion and materials.
 
 Units are metres, y is up and the head of a fish along +z, as in glTF.
+
+Packages of a USD stage and its textures: .usdz.
 """
 
-from collections.abc import Iterable
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
+from subsea.base.errors import UserError
+from subsea.base.files import replacing
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import ROUGHNESS, Model, transparent_triangles
 from subsea.export.licence import copyright_line
@@ -205,3 +212,27 @@ def identifier(name: str) -> str:
     from pxr import Tf
 
     return str(Tf.MakeValidIdentifier(name))
+
+
+ZIP_EPOCH_S = 315_619_200  # 1980-01-02, after the first day that a package can hold
+
+
+def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
+    """Write the package `out` of what `fill` writes into a folder; it returns the stage there.
+
+    UserError if it cannot be written. The same content gives the same bytes.
+    """
+    from pxr import Sdf, UsdUtils
+
+    with (
+        replacing(out) as part,
+        tempfile.TemporaryDirectory(prefix=part.name, dir=part.parent) as name,
+    ):
+        folder = Path(name)
+        stage = fill(folder)
+        for path in folder.iterdir():  # a package holds these times
+            os.utime(path, (ZIP_EPOCH_S, ZIP_EPOCH_S))
+        package = folder / "package.usdz"
+        if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
+            raise UserError("cannot write the package", file=out)
+        package.replace(part)

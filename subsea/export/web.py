@@ -4,6 +4,11 @@ The page draws `scene.glb` with three.js, which lies outside this project: the f
 `assets/web/package.json` declares it, and the folder gets its modules and its licence. The dive's
 own shader code computes the light in the water (`shaders/optics.glsl`), with the values that
 `rendering.output.daylight` gives for the scenario.
+
+All words of the page of an exported scene, by the names that it gives them.
+
+`{{name}}` in `assets/web/index.html` stands for one; its script has all languages in `scene.json`.
+They are English and are translated when a scene is written.
 """
 
 import base64
@@ -13,6 +18,7 @@ import json
 import re
 import shlex
 import sys
+from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -20,16 +26,15 @@ from typing import Any
 
 import numpy as np
 
-from subsea.base.atomic_io import check_folder, is_folder, replacing
 from subsea.base.errors import UserError
-from subsea.base.resources import own_path, resource_path
+from subsea.base.files import check_folder, is_folder, replacing
+from subsea.base.language import LANGUAGES, translated
+from subsea.base.system import own_path, resource_path
 from subsea.export.axes import WORLD_Y_UP
+from subsea.export.glb import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.licence import copyright_line
-from subsea.export.packed import MESHOPT, PLAIN, QUANTISED
-from subsea.export.scene import Scene
-from subsea.export.scene_writer import SceneExtent, SceneOptions, SceneWriter
-from subsea.export.web_words import WORDS, words_by_language
+from subsea.export.scene import Scene, SceneExtent, SceneOptions, SceneWriter
 from subsea.fish.species import load_species
 from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
@@ -37,6 +42,41 @@ from subsea.rendering.gl.uniforms import TIDE_S
 from subsea.rendering.output.daylight import light_uniforms
 from subsea.rendering.output.target import gain
 from subsea.scenario.schema import Grade, Water
+
+WORDS = {
+    "skip": "Skip to the list of fishes",
+    "sea": "The sea",
+    "loading": "Loading the sea …",
+    "loaded": "Loaded",
+    "script": "This page needs JavaScript.",
+    "webgl": "This browser or its settings do not allow WebGL 2, with which the sea is drawn. "
+    "The file can still be downloaded.",
+    "lost": "The graphics driver has stopped. Load the page again.",
+    "failed": "The scene could not be loaded.",
+    "fishes": "Fishes",
+    "play": "Play",
+    "pause": "Pause",
+    "time": "Time",
+    "view": "View",
+    "film": "As filmed",
+    "orbit": "Around a place",
+    "fly": "Fly",
+    "about": "Help and licence",
+    "help": "Drag to look around, scroll or pinch to go nearer. Keys: arrows turn, W and S go "
+    "ahead and back, A and D aside, E and Q up and down, space plays, Escape lets a fish go.",
+    "download": "Download the scene (glTF, {size} MB)",
+}
+
+
+def words_by_language(names: Iterable[str] = ()) -> dict[str, dict[str, Any]]:
+    """The words in every language, by its code, and its `names` of the scene and its species."""
+    known = tuple(names)
+    return {
+        code: {name: translated(text, code) for name, text in WORDS.items()}
+        | {"names": {name: translated(name, code) for name in known}}
+        for code in LANGUAGES
+    }
+
 
 SCENE, ABOUT = "scene.glb", "scene.json"
 PAGE = ("viewer.js", "viewer.css", "water.js", "flight.js", "fishes.js", "icon.svg")

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from subsea.base.errors import unknown
-from subsea.export.scene_writer import SceneWriter
+from subsea.export.scene import SceneWriter
 
 
 def _usd() -> SceneWriter:

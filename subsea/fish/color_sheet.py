@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from subsea.base.arrays import Bytes
-from subsea.base.atomic_io import replacing
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
-from subsea.base.input_files import check_input
+from subsea.base.files import check_input, replacing
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.fish import paint, sheet_layout

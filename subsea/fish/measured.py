@@ -7,7 +7,7 @@ import msgspec
 
 from subsea.base.errors import unknown
 from subsea.base.findings import RangeCheck
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.base.toml_files import error_at, load_toml
 
 FILE = "swimming.toml"

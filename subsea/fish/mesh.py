@@ -25,7 +25,7 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
-from subsea.geometry.spline import DEGREE, Table, basis_table, decimated
+from subsea.geometry.curves import DEGREE, Table, basis_table, decimated
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 HEAD = 9  # samples of the finest table along the body that belong to the head

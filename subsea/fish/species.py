@@ -8,11 +8,11 @@ import msgspec
 from msgspec import structs
 
 from subsea.base.errors import UserError, unknown
-from subsea.base.resources import is_path, own_path, resource_names, resource_path, stems
+from subsea.base.system import is_path, own_path, resource_names, resource_path, stems
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.rowing import RowPlan
-from subsea.biomechanics.stability import check_step
+from subsea.biomechanics.solver import check_step
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import Curve, Extent, Share, SurfacePlan
 

@@ -14,8 +14,8 @@ import msgspec
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.fish.coupling import CouplingMethod
-from subsea.geometry.spline import greville, through
+from subsea.fish.skinning import CouplingMethod
+from subsea.geometry.curves import greville, through
 
 U, V = 9, 21
 FIN_U, FIN_V = 2, 12

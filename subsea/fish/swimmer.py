@@ -10,13 +10,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import MUSCLES, Body, build_body
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import MUSCLES, Body, body_frame, build_body
 from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, swim_contraction
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_S
-from subsea.fish.coupling import couple, place
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species
 from subsea.fish.spine import (
     MIDDLES,

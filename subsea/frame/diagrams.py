@@ -3,11 +3,15 @@
 The drawing modes of Tu's general control, and a few more. Diagrams of fishes are drawn for those in
 sight, the largest in the picture first and at most MOST of them; that of the chosen fish is
 stronger than others.
+
+Lines in the world, for diagrams.
+
+Labels: text at points in the world, and their positions in pictures.
 """
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,19 +19,8 @@ from subsea.base.arrays import Array, Ints
 from subsea.base.errors import unknown
 from subsea.biomechanics.body import KINDS, UNITS
 from subsea.fish.surface import DORSAL, FIN_U, FIN_V, LEFT, RIGHT, VENTRAL, U, V
-from subsea.frame.labels import Label
-from subsea.frame.lines import (
-    NO_LINES,
-    ROUND,
-    Lines,
-    arc,
-    faded,
-    frustum_edges,
-    join_lines,
-    make_lines,
-)
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
+from subsea.geometry.solids import height_at
 from subsea.motor.pose import pose_at
 from subsea.perception.collision import ANTENNA_BL, ENLARGED, sensitivity
 from subsea.perception.vision import FIELD_COS
@@ -44,7 +37,112 @@ from subsea.view.retina import (
     retina_rig,
     retinal_views,
 )
+from subsea.view.rig import CameraRig, Projection
 from subsea.world.world import World
+
+ROUND = 48  # pieces of a circle
+
+
+class Lines(NamedTuple):
+    """k straight lines in the world."""
+
+    ends: Array  # (k, 2, 3) float32, cm
+    colours: Array  # (k, 4) float32: sRGB as on the screen; opacity
+    # (k,) float32, cm by which the depth test moves a line toward the eye, so that lines within a
+    # body show.
+    lift: Array
+
+
+NO_LINES = Lines(
+    np.zeros((0, 2, 3), np.float32), np.zeros((0, 4), np.float32), np.zeros(0, np.float32)
+)
+
+
+def join_lines(parts: Iterable[Lines]) -> Lines:
+    """The lines of all parts."""
+    return Lines(*(np.concatenate(column) for column in zip(NO_LINES, *parts, strict=True)))
+
+
+def make_lines(ends: Any, colours: Any, lift: Any = 0.0) -> Lines:
+    """Opaque lines of one colour or of (…, 3) colours."""
+    placed = np.asarray(ends, np.float32).reshape(-1, 2, 3)
+    tinted = np.ones((len(placed), 4), np.float32)
+    tinted[:, :3] = np.asarray(colours, np.float32).reshape(-1, 3)
+    lifted = np.broadcast_to(np.asarray(lift, np.float32), len(placed))
+    return Lines(placed, tinted, lifted)
+
+
+def faded(parts: Iterable[Lines], opacity: float) -> list[Lines]:
+    """Parts with their opacity multiplied."""
+    share = np.array([1.0, 1.0, 1.0, opacity], np.float32)
+    return [part._replace(colours=part.colours * share) for part in parts]
+
+
+def arc(middle: Array, radius: float, a: Array, b: Array, low: float, high: float) -> Array:
+    """An arc of lines (ROUND, 2, 3) from `low` to `high` rad, from unit vector a toward b."""
+    turn = np.linspace(low, high, ROUND + 1)[:, None]
+    points = middle + radius * (np.cos(turn) * a + np.sin(turn) * b)
+    return np.stack([points[:-1], points[1:]], axis=1)
+
+
+def frustum_edges(view: View, reach_cm: float) -> Array:
+    """Edges (8, 2, 3), cm, of a frustum: four from the eye, four around its end at `reach_cm`."""
+    inverse = np.linalg.inv(view.projection.astype(np.float64) @ view.view.astype(np.float64))
+    corners = np.array([(-1, -1, 1, 1), (1, -1, 1, 1), (1, 1, 1, 1), (-1, 1, 1, 1)]) @ inverse.T
+    rays = corners[:, :3] / corners[:, 3:] - view.eye
+    ahead = -view.view[2, :3].astype(np.float64)
+    ends = view.eye + reach_cm * rays / (rays @ ahead)[:, None]
+    edges = [(view.eye, end) for end in ends]
+    return np.array(edges + [(ends[k - 1], ends[k]) for k in range(4)])
+
+
+class Label(NamedTuple):
+    """Text at a point in the world."""
+
+    place: Array  # (3,) cm
+    text: str
+
+
+class PlacedLabel(NamedTuple):
+    """A label in a finished picture."""
+
+    output: int
+    x: float  # pixels from the left and from the top, of the middle of its lower edge
+    y: float
+    text: str
+
+
+def place_labels(
+    rig: CameraRig, views: Sequence[View], labels: Sequence[Label]
+) -> list[PlacedLabel]:
+    """Place labels on the flat patches of a rig that draws these `views`, the farthest first."""
+    found = []
+    for patch in rig.patches:
+        view = next((one for one in views if one.viewport == patch.left), None)
+        if view is None or patch.shape != Projection.FLAT:
+            continue
+        x, y, width, height = patch.place
+        top = rig.outputs[patch.output][1]
+        for distance, across, up, text in projected(view, labels):
+            at = PlacedLabel(patch.output, x + width * across, top - y - height * up, text)
+            found.append((distance, at))
+    return [at for _, at in sorted(found, key=lambda pair: -pair[0])]
+
+
+def projected(view: View, labels: Sequence[Label]) -> list[tuple[float, float, float, str]]:
+    """Distance in cm, x and y in shares of the viewport from its lower left, and text of labels."""
+    if not labels:
+        return []
+    places = np.array([label.place for label in labels])
+    both = view.projection.astype(np.float64) @ view.view.astype(np.float64)
+    clip = np.concatenate([places, np.ones((len(places), 1))], axis=1) @ both.T
+    inside = (clip[:, 3] > 0.0) & (np.abs(clip[:, :2]) <= clip[:, 3:]).all(axis=1)
+    shares = 0.5 + 0.5 * clip[:, :2] / np.where(inside, clip[:, 3], 1.0)[:, None]
+    return [
+        (float(clip[k, 3]), float(shares[k, 0]), float(shares[k, 1]), labels[k].text)
+        for k in np.flatnonzero(inside).tolist()
+    ]
+
 
 Colour = tuple[float, float, float]  # sRGB as on the screen, 0 to 1
 

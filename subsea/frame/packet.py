@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
-from subsea.fish.coupling import Coupling, place
+from subsea.fish.skinning import Coupling, place
 from subsea.fish.species import Species
+from subsea.frame.diagrams import NO_LINES, Lines
 from subsea.frame.in_sight import (
     LEAF_TEXELS,
     LeafLimits,
@@ -18,7 +19,6 @@ from subsea.frame.in_sight import (
     leaves_in_sight,
     plankton_in_sight,
 )
-from subsea.frame.lines import NO_LINES, Lines
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.motor.pose import pose_at

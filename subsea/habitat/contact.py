@@ -2,6 +2,10 @@
 
 Fishes steer clear of both (`behavior/steering.py`). One that comes too fast to turn, or turns from
 one stone into another, slides along what it touches.
+
+Distances of places from pillars and rocks, and the way out of these.
+
+Separation of bodies from each other, by water drift.
 """
 
 import math
@@ -9,12 +13,147 @@ import math
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
-from subsea.geometry.vector import Vector, norm, plus, times, vector
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
+from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
-from subsea.state import Fishes, Sea
+from subsea.state import APPROACHING, NOBODY, PREDATOR, Fishes, Minds, Sea
+
+MAX_STEPS = 12  # most steps out of overlapping solids
+
+
+@kernel
+def clearance(pillars: Array, rocks: Array, p: Vector) -> float:
+    """Distance of p from the nearest solid (cm, negative inside); infinite without solids."""
+    nearest = np.inf
+    for k in range(len(pillars)):
+        nearest = min(nearest, from_pillar(pillars[k], p)[1])
+    for k in range(len(rocks)):
+        nearest = min(nearest, from_rock(rocks[k], p)[1])
+    return nearest
+
+
+@kernel
+def clearances(pillars: Array, rocks: Array, places: Array) -> Array:
+    """Distances (n,) of places (n, 3) from the nearest solid, cm."""
+    far = np.empty(len(places))
+    for k in range(len(places)):
+        far[k] = clearance(pillars, rocks, vector(places[k]))
+    return far
+
+
+@kernel
+def is_free(pillars: Array, rocks: Array, p: Vector) -> bool:
+    """True if p lies in no solid; cheaper than `clearance`."""
+    for k in range(len(pillars)):
+        x, y, radius, top = pillars[k]
+        if p[2] < top and (p[0] - x) ** 2 + (p[1] - y) ** 2 < radius * radius:
+            return False
+    for k in range(len(rocks)):
+        reach = max(rocks[k, 3], rocks[k, 4])
+        near = abs(p[0] - rocks[k, 0]) < reach and abs(p[1] - rocks[k, 1]) < reach
+        near = near and abs(p[2] - rocks[k, 2]) < rocks[k, 5]
+        if near and from_rock(rocks[k], p)[1] < 0.0:
+            return False
+    return True
+
+
+@kernel
+def out_of_solids(sea: Sea, p: Vector, room: float, above: float, below: float) -> Vector:
+    """A place near p that keeps `room` cm off every solid.
+
+    It is at least `above` cm over the floor and `below` cm under the surface. Returns the last
+    place tried if solids stand too close for that.
+    """
+    for _ in range(MAX_STEPS):
+        moved = False
+        for k in range(len(sea.pillars)):
+            x, y, radius, top = sea.pillars[k]
+            if top + room > -below:  # no way over it
+                top = np.inf
+            way, gap = from_pillar((x, y, radius, top), p)
+            if gap < room:
+                p, moved = plus(p, times(room - gap + 0.1, way)), True
+        for k in range(len(sea.rocks)):
+            way, gap = from_rock(sea.rocks[k], p)
+            if gap < room:
+                ground = height_at(sea.heights, sea.half_width, p[0], p[1])
+                roof = sea.rocks[k, 2] - sea.rocks[k, 5]
+                if way[2] < 0.0 and roof < ground + above + room:  # aside, not into the ground
+                    level = (way[0], way[1], 0.0)
+                    way = times(1.0 / max(norm(level), 1e-3), level)
+                p, moved = plus(p, times(room - gap + 0.1, way)), True
+        floor = height_at(sea.floor, sea.half_width, p[0], p[1])
+        height = min(max(p[2], floor + above), -below)
+        if height != p[2]:  # which may have brought it to a solid
+            p, moved = (p[0], p[1], height), True
+        if not moved:
+            break
+    return p
+
+
+GAP_BL = 0.12  # gap between skins, over the longer body, where separation begins
+FULL_CM_S = 6.0  # speed at which touching bodies are pushed apart
+FAR = 1.001  # share of the reach of two bodies beyond which they surely do not touch
+CLOSEST = 2  # neighbours considered, besides the threat
+
+
+@kernel
+def separate(who: Ints, fishes: Fishes, minds: Minds) -> None:
+    """Add to the drift of the fishes `who` what parts them from bodies that they nearly touch.
+
+    Not for courting partners, nor for predators and their prey.
+    """
+    for i in who:
+        if not fishes.alive[i] or minds.courtship[i] > APPROACHING or minds.kind[i] == PREDATOR:
+            continue
+        for k in range(CLOSEST + 1):
+            j = minds.neighbour[i, k] if k < CLOSEST else minds.threat[i]
+            felt = k == CLOSEST and (j == minds.neighbour[i, 0] or j == minds.neighbour[i, 1])
+            if j == NOBODY or felt or not fishes.alive[j] or minds.kind[j] == PREDATOR:
+                continue
+            longer = max(fishes.length[i], fishes.length[j])
+            touching = 0.25 * (
+                fishes.girth[i, 0] + fishes.girth[i, 1] + fishes.girth[j, 0] + fishes.girth[j, 1]
+            )
+            reach = _half(fishes, i) + _half(fishes, j) + touching + GAP_BL * longer
+            apart = minus(vector(fishes.position[i]), vector(fishes.position[j]))
+            if dot(apart, apart) > (FAR * reach) ** 2:
+                continue  # most are
+            away = _between(fishes.position, fishes.orientation, fishes.snout, fishes.length, i, j)
+            distance = norm(away)
+            close = 1.0 - (distance - touching) / (GAP_BL * longer)
+            if close > 0.0 and distance > 1e-6:
+                speed = FULL_CM_S * min(close, 1.0) / distance
+                for axis in range(3):
+                    fishes.drift[i, axis] += np.float32(speed * away[axis])
+
+
+@kernel
+def _half(fishes: Fishes, i: int) -> float:
+    """Distance of the farther end of the centre line from the origin of fish i, cm."""
+    snout = float(fishes.snout[i])
+    return max(abs(snout), abs(snout - float(fishes.length[i])))
+
+
+@kernel
+def _between(
+    position: Array, orientation: Array, snout: Array, length: Array, i: int, j: int
+) -> Vector:
+    """From the nearest point of the straight centre line of j to that of i, cm."""
+    a, b = x_axis(orientation[i]), x_axis(orientation[j])
+    half_a, half_b = 0.5 * float(length[i]), 0.5 * float(length[j])
+    middle_a = plus(vector(position[i]), times(float(snout[i]) - half_a, a))
+    middle_b = plus(vector(position[j]), times(float(snout[j]) - half_b, b))
+    gap = minus(middle_a, middle_b)
+    # The closest points of two lines, each then held to its body.
+    slant, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)
+    square = max(1.0 - slant * slant, 1e-6)
+    s = min(max((slant * along_b - along_a) / square, -half_a), half_a)
+    t = min(max(slant * s + along_b, -half_b), half_b)
+    s = min(max(slant * t - along_a, -half_a), half_a)
+    return minus(plus(gap, times(s, a)), times(t, b))
+
 
 TOUCH_CM, TOUCH_BL = 3.0, 0.06  # gap of a touching body, with room for its bends
 OUT_PER_S = 6.0  # outward speed per cm of a gap that is too small

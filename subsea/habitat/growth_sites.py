@@ -10,11 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
-from subsea.habitat.clearance import clearances
+from subsea.habitat.contact import clearances
 from subsea.habitat.formations import stone_keys
-from subsea.habitat.mounds import FOOT, RADIUS_CM, dome, variant_of
-from subsea.habitat.stone_samples import samples
-from subsea.habitat.terrain import heights_at
+from subsea.habitat.stone import samples
+from subsea.habitat.terrain import FOOT, RADIUS_CM, dome, heights_at, variant_of
 from subsea.scenario.schema import ReefTable
 from subsea.state import Sea
 

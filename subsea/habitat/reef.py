@@ -7,7 +7,7 @@ import numpy as np
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.disk_cache import cached
 from subsea.geometry.vector import dot, minus, store, vector
-from subsea.habitat.clearance import clearances
+from subsea.habitat.contact import clearances
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.growth_sites import (
     AXIS,
@@ -33,8 +33,7 @@ from subsea.habitat.growth_sites import (
     on_stones,
     rock_spots,
 )
-from subsea.habitat.mounds import FOOT, HEIGHT, RADIUS_CM
-from subsea.habitat.terrain import heights_at
+from subsea.habitat.terrain import FOOT, HEIGHT, RADIUS_CM, heights_at
 from subsea.kernels import kernel
 from subsea.scenario.schema import CoralTable, ReefTable, Scenario
 from subsea.state import Reef, Sea

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.disk_cache import cached
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.habitat import hook, plankton
 from subsea.habitat.rocks import Floor, rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain

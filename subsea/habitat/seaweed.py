@@ -4,14 +4,13 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.disk_cache import cached
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, times, vector
-from subsea.habitat.bow_wave import bow_wave
-from subsea.habitat.clearance import clearance
-from subsea.habitat.current import flow_near
+from subsea.habitat.contact import clearance
+from subsea.habitat.current import bow_wave, flow_near
 from subsea.habitat.formations import formations, stone_above
 from subsea.habitat.reef import MOUND, RUBBLE
-from subsea.habitat.rock_cells import RockCells
+from subsea.habitat.rocks import RockCells
 from subsea.kernels import kernel
 from subsea.scenario.schema import Scenario
 from subsea.scenario.schema import SeaweedTable as Group

@@ -7,7 +7,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from subsea.base.errors import UserError
-from subsea.base.extras import require
+from subsea.base.system import require
 from subsea.jobs.workers import POLL_S, Check, K, Pool, Results, Work
 
 CONNECT_S = 4.0

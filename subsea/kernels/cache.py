@@ -27,7 +27,7 @@ import numpy as np
 from numba.core import caching
 from numba.core.registry import cpu_target
 
-from subsea.base.own_files import make_own_folder, open_own
+from subsea.base.files import make_own_folder, open_own
 from subsea.kernels.source_stamp import ROOT, source_stamp
 
 SHIPPED = ROOT / "subsea" / "_data" / "kernels"

@@ -14,7 +14,7 @@ from typing import Any
 
 from subsea.base.arrays import Ints
 from subsea.base.errors import UserError
-from subsea.base.processors import cores
+from subsea.base.system import cores
 
 VARIABLE = "SUBSEA_THREADS"
 MOST_THREADS = 256

@@ -1,25 +1,139 @@
-"""`subsea study` of several records: the measures of each group, with their uncertainty."""
+"""`subsea study` of several records: the measures of each group, with their uncertainty.
+
+The plot of a comparison: a panel for each of the main measures.
+
+The measures of a record as one row of numbers, for tables.
+"""
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from statistics import fmean, stdev
-from typing import NamedTuple
+from textwrap import shorten
+from typing import Any, NamedTuple
 
 from subsea.base import interrupts
-from subsea.base.atomic_io import replacing
-from subsea.base.console import count_noun
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result
-from subsea.base.plot_files import check_plots, write_plots
-from subsea.base.progress import progress
-from subsea.lab.comparison_plot import PLOT, comparison_page
-from subsea.lab.flat_measures import Row, flat_measures
+from subsea.base.files import replacing
+from subsea.base.progress import count_noun, progress
+from subsea.base.report_files import check_plots, write_plots
+from subsea.lab.plots import LINES
 from subsea.lab.report import MEASURES, measure, refuse_clashes
+from subsea.lab.table import Measured
 from subsea.media.record import Origin, read_origin, read_record
+
+Row = dict[str, float | None]  # None: nothing to measure
+
+# Of several schools these are added, or the largest is taken; of others the mean.
+_SUMS = "fishes", "splits", "not_rejoined"
+_MOST = "longest_split_s"
+_OF_SCHOOLS = (
+    "fishes", "cruising_share", "polarisation_median", "polarisation_p5", "nearest_bl.p5",
+    "nearest_bl.p50", "nearest_bl.p95", "splits", "longest_split_s", "not_rejoined",
+)  # fmt: skip
+_INPUTS = "seed", "ticks"
+
+
+def flat_measures(found: Measured) -> Row:
+    """The numbers of `subsea.lab.report.measure` by name, such as ``sea.overlap_share``.
+
+    docs/reference/records.md lists them. Names of species are in lower case with underscores.
+    Texts and lists of single events are left out.
+    """
+    row = {name: value for name, value in _numbers(found).items() if name not in _INPUTS}
+    schools = [_numbers(school) for school in found["schools"]]
+    row["schools.number"] = float(len(schools))
+    for name in _OF_SCHOOLS:
+        values = [value for one in schools if (value := one[name]) is not None]
+        if name in _SUMS:
+            row[f"schools.{name}"] = sum(values, 0.0)
+        else:
+            whole = max if name == _MOST else fmean
+            row[f"schools.{name}"] = round(whole(values), 6) if values else None
+    return row
+
+
+def _numbers(found: Any, prefix: str = "") -> Row:
+    row: Row = {}
+    for key, value in found.items():
+        name = f"{prefix}{key}".lower().replace(" ", "_")
+        if isinstance(value, dict):
+            row |= _numbers(value, f"{name}.")
+        elif value is None or isinstance(value, int | float):
+            row[name] = None if value is None else float(value)
+    row.pop("sea.least_clearance_from", None)  # a text, or None
+    return row
+
+
+PLOT = "comparison.png"
+COLUMNS = 4
+PANELS = {
+    "minds.changes_per_second": "changes of intention per second",
+    "minds.escapes": "escapes",
+    "minds.hunger_saturated_share": "hunger saturated, share",
+    "captures.lost": "eaten or landed",
+    "mating.courtships": "courtships",
+    "mating.complete": "complete courtships",
+    "food.meals": "meals",
+    "food.plankton_end": "plankton at the end",
+    "sea.least_clearance_cm": "least clearance, cm",
+    "sea.overlap_share": "bodies overlap, share",
+    "schools.cruising_share": "schools: cruising, share",
+    "schools.polarisation_median": "schools: polarisation",
+    "schools.nearest_bl.p50": "schools: nearest neighbour, BL",
+    "schools.splits": "schools: splits",
+}
+"""Measures and the titles of their panels."""
+
+
+def comparison_page(
+    page: Any, groups: Sequence[tuple[str, Sequence[Row]]], estimates: Sequence[Mapping[str, Any]]
+) -> None:
+    """Draw the records of each group as points, with the mean and its confidence interval.
+
+    `groups` are labels and rows, `estimates` those of each group by measure. Measures that
+    are equal in all records have no panel.
+    """
+    from matplotlib.lines import Line2D
+
+    everyone = [row for _, rows in groups for row in rows]
+    names = [name for name in PANELS if len({row.get(name) for row in everyone}) > 1] or ["fishes"]
+    down = -(-len(names) // COLUMNS)
+    width = 2.6 * min(COLUMNS, len(names))
+    legend = 0.25 * len(groups) + 0.2
+    page.set_size_inches(max(width, 6.5), 2.2 * down + legend)
+    axes = page.subplots(down, min(COLUMNS, len(names)), squeeze=False)
+    for panel, name in zip(axes.flat, names, strict=False):
+        panel.set_title(PANELS.get(name, name))
+        panel.set_xticks(range(len(groups)), [str(k + 1) for k in range(len(groups))])
+        panel.set_xlim(-0.6, len(groups) - 0.4)
+        for k, (_, rows) in enumerate(groups):
+            colour = LINES[k % len(LINES)]
+            values = [value for row in rows if (value := row.get(name)) is not None]
+            found = estimates[k].get(name)
+            panel.plot([k - 0.2] * len(values), values, "o", ms=3, color=colour, alpha=0.4)
+            if found is not None and found.mean is not None:
+                panel.errorbar(
+                    [k], [found.mean], yerr=[found.half_width or 0.0], fmt="s", ms=5,
+                    capsize=4, color=colour,
+                )  # fmt: skip
+    for panel in axes.flat[len(names) :]:
+        panel.set_axis_off()
+    handles = [
+        Line2D([], [], marker="s", ls="", color=LINES[k % len(LINES)]) for k in range(len(groups))
+    ]
+    labels = [
+        f"{k + 1}: {shorten(label, 90)} ({len(rows)})" for k, (label, rows) in enumerate(groups)
+    ]
+    page.legend(
+        handles, labels, loc="outside lower left",
+        title="mean with 95% confidence interval; dots: records",
+    )  # fmt: skip
+
 
 CONFIDENCE = 0.95
 # Quantiles at 97.5 % of Student's t, by degrees of freedom from 1; and of the normal distribution.

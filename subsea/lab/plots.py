@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.plot_files import write_plots
-from subsea.lab.clearance import BARRIERS, clearances
-from subsea.lab.minds import meals, time_budget
-from subsea.lab.schools import LINK_BL, WHOLE, schools
-from subsea.lab.series import SAMPLE_S
+from subsea.base.report_files import write_plots
+from subsea.lab.measures import BARRIERS, SAMPLE_S, clearances, meals, time_budget
+from subsea.lab.schooling import LINK_BL, WHOLE, schools
 from subsea.media.record import Record
 
 # The palette of Okabe and Ito, safe for colour-blind readers; then others for new intentions.

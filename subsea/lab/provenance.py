@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from subsea import __version__
-from subsea.base.input_files import file_hash
+from subsea.base.files import file_hash
 from subsea.fish.species import repertoire_file, species_file
 from subsea.kernels.source_stamp import source_stamp
 from subsea.scenario.save import scenario_text

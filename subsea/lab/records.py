@@ -6,10 +6,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from subsea.base.console import say
-from subsea.base.extras import missing_packages
 from subsea.base.interrupts import deferred_interrupts
-from subsea.base.processors import cores
+from subsea.base.progress import say
+from subsea.base.system import cores, missing_packages
 from subsea.dive.warm_up import warm_up
 from subsea.fish.species import species_names
 from subsea.jobs.workers import process_pool, serial
@@ -17,7 +16,7 @@ from subsea.lab.report import measure as measures_of
 from subsea.lab.simulate import simulate as simulate_run
 from subsea.lab.sweep import Sweep
 from subsea.lab.sweep import sweep as run_sweep
-from subsea.library.world import Changes, change_texts
+from subsea.library import Changes, change_texts
 from subsea.media.record import Record, read_record
 from subsea.scenario.load import scenario_names
 from subsea.world.world import TICK_S

@@ -11,17 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base import interrupts
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result, json_file
-from subsea.base.plot_files import check_plots
-from subsea.lab.captures import captures
-from subsea.lab.clearance import BARRIERS, clearances
-from subsea.lab.courtships import courtships
-from subsea.lab.minds import changes_per_second, escapes, meals, saturated, time_budget
-from subsea.lab.overlap import overlaps
+from subsea.base.files import replacing
+from subsea.base.report_files import check_plots
+from subsea.lab.measures import (
+    BARRIERS,
+    captures,
+    changes_per_second,
+    clearances,
+    courtships,
+    escapes,
+    meals,
+    overlaps,
+    saturated,
+    time_budget,
+)
 from subsea.lab.plots import RECORD_PLOTS, plot
-from subsea.lab.schools import School, schools, splits
+from subsea.lab.schooling import School, schools, splits
 from subsea.lab.table import Measured, table
 from subsea.media.record import Record, read_record
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from subsea.base import hdf5, interrupts
-from subsea.base.console import count_noun, say
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result
+from subsea.base.progress import count_noun, say
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.start import Say, start_world
+from subsea.dive.options import Say, start_world
 from subsea.lab.provenance import Provenance, provenance_of
 from subsea.media.record import (
     COORDINATES,
@@ -32,7 +32,7 @@ from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 

@@ -52,7 +52,7 @@ def add_length(parser: ArgumentParser) -> None:
 
 def ticks_of(options: Namespace) -> int:
     """The length of a run in ticks."""
-    from subsea.base.console import say
+    from subsea.base.progress import say
     from subsea.world.world import TICK_S
 
     if options.ticks is not None:

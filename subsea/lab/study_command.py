@@ -15,7 +15,7 @@ NAME = "subsea study --validate"
 
 
 def _seeds(text: str) -> tuple[int, ...]:
-    from subsea.lab.sweep_values import read_seeds
+    from subsea.lab.sweep import read_seeds
 
     return read_seeds(text)
 
@@ -86,15 +86,14 @@ def run(options: Namespace) -> int:
 
 def _validate(options: Namespace) -> int:
     """Run the scenarios and compare."""
-    from subsea.base.console import say
     from subsea.base.interrupts import deferred_interrupts
-    from subsea.base.processors import cores
+    from subsea.base.progress import say
     from subsea.base.report_files import ReportFiles
+    from subsea.base.system import cores
     from subsea.dive.warm_up import warm_up
     from subsea.jobs.workers import process_pool
     from subsea.lab.validation import Validation, default_scenarios, trials
-    from subsea.lab.validation_files import validate
-    from subsea.lab.validation_plots import VALIDATION_PLOTS
+    from subsea.lab.validation_report import VALIDATION_PLOTS, validate
     from subsea.world.world import TICK_S
 
     if options.out is not None:

@@ -1,7 +1,16 @@
-"""`subsea sweep`: run every combination of seeds and values; collect the measures in a table."""
+"""`subsea sweep`: run every combination of seeds and values; collect the measures in a table.
 
+Seeds and values of a sweep as they are written on the command line.
+
+Tables of sweeps as Parquet and CSV files: equal rows give equal bytes.
+"""
+
+import csv
 import json
+import re
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import product
@@ -11,23 +20,147 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from subsea.base.atomic_io import check_folder, replacing
-from subsea.base.console import count_noun
 from subsea.base.errors import UserError
-from subsea.base.extras import require
-from subsea.base.file_kinds import check_result
-from subsea.base.input_files import read_input
-from subsea.base.progress import progress
+from subsea.base.file_kinds import check_result, csv_file, signed
+from subsea.base.files import check_folder, read_input, replacing
+from subsea.base.progress import count_noun, progress
+from subsea.base.system import require
 from subsea.base.toml_edit import toml_value
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, serial
-from subsea.lab.flat_measures import Row, flat_measures
+from subsea.lab.comparison import Row, flat_measures
 from subsea.lab.provenance import Provenance, provenance_of
 from subsea.lab.report import measure
 from subsea.lab.simulate import Run, record_run
-from subsea.lab.sweep_table import CSV, PARQUET, write_csv, write_parquet
-from subsea.lab.sweep_values import MAX_RUNS
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
+
+PARQUET = signed("a Parquet table", b"PAR1")
+CSV = csv_file("a table of `subsea sweep`", "run", "seed")
+
+Line = dict[str, Any]  # a run: texts of TOML values before the column `ticks`, numbers after it
+
+
+def columns_of(lines: Sequence[Line]) -> dict[str, list[Any]]:
+    """The columns of all lines, in the order of their first appearance; None for missing numbers.
+
+    A swept key is a column of numbers, or of true and false, if all its values are; else of texts.
+    """
+    names = dict.fromkeys(name for line in lines for name in line)
+    columns = {name: [line.get(name) for line in lines] for name in names}
+    return {name: _converted(values) for name, values in columns.items()}
+
+
+def _converted(texts: list[Any]) -> list[Any]:
+    if not all(isinstance(text, str) for text in texts):
+        return texts
+    values: list[Any] = []
+    for text in texts:
+        with suppress(ValueError, RecursionError):
+            values.append(tomllib.loads(f"value = {text}")["value"])
+    if len(values) == len(texts):
+        if len({isinstance(value, bool) for value in values}) == 1 and all(
+            isinstance(value, int) and abs(value) < 2**63 for value in values
+        ):
+            return values
+        if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+            return [float(value) for value in values]
+        if all(isinstance(value, str) for value in values):
+            return values
+    return texts
+
+
+def write_parquet(path: Path, lines: Sequence[Line]) -> None:
+    """Write a table as a Parquet file."""
+    import pyarrow
+    from pyarrow import parquet
+
+    columns = columns_of(lines)
+    measures = [*columns][[*columns].index("ticks") + 1 :] if columns else []
+    arrays = {
+        name: pyarrow.array(values, pyarrow.float64() if name in measures else None)
+        for name, values in columns.items()
+    }
+    with replacing(path) as temporary:
+        parquet.write_table(pyarrow.table(arrays), temporary)
+
+
+def write_csv(path: Path, lines: Sequence[Line]) -> None:
+    """Write a table as a CSV file."""
+    columns = columns_of(lines)
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+
+
+MAX_RUNS = 100_000
+_SEEDS = re.compile(r"(\d+)(?:[:-](\d+))?")
+_CLOSING = {"[": "]", "{": "}"}
+
+
+def read_seeds(text: str) -> tuple[int, ...]:
+    """Seeds such as ``1:64`` or ``1-64`` (1 to 64) or ``1,5,9``; a UserError for anything else."""
+    seeds: list[int] = []
+    for part in text.split(","):
+        found = _SEEDS.fullmatch(part.strip())
+        first = int(found[1]) if found and len(part) < 30 else -1
+        last = int(found[2] or first) if found and first >= 0 else -1
+        if not 0 <= first <= last < 2**32 or last - first >= MAX_RUNS:
+            raise UserError(
+                f"--seeds {text}: expected seeds such as 1:64 or 1,5,9, from 0 to 4294967295"
+            )
+        seeds += range(first, last + 1)
+    if len(set(seeds)) < len(seeds):
+        raise UserError(f"--seeds {text}: a seed is there twice")
+    return tuple(seeds)
+
+
+def read_values(settings: list[str]) -> dict[str, tuple[str, ...]]:
+    """The values of each key of settings such as ``fish.0.number=10,20``.
+
+    Commas within brackets, braces and quotes belong to a value.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        key = ".".join(step.strip() for step in key.split("."))
+        values = split_values(text)
+        if not equals or not key or not all(values):
+            raise UserError(
+                "expected KEY=VALUE,VALUE… such as fish.0.number=10,20", file=f"--set {setting}"
+            )
+        if key in found:
+            raise UserError("is given twice; give all values at once", file=f"--set {key}")
+        if len(set(values)) < len(values):
+            raise UserError("a value is there twice", file=f"--set {setting}")
+        if key == "seed":
+            raise UserError("give the seeds with --seeds", file=f"--set {setting}")
+        found[key] = values
+    return found
+
+
+def split_values(text: str) -> tuple[str, ...]:
+    """The parts of a text between commas outside brackets, braces and quotes."""
+    parts, part, closing, quote = [], "", "", ""
+    escaped = False
+    for letter in text:
+        if quote:
+            if letter == quote and not escaped:
+                quote = ""
+            escaped = letter == "\\" and quote == '"' and not escaped
+        elif letter in "\"'":
+            quote = letter
+        elif letter in _CLOSING:
+            closing += _CLOSING[letter]
+        elif closing and letter == closing[-1]:
+            closing = closing[:-1]
+        elif letter == "," and not closing:
+            parts.append(part.strip())
+            part = ""
+            continue
+        part += letter
+    return *parts, part.strip()
+
 
 TABLE, TABLE_CSV = "sweep.parquet", "sweep.csv"
 MAX_NAMED = 5  # runs that an error names

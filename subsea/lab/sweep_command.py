@@ -13,7 +13,7 @@ MAX_JOBS = 256
 
 
 def _seeds(text: str) -> tuple[int, ...]:
-    from subsea.lab.sweep_values import read_seeds
+    from subsea.lab.sweep import read_seeds
 
     return read_seeds(text)
 
@@ -71,14 +71,13 @@ def add(commands: Any) -> None:
 
 def run(options: Namespace) -> int:
     """Run the sweep."""
-    from subsea.base.console import say
     from subsea.base.interrupts import deferred_interrupts
-    from subsea.base.processors import cores
+    from subsea.base.progress import say
+    from subsea.base.system import cores
     from subsea.dive.warm_up import warm_up
     from subsea.jobs.dask_cluster import dask_pool
     from subsea.jobs.workers import process_pool
-    from subsea.lab.sweep import Sweep, sweep
-    from subsea.lab.sweep_values import read_values
+    from subsea.lab.sweep import Sweep, read_values, sweep
 
     if options.cluster is not None and options.jobs is not None:
         raise UserError("--jobs and --cluster: give one of the two")

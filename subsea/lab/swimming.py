@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Bools, Ints
-from subsea.lab.series import headings, runs
+from subsea.lab.measures import headings, runs
 from subsea.media.record import Record
 from subsea.state import EAT, ESCAPE, PREDATOR
 

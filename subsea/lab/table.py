@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from subsea.base.console import count_noun
+from subsea.base.progress import count_noun
 
 Measured = dict[str, Any]
 

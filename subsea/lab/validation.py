@@ -9,13 +9,13 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.progress import progress
-from subsea.base.resources import is_path
-from subsea.dive.start import start_world
+from subsea.base.system import is_path
+from subsea.dive.options import start_world
 from subsea.fish.species import load_species, shipped_species
 from subsea.jobs.workers import Check, Pool
-from subsea.lab import predation, schooling, swimming
-from subsea.lab.bounds import Outside, outside
-from subsea.lab.predation import Predation
+from subsea.lab import measures as predation
+from subsea.lab import schooling, swimming
+from subsea.lab.measures import Outside, Predation, outside
 from subsea.lab.schooling import Schooling
 from subsea.lab.simulate import live_records
 from subsea.lab.swimming import Swimming

@@ -16,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base import interrupts
-from subsea.base.atomic_io import replacing
-from subsea.base.console import count_noun, say
-from subsea.base.durations import describe_durations
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
-from subsea.base.progress import progress
+from subsea.base.files import read_input, replacing
+from subsea.base.progress import count_noun, describe_durations, progress, say
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.retina_images import (
+from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.ride import (
     MOST_FISHES,
     SIDES,
     VALUES,
@@ -33,17 +31,21 @@ from subsea.dive.retina_images import (
     values_of,
     velocity_of,
 )
-from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
-from subsea.media.film_options import EyeFilmOptions
-from subsea.media.film_timing import film_length_s, instants, reach
+from subsea.media.film import (
+    EyeFilmOptions,
+    describe_film,
+    film_length_s,
+    instants,
+    missing_frames,
+    reach,
+    write_manifest,
+)
 from subsea.media.frame_writers import frame_rate, kind_of, open_writers
-from subsea.media.resume_manifest import describe_film, missing_frames, write_manifest
 from subsea.rendering.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import find_fish, load_scenario
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.levels import empty_lod_state

@@ -1,47 +1,268 @@
-"""`subsea film`: a tour without a window."""
+"""`subsea film`: a tour without a window.
 
+Times of the frames of a film, and stepping the world to them.
+
+Resume a folder of numbered pictures.
+
+`film.json` beside the pictures records which film they belong to. Filming the same again continues
+after an interruption: every picture is complete or absent.
+
+The options of `subsea film`.
+"""
+
+import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from subsea import __version__
 from subsea.base import interrupts
 from subsea.base.arrays import Bytes
-from subsea.base.console import count_noun, say
-from subsea.base.durations import describe_durations
-from subsea.base.progress import progress
+from subsea.base.errors import UserError
+from subsea.base.files import check_folder, file_hash, read_input, replacing
+from subsea.base.progress import count_noun, describe_durations, progress, say
 from subsea.dive.captions import caption_of, draw_caption
-from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
-from subsea.dive.start import headless, picture_maker, start_world
-from subsea.frame.diagrams import DiagramBuilder
-from subsea.frame.labels import PlacedLabel, place_labels
+from subsea.dive.directed_camera import (
+    check_tour,
+    directed_steering,
+    is_cut,
+    is_over,
+    tour_steering,
+)
+from subsea.dive.options import headless, picture_maker, ready_world, start_world
+from subsea.dive.tour import Steer
+from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
-from subsea.media.exposure import MeanPictures
-from subsea.media.film_options import TourFilmOptions
+from subsea.media.exposure import PINHOLE, Exposure, MeanPictures
 from subsea.media.film_sound import FilmSound, check_sound_files, write_sound
-from subsea.media.film_timing import film_length_s, instants, reach
 from subsea.media.frame_writers import (
+    NO_METADATA,
     check_output,
     fitted_size,
+    frame_file,
     frame_rate,
     kind_of,
+    metadata_for,
     open_writers,
     output_names,
+    window_path,
 )
-from subsea.media.resume_manifest import describe_film, missing_frames, write_manifest
-from subsea.media.video_metadata import NO_METADATA, metadata_for
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.space import layout_of
-from subsea.stage.theatre.theatre_setup import chosen_rig, theatre_digest
+from subsea.stage.theatre.setup import chosen_rig, theatre_digest
+from subsea.submarine.vessel import course_of
 from subsea.view.display_rigs import cockpit
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
+from subsea.view.retina import AHEAD, FIELD_DEG, Gaze
 from subsea.view.rig import CameraPose, views
+from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world.populate import with_total
+from subsea.world.step import step
+from subsea.world.world import TICK_S, World
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmOptions:
+    """The filmed dive, and the part of it."""
+
+    out: Path
+    scenario: str = "peaceful"
+    changes: Sequence[str] = ()  # to the scenario, as in --set
+    seed: int | None = None  # None: the scenario's
+    fish: int | None = None  # total number; None: the scenario's
+    tour: str = AUTOPILOT  # one of the scenario's, "auto" or "directed"
+    start: float = 0.0  # s of the dive before the first frame
+    seconds: float | None = None  # None: to the end of the tour
+    fps: float = 30.0
+    size: tuple[int, int] = (1280, 720)  # of one picture, pixels
+    quality: str = "high"  # the name of a preset
+    force: bool = False  # replace a file of another kind
+
+
+@dataclass(frozen=True, kw_only=True)
+class TourFilmOptions(FilmOptions):
+    """A film of the submarine's windows."""
+
+    display: str = "mono"
+    stereo: Stereo = EYES
+    surround: Surround = ALL_ROUND
+    theatre: str | None = None  # instead of one picture of `size`, a film for each window
+    shrink: int = 1  # the theatre's width and height are divided by this
+    show: Sequence[str] = ()  # diagrams over the sea
+    wireframe: bool = False
+    mute: bool = False  # a film without sound
+    sound_layout: str = "stereo"  # one of `sound.space.LAYOUTS`
+    audio: Path | None = None  # the sound alone, a WAV file
+    audio_stems: Path | None = None  # a folder with the sound of each group
+    follow: str | None = None  # a fish to look at from behind, as long as it lives
+    exposure: Exposure = PINHOLE  # motion blur and depth of field
+
+
+@dataclass(frozen=True, kw_only=True)
+class EyeFilmOptions(FilmOptions):
+    """Labelled frames of a fish's view."""
+
+    eyes: str  # the fish
+    gaze: Gaze = AHEAD
+    field_deg: float = FIELD_DEG
+    see_brightness: bool = False  # the fish reacts to the light in its eyes
+
+
+Check = Callable[[], None]
+
+DEFAULT_S = 10.0
+MAX_DIRECTED_S = 900.0
+
+
+def film_length_s(scenario: Scenario, source: Path, options: FilmOptions) -> float:
+    """Length of a film: as given, or to the end of a finite tour."""
+    if options.seconds is not None:
+        return options.seconds
+    if options.tour == AUTOPILOT:
+        return DEFAULT_S
+    if options.tour == DIRECTED:
+        end = directed_length_s(scenario, source, options.seed)
+    else:
+        end = course_of(scenario, options.tour).seconds
+    return max(end - options.start, 0.0)
+
+
+def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> float:
+    """Seconds until a scenario's directions are over, measured by playing them once.
+
+    A trial, as in Tu §11.6.1: when fishes mate cannot be known beforehand. `source` is the
+    scenario's file. A UserError after a quarter of an hour.
+    """
+    say("rehearsing the directions to find the length of the film")
+    world = ready_world(scenario, source, seed)
+    with interrupts.deferred_interrupts() as check:
+        steer = directed_steering(world)
+        while not is_over(world):
+            check()
+            step(world, steer(world))
+            if world.state.tick * TICK_S > MAX_DIRECTED_S:
+                raise UserError(
+                    f"its directions are not over after {MAX_DIRECTED_S / 60:g} minutes: "
+                    "a `camera`, `caption` or `end` never came; give --seconds",
+                    file=source,
+                )
+    return world.state.tick * TICK_S
+
+
+def instants(start: float, seconds: float, rate: Fraction) -> list[float]:
+    """Times of the frames in seconds since the dive began; at least one."""
+    return [start + float(k / rate) for k in range(max(round(seconds * rate), 1))]
+
+
+def reach(
+    world: World, instant: float, steer: Steer, check: Check, before: Check = lambda: None,
+    after: Check = lambda: None,
+) -> float:  # fmt: skip
+    """Step the world until `instant` lies between its last two ticks; returns where, 0 to 1.
+
+    `before` and `after` are called around every tick, and `check`, which may raise, also once at
+    the beginning.
+    """
+    ticks, alpha = divmod(instant / TICK_S, 1.0)
+    check()
+    while world.state.tick < ticks + 1:  # tick 1 is the start of the dive
+        check()
+        before()
+        step(world, steer(world))
+        after()
+    return alpha
+
+
+NAME = "film.json"
+PICTURES = "frame_*.png"
+
+
+# Options that are not compared as such: sources, and groups whose fields are given one by one.
+NOT_COMPARED = ("out", "force", "scenario", "changes", "stereo", "surround", "exposure")
+
+
+def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:
+    """A film's options, scenario file and version as JSON; `resolved` values replace and add."""
+    found: dict[str, Any] = {
+        "version": __version__,
+        "scenario": scenario.name,
+        "sha256": file_hash(scenario),
+    }
+    if options.changes:
+        found["set"] = [*options.changes]
+    given = {name: value for name, value in asdict(options).items() if name not in NOT_COMPARED}
+    described: dict[str, Any] = json.loads(json.dumps(found | given | resolved))
+    return described
+
+
+def missing_frames(
+    out: Path, wanted: Mapping[str, Any], windows: Sequence[str], frames: int
+) -> list[int]:
+    """Numbers of the frames that the folder `out` lacks in any of its windows.
+
+    A UserError if its pictures belong to another film than `wanted`, or to an unknown one.
+    """
+    check_folder(out)
+    own = any(any(window_path(out, window).glob(PICTURES)) for window in windows)
+    # Another film may have other windows, with folders of their own beside the same file.
+    if own or ((out / NAME).exists() and any(out.rglob(PICTURES))):
+        _refuse_another(out, wanted)
+    return [
+        k
+        for k in range(frames)
+        if not all(frame_file(window_path(out, window), k).exists() for window in windows)
+    ]
+
+
+def write_manifest(out: Path, wanted: Mapping[str, Any]) -> None:
+    """Record which film the pictures in `out` belong to."""
+    with replacing(out / NAME) as temporary:
+        temporary.write_text(json.dumps(wanted, indent=2) + "\n", encoding="utf-8")
+
+
+def _refuse_another(out: Path, wanted: Mapping[str, Any]) -> None:
+    """Raise a UserError unless the pictures in `out` belong to the film `wanted`."""
+    path = out / NAME
+    if not path.exists():
+        raise UserError("holds numbered pictures of unknown origin, name another folder", file=out)
+    elsewhere = f"name another folder, or remove {out}"
+    try:
+        found = json.loads(read_input(path))
+    except (UserError, ValueError, RecursionError) as fault:
+        raise UserError(
+            f"damaged, cannot tell which film the pictures belong to; {elsewhere}", file=path
+        ) from fault
+    if not isinstance(found, dict):
+        raise UserError(f"damaged, expected a description of a film; {elsewhere}", file=path)
+    for key in [*wanted, *(key for key in found if key not in wanted)]:
+        there, here = found.get(key), wanted.get(key)
+        if there != here:
+            if key == "sha256":
+                raise UserError("the scenario has changed since, name another folder", file=out)
+            raise UserError(
+                f"holds another film: `{key}` is {_words(key, there)} there and "
+                f"{_words(key, here)} here, name another folder",
+                file=out,
+            )
+
+
+def _words(key: str, value: Any) -> str:
+    """An option's value for a message."""
+    if value is not None:
+        return json.dumps(value)
+    return "the scenario's own" if key == "seed" else "not given"
+
 
 LABEL_HEIGHT, MIN_LABEL_PX = 0.022, 9.0  # height of labels: share of the picture's, and at least
 

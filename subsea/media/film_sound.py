@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.atomic_io import check_folder
 from subsea.base.file_kinds import SOUND, check_result
-from subsea.sound.listening import listener_of
+from subsea.base.files import check_folder
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import GROUPS, Sources, hear, sources_of
 from subsea.sound.soundtrack import write_wav
-from subsea.sound.space import BLOCK, RATE, Layout
+from subsea.sound.space import BLOCK, RATE, Layout, listener_of
 from subsea.world.world import World
 
 Reader = Callable[[float], Array]

@@ -9,8 +9,8 @@ from pathlib import Path
 import platformdirs
 
 from subsea.base.arrays import Bytes
-from subsea.base.atomic_io import check_file
 from subsea.base.errors import UserError
+from subsea.base.files import check_file
 from subsea.media.frame_writers import Write, film_writer, fitted_size, write_png
 
 Pixels = Bytes  # (height, width, 3), top row first

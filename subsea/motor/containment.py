@@ -3,18 +3,57 @@
 Fishes steer clear (`behavior/steering.py`) and slide along what they touch (`habitat/contact.py`),
 but both foresee a straight way. A turn swings snout or tail aside, and a burst begins within a
 tick. After the motion, this moves back each fish that reaches beyond a barrier.
+
+Balance: roll slowly back to an upright posture (SMC §5.2, appendix B).
 """
 
 import math
 
+import numpy as np
+
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.height_field import height_at
-from subsea.geometry.rotation import quaternion, rotate
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.rotation import Quaternion, about, multiply, quaternion, rotate, x_axis
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.motor.pose import ends
 from subsea.state import Fishes, Sea
+
+ROLL_TIME_S = 0.25  # time constant of the smoothed roll: a steady beat wobbles by ±3°
+ROLL_GAIN = 0.9  # 1/s: share of the roll corrected per second
+ROLL_RATE = np.radians(50.0)  # rad/s: the fastest correction
+VERTICAL = 0.98  # sine of the pitch beyond which roll is undefined
+
+
+@kernel
+def roll_of(q: Quaternion) -> float:
+    """The roll in radians about x, positive when the back leans to the right (SMC app. B).
+
+    The signed angle from the upright y' = z' × x with z' = x × up; the arccos of SMC has no sign.
+    0 for nearly vertical fishes.
+    """
+    x = x_axis(q)
+    y = rotate(q, (0.0, 1.0, 0.0))
+    if abs(x[2]) > VERTICAL:
+        return 0.0
+    # Both arguments carry the same factor, which cancels.
+    return math.atan2(y[0] * x[1] - y[1] * x[0], y[2])
+
+
+@kernel
+def balanced(fishes: Fishes, i: int, q: Quaternion, bank: float, dt: float) -> Quaternion:
+    """Roll toward the `bank` of the recorded fish, rad, at a bounded rate, on the smoothed gap."""
+    roll = roll_of(q) - bank
+    smooth = float(fishes.roll[i])
+    if roll - smooth > np.pi:
+        smooth += 2.0 * np.pi
+    elif smooth - roll > np.pi:
+        smooth -= 2.0 * np.pi
+    smooth += (roll - smooth) * dt / ROLL_TIME_S
+    rate = min(max(ROLL_GAIN * smooth, -ROLL_RATE), ROLL_RATE)
+    fishes.roll[i] = smooth - rate * dt
+    return multiply(q, about(1.0, 0.0, 0.0, -rate * dt))
+
 
 GAP_CM = 0.1  # that is left: above the rounding of positions
 PASSES = 12  # steps out of barriers that overlap

@@ -5,14 +5,14 @@ import math
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.kernels import kernel
-from subsea.motor.playback import HURRIED, TEMPO, between
-from subsea.motor.segments import (
+from subsea.motor.playback import (
     BURST,
     FAST,
     FIRST_CSTART,
+    HURRIED,
     LAST_CSTART,
     LEFT_GLIDE,
     LEFT_GRADUAL,
@@ -25,6 +25,8 @@ from subsea.motor.segments import (
     SLOW,
     START,
     STOP,
+    TEMPO,
+    between,
     blends,
     is_cstart,
 )

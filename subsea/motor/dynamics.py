@@ -53,8 +53,7 @@ from subsea.geometry.vector import (
 )
 from subsea.kernels import kernel
 from subsea.motor.controller import own_speed
-from subsea.motor.playback import TEMPO
-from subsea.motor.segments import LEFT_GRADUAL, blends
+from subsea.motor.playback import LEFT_GRADUAL, TEMPO, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics

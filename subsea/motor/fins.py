@@ -4,7 +4,7 @@ import numpy as np
 
 from subsea.base.arrays import Ints
 from subsea.kernels import kernel
-from subsea.motor.segments import ROW, SIDES
+from subsea.motor.playback import ROW, SIDES
 from subsea.repertoire.library import Library
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 

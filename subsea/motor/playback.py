@@ -1,4 +1,9 @@
-"""Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick."""
+"""Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick.
+
+Codes of `repertoire.schema.SEGMENTS`, as plain numbers for compiled kernels.
+"""
+
+import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import (
@@ -13,20 +18,35 @@ from subsea.geometry.rotation import (
 )
 from subsea.geometry.vector import Vector, plus, store, times, vector
 from subsea.kernels import kernel
-from subsea.motor.balance import balanced
-from subsea.motor.segments import (
-    FAST,
-    LEFT_GRADUAL,
-    MEDIUM,
-    RIGHT_GRADUAL,
-    SLOW,
-    STOP,
-    blends,
-    is_cstart,
-)
+from subsea.motor.containment import balanced
+from subsea.repertoire import SEGMENTS
 from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
 from subsea.state import Fishes
+
+SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
+BURST = SEGMENTS.index("swim_burst")
+CSTARTS = range(SEGMENTS.index("cstart_left_moderate"), SEGMENTS.index("cstart_right_wide") + 1)
+FIRST_CSTART, LAST_CSTART = CSTARTS[0], CSTARTS[-1]
+LEFT_REST = SEGMENTS.index("turn_left_rest")
+LEFT_GLIDE = SEGMENTS.index("turn_left_glide")
+START, STOP = SEGMENTS.index("swim_start"), SEGMENTS.index("swim_stop")
+ROW = SEGMENTS.index("row_forward")
+# The side to which each segment turns: 1 left, -1 right, 0 none.
+SIDES = np.array([("left" in name) - float("right" in name) for name in SEGMENTS])
+
+
+@kernel
+def is_cstart(segment: int) -> bool:
+    """True for an escape."""
+    return FIRST_CSTART <= segment <= LAST_CSTART
+
+
+@kernel
+def blends(segment: int) -> bool:
+    """True for the straight swim and the gradual turns, which blend with it row by row."""
+    return segment in (MEDIUM, LEFT_GRADUAL, RIGHT_GRADUAL)
+
 
 TEMPO = (0.4, 3.0)  # range of a segment's rate, to meet a speed at the recorded stride
 HASTE = 1.3  # tempo at which a fish that was faster begins a segment

@@ -13,17 +13,18 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.biomechanics.solver import TICK_TU, TIME_UNIT_S
 from subsea.fish.species import Species
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
-from subsea.motor.balance import roll_of
+from subsea.geometry.solids import height_at
+from subsea.motor.containment import roll_of
 from subsea.motor.dynamics import BodyTables, Integration, make_bodies, swim_live, under
-from subsea.motor.playback import HURRIED, TEMPO
-from subsea.motor.segments import (
+from subsea.motor.playback import (
     FAST,
+    HURRIED,
     LEFT_GRADUAL,
     MEDIUM,
     RIGHT_GRADUAL,
     RIGHT_SHARP,
+    TEMPO,
     blends,
 )
 from subsea.repertoire import SEGMENTS, Repertoire, Segment

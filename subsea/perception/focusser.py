@@ -3,9 +3,8 @@
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import conjugate, rotate
-from subsea.geometry.solids import far_from_rock, from_pillar, from_rock
+from subsea.geometry.solids import far_from_rock, from_pillar, from_rock, height_at
 from subsea.geometry.vector import Vector, dot, minus, norm, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.threads import share

@@ -17,25 +17,23 @@ from subsea.base.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
-from subsea.rendering.gl.gpu_timer import GpuTimer
+from subsea.rendering.gl.context import GpuTimer
 from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
 from subsea.rendering.gl.uniforms import uniforms_of
-from subsea.rendering.output.lines import LineRenderer
+from subsea.rendering.output.cabin import TheatreVesselRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
-from subsea.rendering.output.theatre_vessel import TheatreVesselRenderer
+from subsea.rendering.output.views import LineRenderer
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
 from subsea.rendering.reef.seaweed import SeaweedRenderer
-from subsea.rendering.sea.bubbles import BubbleRenderer
 from subsea.rendering.sea.hook import HookRenderer
-from subsea.rendering.sea.light_shafts import LightShaftRenderer
-from subsea.rendering.sea.particles import ParticleRenderer
+from subsea.rendering.sea.particles import BubbleRenderer, ParticleRenderer
 from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
-from subsea.rendering.sea.sun_shadows import SunShadows
+from subsea.rendering.sea.sunlight import LightShaftRenderer, SunShadows
 from subsea.rendering.sea.water import WaterRenderer
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT

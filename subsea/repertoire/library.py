@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
-from subsea.fish.coupling import Coupling, place
+from subsea.fish.skinning import Coupling, place
 from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.repertoire.blending import (
     LEVELS,

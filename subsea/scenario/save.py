@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
+from subsea.base.files import replacing
 from subsea.base.toml_edit import edit_toml, toml_value
 from subsea.base.toml_files import load_toml, locate_errors
 from subsea.base.toml_positions import Place

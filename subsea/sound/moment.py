@@ -9,9 +9,9 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.language import marked
-from subsea.geometry.height_field import height_at
-from subsea.geometry.keyed_random import uniform
-from subsea.habitat.vents import SLOWEST, departures
+from subsea.geometry.noise import uniform
+from subsea.geometry.solids import height_at
+from subsea.habitat.plankton import SLOWEST, departures
 from subsea.sound.space import METRE, Listener, doppler, fading, toward
 from subsea.sound.voices import (
     BUBBLE,
@@ -25,7 +25,7 @@ from subsea.sound.voices import (
     minnaert_hz,
 )  # fmt: skip
 from subsea.state import HOOKED, PREDATOR, SINKING
-from subsea.submarine.hull import AHEAD_CM_S
+from subsea.submarine.vessel import AHEAD_CM_S
 from subsea.world.world import TICK_S, World
 
 SURF, CRACKLE, FLOW, MOTOR, SCHOOL, WINCH, BREATH = range(7)

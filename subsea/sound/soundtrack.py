@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.atomic_io import replacing
+from subsea.base.files import replacing
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import GROUPS, Moment, Sources, hear, sources_of
 from subsea.sound.space import RATE, Layout, Listener

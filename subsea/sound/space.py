@@ -1,17 +1,22 @@
-"""Listeners, layouts of loudspeakers, and how a source reaches them."""
+"""Listeners, layouts of loudspeakers, and how a source reaches them.
+
+Listeners in a world: the pilot of the submarine, or a fish.
+"""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import unknown
+from subsea.geometry.rotation import rotate
 from subsea.geometry.vector import Vector, minus, norm
 from subsea.kernels import kernel
+from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose
-from subsea.world.world import TICK_S
+from subsea.world.world import TICK_S, World
 
 RATE = 48_000  # samples a second
 BLOCK = round(TICK_S * RATE)  # of a tick
@@ -173,3 +178,26 @@ def reach_ears(width: float, delay_s: float, way: Vector, delays: Array, corners
         aside = abs(way[0])
         delays[far] = aside * delay_s * RATE
         corners[far] = OPEN_HZ * (SHADOWED_HZ / OPEN_HZ) ** aside
+
+
+Head = Callable[[CameraPose], CameraPose]
+
+
+def at_rest(seat: CameraPose) -> CameraPose:
+    """The pose of a head that looks straight ahead."""
+    return seat
+
+
+def listener_of(world: World, fish: int | None = None, head: Head = at_rest) -> Listener:
+    """The pilot's ears at the end of the last tick, or those of a living fish.
+
+    `head` gives the pose of the pilot's head on the pilot's seat.
+    """
+    fishes, submarine = world.state.fishes, world.state.submarine
+    if fish is None or not fishes.alive[fish]:
+        return listener_at(head(cockpit(submarine, 1.0)), submarine.velocity, aboard=True)
+    turn = tuple(float(q) for q in fishes.orientation[fish])
+    forward, up = (np.array(rotate(turn, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    place = fishes.position[fish].astype(np.float64)
+    velocity = fishes.velocity[fish].astype(np.float64)
+    return listener_at(CameraPose(place, forward, up), velocity, aboard=False)

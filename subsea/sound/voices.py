@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
 from subsea.sound.space import RATE
 

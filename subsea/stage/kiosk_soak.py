@@ -16,12 +16,12 @@ from typing import NamedTuple
 import msgspec
 
 from subsea.base.command_line import TRANSIENT
-from subsea.base.console import count_noun, say
 from subsea.base.errors import UserError
 from subsea.base.interrupts import INTERRUPTED
-from subsea.stage.service_manager import SOCKET
+from subsea.base.progress import count_noun, say
+from subsea.stage.service import SOCKET
 from subsea.stage.show_file import load_show
-from subsea.stage.show_state import MOST_BYTES, SavedShow
+from subsea.stage.show_player import MOST_BYTES, SavedShow
 
 FIRST_S, START_S = 900.0, 180.0  # until a start must show the sea; the first one compiles
 STILL_S = 60.0  # a kiosk that shows no picture for this long hangs

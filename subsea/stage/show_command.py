@@ -23,6 +23,6 @@ def add(commands: Any) -> None:
 
 def run(options: Namespace) -> int:
     """Print the timetable; 1 if an item cannot be shown."""
-    from subsea.stage.show_text import describe_show
+    from subsea.stage.show_player import describe_show
 
     return describe_show(options.file)

@@ -1,23 +1,224 @@
-"""Play a show: which item is on, how dark the screens are, and cues. Nothing here has windows."""
+"""Play a show: which item is on, how dark the screens are, and cues. Nothing here has windows.
 
+Keep what a power cut must not erase: the state of a show, and the number of dives of each day.
+
+Both files are written whole, to the disk, and renamed. A damaged one is set aside by its reader.
+
+Describe a show: `subsea show`.
+
+Play a show in a dive: its seas and tours, black screens, captions, and its saved state.
+"""
+
+import os
+import time
 from collections.abc import Callable
+from contextlib import suppress
+from datetime import date
+from pathlib import Path
+from threading import Thread
+from typing import Literal, Protocol
 
 import msgspec
+import platformdirs
 
+from subsea.base.errors import UserError
+from subsea.base.files import MIB, read_input, remove_abandoned, replacing
+from subsea.base.progress import count_noun, say
 from subsea.dive.captions import FADE_S, Caption, shown_s
-from subsea.stage.opening_hours import clock_text, is_open, spans_on
-from subsea.stage.show import (
+from subsea.dive.live_sound import LiveSound
+from subsea.dive.presented import Presented, with_show
+from subsea.scenario.schema import AUTOPILOT, Scenario
+from subsea.stage.show_file import (
     JUMP_S,
     Progress,
+    Show,
     ShowClock,
+    ShowItem,
     advance,
     begin,
     clock_now,
+    clock_text,
+    faults,
+    hours_text,
+    is_open,
     jump_s,
+    load_show,
+    open_item,
     resume,
+    scenario_name,
+    show_digest,
+    spans_on,
+    timetable,
     waits_for,
 )
-from subsea.stage.show_file import Show, ShowItem
+from subsea.world import snapshot
+from subsea.world.world import World
+
+Tell = Callable[[str], object]
+
+MOST_BYTES = 64 * MIB  # of a state
+MOST_DAYS = 1000  # in the list of dives
+HEAD = "date,dives"
+
+
+class SavedShow(msgspec.Struct, frozen=True, kw_only=True):
+    """A show at a moment, with the sea of its item."""
+
+    form: Literal[1] = 1
+    show: str  # digest of its file
+    progress: Progress
+    shown: int  # the item that the sea is of
+    sea: bytes  # a snapshot
+
+
+def state_folder() -> Path:
+    """The folder of the user's states, which may be missing."""
+    return platformdirs.user_state_path("subsea", appauthor=False)
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file that a power cut leaves old or new; a UserError if the disk is full."""
+    with replacing(path) as part, part.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+class ShowStore:
+    """Saves the state of a show in the background."""
+
+    def __init__(self, show: str, tell: Tell) -> None:
+        """For the show of that digest; `tell` reports that the disk is full, once."""
+        self._path, self._show, self._tell = state_folder() / "show.state", show, tell
+        self._writer: Thread | None = None
+        self._faults: list[str] = []
+        self._told = False
+
+    def load(self) -> SavedShow | None:
+        """The saved state of this show; None without one."""
+        remove_abandoned(self._path)
+        try:
+            data = read_input(self._path, MOST_BYTES)
+            saved = msgspec.msgpack.decode(data, type=SavedShow)
+        except UserError as fault:
+            if not isinstance(fault.__cause__, FileNotFoundError):
+                self._tell(f"{fault}; the show begins again")
+            return None
+        except (msgspec.DecodeError, RecursionError):
+            self._tell(f"{self._path}: not the state of a show; the show begins again")
+            return None
+        return saved if saved.show == self._show else None
+
+    def save(self, progress: Progress, shown: int, sea: Callable[[], bytes]) -> None:
+        """Save a state, unless the last one is still being written."""
+        if self._writer is not None and self._writer.is_alive():
+            return
+        self._report()
+        saved = SavedShow(show=self._show, progress=progress, shown=shown, sea=sea())
+        self._writer = Thread(target=self._write, args=(msgspec.msgpack.encode(saved),))
+        self._writer.start()
+
+    def forget(self) -> None:
+        """Remove the saved state."""
+        with suppress(OSError):
+            self._path.unlink()
+
+    def close(self) -> None:
+        """Wait for the writer."""
+        if self._writer is not None:
+            self._writer.join()
+        self._report()
+
+    def _write(self, data: bytes) -> None:
+        try:
+            write_whole(self._path, data)
+        except UserError as fault:
+            self._faults.append(str(fault))
+
+    def _report(self) -> None:
+        faults, self._faults = self._faults, []
+        if faults and not self._told:
+            self._told = True
+            self._tell(f"{faults[0]}; after a power cut the show would begin earlier")
+
+
+class DiveCount:
+    """Counts visitors' dives by day, in a table that a spreadsheet opens."""
+
+    def __init__(self, tell: Tell) -> None:
+        """`tell` reports once that the table cannot be read or written."""
+        self._path, self._tell, self._told = state_folder() / "dives.csv", tell, False
+        self.days: dict[str, int] = {}
+        remove_abandoned(self._path)
+        try:
+            self.days = _counts(read_input(self._path).decode("utf-8", "replace"))
+        except UserError as fault:
+            if not isinstance(fault.__cause__, FileNotFoundError):
+                self._report(str(fault))
+        except ValueError:
+            aside = self._path.with_name(f"{self._path.name}.damaged")
+            self._report(f"{self._path}: not a table of dives; it is kept as {aside.name}")
+            with suppress(OSError):
+                self._path.replace(aside)
+
+    def add(self, day: date) -> None:
+        """Count a dive of a day."""
+        name = day.isoformat()
+        self.days[name] = self.days.get(name, 0) + 1
+        kept = sorted(self.days.items())[-MOST_DAYS:]
+        text = "".join(f"{one},{number}\n" for one, number in [*kept])
+        try:
+            write_whole(self._path, f"{HEAD}\n{text}".encode())
+        except UserError as fault:
+            self._report(f"{fault}; dives are counted until this one ends")
+
+    def of(self, day: date) -> int:
+        """The dives of a day."""
+        return self.days.get(day.isoformat(), 0)
+
+    def _report(self, line: str) -> None:
+        if not self._told:
+            self._told = True
+            self._tell(line)
+
+
+def _counts(text: str) -> dict[str, int]:
+    """The dives by day; a ValueError for a table of something else."""
+    head, *rows = text.splitlines() or [""]
+    if head != HEAD:
+        raise ValueError(head)
+    found: dict[str, int] = {}
+    for row in rows:
+        day, _, number = row.partition(",")
+        found[date.fromisoformat(day).isoformat()] = int(number[:12])
+    return found
+
+
+def describe_show(path: Path) -> int:
+    """Print the timetable of today and what is missing; 1 if anything is."""
+    show, today = load_show(path), date.today()
+    items = count_noun(len(show.item), "item", "items")
+    print(f"{show.title or path.name}: {items}, {hours_text(show.hours, today)} today")
+    for start, number in timetable(show):
+        print(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
+    if show.repeat:
+        print("      then from the beginning")
+    print(f"dives of visitors today: {DiveCount(say).of(today)}")
+    missing = list(faults(show, path))
+    for _, fault in missing:
+        say(str(fault))
+    return 1 if missing else 0
+
+
+def _described(one: ShowItem) -> str:
+    parts = [one.scenario or "the same sea"]
+    parts += [f"tour {one.tour}" if one.tour else "steered"]
+    parts += [] if one.for_s is None else [f"{one.for_s:g} s"]
+    parts += [f"\N{LEFT DOUBLE QUOTATION MARK}{one.caption}\N{RIGHT DOUBLE QUOTATION MARK}"] * bool(
+        one.caption
+    )
+    return ", ".join(parts)
+
 
 STEP_S = 0.25  # longest step of a fade: a sea was loaded since the last picture
 
@@ -147,3 +348,130 @@ class ShowPlayer:
             if first > minute:
                 return f"it opens at {clock_text(first)}"
         return "it opens on another day"
+
+
+SAVE_S = 15.0  # between two saved states
+REST_S = 0.1  # between two black pictures outside the opening hours
+
+
+class ItemTours(Protocol):
+    """The tours of a dive."""
+
+    def start_item(
+        self, tour: str | None, since_s: float, start: tuple[Scenario, Path, int | None] | None
+    ) -> None:
+        """Begin the tour of an item, or leave the helm to the pilot."""
+
+
+class ShownDive(Protocol):
+    """The parts of a dive that a show changes."""
+
+    world: World
+    sound: LiveSound
+
+    @property
+    def tours(self) -> ItemTours:
+        """The tours."""
+
+    def open_world(
+        self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
+    ) -> bool:
+        """Replace the world."""
+
+
+class ShowScreens:
+    """The show of a dive. `player` has its state and takes cues."""
+
+    def __init__(self, path: Path, tell: Tell) -> None:
+        """Read the show and its saved state.
+
+        An item whose scenario or tour is missing is reported; a UserError if no item can be shown.
+        """
+        self.path, self._tell = path, tell
+        self.show: Show = load_show(path)
+        bad = dict(faults(self.show, path))
+        for fault in bad.values():
+            tell(f"{fault}; the sea before it goes on")
+        if len(bad) == len(self.show.item):
+            raise UserError("no item can be shown", file=path)
+        self._store = ShowStore(show_digest(path), tell)
+        saved = self._store.load()
+        self.player = ShowPlayer(self.show, tell, None if saved is None else saved.progress)
+        item, elapsed_s = self.player.progress.item, self.player.progress.elapsed_s
+        order = [*range(item, -1, -1), *range(item + 1, len(self.show.item))]
+        self.first_scenario = scenario_name(self.show, path, next(k for k in order if k not in bad))
+        resumes = saved is not None and saved.progress.item == saved.shown == item
+        resumes &= saved is not None and elapsed_s >= saved.progress.elapsed_s
+        self._saved = saved if resumes else None
+        self._muted: bool | None = None  # the sound before the screens went blank
+        self._fresh, self._since_s, self._since_save_s = True, 0.0, 0.0
+        self._black = False  # in the last picture
+
+    def restore(self, world: World) -> None:
+        """Put the first world, before its first tick in a dive, into the saved state."""
+        saved, self._saved = self._saved, None
+        if saved is None:
+            return
+        try:
+            snapshot.restore(world, saved.sea)
+        except UserError as fault:
+            self._tell(f"{fault}; the sea of this item begins again")
+            return
+        self._since_s = saved.progress.elapsed_s
+        self._tell(f"the show goes on at item {saved.shown + 1}, second {self._since_s:.0f}")
+
+    def update(self, dive: ShownDive, elapsed_s: float) -> None:
+        """Go on, `elapsed_s` after the last picture."""
+        player = self.player
+        player.update(elapsed_s)
+        due, black = player.due, player.shade >= 1.0
+        if due is not None and (self._fresh or self._black):  # a picture later: all screens are
+            self._begin(dive, due)
+        self._black = black
+        self._since_save_s += elapsed_s
+        if self._since_save_s > SAVE_S and player.open and player.shown == player.progress.item:
+            self._since_save_s = 0.0
+            self._store.save(player.progress, player.shown, lambda: snapshot.take(dive.world))
+
+    def rest(self, dive: ShownDive) -> bool:
+        """Wait, and be silent, outside the opening hours; True while the screens are blank."""
+        closed, sound = self.player.closed, dive.sound
+        if closed and self._muted is None:
+            self._muted = sound.settings.mute
+            sound.change(mute=True)
+        elif not closed and self._muted is not None:
+            sound.change(mute=self._muted)
+            self._muted = None
+        if closed:
+            time.sleep(REST_S)
+        return closed
+
+    def under(self, presenter: Presented) -> Presented:
+        """The overlays of a presenter over the black and the caption of the show."""
+        return with_show(presenter, self.player.shade, self.player.caption())
+
+    def end(self) -> None:
+        """Forget the state: the operator ended the show, and the next one begins by the clock."""
+        self._store.close()
+        self._store.forget()
+
+    def close(self) -> None:
+        """Wait until the state is saved."""
+        self._store.close()
+
+    def _begin(self, dive: ShownDive, number: int) -> None:
+        """Show an item; one that cannot be shown keeps the sea before it."""
+        player, one = self.player, self.show.item[number]
+        keeps = self._fresh or (one.scenario is None and player.shown is not None)
+        since_s, self._fresh, self._since_s = self._since_s, False, 0.0
+        start: tuple[Scenario, Path, int | None] | None = None
+        tour = one.tour
+        try:
+            scenario, source = open_item(self.show, self.path, number)
+            if keeps or dive.open_world(scenario, source):
+                start = scenario, source, None
+        except UserError as fault:
+            self._tell(f"item {number + 1}: {fault}; the sea before it goes on")
+            tour = None if tour is None else AUTOPILOT
+        player.show_item(number)
+        dive.tours.start_item(tour, since_s, start)

@@ -1,9 +1,12 @@
 """Edit a species file as immutable drafts.
 
 Every edit returns another valid draft or raises EditError, so a saved file always loads.
+
+The state of the fish builder: undo history, the edit in progress, the selection.
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from shutil import copyfile
@@ -12,13 +15,13 @@ from typing import Any
 import numpy as np
 from msgspec import structs
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input, replacing
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.base.validation import convert
 from subsea.fish.species import Species, own_species_file
+from subsea.ui.undo import History
 
 KeyPath = tuple[str | int, ...]  # keys and indices that lead to a value of the file
 
@@ -152,3 +155,67 @@ def save_draft(draft: SpeciesDraft, path: Path) -> None:
         temporary.write_bytes(text.encode("utf-8"))
         if load_toml(temporary, Species) != draft.species:
             raise UserError("its tables cannot be edited", file=path)
+
+
+class EditState:
+    """Drafts with undo, and a drag in progress."""
+
+    def __init__(self, draft: SpeciesDraft, new: bool = False) -> None:
+        """Begin with a draft; a `new` one counts as unsaved."""
+        self.history = History(draft)
+        self.history.saved(not new)
+        self.selected: KeyPath | None = None  # a point of a view
+        self.hovered: KeyPath | None = None  # the point under the pointer
+        self.refused = ""  # why the last edit was refused
+        self._dragged: SpeciesDraft | None = None
+
+    @property
+    def present(self) -> SpeciesDraft:
+        """The draft that is shown."""
+        return self._dragged or self.history.present
+
+    @property
+    def dragging(self) -> bool:
+        """True if a drag is in progress."""
+        return self._dragged is not None
+
+    def drag(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> None:
+        """Show an edit of the present draft that `commit` will put into the history."""
+        self._dragged = self._tried(edit) or self._dragged
+
+    def commit(self) -> None:
+        """End the drag: its result can be undone."""
+        if self._dragged is not None:
+            self.history.do(self._dragged)
+        self._dragged = None
+
+    def do(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> bool:
+        """Make an edit; return False if it is refused."""
+        draft = self._tried(edit)
+        if draft is not None:
+            self._dragged = None
+            self.history.do(draft)
+        return draft is not None
+
+    def undo(self) -> None:
+        """Go back by one edit, a drag in progress first."""
+        self._deselect()
+        self.history.undo()
+
+    def redo(self) -> None:
+        """Go forward by one edit."""
+        self._deselect()
+        self.history.redo()
+
+    def _deselect(self) -> None:
+        self.commit()
+        self.selected = None  # the point may not exist in the other draft
+
+    def _tried(self, edit: Callable[[SpeciesDraft], SpeciesDraft]) -> SpeciesDraft | None:
+        try:
+            draft = edit(self.present)
+        except EditError as fault:
+            self.refused = str(fault)
+            return None
+        self.refused = ""
+        return draft

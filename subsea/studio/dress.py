@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from subsea.base.atomic_io import check_file, replacing
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
-from subsea.base.input_files import read_input
+from subsea.base.files import check_file, read_input, replacing
 from subsea.base.interrupts import deferred_interrupts
-from subsea.base.resources import ROOT, is_path
+from subsea.base.system import ROOT, is_path
 from subsea.fish.color_sheet import assign_sheet, own_sheet_path, write
 from subsea.fish.species import Species, is_shipped, load_species, species_file
 from subsea.studio.deformable_mesh import BODY, FishMeshes, attach_fins

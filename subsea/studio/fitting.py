@@ -22,11 +22,11 @@ from subsea.studio.deformable_mesh import (
     set_rest_shape,
     transform,
 )
-from subsea.studio.eye_detection import eye_near
 from subsea.studio.lift import mesh_mask
 from subsea.studio.photograph import (
     Photograph,
     downscale,
+    eye_near,
     grab_cut,
     initial_masks,
     largest_region,

@@ -16,7 +16,7 @@ from subsea.base.arrays import Array, Bools, Bytes
 from subsea.fish import paint, raster, sheet_layout
 from subsea.fish.species import Colour, SkinPlan, Species
 from subsea.fish.surface import FIN_V, SurfacePlan
-from subsea.geometry.spline import basis_at, dense, greville, through
+from subsea.geometry.curves import basis_at, dense, greville, through
 from subsea.kernels import kernel
 from subsea.studio.deformable_mesh import DORSAL, VENTRAL, DeformableMesh, FishMeshes
 from subsea.studio.side_view import SideView, SideViewFin, mesh_outlines, side_view, subdivide

@@ -23,7 +23,7 @@ from subsea.fish.surface import (
     points_along,
     rest_surface,
 )
-from subsea.geometry.spline import basis_at, dense, greville, through
+from subsea.geometry.curves import basis_at, dense, greville, through
 from subsea.studio.deformable_mesh import (
     BODY,
     DORSAL,

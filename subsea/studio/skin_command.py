@@ -6,7 +6,7 @@ from typing import Any
 
 from subsea.base.command_line import add_command, add_force
 from subsea.base.errors import UserError
-from subsea.base.extras import require
+from subsea.base.system import require
 
 
 def add(commands: Any) -> None:

@@ -20,14 +20,14 @@ from typing import Any, Protocol, TypeVar
 import glfw
 from imgui_bundle import imgui
 
-from subsea.base.console import say
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
-from subsea.ui.background_tasks import BackgroundTasks
-from subsea.ui.error_recovery import recovering_errors
+from subsea.base.progress import say
+from subsea.ui.first_picture import BackgroundTasks
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour
 from subsea.ui.open_windows import open_windows
-from subsea.ui.question import Answers, Question
+from subsea.ui.picture import recovering_errors
+from subsea.ui.questions import Answers, Question
 from subsea.ui.undo import History
 from subsea.ui.window import GlWindow
 

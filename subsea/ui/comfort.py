@@ -6,7 +6,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.base.arrays import Array
-from subsea.submarine.hull import ACCELERATION_CM_S2, YAW_RAD_S
+from subsea.submarine.vessel import ACCELERATION_CM_S2, YAW_RAD_S
 from subsea.ui.gui import INK, colour
 from subsea.view.unproject import FrontView
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 from subsea.base.language import LANGUAGES, language, marked, translated
-from subsea.dive.bindings import Command, ControlName
 from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle
+from subsea.dive.settings import Command, ControlName
 from subsea.dive.timeline import Timeline
 from subsea.ui.context import DiveContext
 from subsea.ui.inspector import Inspector

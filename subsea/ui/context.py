@@ -4,15 +4,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from subsea.dive.bindings import Command
 from subsea.dive.captions import Caption
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.pilot import Pilot
+from subsea.dive.settings import Command
 from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
 from subsea.media.screenshots import ScreenCapture
 from subsea.scenario.schema import Scenario
-from subsea.stage.show_screens import ShowScreens
+from subsea.stage.show_player import ShowScreens
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture

@@ -8,18 +8,16 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from subsea.base.console import say
 from subsea.base.errors import UserError
 from subsea.base.language import marked, set_language, translated
-from subsea.dive.bindings import Command
-from subsea.dive.captions import Caption, caption_of, draw_caption
+from subsea.base.progress import say
+from subsea.dive.captions import Caption, FaultLog, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
-from subsea.dive.fault_log import FaultLog
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
 from subsea.dive.presented import NOTHING
 from subsea.dive.ride import Ride
-from subsea.dive.settings import kiosk_settings
+from subsea.dive.settings import Command, kiosk_settings
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.jobs.background import CancelledByUserError
@@ -27,16 +25,16 @@ from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
-from subsea.sound.listening import at_rest
+from subsea.sound.space import at_rest
+from subsea.stage.headset.controllers import HeadsetLostError
 from subsea.stage.headset.display import GOES_ON, HeadsetDisplay, LostHeadset, put_on
-from subsea.stage.headset.session import HeadsetLostError
 from subsea.stage.kiosk import Kiosk
-from subsea.stage.show_screens import ShowScreens
+from subsea.stage.show_player import ShowScreens
 from subsea.ui.commands import Commands
+from subsea.ui.first_picture import Loader
 from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
-from subsea.ui.loading import Loader
 from subsea.ui.menu import Menu
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows

@@ -5,21 +5,20 @@ from collections.abc import Sequence
 from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 
-from subsea.base.console import say
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.language import marked
+from subsea.base.progress import say
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.jobs.background import CancelledByUserError
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import find_fish, load_scenario
 from subsea.stage.cluster.master_scenario import MasterScenario
-from subsea.stage.service_manager import PictureReports, notify
+from subsea.stage.service import PictureReports, notify
 from subsea.stage.show_file import check_for_cluster
-from subsea.stage.show_screens import ShowScreens
+from subsea.stage.show_player import ShowScreens
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
@@ -53,7 +52,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
-        from subsea.stage.theatre.theatre_windows import theatre_windows
+        from subsea.stage.theatre.setup import theatre_windows
 
         if show is not None and theatre.node is not None:
             from subsea.stage.theatre.load import load_theatre

@@ -1,17 +1,28 @@
 """The first picture of a dive, kept to show it at once when the same dive begins again.
 
 Loading takes seconds; the same scenario and seed begin with the same picture.
+
+Create a world, and show it at rest until its fishes can move.
+
+Work in other threads, whose results come back to the thread of the window.
 """
 
 import hashlib
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from subsea.base.arrays import Bytes
 from subsea.base.disk_cache import keep, recall
+from subsea.dive.options import WAKING, wake
+from subsea.dive.warm_up import WarmUp
+from subsea.jobs.background import run_in_background
+from subsea.scenario.schema import Scenario
+from subsea.world.build import create_world
+from subsea.world.world import World
 
 MOST_PX = 640  # of its width: it is shown for seconds
 
@@ -69,3 +80,110 @@ class FirstPicture:
         if self._texture is not None:
             self._texture.release()
             self._texture = None
+
+
+T = TypeVar("T")
+Tell = Callable[[str], None]
+
+
+class Loader:
+    """Loads worlds in a thread.
+
+    The first start compiles kernels. A world can be created and drawn when those for that are
+    compiled; its fishes need all.
+    """
+
+    def __init__(self, look: Callable[[str | None], None]) -> None:
+        """`look` handles events meanwhile, shows lines on the progress, and may raise."""
+        self.at_rest = False  # True while a world is shown whose fishes cannot move yet
+        self._look = look
+        self._warm_up: WarmUp
+
+    def create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
+        """The world of a scenario at tick 0."""
+        self._warm_up = WarmUp()
+
+        def work(tell: Tell) -> World:
+            self._warm_up.wait_for_first(tell)
+            return create_world(scenario, seed, progress=tell, source=str(source))
+
+        return self._run(work)
+
+    def wake(self, world: World) -> None:
+        """Make the first tick of a world that was created last, which is drawn already."""
+
+        def work(tell: Tell) -> None:
+            tell(WAKING)  # shows the world at once
+            self._warm_up.wait(tell)
+            wake(world)
+
+        self.at_rest = True
+        try:
+            self._run(work)
+        finally:
+            self.at_rest = False
+
+    def _run(self, work: Callable[[Tell], T]) -> T:
+        try:
+            return run_in_background(work, self._look)
+        except BaseException:
+            self._warm_up.cancel()
+            raise
+
+
+Result = TypeVar("Result")
+THREADS = 2
+
+
+class Task(NamedTuple):
+    """Work in progress."""
+
+    future: Future[Any]
+    finish: Callable[[], object]  # hands the result over; raises what the work raised
+    label: str  # what is being done, in a few words; "" to show nothing
+
+
+class BackgroundTasks:
+    """At most two tasks at a time; `wake` is called, in another thread, when one has ended."""
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        self._pool, self._wake = ThreadPoolExecutor(THREADS, "background"), wake
+        self._tasks: list[Task] = []
+
+    def submit(
+        self,
+        work: Callable[[], Result],
+        done: Callable[[Result], object],
+        label: str,
+        failed: Callable[[], object],
+    ) -> None:
+        """Run `work` in another thread; its task calls `done` with the result, or `failed`."""
+        future = self._pool.submit(work)
+
+        def finish() -> None:
+            if future.exception() is not None:
+                failed()
+            done(future.result())
+
+        self._tasks.append(Task(future, finish, label))
+        future.add_done_callback(lambda _: self._wake())
+
+    def ended(self) -> list[Task]:
+        """Remove the tasks that have ended, and return them to be finished."""
+        ended = [task for task in self._tasks if task.future.done()]
+        self._tasks = [task for task in self._tasks if task not in ended]
+        return ended
+
+    @property
+    def busy(self) -> bool:
+        """True if a task has not been finished."""
+        return bool(self._tasks)
+
+    @property
+    def label(self) -> str:
+        """State of the first task with a label."""
+        return next((task.label for task in self._tasks if task.label), "")
+
+    def close(self) -> None:
+        """Cancel what has not begun; do not wait for the rest."""
+        self._pool.shutdown(wait=False, cancel_futures=True)

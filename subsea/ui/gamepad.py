@@ -13,11 +13,18 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_text
-from subsea.base.resources import resource_path
-from subsea.dive.bindings import PAD_AXES, PAD_BUTTONS, Command, is_action, is_command
+from subsea.base.files import read_text
+from subsea.base.system import resource_path
 from subsea.dive.pilot import Pilot
-from subsea.dive.settings import GamepadSettings, settings_path
+from subsea.dive.settings import (
+    PAD_AXES,
+    PAD_BUTTONS,
+    Command,
+    GamepadSettings,
+    is_action,
+    is_command,
+    settings_path,
+)
 from subsea.ui.gui import Gui
 
 MAPPINGS = "gamecontrollerdb.txt"  # the usual name of such files

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
-from subsea.dive.bindings import Bindings, ControlName
+from subsea.dive.settings import Bindings, ControlName
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
 
 WIDE, HIGH = 32.0, 18.8  # of the help, in heights of letters

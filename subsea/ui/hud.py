@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
 from subsea.state import Submarine
-from subsea.submarine.hull import AHEAD_CM_S, ASTERN_CM_S, hull_axes
+from subsea.submarine.vessel import AHEAD_CM_S, ASTERN_CM_S, hull_axes
 from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
 
 STILL_S = 6.0  # they fade after this time without change

@@ -7,15 +7,15 @@ from typing import Protocol
 
 from imgui_bundle import imgui
 
-from subsea.base.console import say
 from subsea.base.errors import UserError
 from subsea.base.language import translated
+from subsea.base.progress import say
 from subsea.dive.directed_camera import check_tour, endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.stage.headset.display import HeadsetDisplay
 from subsea.stage.kiosk import Kiosk
-from subsea.stage.show_state import DiveCount
+from subsea.stage.show_player import DiveCount
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
 from subsea.ui.inspector import Inspector

@@ -13,10 +13,9 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
-from subsea.dive.intention_text import name_of
+from subsea.dive.minds_text import name_of
 from subsea.jobs.background import CancelledByUserError
 from subsea.ui.context import DiveContext, PanelContext
-from subsea.ui.error_recovery import recovering_errors
 from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panel_layout import (
     OTHER_SIZE,
@@ -29,6 +28,7 @@ from subsea.ui.panel_layout import (
     write_places,
 )
 from subsea.ui.panels import PANELS
+from subsea.ui.picture import recovering_errors
 
 RING = 0.62  # radius of the ring around the chosen fish, in its lengths
 LEAST_RING = 0.6  # least radius, in heights of letters

@@ -15,16 +15,15 @@ from imgui_bundle import imgui
 from subsea.base.errors import UserError
 from subsea.base.language import marked, translated
 from subsea.base.toml_files import load_toml
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
-from subsea.scenario.thumbnails import read_thumbnail
+from subsea.scenario.storage import read_thumbnail
 from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
-from subsea.ui.menu_entry import ROW, Entry
 from subsea.ui.panels.fields import typed_whole
-from subsea.ui.settings_pages import KEYS, MORE, PARTS, SETTINGS, SettingsPages
+from subsea.ui.settings_pages import KEYS, MORE, PARTS, ROW, SETTINGS, Entry, SettingsPages
 
 APPEAR_S = 0.25
 DIM = 0.5  # opacity of the shade over the sea

@@ -1,4 +1,7 @@
-"""The display, its monitors, and the placement of windows on them."""
+"""The display, its monitors, and the placement of windows on them.
+
+Install commands for missing system libraries, as in `tools/setup.sh`.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -157,3 +160,8 @@ def reason(fault: Exception) -> str:
 
 def _list(connected: Sequence[Monitor]) -> str:
     return ", ".join(map(str, connected)) or "none"
+
+
+HEADLESS = "libegl1 libgl1 libgl1-mesa-dri"
+WINDOW = "libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
+INSTALL = f"sudo apt-get install --no-install-recommends {HEADLESS} {WINDOW}"

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import NamedTuple
 
-from subsea.base.console import say
+from subsea.base.progress import say
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import DEFAULTS, Settings
 from subsea.ui.first_picture import FirstPicture

@@ -1,24 +1,35 @@
-"""Draw the sea for the windows of a dive; adapt quality to hold the frame time."""
+"""Draw the sea for the windows of a dive; adapt quality to hold the frame time.
+
+Leave Dear ImGui in order where drawing fails within open scopes.
+"""
 
 import gc
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
+from imgui_bundle import imgui
 
 from subsea.base.arrays import Bytes
 from subsea.base.language import marked, translated
 from subsea.dive import adaptive_quality
 from subsea.dive.options import RETINA_COLOURS, DisplayOptions, RetinaColours
 from subsea.dive.picking import pick
-from subsea.dive.retina_images import retina_brightness, velocity_of
-from subsea.dive.ride import Ride, joined, pasted, pictured, with_insets
-from subsea.frame.diagrams import DiagramBuilder
-from subsea.frame.labels import Label
+from subsea.dive.ride import (
+    Ride,
+    joined,
+    pasted,
+    pictured,
+    retina_brightness,
+    velocity_of,
+    with_insets,
+)
+from subsea.frame.diagrams import DiagramBuilder, Label
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.rendering.gl.id_buffer import FISH
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import (
     AUTO,
     CHOICES,
@@ -40,6 +51,20 @@ from subsea.view.text_viewports import WHOLE, TextViewport, text_viewports
 from subsea.view.theatre_vessel import PANEL_SIZE
 from subsea.view.unproject import FrontView, front_screen
 from subsea.world.world import World
+
+
+@contextmanager
+def recovering_errors() -> Iterator[None]:
+    """End all open scopes of ImGui if drawing fails within."""
+    before, io = imgui.internal.ErrorRecoveryState(), imgui.get_io()
+    imgui.internal.error_recovery_store_state(before)
+    try:
+        yield
+    except Exception:
+        io.config_error_recovery_enable_assert = False
+        imgui.internal.error_recovery_try_to_recover_state(before)
+        io.config_error_recovery_enable_assert = True
+        raise
 
 
 class ScenePicture:
@@ -362,7 +387,7 @@ class ScenePicture:
     def _draw_pattern(self) -> None:
         """Draw the test pattern, if shown, into the renderer's pictures, once."""
         if self.pattern:
-            from subsea.stage.theatre.lineup import lineup
+            from subsea.stage.theatre.test_pattern import lineup
 
             self.renderer.show(lineup(self.rig))
 

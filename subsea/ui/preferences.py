@@ -8,13 +8,12 @@ from typing import Any, Protocol
 import msgspec
 from msgspec.structs import replace
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError
+from subsea.base.files import replacing
 from subsea.base.language import next_language, set_language
 from subsea.base.toml_edit import edit_toml
-from subsea.dive.bindings import ControlName, is_key
 from subsea.dive.pilot import Pilot
-from subsea.dive.settings import ComfortSettings, Settings
+from subsea.dive.settings import ComfortSettings, ControlName, Settings, is_key
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture

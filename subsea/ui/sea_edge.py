@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 from subsea.base.language import translated
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
-from subsea.submarine.hull import CLEARANCE_CM
+from subsea.submarine.vessel import CLEARANCE_CM
 from subsea.ui.gui import INK, MARK, colour, draw_backing, draw_shadowed_text
 
 SIGN_FAR_CM, SIGN_NEAR_CM = 110.0, 50.0  # from where it rests: the sign begins to show; shows fully

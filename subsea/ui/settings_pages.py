@@ -1,13 +1,36 @@
-"""Pages of the menu for what a visitor likes: keys, comfort, sound and language."""
+"""Pages of the menu for what a visitor likes: keys, comfort, sound and language.
+
+A line of the menu.
+"""
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
 from subsea.base.language import LANGUAGES, language, marked, translated
-from subsea.dive.bindings import CONTROLS, ControlName, is_key
-from subsea.dive.settings import COMFORTS
+from subsea.dive.settings import COMFORTS, CONTROLS, ControlName, is_key
 from subsea.ui.context import DiveContext
-from subsea.ui.menu_entry import Entry
+
+ROW = 1.75  # height of an entry, in heights of letters
+ABOUT = 0.65  # height of the line below an entry
+
+
+class Entry(NamedTuple):
+    """A line of the menu, in the language of visitors."""
+
+    text: str
+    act: Callable[[], object]
+    aside: str = ""  # text at its right end
+    chosen: bool = False
+    about: str = ""  # a line below it
+    scenario: Path | None = None  # the file whose picture is at its left end
+
+    @property
+    def high(self) -> float:
+        """Its height, in heights of letters."""
+        return ROW + ABOUT if self.about else ROW
+
 
 SETTINGS = marked("Settings")
 KEYS, MORE = "Keys", 6.0  # a page whose lines are longer, in heights of letters

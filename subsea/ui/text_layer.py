@@ -6,7 +6,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from subsea.dive.settings import ComfortSettings, Settings
-from subsea.frame.labels import Label
+from subsea.frame.diagrams import Label
 from subsea.ui import subtitles
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.context import DiveContext

@@ -9,7 +9,8 @@ import glfw
 import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.base.errors import UserError
-from subsea.dive.bindings import (
+from subsea.dive.pilot import Pilot
+from subsea.dive.settings import (
     BUTTONS,
     KEYS,
     REPEATING,
@@ -18,12 +19,10 @@ from subsea.dive.bindings import (
     is_action,
     is_command,
 )
-from subsea.dive.pilot import Pilot
 from subsea.rendering.gl.context import opengl_remedy
-from subsea.rendering.gl.shader_cache import avoid_full_disk
+from subsea.rendering.gl.shaders import avoid_full_disk
 from subsea.ui.gui import Gui
-from subsea.ui.monitors import Monitor, Screen, monitors, reason
-from subsea.ui.system_packages import INSTALL
+from subsea.ui.monitors import INSTALL, Monitor, Screen, monitors, reason
 from subsea.view.stereo import OTHER_STEREO
 
 NUDGE = 3.0  # pointer units: smaller movements are noise

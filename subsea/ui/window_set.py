@@ -12,10 +12,10 @@ import glfw
 import numpy as np
 from numpy.typing import NDArray
 
-from subsea.dive.bindings import Command
 from subsea.dive.pilot import Pilot
+from subsea.dive.settings import Command
 from subsea.rendering.gl.context import page_switch, window_context
-from subsea.rendering.output.presenter import Presenter
+from subsea.rendering.output.target import Presenter
 from subsea.ui.gamepad import Gamepads, add_mappings
 from subsea.ui.monitors import Monitor, Screen, monitor_name, monitors
 from subsea.ui.window import GlWindow, PointerRange

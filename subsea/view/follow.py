@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import Vector, minus, plus, times, vector
-from subsea.habitat.clearance import clearance, out_of_solids
+from subsea.habitat.contact import clearance, out_of_solids
 from subsea.kernels import kernel
 from subsea.state import Sea
 from subsea.view.retina import bodies_at

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.fish.coupling import Coupling, place
+from subsea.fish.skinning import Coupling, place
 from subsea.fish.surface import LEFT, RIGHT, SurfacePlan, U, V, rest_control_points
+from subsea.geometry.curves import basis_at, dense
 from subsea.geometry.rotation import matrix
-from subsea.geometry.spline import basis_at, dense
 from subsea.motor.pose import pose_at
 from subsea.view.camera import View, axes_of, off_axis
 from subsea.view.rig import CameraPose, CameraRig, DisplayPatch, Eye, Rect, views

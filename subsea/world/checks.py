@@ -3,8 +3,7 @@
 import numpy as np
 
 from subsea.base.errors import UserError
-from subsea.geometry.height_field import height_at
-from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.rocks import rock_rows
 from subsea.habitat.sea import make_sea, pillar_rows
@@ -12,7 +11,7 @@ from subsea.habitat.seaweed import plant_seaweed
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import MAX_SOLIDS, Scenario
 from subsea.state import HULL_CM, Reef, Sea, Seaweed
-from subsea.submarine.course import check_tours
+from subsea.submarine.vessel import check_tours
 
 
 def check_world(scenario: Scenario, seed: int | None = None) -> None:

@@ -6,15 +6,15 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.base.arrays import Array
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import clearance, out_of_solids
+from subsea.habitat.contact import clearance, out_of_solids
 from subsea.scenario.schema import Shoal
 from subsea.state import NOBODY, TRAITS
 from subsea.world.placement import Place
 from subsea.world.populate import ROOM_BL
 from subsea.world.snapshot import changing, constant
-from subsea.world.tunables import get_tunables, set_tunables
+from subsea.world.to_scenario import get_tunables, set_tunables
 from subsea.world.world import World
 
 # Prefixes of the arrays that continue, by their names in a snapshot.

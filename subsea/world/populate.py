@@ -4,11 +4,11 @@ import numpy as np
 from msgspec.structs import replace
 
 from subsea.base.arrays import Array
+from subsea.behavior.mental_state import apply_individual, set_temperament
 from subsea.behavior.table import BEHAVIORS, DESIRES
-from subsea.behavior.temperament import apply_individual, set_temperament
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import out_of_solids
+from subsea.habitat.contact import out_of_solids
 from subsea.habitat.reef import KINDS as KINDS_OF_GROWTH
 from subsea.motor.containment import contain
 from subsea.motor.playback import TEMPO

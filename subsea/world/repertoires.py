@@ -9,8 +9,8 @@ import numpy as np
 
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
-from subsea.base.input_files import file_hash
-from subsea.fish.coupling import Coupling, couple
+from subsea.base.files import file_hash
+from subsea.fish.skinning import Coupling, couple
 from subsea.fish.species import Species, load_species, repertoire_file, species_file
 from subsea.fish.surface import rest_control_points
 from subsea.motor.switching import Dynamics, make_dynamics

@@ -1,4 +1,10 @@
-"""Advance a world by one tick."""
+"""Advance a world by one tick.
+
+Passes of a tick over parts of the fishes, each compiled as one kernel.
+
+Threads take turns to hold the interpreter's lock between two kernels. With one kernel for each part
+they do so less often.
+"""
 
 import time
 from collections.abc import Iterator
@@ -8,29 +14,71 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior import biting, eating, hunting, schooling, steering
+from subsea.behavior.bursting import tire
 from subsea.behavior.colouring import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
-from subsea.behavior.table import BEHAVIOR_OF_DESIRE, LEVEL_OF_DESIRE, TIRES, run_routines
+from subsea.behavior.mental_state import update_mental_state
+from subsea.behavior.steering import ease_goals
+from subsea.behavior.table import (
+    BEHAVIOR_OF_DESIRE,
+    LEVEL_OF_DESIRE,
+    TIRES,
+    compute_desires,
+    run_routines,
+)
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
 from subsea.habitat import hook, plankton
-from subsea.habitat.contact import keep_in_free_water
-from subsea.habitat.current import flow_at
+from subsea.habitat.contact import keep_in_free_water, separate
+from subsea.habitat.current import add_bow_wave, flow_at, set_drift
+from subsea.habitat.rocks import RockCells
 from subsea.habitat.seaweed import step_seaweed
+from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share
+from subsea.motor.containment import contain
 from subsea.motor.controller import command
+from subsea.motor.fins import flap
+from subsea.motor.playback import play
 from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
-from subsea.perception.scheduling import fish_due
-from subsea.perception.senses import sense
-from subsea.state import Clock, Submarine
-from subsea.submarine.helm import STATION, Helm
-from subsea.submarine.hull import hull_axes, step_hull
-from subsea.submarine.rail import Rail, ride
-from subsea.world.passes import carry, ease, feel, play_back
+from subsea.perception.senses import fish_due, sense
+from subsea.repertoire.library import Library
+from subsea.state import Clock, Fishes, Minds, Nature, Sea, Submarine
+from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
 from subsea.world.world import TICK_S, World
+
+
+@kernel
+def carry(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, cells: RockCells, flow: Array) -> None:
+    """Set the drift of the fishes `who` by the current `flow` (3,), cm/s, the hull and others."""
+    set_drift(who, fishes, sea, cells, flow)
+    add_bow_wave(who, fishes, sea)
+    separate(who, fishes, minds)
+
+
+@kernel
+def feel(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
+    """Update mental states and desires of the fishes `who`."""
+    update_mental_state(who, fishes, minds, nature, clock)
+    compute_desires(who, fishes, minds, sea, nature, clock)
+
+
+@kernel
+def ease(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Turn the goals of the fishes `who` toward their urges, and let bursts tire them."""
+    ease_goals(who, fishes, minds, clock)
+    tire(who, fishes, minds, clock)
+
+
+@kernel
+def play_back(who: Ints, fishes: Fishes, library: Library, sea: Sea, dt: float) -> None:
+    """Advance bodies and fins of the fishes `who` by one tick, within the free water."""
+    play(who, fishes, library, dt)
+    contain(who, fishes, library.nodes, sea, dt)
+    flap(who, fishes, library, dt)
+
 
 # Fishes for which another thread pays: of a short pass, and of those that think.
 LEAST_PART, LEAST_MINDS = 2048, 1024

@@ -3,20 +3,63 @@
 Traits of fishes, constants of all fishes, the current and the physics. Traits that a whole shoal
 shares go into its table, those of single fishes into `[[individual]]`. Current hunger and libido
 are not exported.
+
+Save and restore parameters that panels edit.
+
+A snapshot holds all that a tick changes. Both together are the complete state of a world.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from subsea.behavior.mental_state import DIGESTION, DREAD_CM, LIBIDO_RATE
-from subsea.behavior.temperament import HABITS, appetite_of, males_of
+from subsea.behavior.mental_state import (
+    DIGESTION,
+    DREAD_CM,
+    HABITS,
+    LIBIDO_RATE,
+    appetite_of,
+    males_of,
+)
 from subsea.fish.species import Species
 from subsea.scenario.schema import IndividualTable, NatureTable, PhysicsTable, Scenario, Shoal
-from subsea.state import KINDS
+from subsea.state import KINDS, TRAITS, Nature, Physics
 from subsea.world.world import World
+
+
+class Tunables(NamedTuple):
+    """A copy of the parameters that panels edit."""
+
+    nature: Nature
+    current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
+    physics: Physics  # of simulated fishes
+    traits: dict[str, NDArray[Any]]  # by the names in `state.TRAITS`
+
+
+def get_tunables(world: World) -> Tunables:
+    """Copy the parameters of a world."""
+    traits = {name: getattr(world.state.minds, name).copy() for name in TRAITS}
+    return Tunables(world.nature, world.current_cm_s, world.physics, traits)
+
+
+def set_tunables(world: World, tunables: Tunables) -> None:
+    """Restore the parameters of a world.
+
+    Call it before `snapshot.restore`: the values allowed in a snapshot depend on the traits.
+    """
+    world.nature, world.current_cm_s, world.physics = tunables[:3]
+    for name, values in tunables.traits.items():
+        getattr(world.state.minds, name)[...] = values
+
+
+def equal_tunables(one: Tunables, other: Tunables) -> bool:
+    """True if worlds with these parameters continue equally from the same snapshot."""
+    return one[:3] == other[:3] and all(
+        np.array_equal(values, other.traits[name]) for name, values in one.traits.items()
+    )
+
 
 Columns = dict[str, NDArray[Any]]  # one value for each fish, by the keys of `Individual`
 

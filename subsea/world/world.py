@@ -10,7 +10,7 @@ from subsea.base.arrays import Array
 from subsea.directing.script import Script
 from subsea.fish.species import Species
 from subsea.habitat.current import REACH_CM
-from subsea.habitat.rock_cells import RockCells, rock_cells
+from subsea.habitat.rocks import RockCells, rock_cells
 from subsea.motor.switching import Dynamics
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario

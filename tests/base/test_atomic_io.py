@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from subsea.base.atomic_io import check_file, check_folder, replacing
 from subsea.base.errors import UserError
+from subsea.base.files import check_file, check_folder, replacing
 
 
 def test_checks_leave_no_files(tmp_path):

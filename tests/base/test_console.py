@@ -1,6 +1,6 @@
 """Messages are single lines."""
 
-from subsea.base.console import say
+from subsea.base.progress import say
 
 
 def test_a_line_break_in_a_name_does_not_break_the_line(capsys):

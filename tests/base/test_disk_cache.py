@@ -9,8 +9,9 @@ import zlib
 import numpy as np
 import pytest
 
-from subsea.base import disk_cache, own_files
-from subsea.base.array_pack import pack
+from subsea.base import disk_cache
+from subsea.base import files as own_files
+from subsea.base.arrays import pack
 from subsea.base.disk_cache import cached
 from subsea.habitat.reef import grow_reefs
 from subsea.habitat.sea import make_sea

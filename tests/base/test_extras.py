@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from subsea.base import extras
+from subsea.base import system as extras
 from subsea.base.errors import UserError
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from subsea.base import hdf5
 from subsea.base.errors import UserError
-from subsea.base.input_files import check_input, read_input
+from subsea.base.files import check_input, read_input
 from subsea.base.toml_files import load_toml
 from subsea.dive.settings import read_settings, settings_path, usual_settings
 from subsea.export.obj import read_mesh
@@ -15,8 +15,8 @@ from subsea.fish import color_sheet
 from subsea.fish.species import load_species
 from subsea.lab.profiling.comparison import read_reports
 from subsea.media.eye_frames import _frames_in
+from subsea.media.film import NAME, missing_frames
 from subsea.media.record import read_record
-from subsea.media.resume_manifest import NAME, missing_frames
 from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario

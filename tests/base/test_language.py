@@ -7,13 +7,15 @@ from babel.messages.mofile import read_mo
 from babel.messages.pofile import read_po
 from PIL import ImageFont
 
-from subsea.base.fonts import font_of, japanese_font, latin_font
 from subsea.base.language import (
     AUTO,
     LANGUAGES,
     VARIABLES,
     _catalogue,
+    font_of,
+    japanese_font,
     language,
+    latin_font,
     marked,
     next_language,
     set_language,

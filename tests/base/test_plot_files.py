@@ -3,9 +3,9 @@
 import pytest
 from PIL import Image
 
-from subsea.base import plot_files
+from subsea.base import report_files as plot_files
 from subsea.base.errors import UserError
-from subsea.base.plot_files import check_plots, write_plots
+from subsea.base.report_files import check_plots, write_plots
 
 
 def page(figure):
@@ -55,6 +55,6 @@ def test_what_is_in_the_way_is_named_before_any_work(tmp_path, monkeypatch):
         check_plots(tmp_path, ["a.png"], force=False)
     with pytest.raises(UserError, match=r"a\.png"):
         check_plots(tmp_path / "a.png", ["b.png"], force=False)
-    monkeypatch.setattr("subsea.base.extras.find_spec", lambda name: None)
+    monkeypatch.setattr("subsea.base.system.find_spec", lambda name: None)
     with pytest.raises(UserError, match="plots need matplotlib"):
         check_plots(tmp_path, ["b.png"], force=False)

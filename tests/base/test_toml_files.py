@@ -267,7 +267,7 @@ def test_errors_have_their_location_as_data(path):
     ],
 )
 def test_faults_of_species_have_lines(tmp_path, change, words):
-    from subsea.base.resources import resource_path
+    from subsea.base.system import resource_path
 
     text = resource_path("assets/species/fusilier.toml").read_text()
     assert change[0] in text

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from subsea.base.resources import ROOT, resource_path
+from subsea.base.system import ROOT, resource_path
 from subsea.base.toml_positions import key_lines, line_of, place_of
 
 TRICKY = '''\

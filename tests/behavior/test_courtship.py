@@ -22,7 +22,7 @@ from subsea.state import (
     NOBODY,
     NUZZLING,
 )
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World

@@ -7,7 +7,7 @@ from subsea.behavior.chasing import mouth_of
 from subsea.geometry.rotation import rotate
 from subsea.scenario.load import load_scenario
 from subsea.state import BAIT, EAT, ESCAPE, FEAR, HOOKED, LANDED, NOBODY, PACIFIST, PREY
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

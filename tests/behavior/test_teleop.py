@@ -5,13 +5,13 @@ import pytest
 
 from subsea.behavior.chasing import mouth_of
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
-from subsea.habitat.clearance import clearances
+from subsea.geometry.solids import height_at
+from subsea.habitat.contact import clearances
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.state import EAT, ESCAPE, FEAR, MATE, NOBODY, PREDATOR, PREY, WANDER
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.behavior.temperament import apply_individual
+from subsea.behavior.mental_state import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import IndividualTable, Shoal
 from subsea.state import NOBODY
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -8,10 +8,10 @@ from subsea.biomechanics.body import (
     TRIANGLE_WEIGHTS,
     TRIANGLES,
     UNITS,
+    body_frame,
     build_body,
     rest_nodes,
 )
-from subsea.biomechanics.body_frame import body_frame
 from subsea.fish.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])

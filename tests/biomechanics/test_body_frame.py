@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.biomechanics.body_frame import body_frame, to_body, to_world
+from subsea.biomechanics.body import body_frame, to_body, to_world
 from subsea.geometry.rotation import matrix
 
 seeds = st.integers(0, 2**32 - 1)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.biomechanics.body import Body, Floats, build_body
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import Body, Floats, body_frame, build_body
 from subsea.biomechanics.controllers import (
     ease,
     glide_contraction,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import eigh, solveh_banded
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,

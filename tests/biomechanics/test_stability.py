@@ -3,8 +3,7 @@ import pytest
 
 from subsea.biomechanics.body import LOWER_TAIL, MUSCLES, UPPER_TAIL, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
-from subsea.biomechanics.solver import STEP
-from subsea.biomechanics.stability import check_step, longest_step
+from subsea.biomechanics.solver import STEP, check_step, longest_step
 from subsea.fish.species import Species, load_species, muscular_names
 
 

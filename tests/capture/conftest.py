@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from capture.recording.batch import save_segment
 from capture.recording.manoeuvres import TURNS
 from capture.recording.record import Recorded, assemble, record_segment, segments_of
-from capture.recording.resume import save_segment
 from subsea.fish.species import Species, load_species
 from subsea.repertoire import Repertoire, write_repertoire
 

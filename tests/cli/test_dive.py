@@ -2,7 +2,7 @@
 
 import pytest
 
-from subsea.base import extras
+from subsea.base import system as extras
 from subsea.cli.main import main
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from subsea import __version__
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.cli.main import main
 from subsea.media.record import read_record
 from subsea.scenario.load import own_scenarios

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from subsea.base.errors import UserError
-from subsea.base.resources import ROOT
-from subsea.behavior.temperament import HABITS, set_hunger
+from subsea.base.system import ROOT
+from subsea.behavior.mental_state import HABITS, set_hunger
 from subsea.directing.director import direct, latest
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.directions import Shoals
@@ -35,7 +35,7 @@ from subsea.state import (
     STOWED,
     Clock,
 )  # fmt: skip
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.placement import Handle, removed

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.dive import bindings
-from subsea.dive.bindings import (
+from subsea.dive import settings as bindings
+from subsea.dive.settings import (
     ACTIONS,
     COMMANDS,
     CONTROLS,

@@ -13,7 +13,7 @@ from subsea.dive.captions import (
     shown_s,
 )
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.view.text_viewports import text_viewports
 from subsea.world.build import create_world

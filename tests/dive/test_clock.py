@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.dive.clock import MAX_TICKS_PER_FRAME, TickClock
+from subsea.dive.idle_timer import MAX_TICKS_PER_FRAME, TickClock
 
 TICK = 0.033
 FRAMES = st.lists(st.floats(0.0, 0.15), max_size=200)

@@ -13,19 +13,26 @@ from subsea.dive.directed_camera import check_tour, directed_steering, is_cut, i
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import hidden
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
+from subsea.geometry.solids import height_at
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import clearance
-from subsea.media.film_timing import directed_length_s
+from subsea.habitat.contact import clearance
+from subsea.media.film import directed_length_s
 from subsea.scenario.directions import Camera
 from subsea.scenario.load import load_scenario, scenario_file
 from subsea.stage.cluster.messages import encode, from_master, picture_of, ticks_of
 from subsea.state import HULL_CM
-from subsea.submarine.course import course_of, rail_at
-from subsea.submarine.helm import NEUTRAL, STATION, Helm
-from subsea.submarine.hull import ACCELERATION_CM_S2, AHEAD_CM_S, hull_axes
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import (
+    ACCELERATION_CM_S2,
+    AHEAD_CM_S,
+    NEUTRAL,
+    STATION,
+    Helm,
+    Rail,
+    course_of,
+    hull_axes,
+    rail_at,
+)
 from subsea.view.rig import CameraPose
 from subsea.world import snapshot
 from subsea.world.build import create_world
@@ -271,14 +278,14 @@ def test_ctrl_c_interrupts_the_compilation_of_a_rehearsal(tmp_path, monkeypatch)
         signal.raise_signal(signal.SIGINT)
         pytest.fail("compiled on")
 
-    monkeypatch.setattr("subsea.media.film_timing.ready_world", ready)
+    monkeypatch.setattr("subsea.media.film.ready_world", ready)
     scenario, source = load_scenario(str(scene(tmp_path, CUT)))
     with pytest.raises(KeyboardInterrupt):
         directed_length_s(scenario, source, None)
 
 
 def test_an_endless_film_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("subsea.media.film_timing.MAX_DIRECTED_S", 1.0)
+    monkeypatch.setattr("subsea.media.film.MAX_DIRECTED_S", 1.0)
     event = "event = 'eaten'\nend = true"
     scenario, source = load_scenario(str(scene(tmp_path, CUT, event)))
     with pytest.raises(UserError, match=r"scene\.toml: its directions are not over after .*--sec"):

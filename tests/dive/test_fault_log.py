@@ -1,6 +1,6 @@
 """The last fault, and how long ago it was."""
 
-from subsea.dive.fault_log import FaultLog
+from subsea.dive.captions import FaultLog
 
 
 def test_the_last_fault_is_remembered(capsys):

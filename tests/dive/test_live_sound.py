@@ -8,7 +8,7 @@ from subsea.dive.settings import SoundSettings
 from subsea.scenario.load import load_scenario
 from subsea.sound.moment import Moment
 from subsea.sound.space import loudspeakers
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.scenes import BARE

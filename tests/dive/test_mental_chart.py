@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from subsea.dive.mental_chart import SPAN, Chart
+from subsea.dive.minds_text import SPAN, Chart
 
 
 def world_at(tick):

@@ -8,13 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.dive.pilot import Pilot
-from subsea.dive.prediction import CATCH_UP_S, Prediction
+from subsea.dive.pilot import CATCH_UP_S, Pilot, Prediction
 from subsea.dive.tick_source import LocalTicks
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL, Helm
-from subsea.submarine.hull import AHEAD_CM_S, HEAVE_CM_S, YAW_RAD_S
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import AHEAD_CM_S, HEAVE_CM_S, NEUTRAL, YAW_RAD_S, Helm, Rail
 from subsea.view.display_rigs import cockpit
 from subsea.world import snapshot
 from subsea.world.build import create_world

@@ -10,13 +10,22 @@ import numpy as np
 import pytest
 from PIL import ImageGrab
 
-from subsea.base.resources import resource_path
-from subsea.dive.retina_images import MOST_FISHES, VALUES, coded, retina_brightness
-from subsea.dive.ride import MOST_PAN_DEG, Ride, nearest_to_middle, pictured, with_insets
+from subsea.base.system import resource_path
+from subsea.dive.ride import (
+    MOST_FISHES,
+    MOST_PAN_DEG,
+    VALUES,
+    Ride,
+    coded,
+    nearest_to_middle,
+    pictured,
+    retina_brightness,
+    with_insets,
+)
 from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.load import load_scenario
-from subsea.stage.theatre.theatre_setup import set_up_theatre
-from subsea.submarine.helm import NEUTRAL
+from subsea.stage.theatre.setup import set_up_theatre
+from subsea.submarine.vessel import NEUTRAL
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken
 from subsea.view.display_rigs import display_rig

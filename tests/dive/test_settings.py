@@ -12,8 +12,9 @@ from subsea.base.errors import UserError
 from subsea.cli import options as cli
 from subsea.cli.main import main
 from subsea.dive import settings
-from subsea.dive.bindings import ACTIONS, COMMANDS
 from subsea.dive.settings import (
+    ACTIONS,
+    COMMANDS,
     DEFAULTS,
     KIOSK_COMMANDS,
     KioskSettings,

@@ -16,10 +16,9 @@ from subsea.scenario.load import load_scenario
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.master import Master
-from subsea.stage.theatre import theatre_windows
+from subsea.stage.theatre import setup as theatre_windows
 from subsea.stage.theatre.load import load_theatre
-from subsea.submarine.helm import NEUTRAL
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import NEUTRAL, Rail
 from subsea.ui import dive
 from subsea.world import snapshot
 from subsea.world.build import create_world

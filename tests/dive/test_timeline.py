@@ -11,11 +11,10 @@ from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.timeline import RATES, Timeline
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import Helm, Rail
 from subsea.world import snapshot
 from subsea.world.build import create_world
-from subsea.world.tunables import equal_tunables, get_tunables, set_tunables
+from subsea.world.to_scenario import equal_tunables, get_tunables, set_tunables
 from subsea.world.world import TICK_S
 
 REACH, KEPT = 50, 7  # ticks; shorter than in a dive

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from subsea.dive.options import start_world
 from subsea.dive.pilot import Pilot
-from subsea.dive.start import start_world
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
     HOOK,
@@ -22,7 +22,7 @@ from subsea.dive.tour import (
 )  # fmt: skip
 from subsea.scenario.load import load_scenario
 from subsea.state import CIRCLING, EAT, HANGING, HOOKED, LANDED, LOOPING, NOBODY, PREDATOR
-from subsea.submarine.course import course_of, rail_at
+from subsea.submarine.vessel import course_of, rail_at
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step

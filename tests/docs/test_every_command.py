@@ -28,10 +28,10 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli import main as capture_cli
-from capture.inspection import timing
+from capture.inspection import gait as timing
 from subsea.base.command_line import parse_arguments
 from subsea.base.errors import UserError
-from subsea.base.resources import ROOT, resource_names
+from subsea.base.system import ROOT, resource_names
 from subsea.cli import main
 from subsea.dive.settings import read_settings
 from subsea.export import skinning
@@ -39,7 +39,7 @@ from subsea.fish.species import load_species, shipped_species
 from subsea.lab.profiling import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
-from subsea.stage.cluster.waits import WaitStatistics
+from subsea.stage.cluster.master import WaitStatistics
 from subsea.stage.show_file import load_show
 from subsea.stage.theatre.load import load_theatre
 from subsea.studio.fitting import silhouette

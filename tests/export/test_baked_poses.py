@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.export.baked_poses import _representatives, bake_poses
-from subsea.export.scene import Scene
+from subsea.export.scene import Scene, _representatives, bake_poses
 
 
 @pytest.mark.parametrize("model", [0, 1])

@@ -11,8 +11,7 @@ from scipy.spatial import cKDTree
 
 from subsea.export import gltf_scene, usd_scene
 from subsea.export.axes import METRES
-from subsea.export.scene import Scene
-from subsea.export.scene_writer import SceneOptions
+from subsea.export.scene import Scene, SceneOptions
 from subsea.geometry.rotation import matrix
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ import pytest
 
 from capture.inspection.simulated import replay
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.export.clips import Clip, Model, make_clips, root_motion, transform_points
 from subsea.export.drawn_surface import Surface
 from subsea.export.fin_motion import FinPlayer

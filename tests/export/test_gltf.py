@@ -11,9 +11,8 @@ import trimesh
 from capture.cli.main import main
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.glb import MESHOPT, QUANTISED, packing_of
 from subsea.export.gltf import write_gltf
-from subsea.export.packed import MESHOPT, QUANTISED
-from subsea.export.packing import packing_of
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 from tests.support.gltf_reader import Reader
 

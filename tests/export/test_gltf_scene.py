@@ -12,11 +12,10 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
+from subsea.export.glb import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER
-from subsea.export.packed import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.png import sheet_png
-from subsea.export.scene import Scene, SceneMesh
-from subsea.export.scene_writer import SceneExtent, SceneOptions
+from subsea.export.scene import Scene, SceneExtent, SceneMesh, SceneOptions
 from subsea.export.skinning import fit_to_points
 from subsea.geometry.rotation import matrix
 from tests.support.gltf_reader import NodeMoment, Reader
@@ -93,7 +92,7 @@ def files(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[
     out = {}
     with pytest.MonkeyPatch.context() as patch:  # each file would do the same again
         patch.setattr("subsea.export.gltf_scene.fit_to_points", _once(fit_to_points))
-        patch.setattr("subsea.export.gltf_parts.sheet_png", _once(sheet_png))
+        patch.setattr("subsea.export.gltf.sheet_png", _once(sheet_png))
         for name, kind in MADE:
             path = tmp_path_factory.mktemp(name) / "scene.glb"
             chosen = SceneOptions(compress=kind, instances=kind == QUANTISED, **VARIANTS[name])

@@ -12,8 +12,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from subsea.export.gltf_scene import WRITER
-from subsea.export.scene import Scene
-from subsea.export.scene_writer import SceneOptions
+from subsea.export.scene import Scene, SceneOptions
 from tests.support.gltf_reader import Reader
 
 FOLDER = Path(__file__).parents[2] / "tools" / "godot"

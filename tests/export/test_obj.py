@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.biomechanics.body import TRIANGLES
 from subsea.export.obj import bind_mesh, fit_to_fish, read_mesh, write_mesh
 from subsea.repertoire import Repertoire, read_repertoire

@@ -7,9 +7,18 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.export.glb import INDICES, VERTICES, GlbBuffer, asset, glb
-from subsea.export.packed import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
-from subsea.export.packing import packing_of
+from subsea.export.glb import (
+    COMPRESSIONS,
+    INDICES,
+    MESHOPT,
+    PLAIN,
+    QUANTISED,
+    VERTICES,
+    GlbBuffer,
+    asset,
+    glb,
+    packing_of,
+)
 from tests.support.gltf_reader import Reader
 
 RNG = np.random.default_rng(5)
@@ -95,6 +104,6 @@ def test_an_unknown_compression_or_a_missing_package_is_one_line(
 ) -> None:
     with pytest.raises(UserError, match="unknown compression 'zip', expected none, quantised"):
         packing_of("zip")
-    monkeypatch.setattr("subsea.base.extras.find_spec", lambda name: None)
+    monkeypatch.setattr("subsea.base.system.find_spec", lambda name: None)
     with pytest.raises(UserError, match="compressed glTF needs meshopt: run"):
         packing_of(MESHOPT)

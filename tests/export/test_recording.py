@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.start import start_world
+from subsea.dive.options import start_world
 from subsea.export.recording import SceneFilmOptions, continuous, tint_of
 from subsea.export.scene import Scene
 from subsea.fish.mesh import BODY, DETAILS, fish_mesh, species_vertices, surface_points
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import find_fish, load_scenario
 from subsea.world.step import step
 
 MOUTH_END, TAIL = 0.25, 0.7  # body lengths: between these neither jaws nor tail fin move the skin

@@ -9,13 +9,12 @@ import pytest
 from pxr import Usd
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.start import picture_maker, start_world
+from subsea.dive.options import picture_maker, start_world
 from subsea.export.recording import SceneFilmOptions
-from subsea.export.scene import Scene
-from subsea.export.scene_writer import SceneOptions
+from subsea.export.scene import Scene, SceneOptions
 from subsea.export.usd_scene import WRITER
 from subsea.frame.packet import pack
-from subsea.media.film_timing import reach
+from subsea.media.film import reach
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.gl.id_buffer import FISH, ROCK, SEABED
 from subsea.rendering.output.quality import PRESETS

@@ -14,8 +14,7 @@ from subsea.base.errors import UserError
 from subsea.export import usd_scene
 from subsea.export.axes import WORLD_Y_UP, to_metres
 from subsea.export.png import sheet_png
-from subsea.export.scene import Scene
-from subsea.export.scene_writer import SceneExtent, SceneOptions
+from subsea.export.scene import Scene, SceneExtent, SceneOptions
 from subsea.export.usd_scene import WRITER
 from subsea.geometry.rotation import matrix
 

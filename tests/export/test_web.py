@@ -19,14 +19,14 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.export import web
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
-from subsea.export.scene_writer import SceneExtent, SceneOptions
+from subsea.export.scene import SceneExtent, SceneOptions
 from subsea.export.statics import static_meshes
-from subsea.export.web_words import WORDS
+from subsea.export.web import WORDS
 from subsea.frame.packet import PackOptions, pack
-from subsea.media.film_timing import instants
+from subsea.media.film import instants
 from subsea.rendering.gl.id_buffer import FISH
 from subsea.rendering.output.quality import PRESETS
 from subsea.view.display_rigs import cockpit, display_rig

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.fish.coupling import couple, place
-from subsea.fish.skinning import skin_weights
+from subsea.fish.skinning import couple, place, skin_weights
 from subsea.geometry.rotation import matrix
 
 WAYS = ["sections", "patches", "tetrahedra"]

@@ -3,7 +3,7 @@
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.fish import measured
 from subsea.fish.measured import ITSELF, MeasuredRange, load_measured, measured_species
 from subsea.fish.species import load_species, shipped_species

@@ -6,9 +6,9 @@ import h5py
 import pytest
 
 from capture.cli import main as capture_cli
-from capture.recording import workers
+from capture.recording import batch as workers
 from subsea.base.errors import UserError
-from subsea.base.resources import ROOT, own_path, resource_path
+from subsea.base.system import ROOT, own_path, resource_path
 from subsea.cli.main import main
 from subsea.fish import species
 from subsea.fish.species import (

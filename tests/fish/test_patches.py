@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from subsea.fish.coupling import couple, place
-from subsea.fish.patches import FACES, PATCH_FACE, PATCH_NODES, face_axes
+from subsea.fish.skinning import FACES, PATCH_FACE, PATCH_NODES, couple, face_axes, place
 
 
 def test_a_face_has_twenty_five_patch_nodes_and_its_corners_are_four_of_them():

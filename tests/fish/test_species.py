@@ -3,7 +3,7 @@
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.fish.species import Species, load_species
 

@@ -23,7 +23,7 @@ from subsea.fish.surface import (
     along,
     rest_control_points,
 )
-from subsea.geometry.spline import basis_table, dense
+from subsea.geometry.curves import basis_table, dense
 
 LENGTH = 20.0
 SNOUT = 5.0

@@ -7,24 +7,26 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import UNITS
-from subsea.dive.start import start_world
+from subsea.dive.options import start_world
 from subsea.frame.diagrams import (
     DIAGRAMS,
     FAINT,
     MOST,
     STRONG,
     DiagramBuilder,
+    Label,
     chosen_diagrams,
+    frustum_edges,
+    place_labels,
+    projected,
     sensitivity_box,
 )
-from subsea.frame.labels import Label, place_labels, projected
-from subsea.frame.lines import frustum_edges
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
 from subsea.perception.collision import sensitivity, share_inside
 from subsea.perception.vision import FIELD_COS, ahead_of, eye_of, in_view
 from subsea.state import NOBODY
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig, views_for
 from subsea.view.rig import pose_from_angles, views
 from subsea.world.step import step

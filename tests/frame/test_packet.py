@@ -9,7 +9,7 @@ from subsea.kernels.threads import use_threads
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HANGING, HOOKED, LANDED, NOBODY, SINKING, STOWED
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view import culling, levels
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.levels import empty_lod_state

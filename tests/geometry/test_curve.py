@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.geometry.curve import curve_at, curve_through
+from subsea.geometry.curves import curve_at, curve_through
 
 coordinate = st.floats(-500.0, 500.0)
 place = st.tuples(coordinate, coordinate, coordinate)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 
 inside = st.floats(-50, 50)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.geometry.keyed_random import uniform
+from subsea.geometry.noise import uniform
 
 
 def test_same_keys_same_number_other_keys_other_numbers():

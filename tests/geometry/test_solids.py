@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.geometry.height_field import height_at
 from subsea.geometry.solids import (
     NEVER,
     far_from_rock,
     from_pillar,
     from_rock,
+    height_at,
     ray_meets_pillar,
     ray_meets_rock,
     ray_meets_seabed,

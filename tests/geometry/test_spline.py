@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from subsea.geometry.spline import basis_at, basis_table, decimated, dense, greville, through
+from subsea.geometry.curves import basis_at, basis_table, decimated, dense, greville, through
 
 
 def _scipy(controls, samples, degree):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.habitat.bow_wave import BEAM_BL, WAVE_SPAN, add_bow_wave, bow_wave
+from subsea.habitat.current import BEAM_BL, WAVE_SPAN, add_bow_wave, bow_wave
 from subsea.state import HULL_CM, Fishes, empty
 from tests.support.scenes import everyone
 

@@ -5,7 +5,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.habitat.clearance import clearance, clearances, is_free, out_of_solids
+from subsea.habitat.contact import clearance, clearances, is_free, out_of_solids
 
 PILLAR = np.array([30.0, -20.0, 50.0, -100.0])
 ROCK = np.array([10.0, 20.0, -250.0, 80.0, 40.0, 30.0, 0.7])

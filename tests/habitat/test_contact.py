@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import clearance
-from subsea.habitat.contact import TOUCH_BL, TOUCH_CM, keep_in_free_water
+from subsea.habitat.contact import TOUCH_BL, TOUCH_CM, clearance, keep_in_free_water
 from tests.support.scenes import everyone
 
 DT = 0.033

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.habitat.clearance import clearances
+from subsea.habitat.contact import clearances
 from subsea.habitat.formations import (
     RELIEF_CM,
     SHELL_CM,
@@ -18,8 +18,7 @@ from subsea.habitat.formations import (
     rough_distance,
     stone_above,
 )
-from subsea.habitat.stone_samples import samples
-from subsea.habitat.stone_shade import openness, passes, shade_distance, shade_of
+from subsea.habitat.stone import openness, passes, samples, shade_distance, shade_of
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))
 SIZE = st.floats(15.0, 150.0)

@@ -5,10 +5,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import clearance
+from subsea.habitat.contact import clearance
 from subsea.habitat.current import REACH_CM
 from subsea.habitat.plankton import CLEARANCE_CM, RETURN_CM, RETURN_HEIGHT_CM, drift, scatter
-from subsea.habitat.rock_cells import rock_cells
+from subsea.habitat.rocks import rock_cells
 from subsea.state import Clock
 
 DT = 0.033

@@ -7,7 +7,6 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import drawn_distance, formations
-from subsea.habitat.mounds import dome, variant_of
 from subsea.habitat.reef import (
     DEEPEST,
     KINDS,
@@ -19,7 +18,7 @@ from subsea.habitat.reef import (
     tops,
 )
 from subsea.habitat.sea import make_sea
-from subsea.habitat.terrain import heights_at
+from subsea.habitat.terrain import dome, heights_at, variant_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import GrowthKind, ReefTable
 

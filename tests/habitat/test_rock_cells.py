@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
-from subsea.habitat.clearance import is_free
+from subsea.habitat.contact import is_free
 from subsea.habitat.current import REACH_CM, flow_near
-from subsea.habitat.rock_cells import FEW, rock_cells, rocks_near
+from subsea.habitat.rocks import FEW, rock_cells, rocks_near
 from tests.support.seas import all_rocks
 
 NO_PILLARS = np.zeros((0, 4))

@@ -6,14 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.habitat.clearance import clearances
+from subsea.habitat.contact import clearances
 from subsea.habitat.formations import formations
 from subsea.habitat.rocks import arch, outcrop, rock_rows, single
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Arch, Outcrop, Rock, Scenario, Shoal, Start, Terrain
 from subsea.state import HULL_CM, Submarine
-from subsea.submarine.helm import NEUTRAL, Helm
-from subsea.submarine.hull import step_hull
+from subsea.submarine.vessel import NEUTRAL, Helm, step_hull
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.seas import bare_sea

@@ -10,7 +10,7 @@ from subsea.habitat import seaweed as module
 from subsea.habitat.current import REACH_CM
 from subsea.habitat.formations import drawn_distance, formations
 from subsea.habitat.reef import KINDS, RUBBLE
-from subsea.habitat.rock_cells import rock_cells
+from subsea.habitat.rocks import rock_cells
 from subsea.habitat.seaweed import (
     BODY_BL,
     BUOYANCY_CM_S2,

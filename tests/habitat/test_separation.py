@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from subsea.habitat.separation import FULL_CM_S, separate
+from subsea.habitat.contact import FULL_CM_S, separate
 from subsea.state import CIRCLING, PREDATOR
 from tests.support.scenes import everyone
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.habitat.terrain import MOAT_CM, MOUND_CM, crest, drifted, half_width, make_terrain
 from subsea.scenario.load import load_scenario
 

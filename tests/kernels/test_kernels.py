@@ -37,7 +37,7 @@ PARTS = caching, caching.Cache, caching.FunctionCache, caching.CacheImpl, \\
     codegen.CPUCodegen, dispatcher, dispatcher.Dispatcher, dispatcher._DispatcherBase, linalg, \\
     compiler, compiler.CompilerBase, numba.config
 before = [dict(vars(part)) for part in PARTS]
-import subsea.motor.switching, subsea.rendering.reef.rock_mesh, subsea.lab, subsea.world.step
+import subsea.motor.switching, subsea.rendering.reef.rocks, subsea.lab, subsea.world.step
 for part, names in zip(PARTS, before):
     now = dict(vars(part))
     changed = [name for name in names if now.get(name) is not names[name]]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.bounds import outside
+from subsea.lab.measures import outside
 from tests.support.records import TICK_S, a_record
 
 

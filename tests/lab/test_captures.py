@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.captures import captures
+from subsea.lab.measures import captures
 from subsea.state import PREDATOR, PREY
 from tests.support.records import a_record, row, still
 

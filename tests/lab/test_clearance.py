@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from subsea.habitat.clearance import clearances as solid_clearances
-from subsea.lab.clearance import BARRIERS, clearances
+from subsea.habitat.contact import clearances as solid_clearances
+from subsea.lab.measures import BARRIERS, clearances
 from tests.support.records import a_record, still
 
 PILLARS = np.array([[0.0, 0.0, 30.0, -150.0]])

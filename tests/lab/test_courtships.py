@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.courtships import courtships
+from subsea.lab.measures import courtships
 from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NUZZLING
 from tests.support.records import EAST, NORTH, a_record, still
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from subsea.lab.flat_measures import flat_measures
+from subsea.lab.comparison import flat_measures
 from subsea.lab.report import measure
 from tests.support.records import INTENTIONS, a_record, row, still
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.minds import changes_per_second, escapes, meals, saturated, time_budget
+from subsea.lab.measures import changes_per_second, escapes, meals, saturated, time_budget
 from subsea.state import AVOID, EAT, ESCAPE, FEAR, HUNGER, PREDATOR, SCHOOL, WANDER
 from tests.support.records import a_record, still
 

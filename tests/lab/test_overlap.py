@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.lab.overlap import overlaps
+from subsea.lab.measures import overlaps
 from subsea.state import PREDATOR, PREY
 from tests.support.records import EAST, NORTH, a_record, still
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.predation import PERIOD_S, joined, predation
+from subsea.lab.measures import PERIOD_S, joined, predation
 from subsea.state import EAT, PREDATOR, PREY, WANDER
 from tests.support.records import LENGTH, TICK_S, a_record, still
 

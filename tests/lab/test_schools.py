@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.schools import LINK_BL, schools, split_periods, splits
+from subsea.lab.schooling import LINK_BL, schools, split_periods, splits
 from subsea.state import EAT, FEAR, SCHOOL, WANDER
 from tests.support.records import EAST, NORTH, a_record, row
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.lab.series import runs
+from subsea.lab.measures import runs
 
 
 def test_runs_are_the_stretches_of_true_flags():

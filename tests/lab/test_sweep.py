@@ -20,7 +20,7 @@ from subsea.cli.main import main
 from subsea.jobs.dask_cluster import dask_pool
 from subsea.jobs.workers import serial
 from subsea.lab import sweep as module
-from subsea.lab.flat_measures import flat_measures
+from subsea.lab.comparison import flat_measures
 from subsea.lab.report import measure
 from subsea.lab.sweep import Sweep, make_run, read_result, sweep
 from subsea.media.record import read_record

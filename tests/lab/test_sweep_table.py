@@ -3,7 +3,7 @@
 import pyarrow
 from pyarrow import parquet
 
-from subsea.lab.sweep_table import columns_of, write_csv, write_parquet
+from subsea.lab.sweep import columns_of, write_csv, write_parquet
 
 LINES = [
     {"run": "a", "seed": 1, "n": "3", "x": "1", "on": "true", "ticks": 9, "sea.share": 0.5},

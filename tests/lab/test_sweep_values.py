@@ -3,7 +3,7 @@
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.lab.sweep_values import read_seeds, read_values, split_values
+from subsea.lab.sweep import read_seeds, read_values, split_values
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,10 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.base.findings import FAIL
 from subsea.base.report_files import ReportFiles
-from subsea.lab.bounds import Outside
-from subsea.lab.predation import Predation
+from subsea.lab.measures import Outside, Predation
 from subsea.lab.schooling import BEARINGS, Schooling
 from subsea.lab.validation import SeaMeasures, SeaTrial
-from subsea.lab.validation_files import seed_words, validate
-from subsea.lab.validation_plots import VALIDATION_PLOTS
+from subsea.lab.validation_report import VALIDATION_PLOTS, seed_words, validate
 
 SHARES = np.full(BEARINGS, 1 / BEARINGS)
 SCHOOL = Schooling(

@@ -5,8 +5,7 @@ import pytest
 
 from subsea.base.findings import MISSING, PASS
 from subsea.fish.measured import load_measured
-from subsea.lab.bounds import Outside
-from subsea.lab.predation import PERIOD_S, Predation
+from subsea.lab.measures import PERIOD_S, Outside, Predation
 from subsea.lab.schooling import BEARINGS, Schooling
 from subsea.lab.swimming import Swimming
 from subsea.lab.validation import SeaMeasures, SeaTrial

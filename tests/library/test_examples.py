@@ -23,4 +23,4 @@ def test_there_are_examples():
     found = {
         test.name for name in MODULES for test in finder.find(import_module(name)) if test.examples
     }
-    assert {"subsea", "subsea.library.world.load", "subsea.lab.records.measure"} <= found
+    assert {"subsea", "subsea.library.load", "subsea.lab.records.measure"} <= found

@@ -11,14 +11,13 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.dive.retina_images import VALUES, coded, retina_brightness
-from subsea.dive.start import headless, picture_maker
+from subsea.dive.options import headless, picture_maker
+from subsea.dive.ride import VALUES, coded, retina_brightness
 from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.scenario.load import find_fish, load_scenario
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.retina import fish_eyes, retina_rig
 from subsea.world.build import create_world
 from subsea.world.step import step

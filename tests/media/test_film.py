@@ -14,12 +14,13 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.dive.start import picture_maker, start_world
-from subsea.frame.labels import PlacedLabel
+from subsea.dive.options import picture_maker, start_world
+from subsea.frame.diagrams import PlacedLabel
 from subsea.frame.packet import pack
-from subsea.media import eye_frames, film, film_timing, frame_writers
+from subsea.media import eye_frames, film, frame_writers
+from subsea.media import film as film_timing
 from subsea.rendering.output.quality import PRESETS
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import views
 from subsea.view.stereo import PAGED

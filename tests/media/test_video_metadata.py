@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from av.sidedata.sidedata import Type
 
-from subsea.media.frame_writers import open_writers
-from subsea.media.video_metadata import metadata_for
+from subsea.media.frame_writers import metadata_for, open_writers
 
 SIZE = (64, 48)
 

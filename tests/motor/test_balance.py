@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.rotation import about, multiply
-from subsea.motor.balance import roll_of
+from subsea.motor.containment import roll_of
 from subsea.motor.playback import play
 from tests.support.scenes import everyone
 

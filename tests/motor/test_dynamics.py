@@ -5,8 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from subsea.biomechanics.body import build_body
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import body_frame, build_body
 from subsea.biomechanics.controllers import (
     LEFT,
     RIGHT,
@@ -19,7 +18,7 @@ from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.fish.species import load_species, muscular_names
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
-from subsea.motor.balance import roll_of
+from subsea.motor.containment import roll_of
 from subsea.motor.controller import MAX_PITCH_RAD
 from subsea.motor.dynamics import (
     SCULL_SPEED,

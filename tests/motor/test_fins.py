@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.motor.fins import flap
-from subsea.motor.segments import ROW, SIDES
+from subsea.motor.playback import ROW, SIDES
 from subsea.repertoire import SEGMENTS
 from subsea.state import DORSAL, LIFT_LEFT, LIFT_RIGHT, MOUTH, SWEEP_LEFT, SWEEP_RIGHT, TAIL
 from tests.support.scenes import everyone

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.fish.coupling import couple
+from subsea.fish.skinning import couple
 from subsea.geometry.rotation import about, matrix
 from subsea.motor.controller import command
 from subsea.motor.playback import play

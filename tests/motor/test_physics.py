@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.geometry.height_field import height_at
+from subsea.geometry.solids import height_at
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import Physics
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from subsea.biomechanics.body_frame import body_frame
+from subsea.biomechanics.body import body_frame
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.playback import advance, play
 from subsea.motor.pose import nodes_world

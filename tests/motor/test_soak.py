@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.geometry.rotation import about
-from subsea.motor.balance import roll_of
+from subsea.motor.containment import roll_of
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.state import Clock, Fishes, empty

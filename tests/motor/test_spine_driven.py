@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from subsea.base.resources import resource_path
-from subsea.fish.coupling import couple
+from subsea.base.system import resource_path
+from subsea.fish.skinning import couple
 from subsea.fish.species import load_species, species_names
 from subsea.motor.controller import command
 from subsea.motor.playback import play

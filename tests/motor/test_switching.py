@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from subsea.fish.species import muscular_names
+from subsea.motor.playback import ROW
 from subsea.motor.pose import nodes_world
-from subsea.motor.segments import ROW
 from subsea.motor.switching import KEEP, MAX_WAIT_TICKS, MIN_STAY_S, may_go_live, steady
 from subsea.repertoire import BASIC_SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.perception.neighbours import REACH_CM, SCHOOL_CM, find_neighbours, grid_of
+from subsea.perception.grid import REACH_CM, SCHOOL_CM, find_neighbours, grid_of
 from subsea.state import NEIGHBOURS, Fishes, Minds, empty
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import matrix
+from subsea.geometry.solids import height_at
 from subsea.perception.vision import (
     BODY_SHARES,
     along_body,

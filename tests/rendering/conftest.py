@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.fish.coupling import couple, place
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene

@@ -5,7 +5,7 @@ import os
 import msgspec
 import pytest
 
-from subsea.dive.start import start_world
+from subsea.dive.options import start_world
 from subsea.dive.tour import Tour
 from subsea.fish.species import species_names
 from subsea.frame.packet import KIND, make_scene, pack
@@ -13,7 +13,7 @@ from subsea.rendering.gl import static_batch
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Shoal
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.build import create_world
 from subsea.world.step import step

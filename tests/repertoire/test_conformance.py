@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from capture.inspection.simulated import replay
+from capture.recording.batch import is_up_to_date
 from capture.recording.manoeuvres import TURNS
 from capture.recording.record import (
     motion_from_provenance,
@@ -16,12 +17,10 @@ from capture.recording.record import (
     run_trial,
     steady_contraction,
 )
-from capture.recording.resume import is_up_to_date
 from capture.recording.segment import heading_change
 from capture.recording.trial import Trial, deformation
-from subsea.base.resources import resource_names, resource_path
-from subsea.biomechanics.body import UNITS, build_body
-from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.base.system import resource_names, resource_path
+from subsea.biomechanics.body import UNITS, body_frame, build_body, to_body
 from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STRAIN_LIMITS, TICK_S
 from subsea.fish.species import load_species, species_names

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.fish.coupling import couple
+from subsea.fish.skinning import couple
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, read_repertoire, write_repertoire
 from subsea.repertoire.library import pack
 from subsea.repertoire.schema import SUBSTITUTES, VERSION

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.fish.coupling import couple, place
+from subsea.fish.skinning import couple, place
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS
 from subsea.repertoire.blending import TIGHTEST
 from subsea.repertoire.library import pack

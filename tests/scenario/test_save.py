@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec import inspect
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_names, resource_path
+from subsea.base.system import resource_names, resource_path
 from subsea.fish.species import species_names
 from subsea.scenario import schema as tables
 from subsea.scenario.checks import shoals_of

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_names, resource_path
+from subsea.base.system import resource_names, resource_path
 from subsea.fish.species import load_species
 from subsea.frame.packet import make_scene, pack
-from subsea.geometry.height_field import height_at
-from subsea.habitat.clearance import clearances
+from subsea.geometry.solids import height_at
+from subsea.habitat.contact import clearances
 from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Water
-from subsea.scenario.water_types import JERLOV, far_colour
-from subsea.submarine.helm import NEUTRAL
+from subsea.scenario.schema import JERLOV, Water, far_colour
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.base.resources import resource_names, resource_path
-from subsea.scenario.thumbnails import SIZE, read_thumbnail
+from subsea.base.system import resource_names, resource_path
+from subsea.scenario.storage import SIZE, read_thumbnail
 
 MOST_BYTES = 8000
 

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from subsea.scenario.load import load_scenario
-from subsea.sound.listening import listener_of
 from subsea.sound.soundtrack import Soundtrack
-from subsea.sound.space import LAYOUTS, Listener
-from subsea.submarine.helm import NEUTRAL
+from subsea.sound.space import LAYOUTS, Listener, listener_of
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.rendering.sea.bubbles import slots
+from subsea.rendering.sea.particles import slots
 from subsea.sound.mixer import Mixer, SoundLevels, rounded
 from subsea.sound.moment import (
     BED_COLUMNS,

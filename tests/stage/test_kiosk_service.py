@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from subsea.base.resources import ROOT
+from subsea.base.system import ROOT
 from subsea.cli.main import main
 from tests.support.scenes import BARE
 from tests.support.systemd import user_systemd

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.opening_hours import DAYS, OpeningHours, clock_text, hours_text, is_open
+from subsea.stage.show_file import DAYS, OpeningHours, clock_text, hours_text, is_open
 
 HOURS = OpeningHours(
     monday="10:00-17:30",

@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from subsea.stage.service_manager import PictureReports, notify
+from subsea.stage.service import PictureReports, notify
 
 
 @pytest.fixture(params=["file", "abstract"])

@@ -8,7 +8,7 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.stage.service_unit import unit_path, unit_text
+from subsea.stage.service import unit_path, unit_text
 
 
 def command(text):

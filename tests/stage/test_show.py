@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.opening_hours import OpeningHours
-from subsea.stage.show import (
+from subsea.stage.show_file import (
+    OpeningHours,
+    Show,
     ShowClock,
+    ShowItem,
     advance,
     begin,
     next_item,
@@ -16,7 +18,6 @@ from subsea.stage.show import (
     timetable,
     waits_for,
 )
-from subsea.stage.show_file import Show, ShowItem
 from subsea.stage.show_player import ShowPlayer
 
 NINE = datetime(2026, 11, 23, 9, 0)

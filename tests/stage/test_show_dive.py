@@ -12,8 +12,7 @@ from subsea.dive.settings import AttractSettings, Settings
 from subsea.dive.tick_source import LocalTicks
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
 from subsea.stage.console.remote_control import open_console
-from subsea.stage.show_screens import ShowScreens
-from subsea.stage.show_state import DiveCount, state_folder
+from subsea.stage.show_player import DiveCount, ShowScreens, state_folder
 from subsea.ui.dive import Dive
 from subsea.ui.dive_loop import restoring
 from tests.stage.console.conftest import local

@@ -6,8 +6,8 @@ from subprocess import run
 
 import pytest
 
-from subsea.stage.show import Progress
-from subsea.stage.show_state import DiveCount, ShowStore, state_folder
+from subsea.stage.show_file import Progress
+from subsea.stage.show_player import DiveCount, ShowStore, state_folder
 
 DAY = date(2026, 11, 26)
 PROGRESS = Progress(item=3, elapsed_s=12.5, seen=datetime(2026, 11, 26, 10, 30), utc_s=1.7e9)

@@ -8,7 +8,7 @@ from subsea.fish.species import load_species, muscular_names, species_file, spec
 from subsea.studio import checks
 from subsea.studio.checks import FAULT, GOOD, WARNING
 from subsea.studio.draft import EditError, read_draft, with_value, with_values
-from subsea.studio.proportions import with_mass
+from subsea.studio.outline import with_mass
 
 
 @pytest.fixture(scope="module")

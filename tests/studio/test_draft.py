@@ -22,8 +22,7 @@ from subsea.studio.draft import (
     with_value,
 )
 from subsea.studio.handles import FINS, PAIRED_FINS, drag_handle, handles
-from subsea.studio.outline_points import add_point, remove_point
-from subsea.studio.proportions import with_fin, with_length, with_mass
+from subsea.studio.outline import add_point, remove_point, with_fin, with_length, with_mass
 
 NAMES = species_names()
 

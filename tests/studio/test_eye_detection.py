@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from subsea.studio.eye_detection import eye_near
+from subsea.studio.photograph import eye_near
 
 
 def face(eye=True, noise=6.0):

@@ -13,11 +13,11 @@ import pytest
 from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio.tool_window import ToolWindow, run_tool
 from subsea.studio.viewport2d import Viewport2D
 from subsea.ui.gui import INK, MARK
-from subsea.ui.name_dialog import NameDialog
+from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 SIZE = 640, 480

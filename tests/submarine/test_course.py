@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.dive.tour import steer_along
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import TourTable
 from subsea.state import HULL_CM
-from subsea.submarine.course import check_tours, course_of, rail_at
-from subsea.submarine.hull import AHEAD_CM_S
+from subsea.submarine.vessel import AHEAD_CM_S, check_tours, course_of, rail_at
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step

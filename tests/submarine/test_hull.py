@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.geometry.height_field import height_at
-from subsea.geometry.solids import from_pillar, from_rock
+from subsea.geometry.solids import from_pillar, from_rock, height_at
 from subsea.state import Submarine
-from subsea.submarine import hull
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine import vessel as hull
+from subsea.submarine.vessel import NEUTRAL, Helm
 from tests.support.seas import bare_sea
 
 DT = 0.033

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsea.state import Submarine
-from subsea.submarine.rail import GAZE, TURN_RAD_S, Rail, board, ride
+from subsea.submarine.vessel import GAZE, TURN_RAD_S, Rail, board, ride
 
 DT = 0.033
 

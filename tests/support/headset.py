@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.stage.headset.session import Hand, HeadsetFrame, HeadsetLostError
+from subsea.stage.headset.controllers import Hand, HeadsetFrame, HeadsetLostError
 from subsea.view.head import HeadEye, Pose
 
 NOT_TURNED = np.array([0.0, 0.0, 0.0, 1.0])

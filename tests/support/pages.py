@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from subsea.base.resources import ROOT
+from subsea.base.system import ROOT
 
 OF_ROOT = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 PAGES = {path.name: path for path in [*OF_ROOT, *sorted((ROOT / "docs").rglob("*.md"))]}

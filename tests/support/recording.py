@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from capture.recording import manoeuvres
+from capture.recording.batch import is_up_to_date
 from capture.recording.record import Recorded, record_segment
-from capture.recording.resume import is_up_to_date
 from capture.recording.trial import Trial, deformation
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.biomechanics.body_plan import Muscles
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.repertoire import Repertoire, Segment, read_repertoire

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.lab.series import headings
+from subsea.lab.measures import headings
 from subsea.media.record import STATIONS, Record
 from subsea.repertoire import SEGMENTS
 from subsea.state import KINDS, WANDER

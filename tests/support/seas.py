@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from subsea.habitat.rock_cells import RockCells
+from subsea.habitat.rocks import RockCells
 from subsea.state import Sea, empty
 
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import GamepadSettings, Settings, settings_path
 from subsea.ui import gamepad

@@ -7,7 +7,7 @@ import pytest
 
 from subsea.dive.idle_timer import DIP_S
 from subsea.dive.settings import AttractSettings, Settings
-from subsea.submarine.hull import ACCELERATION_CM_S2
+from subsea.submarine.vessel import ACCELERATION_CM_S2
 from subsea.ui.dive import Dive
 from subsea.world.world import TICK_S
 from tests.support.windows import dive_options

@@ -7,9 +7,8 @@ import glfw
 import numpy as np
 import pytest
 
-from subsea.dive.bindings import CONTROLS
-from subsea.dive.settings import read_settings
-from subsea.submarine.hull import hull_axes
+from subsea.dive.settings import CONTROLS, read_settings
+from subsea.submarine.vessel import hull_axes
 from subsea.ui.dive import Dive
 from tests.support.windows import FRAME_S, dive_options
 

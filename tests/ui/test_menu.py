@@ -8,11 +8,11 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from subsea.base.resources import resource_names, resource_path
-from subsea.dive.bindings import PAD_BUTTONS
+from subsea.base.system import resource_names, resource_path
+from subsea.dive.settings import PAD_BUTTONS
 from subsea.rendering.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
-from subsea.scenario.thumbnails import read_thumbnail
+from subsea.scenario.storage import read_thumbnail
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.menu import (

@@ -6,8 +6,16 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.base.language import language, set_language
-from subsea.dive.bindings import CONTROLS, KEYS, MODIFIER_KEYS, is_key
-from subsea.dive.settings import COMFORTS, DEFAULTS, default_text, read_settings
+from subsea.dive.settings import (
+    COMFORTS,
+    CONTROLS,
+    DEFAULTS,
+    KEYS,
+    MODIFIER_KEYS,
+    default_text,
+    is_key,
+    read_settings,
+)
 from subsea.ui.preferences import Preferences
 
 

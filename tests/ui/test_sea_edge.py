@@ -7,8 +7,7 @@ import pytest
 
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
-from subsea.submarine.helm import Helm
-from subsea.submarine.hull import step_hull
+from subsea.submarine.vessel import Helm, step_hull
 from subsea.ui.sea_edge import edge_reading
 from tests.support.seas import bare_sea
 

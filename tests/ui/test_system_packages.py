@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 from subsea.rendering.gl import context
-from subsea.ui import system_packages
+from subsea.ui import monitors as system_packages
 
 SETUP = (Path(__file__).parents[2] / "tools" / "setup.sh").read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from subsea.frame.packet import pack
-from subsea.stage.theatre.lineup import lineup
+from subsea.stage.theatre.test_pattern import lineup
 from subsea.ui import picture
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation, Screen

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from subsea.base.resources import resource_path
-from subsea.fish.coupling import couple, place
+from subsea.base.system import resource_path
 from subsea.fish.mesh import BODY, DETAILS, FIN, fish_mesh, species_vertices, surface_points
+from subsea.fish.skinning import couple, place
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.frame.packet import ENLARGED

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import rotate
-from subsea.habitat.clearance import clearances
+from subsea.geometry.solids import height_at
+from subsea.habitat.contact import clearances
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.follow import BACK_BL, BACK_CM, ROOM_CM, follow_fish
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.view.panel import PANEL
+from subsea.view.theatre_vessel import PANEL
 
 SHARE = st.floats(0.0, 1.0)
 

@@ -12,7 +12,7 @@ from subsea.frame.packet import PackOptions, pack
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.retina import (
     Gaze,
     eye_weights,

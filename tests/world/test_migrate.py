@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.behavior.temperament import apply_individual
-from subsea.geometry.height_field import height_at
+from subsea.behavior.mental_state import apply_individual
+from subsea.geometry.solids import height_at
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import IndividualTable, Pillar, Shoal
 from subsea.state import TRAITS
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import placement
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from subsea.base import disk_cache
 from subsea.base.errors import UserError
-from subsea.geometry.height_field import height_at
-from subsea.habitat import stone_samples
+from subsea.geometry.solids import height_at
+from subsea.habitat import stone as stone_samples
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import (
@@ -25,8 +25,7 @@ from subsea.scenario.schema import (
     Water,
     Waypoint,
 )
-from subsea.submarine.course import paths_of
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL, paths_of
 from subsea.ui.undo import History
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world

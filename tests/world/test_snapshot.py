@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from subsea.base.errors import UserError
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.fish.species import load_species
-from subsea.geometry.height_field import height_at
-from subsea.motor.balance import roll_of
+from subsea.geometry.solids import height_at
+from subsea.motor.containment import roll_of
 from subsea.scenario.load import load_scenario
 from subsea.state import HULL_CM, LOOPING
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
 from subsea.world.step import step
@@ -130,12 +130,12 @@ def test_equal_seeds_are_equal_worlds_and_others_are_not():
 
 
 PROGRAM = """
-from subsea.motor.balance import roll_of
+from subsea.motor.containment import roll_of
 from subsea.world.snapshot import checksum
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
 for _ in range(200):
     step(world, Helm(surge=0.3))

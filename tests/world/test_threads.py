@@ -5,12 +5,13 @@
 
 import pytest
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.behavior import table
 from subsea.kernels.threads import use_threads
-from subsea.perception import focusser, scheduling, senses
+from subsea.perception import focusser, senses
+from subsea.perception import senses as scheduling
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.world import step
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from subsea.behavior.temperament import apply_individual
+from subsea.behavior.mental_state import apply_individual
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import IndividualTable
 from subsea.world.build import create_world
-from subsea.world.to_scenario import to_scenario
-from subsea.world.tunables import equal_tunables, get_tunables
+from subsea.world.to_scenario import equal_tunables, get_tunables, to_scenario
 
 
 @pytest.fixture(scope="module")

@@ -4,11 +4,11 @@ import numpy as np
 
 from subsea.scenario.load import load_scenario
 from subsea.state import TRAITS
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
-from subsea.world.tunables import equal_tunables, get_tunables, set_tunables
+from subsea.world.to_scenario import equal_tunables, get_tunables, set_tunables
 
 
 def made():

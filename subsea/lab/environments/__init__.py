@@ -4,7 +4,7 @@ Importing this package registers `subsea/Swim-v0`, `subsea/Forage-v0` and `subse
 Gymnasium asks since its version 1.0, which no longer looks for entry points.
 """
 
-from subsea.base.extras import require
+from subsea.base.system import require
 
 require("learn", "environments")
 

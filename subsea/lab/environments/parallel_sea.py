@@ -9,11 +9,17 @@ from pettingzoo import ParallelEnv
 
 from subsea.base.arrays import Bytes, Ints
 from subsea.base.errors import UserError, unknown
-from subsea.lab.environments.fish_pictures import FishPictures
-from subsea.lab.environments.fish_senses import NAMES, senses
-from subsea.lab.environments.living_sea import ACTIONS, LivingSea, Outcome, checked_action
+from subsea.lab.environments.living_sea import (
+    ACTIONS,
+    NAMES,
+    FishPictures,
+    LivingSea,
+    Outcome,
+    checked_action,
+    senses,
+)
 from subsea.lab.environments.rewards import Reward
-from subsea.scenario.fish_lookup import find_fish
+from subsea.scenario.load import find_fish
 from subsea.world.world import TICK_S
 
 SPREAD_CM = 30.0  # of starts about the places in the scenario

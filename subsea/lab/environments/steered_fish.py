@@ -9,11 +9,17 @@ from gymnasium.spaces import Box
 
 from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.errors import UserError, unknown
-from subsea.lab.environments.fish_pictures import FishPictures
-from subsea.lab.environments.fish_senses import NAMES, senses
-from subsea.lab.environments.living_sea import ACTIONS, LivingSea, checked_action, sea_options
+from subsea.lab.environments.living_sea import (
+    ACTIONS,
+    NAMES,
+    FishPictures,
+    LivingSea,
+    checked_action,
+    sea_options,
+    senses,
+)
 from subsea.lab.environments.rewards import Reward
-from subsea.scenario.fish_lookup import find_fish
+from subsea.scenario.load import find_fish
 from subsea.world.world import TICK_S
 
 OBSERVATIONS = ["senses", "retina"]

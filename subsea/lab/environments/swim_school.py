@@ -11,7 +11,7 @@ from gymnasium import spaces
 
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.errors import UserError
-from subsea.base.processors import cores
+from subsea.base.system import cores
 from subsea.biomechanics.body import NODES
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.solver import TICK_S

@@ -15,11 +15,11 @@ from tqdm import tqdm
 
 from subsea import __version__
 from subsea.base.errors import UserError
-from subsea.base.extras import require
 from subsea.base.file_kinds import PICTURE, check_result
+from subsea.base.system import require
 from subsea.dive import adaptive_quality
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
 from subsea.lab.profiling.comparison import compare, read_reports
@@ -27,13 +27,14 @@ from subsea.lab.profiling.frame_statistics import (
     REPORT,
     TIMES,
     Frames,
+    describe_machine,
     print_ladder,
     print_report,
+    reference_work,
     statistics,
     write_csv,
     write_json,
 )
-from subsea.lab.profiling.machine import describe_machine, reference_work
 from subsea.rendering.output.quality import (
     AUTO,
     LADDER,
@@ -44,7 +45,7 @@ from subsea.rendering.output.quality import (
 )
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
-from subsea.stage.theatre.theatre_setup import chosen_rig
+from subsea.stage.theatre.setup import chosen_rig
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
 from subsea.view.rig import CameraRig, views
@@ -107,7 +108,7 @@ def benchmark(options: BenchmarkOptions) -> int:
     if options.csv is not None:
         write_csv(options.csv, runs)
     if options.plot is not None:
-        from subsea.lab.profiling.stages_plot import plot_stages
+        from subsea.lab.profiling.comparison import plot_stages
 
         plot_stages(options.plot, runs)
     if options.json is not None:

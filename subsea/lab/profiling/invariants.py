@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.geometry.height_field import height_at
-from subsea.habitat.clearance import clearances
+from subsea.geometry.solids import height_at
+from subsea.habitat.contact import clearances
 from subsea.state import HUNGER, Sea
-from subsea.submarine.hull import AHEAD_CM_S, MAX_PITCH
+from subsea.submarine.vessel import AHEAD_CM_S, MAX_PITCH
 from subsea.world import snapshot
 from subsea.world.world import TICK_S, World
 

@@ -10,20 +10,20 @@ import numpy as np
 
 from subsea import __version__
 from subsea.base.arrays import Array
-from subsea.base.console import say
+from subsea.base.progress import say
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import swim_contraction
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate
 from subsea.kernels import kernel
-from subsea.lab.profiling.machine import describe_machine, machine_line
+from subsea.lab.profiling.frame_statistics import describe_machine, machine_line
 from subsea.rendering.output.quality import PRESETS
 from subsea.state import Fishes
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.camera import View
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.view.rig import pose_from_angles

@@ -16,27 +16,26 @@ import numpy as np
 
 from subsea import __version__
 from subsea.base import interrupts
-from subsea.base.atomic_io import check_file, replacing
-from subsea.base.console import count_noun, say
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import json_file
-from subsea.base.progress import clock, progress
-from subsea.base.resources import resource_names
+from subsea.base.files import check_file, replacing
+from subsea.base.progress import clock, count_noun, progress, say
+from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.options import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.lab.profiling.comparison import read_json
 from subsea.lab.profiling.invariants import faults_in, starving, stuck, visited_now, widen
 from subsea.rendering.output.quality import PRESETS
+from subsea.stage.theatre.setup import chosen_rig
 from subsea.stage.theatre.theatre_file import FOLDER
-from subsea.stage.theatre.theatre_setup import chosen_rig
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
 from subsea.view.rig import CameraRig, views
 from subsea.view.stereo import PAGED
 from subsea.world import snapshot
 from subsea.world.step import Order, step
-from subsea.world.tunables import get_tunables, set_tunables
+from subsea.world.to_scenario import get_tunables, set_tunables
 from subsea.world.world import TICK_S, World
 
 SECOND = round(1.0 / TICK_S)  # ticks, about

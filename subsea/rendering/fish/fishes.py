@@ -30,10 +30,10 @@ from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
 from subsea.rendering.fish.speck import COARSEST, Speck, places, speck
 from subsea.rendering.gl.id_buffer import FISH, object_id
-from subsea.rendering.gl.mipmaps import cached_texture, mipmapped
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import variant_array
 from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
+from subsea.rendering.gl.textures import cached_texture, mipmapped
 from subsea.rendering.output.quality import PRESETS, Quality
 
 SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures

@@ -15,8 +15,8 @@ from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
-from subsea.rendering.gl.mipmaps import mipmapped
 from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.textures import mipmapped
 from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.target import RenderTarget, ResolvePass
 from subsea.scenario.schema import Water

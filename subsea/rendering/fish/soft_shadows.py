@@ -7,9 +7,9 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.frame.packet import FISH, KIND, ORIENTATION, POSITION, SCALE, Packet, RenderScene
-from subsea.geometry.height_field import height_at
 from subsea.geometry.rotation import x_axis
-from subsea.habitat.stone_shade import SUN
+from subsea.geometry.solids import height_at
+from subsea.habitat.stone import SUN
 from subsea.kernels import kernel
 from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.shaders import program, set_uniforms

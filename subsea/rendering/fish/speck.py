@@ -22,7 +22,7 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
-from subsea.geometry.spline import greville
+from subsea.geometry.curves import greville
 
 VERTEX_FORMAT = "3f4 3f4"
 VERTEX_ATTRIBUTES = ("a_normal", "a_part")

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.habitat.stone_shade import sun_at
-from subsea.scenario.schema import Water
-from subsea.scenario.water_types import LUMINANCE, attenuation
+from subsea.habitat.stone import sun_at
+from subsea.scenario.schema import LUMINANCE, Water, attenuation
 
 CONTRAST_LEFT = 0.02  # at the visibility of a scenario
 # Daylight at noon at the surface. The sun's is that of a surface that faces it.

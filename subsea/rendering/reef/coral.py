@@ -1,34 +1,209 @@
-"""Drawing corals, sponges and anemones: meshes in place, size and colours of each growth."""
+"""Drawing corals, sponges and anemones: meshes in place, size and colours of each growth.
+
+The look of corals, sponges and anemones: colours of a kind, and the texture of its surface.
+"""
 
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
 from subsea.frame.packet import Packet
-from subsea.habitat.mounds import variant_of
 from subsea.habitat.reef import KINDS, MOUND
+from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.id_buffer import CORAL, object_id
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import LazyMesh, StaticBatch, bounding_spheres
-from subsea.rendering.gl.textures import repeating
-from subsea.rendering.output.quality import Quality
-from subsea.rendering.reef.coral_looks import (
-    ALGAE,
-    DULL,
-    LOOKS,
-    PATCH,
-    budded,
-    grained,
-    patches,
-    tints,
+from subsea.rendering.gl.textures import (
+    Texels,
+    cell_distance,
+    halves,
+    in_bytes,
+    nearest_of_cells,
+    repeating,
+    tileable_noise,
 )
+from subsea.rendering.output.quality import Quality
+from subsea.rendering.reef.coral_kinds import LEVELS, forms
 from subsea.rendering.reef.coral_mesh import CoralMesh, unit
-from subsea.rendering.reef.coral_shapes import LEVELS, forms
 from subsea.state import Reef
+
+PATCH = 0.12  # brightness of patches of a growth, as a share
+DULL = 0.75  # share of the colour of dead skeleton where no light falls
+ALGAE = np.array([0.115, 0.10, 0.06])  # that colour, linear
+SEPTA = 10  # walls of a polyp's cup
+CUPS, PITS = 10, 18  # across a texture
+# Ranges of the bytes of the texture of polyps, about 0: slopes, height of cups, depth of pits.
+POLYP_SPAN = np.array([4.0, 4.0, 2.0, 2.0])
+
+Colour = tuple[float, float, float]
+
+
+class CoralLook(NamedTuple):
+    """Surface of a kind: linear colours of body and tips, and texture."""
+
+    colours: tuple[tuple[Colour, Colour], ...]
+    grain: tuple[float, float, float]  # strength of winding ridges, polyps, pores
+    through: float  # translucency of thin parts
+    sway_cm: float  # at the tips of a growth of 30 cm
+
+
+# Most of a reef is brown: its algae are. Accents are rare.
+BROWN, UMBER, TAN = (0.20, 0.115, 0.055), (0.13, 0.085, 0.05), (0.34, 0.225, 0.115)
+OCHRE, HONEY, CREAM = (0.42, 0.27, 0.085), (0.58, 0.40, 0.17), (0.70, 0.60, 0.43)
+OLIVE, KHAKI, SAGE = (0.18, 0.165, 0.06), (0.33, 0.30, 0.135), (0.36, 0.42, 0.25)
+GREY, BONE, WHITE = (0.27, 0.25, 0.22), (0.56, 0.51, 0.42), (0.80, 0.76, 0.66)
+DUSTY, ROSE, PINK = (0.42, 0.22, 0.20), (0.62, 0.37, 0.34), (0.64, 0.24, 0.30)
+MAUVE, LILAC, PLUM = (0.28, 0.18, 0.25), (0.50, 0.40, 0.56), (0.25, 0.085, 0.16)
+RUST, ORANGE, RED = (0.40, 0.15, 0.06), (0.72, 0.27, 0.06), (0.45, 0.05, 0.04)
+YELLOW, LIME, GREEN = (0.72, 0.50, 0.10), (0.46, 0.50, 0.15), (0.15, 0.24, 0.10)
+BLUE, TEAL = (0.22, 0.26, 0.42), (0.12, 0.24, 0.22)
+
+LOOKS = {
+    "staghorn": CoralLook(
+        ((TAN, WHITE), (BROWN, CREAM), (OCHRE, CREAM), (OLIVE, BONE), ((0.21, 0.18, 0.19), BLUE),
+         (TAN, LILAC)),
+        (0.0, 0.6, 0.35), 0.1, 0.0,
+    ),
+    "bush": CoralLook(
+        ((DUSTY, ROSE), (TAN, CREAM), (OLIVE, KHAKI), (BROWN, HONEY), (PINK, (0.80, 0.52, 0.50)),
+         (KHAKI, CREAM), (MAUVE, LILAC)),
+        (0.0, 0.7, 0.2), 0.1, 0.0,
+    ),
+    "table": CoralLook(
+        ((BROWN, CREAM), (OLIVE, KHAKI), (UMBER, TAN), (TAN, BONE), ((0.20, 0.14, 0.16), LILAC)),
+        (0.0, 0.7, 0.3), 0.1, 0.0,
+    ),
+    "brain": CoralLook(
+        ((OLIVE, KHAKI), (BROWN, TAN), (OCHRE, HONEY), (GREY, BONE), (GREEN, SAGE),
+         (DUSTY, ROSE)),
+        (0.65, 0.0, 0.1), 0.0, 0.0,
+    ),
+    "lettuce": CoralLook(
+        ((BROWN, CREAM), (OLIVE, LIME), (TAN, WHITE), (MAUVE, ROSE), (UMBER, HONEY)),
+        (0.2, 0.5, 0.3), 0.35, 0.0,
+    ),
+    "finger": CoralLook(
+        ((TAN, CREAM), (OLIVE, SAGE), (DUSTY, ROSE), (GREY, BONE), (OCHRE, HONEY)),
+        (0.0, 0.7, 0.15), 0.35, 2.5,
+    ),
+    "leather": CoralLook(
+        ((TAN, CREAM), (OLIVE, KHAKI), (OCHRE, HONEY), (DUSTY, BONE), (SAGE, (0.55, 0.58, 0.38))),
+        (0.0, 0.9, 0.1), 0.3, 2.0,
+    ),
+    "soft": CoralLook(
+        ((BONE, DUSTY), (CREAM, RUST), (BONE, ORANGE), (WHITE, PINK), (BONE, PLUM),
+         (CREAM, YELLOW)),
+        (0.0, 0.4, 0.1), 0.7, 4.0,
+    ),
+    "fan": CoralLook(
+        ((RUST, ORANGE), (PLUM, PINK), (OCHRE, YELLOW), (MAUVE, LILAC), (RED, (0.60, 0.14, 0.08)),
+         (TAN, CREAM)),
+        (0.0, 0.4, 0.2), 0.5, 5.0,
+    ),
+    "pipes": CoralLook(
+        ((OCHRE, YELLOW), (MAUVE, LILAC), (RUST, ORANGE), (TAN, CREAM), (DUSTY, ROSE),
+         (TEAL, (0.30, 0.46, 0.44))),
+        (0.0, 0.0, 1.0), 0.25, 0.0,
+    ),
+    "barrel": CoralLook(
+        ((RUST, DUSTY), (BROWN, ROSE), (TAN, CREAM), (MAUVE, BONE)),
+        (0.2, 0.0, 1.0), 0.0, 0.0,
+    ),
+    "anemone": CoralLook(
+        ((OCHRE, CREAM), (OLIVE, SAGE), (TAN, WHITE), (BROWN, ROSE), ((0.30, 0.24, 0.20), LILAC)),
+        (0.0, 0.1, 0.1), 0.6, 4.5,
+    ),
+    "rubble": CoralLook(
+        ((GREY, BONE), ((0.30, 0.22, 0.20), (0.48, 0.40, 0.36)), (UMBER, GREY)),
+        (0.0, 0.3, 0.7), 0.0, 0.0,
+    ),
+    "mound": CoralLook(
+        (((0.15, 0.115, 0.07), (0.30, 0.18, 0.17)), ((0.15, 0.13, 0.07), (0.32, 0.25, 0.13)),
+         ((0.16, 0.12, 0.10), (0.25, 0.19, 0.19))),
+        (0.3, 0.5, 0.35), 0.0, 0.0,
+    ),
+}  # fmt: skip
+
+
+def tints(look: CoralLook, own: Array, hue: Array) -> tuple[Array, Array]:
+    """Colours (k, 3) of body and tips: one of the kind's pairs, varied a little."""
+    pairs = np.array(look.colours)
+    pick = pairs[(hue * len(pairs)).astype(int)]
+    # Toward the next pair, so that neighbours of one colour differ.
+    other = pairs[((hue * len(pairs)).astype(int) + 1) % len(pairs)]
+    share = 0.35 * np.abs(np.sin(own * 419.0))[:, None, None]
+    off = np.stack([np.sin(own * f) for f in (911.0, 1327.0, 1741.0)], axis=1)
+    bright = 1.0 + 0.2 * np.sin(own * 613.0)
+    pick = (pick + share * (other - pick)) * (bright[:, None] * (1.0 + 0.1 * off))[:, None]
+    return pick[:, 0], pick[:, 1]
+
+
+def patches(place: Array, own: float) -> Array:
+    """Slow noise (n,) within about ±1 at points (n, 3) of a growth of size 1."""
+    phase = 6.2832 * np.array([own, 7.3 * own, 13.7 * own], np.float32)
+    ways = np.array([[2.9, 4.1, 1.7], [-3.7, 1.9, 3.3], [6.1, -5.3, 4.7]], np.float32)
+    return np.asarray(np.sin(place @ ways.T + phase) @ np.array([0.5, 0.45, 0.3], np.float32))
+
+
+def grained(seed: int) -> Texels:
+    """The grain as a texture."""
+    return halves(grain(seed))
+
+
+def grain(seed: int) -> list[Array]:
+    """Surface texture in three tileable layers (256, 256): ridges, polyps, pores."""
+    size = 256
+    k = np.fft.fftfreq(size) * size
+    wave = np.hypot(k[:, None], k[None, :])
+    rng = np.random.default_rng([seed, 0x9A])
+    band = np.exp(-(((wave - 8.0) / 1.6) ** 2)) * np.exp(2j * np.pi * rng.uniform(size=wave.shape))
+    winding = np.fft.ifft2(band).real
+    winding = np.abs(winding / winding.std())
+    # Broad walls with a groove along their tops, and broad valleys.
+    ridges = (
+        1.0 - np.exp(-((winding / 0.85) ** 2)) - 0.22 * np.exp(-(((winding - 1.5) / 0.35) ** 2))
+    )
+    polyps = np.clip(1.0 - 1.5 * cell_distance(seed, size, 26), 0.0, 1.0) ** 0.8
+    pores = tileable_noise(seed + 1, size, 1.0) - 1.3 * np.clip(
+        1.0 - 2.2 * cell_distance(seed + 2, size, 40), 0.0, 1.0
+    )
+    layers = [ridges, polyps - polyps.mean(), 0.4 * pores]
+    return [layer - layer.mean() for layer in layers] + [np.zeros((size, size))]
+
+
+def polyps(seed: int) -> list[Array]:
+    """Polyps at arm's length in four tileable layers (256, 256), each with mean 0.
+
+    Slopes along x and y, deviation 1, and height of cups with septa between wall and middle; depth
+    of the pits of a sponge.
+    """
+    size = 256
+    x, y, which = nearest_of_cells(seed, size, CUPS)
+    rng = np.random.default_rng([seed, 0xC1])
+    wide, turn, tall = rng.uniform(size=(3, CUPS * CUPS))[:, which]
+    far = np.hypot(x, y) / (0.7 + 0.5 * wide)
+    wall = np.exp(-(((far - 0.36) / 0.13) ** 2))
+    cup = np.exp(-((far / 0.30) ** 4))
+    septa = np.cos(SEPTA * np.arctan2(y, x) + 6.2832 * turn) * np.clip(far / 0.12, 0.0, 1.0)
+    height = (0.7 + 0.6 * tall) * (wall + 0.35 * cup * septa * np.clip(1.6 - 2.5 * far, 0.0, 1.0))
+    height += 0.5 * np.exp(-((far / 0.09) ** 2)) - 0.45 * cup
+    height += 0.06 * tileable_noise(seed + 3, size, 0.9)
+    slopes = [np.roll(height, -1, axis) - np.roll(height, 1, axis) for axis in (1, 0)]
+    mean = np.sqrt((slopes[0] ** 2 + slopes[1] ** 2).mean() / 2)
+    pits = -(np.clip(1.0 - 2.4 * cell_distance(seed + 4, size, PITS), 0.0, 1.0) ** 0.7)
+    pits += 0.22 * tileable_noise(seed + 5, size, 1.2)
+    layers = [slopes[0] / mean, slopes[1] / mean, height, pits]
+    return [layer - layer.mean() for layer in layers]
+
+
+def budded(seed: int) -> Texels:
+    """Polyps as a texture."""
+    return in_bytes(polyps(seed), -POLYP_SPAN, POLYP_SPAN)
+
 
 GRAIN_UNIT, POLYPS_UNIT = 8, 9  # texture units
 TILE_CM = 32.0  # of the grain

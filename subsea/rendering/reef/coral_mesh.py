@@ -2,13 +2,70 @@
 
 Points are arrays (b, r, c, 3): b pieces of r rings of c points, whose first and last coincide. Seen
 from outside, points run counter-clockwise about the direction from ring to ring.
+
+Isosurfaces of sampled fields by naive surface nets (Gibson 1998).
+
+Branches that fork and bend, the parts of many kinds of coral.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+
+
+def surface_net(field: Array) -> tuple[Array, Ints]:
+    """The zero surface of a field (a, b, c): vertices (n, 3) in cells, triangles (m, 3).
+
+    Each cell that the surface crosses has one vertex, the mean of the crossings of its edges; each
+    edge of the grid that it crosses has one square. Triangles are counter-clockwise seen from
+    where the field is positive. The surface ends at the edge of the grid.
+    """
+    inside = field < 0.0
+    total = np.zeros([n - 1 for n in field.shape] + [3])
+    count = np.zeros([n - 1 for n in field.shape], np.int64)
+    crossings = []
+    for axis in range(3):
+        low, high = (
+            tuple(slice(k, n - 1 + k) if a == axis else slice(n) for a, n in enumerate(field.shape))
+            for k in (0, 1)
+        )
+        at = np.argwhere(inside[low] != inside[high])
+        here, there = field[low][tuple(at.T)], field[high][tuple(at.T)]
+        place = at.astype(np.float64)
+        place[:, axis] += here / (here - there)
+        crossings.append((at, here < 0.0))
+        # Four cells share each edge.
+        for cell in _about(at, axis):
+            valid = ((cell >= 0) & (cell < count.shape)).all(axis=1)
+            np.add.at(total, tuple(cell[valid].T), place[valid])
+            np.add.at(count, tuple(cell[valid].T), 1)
+    used = count > 0
+    number = np.full(count.shape, -1)
+    number[used] = np.arange(int(used.sum()))
+    squares = []
+    for axis, (at, leaving) in enumerate(crossings):
+        cells = np.stack(_about(at, axis), axis=1)
+        whole = ((cells >= 0) & (cells < count.shape)).all(axis=(1, 2))
+        corner = number[tuple(np.moveaxis(cells[whole], 2, 0))]
+        squares.append(np.where(leaving[whole, None], corner, corner[:, ::-1]))
+    a, b, c, d = np.concatenate(squares).T
+    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return total[used] / count[used][:, None], triangles
+
+
+def _about(edges: Ints, axis: int) -> list[Ints]:
+    """The four cells (n, 3) around edges along an axis, counter-clockwise from its far end."""
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    around = []
+    for step in ((-1, -1), (0, -1), (0, 0), (-1, 0)):
+        cell = edges.copy()
+        cell[:, one] += step[0]
+        cell[:, other] += step[1]
+        around.append(cell)
+    return around
+
 
 Rng = np.random.Generator
 UP = np.array([0.0, 0.0, 1.0])
@@ -185,3 +242,111 @@ def cross(a: Array, b: Array) -> Array:
         np.multiply(a[..., i], b[..., j], out=out[..., k])
         out[..., k] -= a[..., j] * b[..., i]
     return out
+
+
+class Branches(NamedTuple):
+    """b branches, each bent evenly along its length."""
+
+    start: Array  # (b, 3)
+    way: Array  # (b, 3) unit, at the root
+    length: Array  # (b,)
+    bend: Array  # (b, 3), offset of the end over the length
+    radius: Array  # (b, 2), at root and end
+    order: Array  # (b,) 0 for stems, 1 for branches on them, ...
+
+    def at(self, share: Array) -> Array:
+        """Points (b, k, 3) at shares (b, k) of the length."""
+        s = share[..., None]
+        run = s * self.way[:, None] + s * s * self.bend[:, None]
+        return np.asarray(self.start[:, None] + self.length[:, None, None] * run)
+
+    def taken(self, chosen: Any) -> "Branches":
+        """The chosen branches."""
+        return Branches(*(part[chosen] for part in self))
+
+    def tubes(
+        self,
+        rings: int,
+        sides: int,
+        cap: bool,
+        thicker: float = 1.0,
+        pale: float = 0.6,
+        sway: float = 0.0,
+        dark: float = 0.4,
+    ) -> CoralMesh:
+        """All branches as tubes, with round ends if `cap`.
+
+        Branches of the last order get paler from the share `pale` of their length on; `dark` is
+        the light in the middle of the growth, `sway` the share of the full sway at its outside.
+        """
+        share = np.tile(np.linspace(0.0, 1.0, rings), (len(self.length), 1))
+        path = self.at(share)
+        radius: Array = thicker * (self.radius[:, :1] + share * np.diff(self.radius))
+        path, radius = capped(path, radius) if cap else pointed(path, radius)
+        share = np.pad(share, ((0, 0), (0, path.shape[1] - rings)), constant_values=1.0)
+        last = (self.order == self.order.max())[:, None]
+        tip = np.where(last, np.clip((share - pale) / (1.0 - pale), 0.0, 1.0) ** 1.5, 0.0)
+        light = thicket_light(path, dark)
+        return tubes(path, radius, sides, tip=tip, light=light, sway=sway * out_share(path))
+
+
+def pointed(path: Array, radius: Array) -> tuple[Array, Array]:
+    """Paths and radii with blunt points: one more ring each, of radius 0."""
+    end = unit(path[:, -1:] - path[:, -2:-1]) * radius[:, -1:, None]
+    path = np.concatenate([path, path[:, -1:] + 0.5 * end], axis=1)
+    return path, np.concatenate([radius, 0.0 * radius[:, -1:]], axis=1)
+
+
+def out_share(path: Array) -> Array:
+    """Distance of points from the root of a growth, as 0 to 1."""
+    far = np.linalg.norm(path, axis=-1)
+    return np.asarray(np.clip(far / far.max(), 0.0, 1.0) ** 1.5)
+
+
+def thicket_light(path: Array, dark: float) -> Array:
+    """Light at points of a thicket: `dark` in the middle, 1 outside."""
+    return dark + (1.0 - dark) * out_share(path)
+
+
+def grow_offshoots(
+    rng: Rng,
+    parents: Branches,
+    number: int,
+    spread: float,
+    rise: float,
+    shrink: float,
+    first: float,
+) -> Branches:
+    """Grow `number` branches on each parent, from the share `first` of its length to its end."""
+    p, n = len(parents.length), len(parents.length) * number
+    share = (
+        first + (1.0 - first) * (np.arange(number) + rng.uniform(0.2, 1.0, (p, number))) / number
+    )
+    share[:, -1] = 1.0
+    start = parents.at(share).reshape(n, 3)
+    along = unit(parents.way[:, None] + 2 * share[..., None] * parents.bend[:, None]).reshape(n, 3)
+    aside = unit(cross(along, rng.normal(size=(n, 3))))
+    way = unit(along + spread * rng.uniform(0.6, 1.4, (n, 1)) * aside + rise * UP)
+    radius = parents.radius[:, None, :1] + share[..., None] * np.diff(parents.radius)[:, None]
+    radius = 0.88 * radius.reshape(n, 1) * np.array([1.0, shrink])
+    length = np.repeat(parents.length, number) * rng.uniform(0.55, 1.0, n) * shrink**0.5
+    bend = 0.35 * rise * UP + 0.15 * rng.normal(size=(n, 3))
+    return Branches(start, way, length, bend, radius, np.repeat(parents.order + 1, number))
+
+
+def grow_stems(rng: Rng, number: int, lean: float, length: float, radius: float) -> Branches:
+    """Grow `number` stems from one foot, which lean outward."""
+    turn = 2 * np.pi * (np.arange(number) + rng.uniform(-0.4, 0.4, number)) / number
+    out = lean * np.sqrt((np.arange(number) + 0.4) / number) * rng.uniform(0.7, 1.2, number)
+    way = unit(np.stack([out * np.cos(turn), out * np.sin(turn), np.ones(number)], axis=1))
+    start = 0.12 * way * (1, 1, 0) - 0.06 * UP
+    return Branches(
+        start, way, length * rng.uniform(0.7, 1.1, number),
+        0.3 * UP + 0.12 * rng.normal(size=(number, 3)),
+        np.tile([radius, 0.8 * radius], (number, 1)), np.zeros(number),
+    )  # fmt: skip
+
+
+def together(*parts: Branches) -> Branches:
+    """Join branches."""
+    return Branches(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))

@@ -1,6 +1,13 @@
-"""Drawing pillars and rocks: weathered formations of stone."""
+"""Drawing pillars and rocks: weathered formations of stone.
+
+Meshes of rock formations at three levels of detail, with baked light.
+
+The surface is where `habitat.formations.drawn_distance` is 0, inside of what fishes avoid.
+"""
 
 import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
@@ -9,22 +16,217 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
+from subsea.geometry.noise import fractal
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.geometry.vector import vector
-from subsea.habitat.formations import first_of_formation, formations
-from subsea.habitat.stone_shade import sun_at
+from subsea.geometry.vector import Vector, vector
+from subsea.habitat.formations import NEAR_CM as NEAR_BLOCKS_CM
+from subsea.habitat.formations import (
+    RELIEF_CM,
+    blocks_near,
+    carved,
+    drawn_distance,
+    first_of_formation,
+    formations,
+    on_the_surface,
+    rough_distance,
+)
+from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_of, sun_at
 from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
-from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
-from subsea.rendering.gl.textures import in_bytes, relief, repeating
+from subsea.rendering.gl.textures import Texels, in_bytes, relief, repeating
 from subsea.rendering.output.quality import Quality
-from subsea.rendering.reef.rock_mesh import SKY, SUNNY, cut, shapes
+from subsea.rendering.reef.coral_mesh import surface_net
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
+
+Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm
+
+LEVELS = 3
+COARSE = 2 ** (LEVELS - 1)  # finest cells along a coarsest one
+BURIED_CM = 20.0  # depth of meshes below the sand
+CELLS = 46.0  # along the longest side of a formation, at the finest level
+FINEST_CM, COARSEST_CM = 4.5, 10.0  # limits of their size
+ACROSS = 4.0  # least number of cells across a formation
+PIECE_CM = 220.0  # width of a piece, which has its own level
+NEAR_CM = 200.0  # formations closer than this shade one another
+SUN_WIDE = 0.16  # width of the cone of sunlight, for soft shadows
+
+# Columns of a vertex: position, normal, then light and cover.
+COLUMNS = 13
+SKY, SUNNY, HOLLOW, ABOVE, TURF, CORALLINE, SPONGE = range(6, 13)
+
+
+def shapes(formations: list[Array], floor: Floor, sun: Vector = SUN) -> list[list[StaticMesh]]:
+    """The levels of each formation, finest first; `sun` is the direction toward the sun."""
+    # Kernels and numpy release the GIL.
+    with ThreadPoolExecutor() as pool:
+        shades = list(pool.map(shade_of, formations))
+
+        def levels(number: int) -> list[StaticMesh]:
+            near = [shades[k] for k in _neighbours(formations, number)]
+            return _levels(formations[number], near, floor, sun)
+
+        shaped = list(pool.map(levels, range(len(formations))))
+    # A stone deep in the sand has no triangles.
+    return [own for own in shaped if len(own[0].triangles)]
+
+
+def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
+    """Cut the levels of a formation into pieces, each drawn at its own level.
+
+    Pieces extend beyond their boxes by the length of a triangle, so that neighbours at different
+    levels overlap without gaps.
+    """
+    low = levels[0].vertices[:, :3].min(axis=0)
+    number = np.ceil(np.ptp(levels[0].vertices[:, :3], axis=0) / PIECE_CM).astype(int)
+    pieces: list[list[StaticMesh]] = []
+    middles = [shape.vertices[:, :3][shape.triangles].mean(axis=1) for shape in levels]
+    longs = [_long(shape) for shape in levels]
+    for i, j, k in np.ndindex(*np.maximum(number, 1)):
+        box = low + PIECE_CM * np.array([i, j, k])
+        own = []
+        for shape, middle, long in zip(levels, middles, longs, strict=True):
+            beyond = np.maximum(box - middle, middle - box - PIECE_CM).max(axis=1)
+            if shape is levels[0] and not (beyond <= 0.0).any():
+                break
+            used, triangles = np.unique(shape.triangles[beyond <= long], return_inverse=True)
+            own.append(StaticMesh(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
+        else:
+            pieces.append(own)
+    return pieces
+
+
+def _long(shape: StaticMesh) -> float:
+    """Mean edge length of the triangles."""
+    corners = shape.vertices[:, :3][shape.triangles]
+    return float(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean())
+
+
+def _neighbours(formations: list[Array], number: int) -> list[int]:
+    """Indices of formations that may shade one, itself first."""
+    low, high = box_of(formations[number])
+    found = [number]
+    for k, other in enumerate(formations):
+        bottom, top = box_of(other)
+        gap = np.maximum(np.maximum(bottom - high, low - top)[:2], 0.0)
+        if k != number and np.hypot(*gap) < NEAR_CM:
+            found.append(k)
+    return found
+
+
+def _levels(blocks: Array, near: list[Shade], floor: Floor, sun: Vector) -> list[StaticMesh]:
+    """The levels of a formation from one field: every sample, every second, and so on."""
+    field, corner, cell = sampled(blocks, floor)
+    levels: list[StaticMesh] = []
+    for k in range(LEVELS):
+        part = field[:: 2**k, :: 2**k, :: 2**k]
+        shape = _shape(part, corner, cell * 2**k, blocks, near, floor, sun)
+        # A thin stone may fall between coarse samples.
+        levels.append(levels[-1] if levels and not len(shape.triangles) else shape)
+    return levels
+
+
+def sampled(blocks: Array, floor: Floor) -> tuple[Array, Array, float]:
+    """Distances to the drawn stone (signs if far) on a grid, its corner and its cell size, cm."""
+    low, high = box_of(blocks)
+    thin = (high - low).min()
+    axis_x, axis_y = (np.linspace(low[k], high[k], 9) for k in (0, 1))
+    ground = floor(*np.meshgrid(axis_x, axis_y)).min()
+    low[2] = max(low[2], min(float(ground), high[2] - 1.0) - BURIED_CM)
+    cell = float(np.clip((high - low).max() / CELLS, FINEST_CM, COARSEST_CM))
+    cell = min(cell, thin / ACROSS)
+    # One free cell around at every level, except at the bottom.
+    coarse = cell * COARSE
+    corner = low - (coarse, coarse, 0.0)
+    number = np.ceil((high + coarse - corner) / coarse).astype(int)
+    return _sample(blocks, corner, cell, *number), corner, cell
+
+
+def _shape(
+    field: Array, corner: Array, cell: float, blocks: Array, near: list[Shade], floor: Floor,
+    sun: Vector,
+) -> StaticMesh:  # fmt: skip
+    cells, triangles = surface_net(field)
+    # Vertices of coarse levels move onto the surface, but stay in their cells.
+    start = corner + cell * cells
+    place, normal, _ = on_the_surface(blocks, start, 1 if cell <= COARSEST_CM else 2)
+    shift = place - start
+    far = np.linalg.norm(shift, axis=1) / (0.6 * cell)
+    place = start + shift / np.maximum(far, 1.0)[:, None]
+    vertices = np.zeros((len(place), COLUMNS), np.float32)
+    vertices[:, 0:3], vertices[:, 3:6] = place, normal
+    _dress(blocks, place, normal, vertices)
+    vertices[:, SKY : SUNNY + 1] = 1.0
+    for shade in near:
+        vertices[:, SKY] *= openness(shade, place, normal)
+        _sun(shade, place, normal, sun, vertices)
+    vertices[:, ABOVE] = place[:, 2] - floor(place[:, 0], place[:, 1])
+    shown = vertices[:, ABOVE] > -BURIED_CM
+    return StaticMesh(vertices, triangles[shown[triangles].any(axis=1)].astype(np.int32))
+
+
+@kernel
+def _sample(blocks: Array, corner: Array, cell: float, nx: int, ny: int, nz: int) -> Array:
+    """The field at the corners of (nx, ny, nz) cubes of COARSE³ cells."""
+    out = np.empty((nx * COARSE + 1, ny * COARSE + 1, nz * COARSE + 1))
+    out[:] = 1e3
+    half = 0.5 * COARSE * cell
+    for i in range(nx):
+        for j in range(ny):
+            for k in range(nz):
+                at = (2 * i + 1, 2 * j + 1, 2 * k + 1)
+                middle = (
+                    corner[0] + half * at[0], corner[1] + half * at[1], corner[2] + half * at[2],
+                )  # fmt: skip
+                few = blocks_near(blocks, middle, NEAR_BLOCKS_CM + 2.0 * half)
+                if len(few) == 0:
+                    continue
+                rough = rough_distance(few, middle)
+                deep = rough < -RELIEF_CM - 3.0 * half
+                if rough > 3.0 * half + 10.0:
+                    continue
+                for a in range(i * COARSE, (i + 1) * COARSE + 1):
+                    for b in range(j * COARSE, (j + 1) * COARSE + 1):
+                        for c in range(k * COARSE, (k + 1) * COARSE + 1):
+                            if deep:
+                                out[a, b, c] = -1e3
+                                continue
+                            if out[a, b, c] != 1e3:
+                                continue  # its neighbour's too
+                            p = (corner[0] + cell * a, corner[1] + cell * b, corner[2] + cell * c)
+                            out[a, b, c] = drawn_distance(few, p)
+    return out
+
+
+@kernel
+def _sun(shade: Shade, place: Array, normal: Array, sun: Vector, out: Array) -> None:
+    """Multiply the sunlight by what a formation lets through."""
+    for i in range(len(place)):
+        x, y, z = place[i]
+        n = vector(normal[i])
+        away = (x + 4.0 * n[0], y + 4.0 * n[1], z + 4.0 * n[2])
+        out[i, 7] *= passes(shade, away, sun, SUN_WIDE)
+
+
+@kernel
+def _dress(blocks: Array, place: Array, normal: Array, out: Array) -> None:
+    """Write hollows and cover; patches continue from one stone to the next."""
+    for i in range(len(place)):
+        x, y, z = place[i]
+        n = vector(normal[i])
+        few = blocks_near(blocks, (x, y, z), NEAR_BLOCKS_CM)
+        # Hollow: stone lies ahead along the normal.
+        outside = drawn_distance(few, (x + 14.0 * n[0], y + 14.0 * n[1], z + 14.0 * n[2]))
+        out[i, 8] = min(max(1.15 - outside / 14.0, 0.0), 1.0) + 0.4 * (carved((x, y, z)) - 0.4)
+        bx = x + 30.0 * fractal(x / 90.0, y / 90.0, z / 90.0, 2)
+        out[i, 10] = fractal(bx / 120.0, y / 120.0 + 7.7, z / 120.0, 3)
+        out[i, 11] = fractal(bx / 85.0 + 31.0, y / 85.0, z / 85.0, 3)
+        out[i, 12] = fractal(bx / 46.0, y / 46.0, z / 46.0 - 13.0, 3)
+
 
 RELIEF_UNIT = 4  # texture unit
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # largest magnitude of its layers

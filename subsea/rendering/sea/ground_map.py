@@ -11,15 +11,7 @@ import numpy as np
 from subsea.base.arrays import Array, Bytes
 from subsea.geometry.noise import fractal
 from subsea.geometry.vector import Vector
-from subsea.habitat.stone_shade import (
-    SUN,
-    Shade,
-    box_of,
-    openness,
-    passes,
-    shade_distance,
-    shade_of,
-)
+from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_distance, shade_of
 from subsea.kernels import kernel
 
 Floor = Callable[[Array, Array], Array]  # x and y in cm -> height of the seabed in cm

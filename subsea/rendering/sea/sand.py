@@ -3,8 +3,7 @@
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.rendering.gl.mipmaps import Texels
-from subsea.rendering.gl.textures import in_bytes, nearest_of_cells, tileable_noise
+from subsea.rendering.gl.textures import Texels, in_bytes, nearest_of_cells, tileable_noise
 
 SIZE, FINE_SIZE = 384, 512
 RIPPLES = 12  # mean number of ripples across a texture

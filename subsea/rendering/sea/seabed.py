@@ -9,7 +9,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet, RenderScene
 from subsea.habitat.formations import formations
 from subsea.habitat.reef import KINDS, MOUND
-from subsea.habitat.stone_shade import sun_at
+from subsea.habitat.stone import sun_at
 from subsea.rendering.gl.id_buffer import SEABED
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from subsea.frame.packet import RenderScene
 from subsea.rendering.gl.id_buffer import SURFACE
-from subsea.rendering.gl.mipmaps import Texels
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
-from subsea.rendering.gl.textures import halves, repeating, ripples
+from subsea.rendering.gl.textures import Texels, halves, repeating, ripples
 from subsea.rendering.output.quality import Quality
 from subsea.view.camera import FAR_CM, View
 from subsea.view.display_rigs import VERTICAL_FOV

@@ -34,7 +34,7 @@ from subsea.stage.cluster.messages import (
     from_master,
     ticks_of,
 )
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
 from subsea.world.world import World

@@ -17,10 +17,9 @@ import zmq
 import zmq.auth
 from zmq.utils import z85
 
-from subsea.base.atomic_io import check_folder, replacing
 from subsea.base.errors import UserError, unreadable
-from subsea.base.input_files import check_input
-from subsea.stage.theatre.node_names import NAME
+from subsea.base.files import check_folder, check_input, replacing
+from subsea.stage.theatre.theatre_file import NAME
 
 PUBLIC, SECRET = ".key", ".key_secret"
 HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"

@@ -1,17 +1,22 @@
-"""Sockets of master and nodes, with keys and limits."""
+"""Sockets of master and nodes, with keys and limits.
+
+The keys of a computer in the cluster of a theatre.
+"""
 
 import errno
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import zmq
 from zmq.utils.monitor import parse_monitor_message
 
 from subsea.base.errors import TransientError, UserError
-from subsea.stage.cluster.addresses import parse_address
+from subsea.base.toml_files import error_at
 from subsea.stage.cluster.gate import Gate
-from subsea.stage.cluster.keys import Keys
+from subsea.stage.cluster.keys import SECRET, Keys, read_keys
+from subsea.stage.theatre.theatre_file import Cluster, parse_address
 
 PROBE_S, PROBES = 1, 4  # to notice a pulled cable
 LINGER_MS = 300  # for the last messages
@@ -122,3 +127,38 @@ def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
     socket.tcp_keepalive_idle = socket.tcp_keepalive_intvl = PROBE_S
     socket.tcp_keepalive_cnt = PROBES
     return socket
+
+
+def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -> Keys | None:
+    """Read the keys of `node`, if the theatre file `path` names a folder of keys.
+
+    Missing keys, and an address that needs keys where none are named, are UserErrors.
+    """
+    try:
+        keys = None
+        if cluster.keys is not None:
+            others = [name for name in nodes if name != node]
+            known = others if node == cluster.master else [cluster.master]
+            keys = read_keys(path.parent / cluster.keys, node, known)
+        endpoint(cluster.address, keys)
+    except UserError as fault:
+        raise error_at(path, "cluster", f"[cluster]: {fault}") from fault
+    return keys
+
+
+def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[UserError, ...]:
+    """Errors of the nodes that have a secret key on this computer; of the master if none has.
+
+    A computer needs no secret key but its own.
+    """
+    here = [cluster.master]
+    if cluster.keys is not None:
+        folder = path.parent / cluster.keys
+        here = [node for node in nodes if (folder / f"{node}{SECRET}").exists()] or here
+    faults = []
+    for node in here:
+        try:
+            credentials(cluster, nodes, node, path)
+        except UserError as fault:
+            faults.append(fault)
+    return tuple(faults)

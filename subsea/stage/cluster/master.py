@@ -1,4 +1,9 @@
-"""The master of a cluster: sends the ticks of every picture and waits until all have drawn."""
+"""The master of a cluster: sends the ticks of every picture and waits until all have drawn.
+
+Statistics of the wait times for a node.
+
+Record of one node that the master keeps.
+"""
 
 import math
 import secrets
@@ -6,15 +11,18 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import zmq
 from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING
 from subsea.stage.cluster import link
+from subsea.stage.cluster.gate import Connection
 from subsea.stage.cluster.identity import NO_VIEW, difference, identity_of, may_open
 from subsea.stage.cluster.keys import Keys
 from subsea.stage.cluster.messages import (
@@ -35,12 +43,82 @@ from subsea.stage.cluster.messages import (
     picture_of,
     ticks_of,
 )
-from subsea.stage.cluster.node_record import MAX_ASKED, SOON_S, NodeRecord
-from subsea.submarine.helm import Helm
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import Helm, Rail
 from subsea.world import snapshot
 from subsea.world.step import step
 from subsea.world.world import World
+
+RECENT = 10_000  # pictures in the 95th percentile
+
+
+@dataclass
+class WaitStatistics:
+    """Wait times of one node in seconds, and counts of events."""
+
+    frames: int = 0  # pictures shown in step
+    total_s: float = 0.0
+    longest_s: float = 0.0
+    recent_s: deque[float] = field(default_factory=lambda: deque(maxlen=RECENT))
+    late: int = 0  # timeouts
+    dropped: int = 0  # lost connections
+    rejoined: int = 0  # returns
+    diverged: int = 0  # times that its world differed
+
+    def add(self, wait_s: float) -> None:
+        """Add the time from the master's picture to the node's."""
+        self.frames += 1
+        self.total_s += wait_s
+        self.longest_s = max(self.longest_s, wait_s)
+        self.recent_s.append(wait_s)
+
+    @property
+    def mean_s(self) -> float:
+        """Mean wait time."""
+        return self.total_s / max(self.frames, 1)
+
+    def words(self) -> str:
+        """One line with the number of pictures, the wait times and the events."""
+        late = float(np.percentile(self.recent_s, 95)) if self.frames else 0.0
+        line = (
+            f"{self.frames} picture{'s' * (self.frames != 1)}, "
+            f"waited for {1e3 * self.mean_s:.1f} ms on average, "
+            f"p95 {1e3 * late:.1f} ms, at most {1e3 * self.longest_s:.1f} ms"
+        )
+        for what in ("late", "dropped", "rejoined", "diverged"):
+            count = getattr(self, what)
+            line += f"; {what} {'once' if count == 1 else f'{count} times'}" if count else ""
+        return line
+
+
+SOON_S = 60.0  # a node that diverges twice within this time is refused
+MAX_REFUSALS = 5  # reported of a node within SOON_S
+MAX_ASKED = 20  # requests of a node whose times are kept
+
+
+@dataclass
+class NodeRecord:
+    """The state of a node as the master sees it."""
+
+    name: str
+    route: bytes | None = None  # its connection; None: not connected
+    connection: Connection | None = None  # the same for the gate
+    tick: int = 0  # of its world when it came, if that is of a dive
+    asks: bool = False  # True if it needs the state
+    sent_s: float = -math.inf  # when the state was sent
+    asked_s: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_ASKED))
+    out_until_s: float = 0.0  # end of the time for which it was put out
+    in_step: bool = False  # True if the master waits for it
+    drawn: int = 0  # number of its last picture ...
+    drawn_s: float = 0.0  # ... and when it was drawn
+    not_before_s: float = 0.0  # the master does not wait for it before
+    diverged_s: float = -SOON_S
+    came: bool = False  # True if it has been in step before
+    refusal: str = ""  # why a node of its name was refused ...
+    refused_s: deque[float] = field(  # ... and when that was reported
+        default_factory=lambda: deque([-math.inf] * MAX_REFUSALS, MAX_REFUSALS)
+    )
+    waits: WaitStatistics = field(default_factory=WaitStatistics)
+
 
 Say = Callable[[str], None]
 

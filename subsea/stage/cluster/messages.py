@@ -14,8 +14,7 @@ import numpy as np
 from subsea import __version__
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING, Presented
-from subsea.submarine.helm import Helm
-from subsea.submarine.rail import Rail
+from subsea.submarine.vessel import Helm, Rail
 
 PROTOCOL = 6
 MAGIC = b"subsea\x00" + PROTOCOL.to_bytes(1, "little")

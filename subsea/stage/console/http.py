@@ -1,4 +1,12 @@
-"""The page and the HTTP interface of the console. The only module that speaks HTTP."""
+"""The page and the HTTP interface of the console. The only module that speaks HTTP.
+
+Accept connections, few at a time, and end those that do nothing.
+
+All words of the console's page, by the names that it gives them.
+
+`{{name}}` in `assets/console/index.html` stands for one; its script asks for the others. They are
+English and are translated for the browser that asks.
+"""
 
 import asyncio
 import hmac
@@ -8,6 +16,7 @@ import json
 import logging
 import re
 import socket
+from collections import Counter
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from io import BytesIO
@@ -19,12 +28,95 @@ from aiohttp import web
 
 from subsea.base.errors import UserError
 from subsea.base.language import first_known, translated
-from subsea.base.resources import resource_path
-from subsea.stage.console.board import RETRY, Board
+from subsea.base.system import resource_path
+from subsea.stage.console.board import RETRY, Board, RateLimit
 from subsea.stage.console.commands import described, from_json
-from subsea.stage.console.limits import RateLimit
 from subsea.stage.console.options import ConsoleOptions
-from subsea.stage.console.words import PAGE, SCRIPT
+
+PAGE = {
+    "title": "Presenter's console",
+    "skip": "Skip to the controls",
+    "login": "Log in",
+    "token": "Token",
+    "token_hint": "It is in the file that the dive named at its start.",
+    "enter": "Enter",
+    "log_out": "Log out",
+    "audience": "The audience sees",
+    "picture": "Live picture of the dive",
+    "show_picture": "Live picture",
+    "screens": "Screens",
+    "blank": "Blank",
+    "line_up": "Line-up pattern",
+    "scenario": "Scenario",
+    "open": "Open",
+    "tour": "Tour",
+    "start": "Start",
+    "stop": "Stop",
+    "playlist": "Programme",
+    "next_item": "Next item",
+    "cues": "Cues",
+    "next_cue": "Next cue",
+    "caption": "Caption",
+    "own_text": "Your text, 300 characters at most",
+    "show": "Show",
+    "clear": "Clear",
+    "fish": "Fish",
+    "which": "Which",
+    "nearest": "Nearest to the middle",
+    "follow": "Follow",
+    "ride": "Ride",
+    "helm": "Back to the submarine",
+    "picture_and_sound": "Picture and sound",
+    "quality": "Quality",
+    "volume": "Volume",
+    "nodes": "Computers",
+    "node": "Name",
+    "state": "State",
+    "last_ms": "Last wait, ms",
+    "mean_ms": "Mean wait, ms",
+    "longest_ms": "Longest wait, ms",
+    "late": "Late",
+    "no_nodes": "One computer shows this dive.",
+    "health": "Health",
+}
+"""Words in the page itself."""
+
+SCRIPT = {
+    "connected": "Connected",
+    "lost": "No connection to the dive; trying again",
+    "stuck": "The dive draws no pictures",
+    "loading": "The dive is opening a scenario",
+    "wrong_token": "This is not the token.",
+    "limited": "Too many requests; trying again",
+    "no_fault": "No fault since the start, {time} ago.",
+    "fault": "Last fault {time} ago: {text}",
+    "rate": "{rate} pictures a second",
+    "cue": "Cue {number}",
+    "start_cue": "Start {name}",
+    "begun": "begun",
+    "caption_now": "Caption: {text}",
+    "no_caption": "No caption.",
+    "touring": "On tour: {name}.",
+    "no_tour": "No tour.",
+    "item": "{title}: item {item} of {items} for {time}.",
+    "closed": "{title}: closed now.",
+    "no_cues": "This scenario has no directions.",
+    "following": "Following a fish: {fish}",
+    "riding": "Riding a fish: {fish}",
+    "at_helm": "On the submarine.",
+    "in_step": "in step",
+    "catching_up": "catching up",
+    "away": "not connected",
+    "blanked": "The screens are blank.",
+    "patterned": "The line-up pattern is shown.",
+    "seconds": "{n} s",
+    "minutes": "{n} min",
+    "hours": "{n} h",
+    "directed": "Directions",
+    "auto": "Autopilot",
+}
+"""Words that the script of the page fills in; {…} are its values."""
+
 
 MAX_BODY = 4096  # bytes
 MAX_LINE, MAX_HEADERS = 4096, 64  # bytes of a line of a request; lines
@@ -286,3 +378,74 @@ def jpeg_of(picture: Any) -> bytes:
     out = BytesIO()
     Image.fromarray(picture[..., :3]).save(out, "JPEG", quality=JPEG_QUALITY)
     return out.getvalue()
+
+
+CLIENTS = 128  # connections at once
+OF_ONE = 16  # of one address that is not this computer's
+ACCEPTS_A_S = 50.0
+HANDSHAKE_S = 5.0  # longest time for that of TLS
+IDLE_S = ANSWER_S + 4.0  # without an answer, also while a request trickles in
+SWEEP_S = 1.0
+
+
+class Connections:
+    """The open connections of the HTTP console, made in the loop of the server's thread."""
+
+    def __init__(self, options: ConsoleOptions, http: HttpConsole, factory: Any) -> None:
+        """`factory` makes the protocol of a connection, and lists them in `connections`."""
+        self._options, self._http, self._factory = options, http, factory
+        self._sockets: dict[socket.socket, str] = {}  # that are open, with their address
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def accept(self, listener: socket.socket) -> None:
+        """Accept connections for ever."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(1.0 / ACCEPTS_A_S)
+            try:
+                client, address = await loop.sock_accept(listener)
+            except OSError:  # no file number is left, or the client has gone
+                await asyncio.sleep(0.5)
+                continue
+            origin = address[0]
+            own = self._options.http.ip.is_loopback
+            crowded = Counter(self._sockets.values())[origin] >= OF_ONE and not own
+            if len(self._sockets) >= CLIENTS or crowded:
+                client.close()
+                continue
+            self._sockets[client] = origin
+            task = loop.create_task(self._serve(client))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _serve(self, client: socket.socket) -> None:
+        """Serve one connection to its end."""
+        loop, tls = asyncio.get_running_loop(), self._options.tls
+        transport: asyncio.Transport | None = None
+        try:
+            limit = HANDSHAKE_S if tls else None
+            transport, protocol = await loop.connect_accepted_socket(
+                self._factory, client, ssl=tls, ssl_handshake_timeout=limit
+            )
+            begun = loop.time()
+            while protocol in self._factory.connections and not transport.is_closing():
+                await asyncio.sleep(SWEEP_S)
+                last = self._http.answered.get(protocol, begun)
+                if loop.time() - last > IDLE_S:
+                    transport.abort()
+            self._http.answered.pop(protocol, None)
+        except (TimeoutError, OSError, EOFError):  # a failed handshake
+            pass
+        finally:
+            self._sockets.pop(client, None)
+            if transport is not None:
+                transport.abort()
+            else:
+                client.close()
+
+    async def close(self) -> None:
+        """End all connections."""
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await asyncio.sleep(0)  # the transports close now

@@ -12,10 +12,9 @@ from typing import NamedTuple, NoReturn
 
 import platformdirs
 
-from subsea.base.atomic_io import replacing
 from subsea.base.errors import UserError, unreadable
-from subsea.base.input_files import check_input, read_text
-from subsea.stage.cluster.addresses import parse_address
+from subsea.base.files import check_input, read_text, replacing
+from subsea.stage.theatre.theatre_file import parse_address
 
 HTTP_ADDRESS, OSC_ADDRESS = "127.0.0.1:8880", "127.0.0.1:8881"  # default
 TOKEN_BYTES = 32  # of a generated token

@@ -11,9 +11,8 @@ from typing import Any
 from pythonosc.osc_packet import OscPacket
 
 from subsea.base.errors import UserError
-from subsea.stage.console.board import Board
+from subsea.stage.console.board import Board, RateLimit
 from subsea.stage.console.commands import from_words
-from subsea.stage.console.limits import RateLimit
 
 PREFIX = "/subsea/"
 MAX_PACKET, MAX_MESSAGES = 2048, 8  # bytes; messages in a bundle

@@ -7,16 +7,15 @@ from typing import Any, Protocol
 import msgspec
 import numpy as np
 
-from subsea.base.console import say
 from subsea.base.errors import UserError, printable, unknown
+from subsea.base.progress import say
+from subsea.dive.captions import FaultLog, FaultState
 from subsea.dive.directed_camera import is_directed
-from subsea.dive.fault_log import FaultLog, FaultState
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
 from subsea.dive.tick_source import NodeStatus
-from subsea.rendering.output.small_picture import SmallPicture
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario, scenario_names
+from subsea.rendering.output.views import SmallPicture
+from subsea.scenario.load import find_fish, load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.stage.console import commands
 from subsea.stage.console.board import Board

@@ -62,8 +62,7 @@ class ConsoleServer:
             self._listening.set()
 
     async def _serve(self, http: socket.socket, osc: socket.socket | None) -> None:
-        from subsea.stage.console.connections import Connections
-        from subsea.stage.console.http import HttpConsole
+        from subsea.stage.console.http import Connections, HttpConsole
         from subsea.stage.console.osc import OscConsole
 
         loop, stopped = asyncio.get_running_loop(), asyncio.Event()

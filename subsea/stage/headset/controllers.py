@@ -1,24 +1,163 @@
 """The controllers, or the tracked hands, of a session: their states, and vibration.
 
 The functions get the module `xr` from their caller, the one module that imports it.
+
+Suggested bindings: the parts of each kind of controller that the actions of a dive use.
+
+An action has the same name as its field of `Hand`. A button that a controller lacks is left out,
+or is on another part if the dive cannot do without.
+
+The interface of a headset to the dive, and its errors.
 """
 
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from subsea.stage.headset.bindings import (
-    AMOUNTS,
-    BUTTONS,
-    HANDS,
-    POSES,
-    PROFILES,
-    PULSES,
-    STICKS,
-)
-from subsea.stage.headset.session import Hand
-from subsea.view.head import Pose
+from subsea.base.errors import UserError
+from subsea.view.head import HeadEye, Pose
+
+HANDS = "/user/hand/left", "/user/hand/right"
+HAND_INTERACTION = "XR_EXT_hand_interaction"
+POSES = ("aim",)
+STICKS = ("stick",)
+AMOUNTS = "trigger", "squeeze"
+BUTTONS = "primary", "secondary", "menu"
+PULSES = ("haptic",)
+
+CONTROLLER = {"aim": "input/aim/pose", "haptic": "output/haptic"}
+
+
+class Profile(NamedTuple):
+    """A kind of controller: the part for each action, in both hands or in one of them."""
+
+    both: Mapping[str, str]
+    left: Mapping[str, str] = {}
+    right: Mapping[str, str] = {}
+    extension: str = ""  # of OpenXR, that has it
+
+    def paths(self) -> list[tuple[str, str]]:
+        """Pairs of an action and the full path of a part."""
+        return [
+            (action, f"{hand}/{part}")
+            for hand, own in zip(HANDS, (self.left, self.right), strict=True)
+            for action, part in {**self.both, **own}.items()
+        ]
+
+
+PROFILES = {
+    "khr/simple_controller": Profile(
+        CONTROLLER | {"trigger": "input/select/click", "menu": "input/menu/click"}
+    ),
+    "oculus/touch_controller": Profile(
+        CONTROLLER
+        | {
+            "stick": "input/thumbstick",
+            "trigger": "input/trigger/value",
+            "squeeze": "input/squeeze/value",
+        },
+        {"primary": "input/x/click", "secondary": "input/y/click", "menu": "input/menu/click"},
+        {"primary": "input/a/click", "secondary": "input/b/click"},
+    ),
+    "valve/index_controller": Profile(
+        CONTROLLER
+        | {
+            "stick": "input/thumbstick",
+            "trigger": "input/trigger/value",
+            "squeeze": "input/squeeze/value",
+            "primary": "input/a/click",
+            "secondary": "input/b/click",
+            "menu": "input/thumbstick/click",  # the system has its only other button
+        }
+    ),
+    "htc/vive_controller": Profile(
+        CONTROLLER
+        | {
+            "stick": "input/trackpad",
+            "trigger": "input/trigger/value",
+            "squeeze": "input/squeeze/click",
+            "primary": "input/trackpad/click",
+            "menu": "input/menu/click",
+        }
+    ),
+    "microsoft/motion_controller": Profile(
+        CONTROLLER
+        | {
+            "stick": "input/thumbstick",
+            "trigger": "input/trigger/value",
+            "squeeze": "input/squeeze/click",
+            "primary": "input/trackpad/click",
+            "secondary": "input/thumbstick/click",
+            "menu": "input/menu/click",
+        }
+    ),
+    "ext/hand_interaction_ext": Profile(
+        {
+            "aim": "input/aim/pose",
+            "trigger": "input/pinch_ext/value",
+            "squeeze": "input/grasp_ext/value",
+        },
+        extension=HAND_INTERACTION,
+    ),
+}
+
+
+class HeadsetLostError(UserError):
+    """The runtime or the headset ended; the message says so in one line."""
+
+
+class Hand(NamedTuple):
+    """The controller, or the tracked hand, in one hand."""
+
+    aim: Pose | None = None  # where it points, along -z; None: not tracked
+    stick: tuple[float, float] | None = None  # right and up, in [-1, 1]; None: it has no stick
+    trigger: float = 0.0  # in [0, 1]; a pinch of a tracked hand
+    squeeze: float = 0.0  # in [0, 1]; a fist of a tracked hand
+    primary: bool = False  # the lower button: A or X
+    secondary: bool = False  # the upper button: B or Y
+    menu: bool = False
+
+
+class HeadsetFrame(NamedTuple):
+    """A frame that has begun."""
+
+    eyes: tuple[HeadEye, ...]  # left and right, predicted for the time of display
+    tracked: bool  # False: the poses are the last known ones
+    visible: bool  # False: the runtime shows something else, so nothing needs to be drawn
+    textures: tuple[int, ...]  # OpenGL's names of one for each eye to draw into; () if not visible
+
+
+class Headset(Protocol):
+    """A session of a headset's runtime, in the OpenGL context that is current.
+
+    Every call may raise HeadsetLostError.
+    """
+
+    name: str  # of the runtime and of the headset, for people
+    sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
+    srgb: bool  # the textures hold values of sRGB, as a window does; False: linear ones
+    hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
+    worn: bool  # True while the runtime shows the dive: from VISIBLE on
+    focused: bool  # True while it takes input
+    recentred: bool  # True if the runtime asks to take the head in the last `begin` as home
+
+    def poll(self) -> None:
+        """Process events and read the hands; call once a picture."""
+
+    def begin(self) -> HeadsetFrame | None:
+        """Wait for the runtime and begin a frame; None, at once, while the session does not run."""
+
+    def end(self) -> None:
+        """Show the frame that `begin` returned; call it for each."""
+
+    def pulse(self, hand: int, strength: float, seconds: float) -> None:
+        """Vibrate the controller in a hand (0 left, 1 right), with a strength in [0, 1]."""
+
+    def close(self) -> None:
+        """End the session and release everything."""
+
 
 NO_HANDS = Hand(), Hand()
 

@@ -12,11 +12,10 @@ from subsea.base.arrays import Array
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
 from subsea.rendering.output.cabin import Cabin
+from subsea.stage.headset.controllers import Hand, Headset, HeadsetFrame, HeadsetLostError
 from subsea.stage.headset.openxr import open_headset
-from subsea.stage.headset.session import Hand, Headset, HeadsetFrame, HeadsetLostError
 from subsea.ui.gamepad import GamepadState
-from subsea.ui.gui import Gui
-from subsea.ui.haptics import hand_pulses
+from subsea.ui.gui import Gui, hand_pulses
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import cockpit
 from subsea.view.head import (
@@ -31,9 +30,9 @@ from subsea.view.head import (
     snapped,
 )
 from subsea.view.mirror import Mirror, mirror_of, mirror_patch, mirror_view
-from subsea.view.panel import PANEL
 from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
 from subsea.view.text_viewports import WHOLE, TextViewport
+from subsea.view.theatre_vessel import PANEL
 from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 

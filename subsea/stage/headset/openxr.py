@@ -9,8 +9,16 @@ from typing import Any, NamedTuple
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.base.extras import require
-from subsea.stage.headset.controllers import NO_HANDS, Controllers, pose_of
+from subsea.base.system import require
+from subsea.stage.headset.controllers import (
+    NO_HANDS,
+    Controllers,
+    Hand,
+    Headset,
+    HeadsetFrame,
+    HeadsetLostError,
+    pose_of,
+)
 from subsea.stage.headset.runtime import (
     NO_OPENGL,
     OPENGL,
@@ -23,7 +31,6 @@ from subsea.stage.headset.runtime import (
     name_system,
     opening,
 )
-from subsea.stage.headset.session import Hand, Headset, HeadsetFrame, HeadsetLostError
 from subsea.view.head import AT_REST, HeadEye, Pose
 
 FORMATS = 0x8C43, 0x8058  # SRGB8_ALPHA8, RGBA8: the best first

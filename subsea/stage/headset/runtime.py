@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from subsea.base.errors import UserError
-from subsea.stage.headset.bindings import HAND_INTERACTION
+from subsea.stage.headset.controllers import HAND_INTERACTION
 
 OPENGL = "XR_KHR_opengl_enable"
 NO_RUNTIME = (

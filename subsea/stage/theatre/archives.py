@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.input_files import open_input
+from subsea.base.files import open_input
 
 Fetch = Callable[[str, int], bytes | None]  # path, most bytes -> content
 

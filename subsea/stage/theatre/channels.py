@@ -10,7 +10,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, unknown
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input
 from subsea.base.toml_files import error_at
 from subsea.stage.theatre.blend import Projector, blend_mask
 from subsea.stage.theatre.imported import ImportedTheatre

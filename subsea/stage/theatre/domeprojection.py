@@ -16,12 +16,12 @@ from subsea.base.errors import UserError
 from subsea.stage.theatre.measured_mesh import (
     MAX_NODES,
     MeasuredMesh,
+    ViewAngles,
     bounded_grid,
     grid_triangles,
     node_mesh,
     numbers_of,
 )
-from subsea.stage.theatre.view_angles import ViewAngles
 
 MAX_BYTES = 64 * 2**20
 MAX_FRUSTUM = 2**16  # bytes

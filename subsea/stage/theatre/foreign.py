@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder, read_json
+from subsea.stage.theatre.measured_mesh import angles_of
 from subsea.stage.theatre.mpcdi import read_mpcdi
 from subsea.stage.theatre.ndisplay import read_ndisplay
 from subsea.stage.theatre.sgct import read_sgct
 from subsea.stage.theatre.theatre_file import Archive
-from subsea.stage.theatre.view_angles import angles_of
 from subsea.stage.theatre.vioso import MAX_BYTES, vioso_maps, vioso_mesh
 from subsea.stage.theatre.warp_files import FORMATS, read_mesh
 

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import MIB, read_input
+from subsea.base.files import MIB, read_input
 from subsea.base.validation import convert
 from subsea.stage.theatre.measured_mesh import MeasuredMesh
 from subsea.stage.theatre.theatre_file import (

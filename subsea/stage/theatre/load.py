@@ -4,7 +4,7 @@ from itertools import combinations
 from pathlib import Path
 
 from subsea.base.errors import UserError, unknown
-from subsea.base.resources import named_or_file
+from subsea.base.system import named_or_file
 from subsea.base.toml_files import error_at, load_toml
 from subsea.stage.theatre.foreign import READERS
 from subsea.stage.theatre.theatre_file import FOLDER, Channel, Theatre, Window, viewport

@@ -34,10 +34,10 @@ from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
+from subsea.stage.theatre.measured_mesh import ViewAngles
 from subsea.stage.theatre.pfm import MAX_BYTES, parse_pfm
 from subsea.stage.theatre.png import MAX_BYTES as MAX_PICTURE
 from subsea.stage.theatre.png import MAX_SIDE, parse_png, stretched
-from subsea.stage.theatre.view_angles import ViewAngles
 from subsea.stage.theatre.warp import from_grid, validated, without_invalid
 from subsea.stage.theatre.warp_files import sources_of
 from subsea.view.rig import Warp

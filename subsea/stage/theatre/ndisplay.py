@@ -18,9 +18,15 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError, unknown
 from subsea.base.validation import convert
-from subsea.stage.cluster.addresses import parse_address
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder, printable_word
-from subsea.stage.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Coordinate, Window
+from subsea.stage.theatre.theatre_file import (
+    MAIN,
+    MOST_WINDOWS,
+    Cluster,
+    Coordinate,
+    Window,
+    parse_address,
+)
 from subsea.view.camera import axes_of
 
 MAX_DEPTH = 64  # of parents

@@ -16,11 +16,13 @@ from subsea.stage.theatre.measured_mesh import (
     MAX_NODES,
     MAX_TRIANGLES,
     MeasuredMesh,
+    ViewAngles,
     node_mesh,
     numbers_of,
+    turned,
+    turns,
 )
 from subsea.stage.theatre.numbered_lines import numbered_lines
-from subsea.stage.theatre.view_angles import ViewAngles, turned, turns
 from subsea.stage.theatre.warp import mesh, rasterized
 
 MAX_BYTES = 64 * 2**20

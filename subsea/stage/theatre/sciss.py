@@ -19,10 +19,12 @@ from subsea.stage.theatre.measured_mesh import (
     MAX_NODES,
     MAX_TRIANGLES,
     MeasuredMesh,
+    ViewAngles,
     node_mesh,
+    quaternion_rotation,
     strip_triangles,
+    turned,
 )
-from subsea.stage.theatre.view_angles import ViewAngles, quaternion_rotation, turned
 
 MAX_BYTES = 64 * 2**20
 HEADER, NODE = 60, 24  # bytes

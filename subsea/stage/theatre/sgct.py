@@ -8,7 +8,6 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError, nearest
 from subsea.base.validation import convert
-from subsea.stage.cluster.addresses import parse_address
 from subsea.stage.theatre import sgct_views as views
 from subsea.stage.theatre.imported import (
     ImportedTheatre,
@@ -27,7 +26,7 @@ from subsea.stage.theatre.sgct_file import (
     SgctViewport,
     SgctWindow,
 )
-from subsea.stage.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Window
+from subsea.stage.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Window, parse_address
 from subsea.stage.theatre.warp_files import FORMATS, read_mesh
 
 VERSION = 1

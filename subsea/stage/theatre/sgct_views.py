@@ -10,8 +10,16 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
-from subsea.stage.theatre.measured_mesh import MeasuredMesh, grid_triangles
+from subsea.base.files import read_input
+from subsea.stage.theatre.measured_mesh import (
+    MeasuredMesh,
+    ViewAngles,
+    flipped,
+    grid_triangles,
+    quaternion_rotation,
+    turned,
+    turns,
+)
 from subsea.stage.theatre.obj import obj_mesh
 from subsea.stage.theatre.pfm import MAX_BYTES as MAX_PFM
 from subsea.stage.theatre.pfm import parse_pfm
@@ -23,13 +31,6 @@ from subsea.stage.theatre.sgct_file import (
     SgctTurn,
 )
 from subsea.stage.theatre.simcad import regular_sources
-from subsea.stage.theatre.view_angles import (
-    ViewAngles,
-    flipped,
-    quaternion_rotation,
-    turned,
-    turns,
-)
 from subsea.stage.theatre.warp import mesh, validated
 from subsea.stage.theatre.warp_files import FORMATS, sources_of
 from subsea.view.surround import Surround

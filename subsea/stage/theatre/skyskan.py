@@ -14,13 +14,13 @@ import numpy as np
 from subsea.base.errors import UserError
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
+    ViewAngles,
     bounded_grid,
     grid_triangles,
     node_mesh,
     numbers_of,
 )
 from subsea.stage.theatre.numbered_lines import numbered_lines
-from subsea.stage.theatre.view_angles import ViewAngles
 
 MAX_BYTES = 64 * 2**20
 HIGH = 1200 / 2048  # height of a view of unknown height, in shares of its width

@@ -1,16 +1,36 @@
 """Theatre files: windows, projectors and the screens that they light, from TOML.
 
 Lengths are real centimetres in the axes of somebody who looks ahead: x right, y up, z ahead.
+
+Names of computers, for theatre files and keys.
+
+Addresses of computers: an IP address and a port.
 """
 
+import ipaddress
 from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
-from subsea.stage.cluster.addresses import parse_address
-from subsea.stage.theatre.node_names import NAME
 from subsea.view.rig import Rect
 from subsea.view.surround import ALL_ROUND
+
+# ASCII, because files are named so; `\Z`, because `$` would accept a final line break.
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}\Z"
+
+
+def parse_address(address: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int]:
+    """Parse an IP address with a port, such as ``127.0.0.1:5560``; ValueError for host names."""
+    host, _, port = address.rpartition(":")
+    try:
+        if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
+            raise ValueError
+        return ipaddress.ip_address(host.strip("[]")), int(port)
+    except ValueError:
+        raise ValueError(
+            f"address {address!r}: expected an IP address and a port, such as 127.0.0.1:5560"
+        ) from None
+
 
 FOLDER = "assets/theatres"
 MOST_WINDOWS, MOST_LOUDSPEAKERS = 64, 32

@@ -11,8 +11,8 @@ import numpy as np
 from PIL import Image
 
 from subsea.base.arrays import Array
-from subsea.base.atomic_io import check_file, replacing
 from subsea.base.errors import UserError, printable
+from subsea.base.files import check_file, replacing
 from subsea.base.toml_edit import toml_value
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.measured_mesh import MeasuredMesh

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input
 from subsea.stage.theatre import domeprojection, pfm, scalable, sciss, simcad, skyskan, vioso
 from subsea.stage.theatre.bourke import parse_bourke
 from subsea.stage.theatre.measured_mesh import MeasuredMesh

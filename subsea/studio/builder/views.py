@@ -2,7 +2,12 @@
 
 Both keep the same scale and place along the body. The nodes of a ring have the same colour in both,
 and a point in one view is highlighted in the other (KS I.B).
+
+A photograph behind the side view, to trace its outline.
 """
+
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -10,17 +15,67 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from subsea.base.arrays import Array
+from subsea.base.system import require
 from subsea.biomechanics.body import KINDS, MUSCLES, UNITS, rest_nodes
 from subsea.biomechanics.body_plan import NODES_AT_STATION
 from subsea.fish.sheet_layout import BODY, borders, half_height
 from subsea.fish.species import Species
 from subsea.fish.surface import PaddlePlan, along, points_along
-from subsea.studio.draft import KeyPath, SpeciesDraft
-from subsea.studio.edit_state import EditState
+from subsea.rendering.gl.textures import ImageTexture
+from subsea.studio.draft import EditState, KeyPath, SpeciesDraft
 from subsea.studio.handles import Box, DragHandle, View, drag_handle, handles
-from subsea.studio.outline_points import add_point, nearest_line
+from subsea.studio.outline import add_point, nearest_line
 from subsea.studio.viewport2d import Viewport2D
 from subsea.ui.gui import INK, MARK, QUIET, Rgb
+
+FIELD = 7.0  # width of an input, text heights
+
+
+class PhotoOverlay:
+    """A photograph and its place, in body lengths of the side view."""
+
+    def __init__(self, context: Any, pixels: NDArray[Any]) -> None:
+        """Take pixels (h, w, 3), top row first; at first as wide as the fish is long."""
+        self.shown = ImageTexture(context, pixels)
+        self.high = pixels.shape[0] / pixels.shape[1]  # height over width
+        self.left, self.middle, self.wide = 0.0, 0.0, 1.0
+        self.flipped = False
+
+    @property
+    def box(self) -> Box:
+        """Left, low, right, high; left and right are swapped if it is flipped."""
+        half = 0.5 * self.wide * self.high
+        left, right = self.left, self.left + self.wide
+        if self.flipped:
+            left, right = right, left
+        return left, self.middle - half, right, self.middle + half
+
+    def draw_options(self) -> None:
+        """Draw a button that opens the options of its place."""
+        if imgui.button("Photograph"):
+            imgui.open_popup("##photograph")
+        if imgui.begin_popup("##photograph"):
+            for name in ("left", "middle", "wide"):
+                imgui.set_next_item_width(FIELD * imgui.get_font_size())
+                low, high = (0.1, 20.0) if name == "wide" else (-10.0, 10.0)
+                now = getattr(self, name)
+                _, now = imgui.drag_float(f"{name}, lengths", now, 0.002, low, high, "%.3f")
+                setattr(self, name, now)
+            _, self.flipped = imgui.checkbox("the fish heads right", self.flipped)
+            imgui.end_popup()
+
+    def release(self) -> None:
+        """Free the texture."""
+        self.shown.release()
+
+
+def read_photo(path: Path) -> NDArray[Any]:
+    """Return the pixels of a photograph; UserError for another file, or without OpenCV."""
+    require("skin", "the photograph")
+    from subsea.studio.photograph import read_photograph
+
+    return read_photograph(path).colour
+
 
 BOX = -0.05, -0.3, 1.06, 0.3  # of both views at first, body lengths
 RINGS: tuple[Rgb, ...] = (

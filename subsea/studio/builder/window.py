@@ -13,7 +13,7 @@ from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES
 from subsea.fish.species import is_shipped, own_species_file, species_file
 from subsea.rendering.fish.preview import Orbit
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio.builder.assessment import (
     Assessment,
     Picture,
@@ -21,14 +21,13 @@ from subsea.studio.builder.assessment import (
     draft_sheet,
     draw_findings,
 )
-from subsea.studio.builder.controls import draw_preview, draw_view_options, room
 from subsea.studio.builder.jobs import CaptureJobs, draw_jobs, is_known, recorded
-from subsea.studio.builder.number_panels import NumberPanels
-from subsea.studio.builder.tracing import PhotoOverlay, read_photo
-from subsea.studio.builder.views import OutlineViews, textured_view
+from subsea.studio.builder.panels import NumberPanels, draw_preview, draw_view_options, room
+from subsea.studio.builder.views import OutlineViews, PhotoOverlay, read_photo, textured_view
 from subsea.studio.checks import FishFinding
 from subsea.studio.draft import (
     EditError,
+    EditState,
     KeyPath,
     SpeciesDraft,
     changed_on_disk,
@@ -38,12 +37,11 @@ from subsea.studio.draft import (
     to_toml,
     with_values,
 )
-from subsea.studio.edit_state import EditState
 from subsea.studio.handles import drag_handle, handles
-from subsea.studio.outline_points import remove_point
+from subsea.studio.outline import remove_point
 from subsea.studio.tool_window import ToolWindow, run_tool
-from subsea.ui.name_dialog import NameDialog
-from subsea.ui.preview_panel import PreviewPanel
+from subsea.ui.panel_layout import PreviewPanel
+from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 TITLE = "subsea build"

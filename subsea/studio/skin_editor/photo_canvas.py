@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio import mesh_edit
 from subsea.studio.deformable_mesh import (
     BODY,

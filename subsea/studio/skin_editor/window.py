@@ -18,7 +18,7 @@ from subsea.fish.species import (
     repertoire_file,
     species_file,
 )
-from subsea.rendering.gl.image_texture import ImageTexture
+from subsea.rendering.gl.textures import ImageTexture
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.studio.draft import copy_draft, read_draft, save_draft
 from subsea.studio.dress import check_mesh, check_sheet, load_mesh, save_mesh
@@ -31,8 +31,8 @@ from subsea.studio.skin_editor.document import SkinDocument, lift_from
 from subsea.studio.skin_editor.panels import MeshActions, PreviewOptions
 from subsea.studio.skin_editor.photo_canvas import MODES, PhotoCanvas
 from subsea.studio.tool_window import ToolWindow, run_tool
-from subsea.ui.name_dialog import NameDialog
-from subsea.ui.preview_panel import PreviewPanel
+from subsea.ui.panel_layout import PreviewPanel
+from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 DEFAULT_SPECIES = "clownfish"

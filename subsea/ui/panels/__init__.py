@@ -6,12 +6,14 @@ from subsea.ui.context import PanelContext
 from subsea.ui.panels import (
     behavior,
     control,
-    fish_view,
     habits,
     initialisation,
     physics,
     placement,
     time,
+)
+from subsea.ui.panels import (
+    fish_picker as fish_view,
 )
 
 Panel = Callable[[PanelContext], None]

@@ -7,10 +7,9 @@ import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
+from subsea.behavior.mental_state import apply_individual
 from subsea.behavior.table import INTENTIONS
-from subsea.behavior.temperament import apply_individual
-from subsea.dive.intention_text import focus
-from subsea.dive.mental_chart import SPAN, Chart
+from subsea.dive.minds_text import SPAN, Chart, focus
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from imgui_bundle import imgui
 
-from subsea.behavior.temperament import HABITS, apply_individual
+from subsea.behavior.mental_state import HABITS, apply_individual
 from subsea.scenario.schema import IndividualTable
 from subsea.state import KINDS
 from subsea.ui.context import PanelContext

@@ -18,7 +18,7 @@ from subsea.base.errors import UserError
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
-from subsea.submarine.course import paths_of
+from subsea.submarine.vessel import paths_of
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields

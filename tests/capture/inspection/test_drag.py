@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from capture.inspection.drag import (
+from capture.inspection.report import (
     SWIMMING_DRAG,
     drag_coefficient,
     expected_strouhal,

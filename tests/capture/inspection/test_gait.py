@@ -5,11 +5,11 @@ from hypothesis import strategies as st
 
 from capture.inspection.gait import muscle_work, tension_work
 from capture.recording.trial import beat_contraction, steady_beat
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
 from subsea.biomechanics.controllers import muscle_lengths
-from subsea.biomechanics.gait import contraction_step, straightness, sweep
+from subsea.biomechanics.fins import contraction_step, straightness, sweep
 from subsea.biomechanics.simulation import NO_FORCE, STILL, BodyState, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force

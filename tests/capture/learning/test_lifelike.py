@@ -20,17 +20,23 @@ from capture.learning.body_space import (
     outline_volume,
     species_point,
 )
-from capture.learning.grades import TAIL, grade_waves, with_amplitudes
 from capture.learning.journal import Journal, evaluations, read_journal
-from capture.learning.lifelike import STATIONS, lateral, rear_bend, wavelength
+from capture.learning.lifelike import (
+    STATIONS,
+    TAIL,
+    grade_waves,
+    lateral,
+    rear_bend,
+    wavelength,
+    with_amplitudes,
+)
 from capture.learning.whole import LearningTask, learn_whole
 from capture.recording.trial import beat_contraction
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
-from subsea.biomechanics.gait import contraction_step
-from subsea.biomechanics.solver import STEP
-from subsea.biomechanics.stability import longest_step
+from subsea.biomechanics.fins import contraction_step
+from subsea.biomechanics.solver import STEP, longest_step
 from subsea.fish.species import load_species
 
 AT = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])

@@ -17,11 +17,16 @@ import pytest
 from msgspec import structs
 
 from capture.cli.main import main
-from capture.recording import batch, workers
-from capture.recording.batch import record_all
+from capture.recording import batch
+from capture.recording import batch as workers
+from capture.recording.batch import (
+    finished_segments,
+    process_pool,
+    record_all,
+    save_segment,
+    serial,
+)
 from capture.recording.record import record_segment, segments_of
-from capture.recording.resume import finished_segments, save_segment
-from capture.recording.workers import process_pool, serial
 from subsea.base import hdf5
 from subsea.base.errors import UserError
 from subsea.fish.species import Species, load_species, species_names

@@ -14,11 +14,10 @@ import distributed
 import pytest
 
 from capture.cli.main import main
-from capture.recording.batch import record_all
+from capture.recording.batch import dask_workers, record_all, record_equally
 from capture.recording.record import segments_of
-from capture.recording.workers import dask_workers, record_equally
 from subsea.base.errors import UserError
-from subsea.base.extras import install_command
+from subsea.base.system import install_command
 from subsea.fish.species import load_species
 from subsea.jobs import dask_cluster as module
 from subsea.repertoire import Repertoire, write_repertoire

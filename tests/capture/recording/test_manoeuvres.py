@@ -8,7 +8,7 @@ from capture.recording.manoeuvres import COUPLES, mirrored
 from capture.recording.record import run_trial
 from capture.recording.trial import Trial
 from subsea.biomechanics.body import build_body
-from subsea.biomechanics.gait import headings
+from subsea.biomechanics.fins import headings
 from subsea.biomechanics.simulation import at_rest, copy_state, simulate
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire

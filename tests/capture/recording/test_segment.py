@@ -6,8 +6,8 @@ import pytest
 from capture.inspection.simulated import replay
 from capture.recording.record import motion_of, run_trial
 from capture.recording.segment import heading_change, make_segment
-from subsea.biomechanics.body_frame import body_frame
-from subsea.fish.coupling import Coupling
+from subsea.biomechanics.body import body_frame
+from subsea.fish.skinning import Coupling
 from subsea.fish.species import Species
 from subsea.geometry.rotation import about, matrix
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from capture.recording.segment import record_spine_segment, spine_segments
 from capture.recording.spine_manoeuvre import find_bend, manoeuvre, move, spine_manoeuvre
-from capture.recording.spine_segments import record_spine_segment, spine_segments
 from subsea.fish.species import load_species
 from subsea.repertoire import BASIC_SEGMENTS
 

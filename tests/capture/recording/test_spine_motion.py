@@ -14,7 +14,7 @@ from capture.inspection.simulated import replay
 from capture.recording.record import record_segment, record_species
 from capture.recording.spine_motion import spine_motion
 from capture.recording.spine_water import stride_of
-from subsea.biomechanics.body_frame import to_world
+from subsea.biomechanics.body import to_world
 from subsea.fish.species import load_species, species_names
 from subsea.fish.spine import SpinePlan, Turn
 from subsea.geometry.rotation import matrix

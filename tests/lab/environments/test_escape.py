@@ -10,7 +10,7 @@ from subsea.base.errors import UserError
 from subsea.behavior.chasing import mouth_of
 from subsea.geometry.rotation import x_axis
 from subsea.lab.environments.escape import START_CM, EscapeEnv
-from subsea.lab.environments.fish_senses import NAMES
+from subsea.lab.environments.living_sea import NAMES
 from subsea.perception.vision import FIELD_COS
 from subsea.state import PREY
 from tests.support.scenes import BARE

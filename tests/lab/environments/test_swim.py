@@ -7,9 +7,8 @@ from gymnasium.utils.env_checker import check_env
 
 import subsea.lab.environments  # noqa: F401  registers the environments
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
-from subsea.biomechanics.body import MUSCLES, NODES, build_body
-from subsea.biomechanics.body_frame import body_frame, to_body
+from subsea.base.system import resource_path
+from subsea.biomechanics.body import MUSCLES, NODES, body_frame, build_body, to_body
 from subsea.biomechanics.controllers import swim_contraction
 from subsea.biomechanics.fins import EDGE_ON, pectoral_force
 from subsea.biomechanics.simulation import BodyState, at_rest, simulate

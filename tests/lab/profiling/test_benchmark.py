@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.base import durations
+from subsea.base import progress as durations
 from subsea.cli.main import main
-from subsea.lab.profiling import benchmark, comparison, machine
+from subsea.lab.profiling import benchmark, comparison
+from subsea.lab.profiling import frame_statistics as machine
 from subsea.lab.profiling.frame_statistics import STAGES, bound_by
-from subsea.rendering.gl.gpu_timer import GPU_STAGES
+from subsea.rendering.gl.context import GPU_STAGES
 from subsea.rendering.renderer import Renderer
 from subsea.world import step as ocean
 from tests.support.scenes import BARE

@@ -13,7 +13,7 @@ from subsea.lab.profiling.invariants import (
     widen,
 )
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

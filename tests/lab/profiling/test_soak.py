@@ -6,7 +6,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from subsea.base.resources import resource_names
+from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
 from subsea.cli.main import main
 from subsea.lab.profiling import soak
@@ -19,9 +19,9 @@ from subsea.lab.profiling.soak import (
     random_input,
 )
 from subsea.scenario.load import load_scenario
+from subsea.stage.theatre.setup import chosen_rig
 from subsea.stage.theatre.theatre_file import FOLDER
-from subsea.stage.theatre.theatre_setup import chosen_rig
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, display_rig
 from subsea.world import snapshot
 from subsea.world.build import create_world

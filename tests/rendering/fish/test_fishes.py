@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.export.drawn_surface import SWEEP_RAD, Surface
 from subsea.fish import paint
 from subsea.fish.face import GAPE_RAD
@@ -40,8 +40,8 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
+from subsea.geometry.curves import greville
 from subsea.geometry.rotation import matrix
-from subsea.geometry.spline import greville
 from subsea.rendering.fish import fishes
 from subsea.rendering.fish.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
 from subsea.rendering.fish.preview import FINS as AT_EASE

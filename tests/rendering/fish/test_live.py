@@ -9,7 +9,7 @@ from subsea.frame import packet as frame
 from subsea.geometry.rotation import x_axis
 from subsea.motor.pose import control_points_world
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
 from subsea.world.build import create_world

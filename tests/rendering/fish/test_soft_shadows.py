@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.frame.packet import FADE, FISH, INSTANCE_COLUMNS
-from subsea.habitat.stone_shade import SUN
+from subsea.habitat.stone import SUN
 from subsea.rendering.fish.soft_shadows import (
     COLUMNS,
     FADING_CM,

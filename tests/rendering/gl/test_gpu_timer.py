@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from subsea.rendering.gl.gpu_timer import GPU_STAGES, GpuTimer
+from subsea.rendering.gl.context import GPU_STAGES, GpuTimer
 
 SIZE = (64, 36)
 

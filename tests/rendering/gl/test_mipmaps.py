@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.base import disk_cache
-from subsea.rendering.gl import mipmaps
-from subsea.rendering.gl.mipmaps import ALL, cached_texture, mipmapped
+from subsea.rendering.gl import textures as mipmaps
+from subsea.rendering.gl.textures import ALL, cached_texture, mipmapped
 
 SIZE = (12, 8)
 LOOKS = """#version 330 core

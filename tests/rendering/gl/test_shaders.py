@@ -6,9 +6,10 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from subsea.base.resources import resource_names
+from subsea.base.system import resource_names
 from subsea.frame import in_sight
-from subsea.habitat import seaweed, vents
+from subsea.habitat import plankton as vents
+from subsea.habitat import seaweed
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.seaweed import FRONDS, KELP_BLADES, KELP_CANOPY, KELP_STIPES

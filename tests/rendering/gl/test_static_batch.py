@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.rendering.gl import static_batch
 from subsea.rendering.gl.shaders import set_uniforms
 from subsea.rendering.gl.static_batch import (

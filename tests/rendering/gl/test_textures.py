@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from subsea.rendering.gl.mipmaps import mipmapped
 from subsea.rendering.gl.textures import (
     caustics,
     cell_distance,
     halves,
     in_bytes,
+    mipmapped,
     relief,
     ripples,
     tileable_noise,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from subsea.base.resources import resource_path
-from subsea.rendering.gl import view_block
+from subsea.base.system import resource_path
+from subsea.rendering.gl import uniforms as view_block
 from subsea.rendering.gl.shaders import set_uniforms
 
 MATRICES = ("u_view", "u_projection", "u_view_projection", "u_inverse")

@@ -12,8 +12,8 @@ from subsea.rendering.output.cabin import (
     vessel,
 )
 from subsea.view.head import HeadEye, Pose, head_eyes, headset_rig
-from subsea.view.panel import PANEL
 from subsea.view.rig import CameraPose, views
+from subsea.view.theatre_vessel import PANEL
 from tests.support.headset import NOT_TURNED, turned
 
 SIZE = 96

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.dive.start import start_world
-from subsea.frame.diagrams import DIAGRAMS, DiagramBuilder
-from subsea.frame.lines import Lines
+from subsea.dive.options import start_world
+from subsea.frame.diagrams import DIAGRAMS, DiagramBuilder, Lines
 from subsea.frame.packet import make_scene, pack
 from subsea.rendering.renderer import Renderer
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import views
 from subsea.world.step import step

@@ -12,7 +12,7 @@ from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.rendering.sea import water
 from subsea.scenario.load import load_scenario
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.view.camera import NEAR_CM, axes_of, off_axis
 from subsea.view.display_rigs import DISPLAYS, SURROUNDS, display_rig
 from subsea.view.levels import LodState, empty_lod_state

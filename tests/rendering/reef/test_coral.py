@@ -7,13 +7,12 @@ from itertools import product
 import numpy as np
 import pytest
 
-from subsea.habitat.mounds import VARIANTS
 from subsea.habitat.reef import KINDS, MOUND, grow_reefs
 from subsea.habitat.sea import make_sea
+from subsea.habitat.terrain import VARIANTS
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.reef.coral import COLUMNS, bake, contact
-from subsea.rendering.reef.coral_looks import LOOKS, grain
-from subsea.rendering.reef.coral_shapes import LEVELS, SHAPES, shape
+from subsea.rendering.reef.coral import COLUMNS, LOOKS, bake, contact, grain
+from subsea.rendering.reef.coral_kinds import LEVELS, SHAPES, shape
 from subsea.rendering.sea.seabed import drawn_height
 from subsea.scenario.load import load_scenario
 from subsea.state import Reef

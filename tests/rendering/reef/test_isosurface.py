@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from subsea.rendering.reef.isosurface import surface_net
+from subsea.rendering.reef.coral_mesh import surface_net
 
 
 def ball(number=33, radius=0.7):

@@ -5,10 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from subsea.habitat.clearance import clearances
+from subsea.habitat.contact import clearances
 from subsea.habitat.formations import RELIEF_CM, SHELL_CM, formations
 from subsea.habitat.rocks import arch
-from subsea.rendering.reef.rock_mesh import (
+from subsea.rendering.reef.rocks import (
     ABOVE,
     BURIED_CM,
     COARSEST_CM,

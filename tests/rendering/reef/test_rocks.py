@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.rendering.reef.rock_mesh import SKY
-from subsea.rendering.reef.rocks import overgrown
+from subsea.rendering.reef.rocks import SKY, overgrown
 from subsea.state import Reef
 
 PILLARS = np.array([(-45.0, 190.0, 38.0, -150.0)])

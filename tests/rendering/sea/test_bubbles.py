@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.habitat.vents import terminal_speed
+from subsea.habitat.plankton import terminal_speed
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.sea.bubbles import STREAM_CM, in_sight, slots, stream
+from subsea.rendering.sea.particles import STREAM_CM, in_sight, slots, stream
 from subsea.view.display_rigs import views_for
 from subsea.view.rig import pose_from_angles
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from subsea.habitat.formations import formations
-from subsea.habitat.stone_shade import SUN
+from subsea.habitat.stone import SUN
 from subsea.rendering.sea.ground_map import MOST_TEXELS, ground_map, with_growths
 
 NO_PILLARS, NO_ROCKS = np.zeros((0, 4)), np.zeros((0, 7))

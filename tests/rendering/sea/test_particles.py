@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.habitat.stone_shade import SUN
+from subsea.habitat.stone import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.output.daylight import light_uniforms
 from subsea.rendering.sea.particles import PLANKTON_LOOK, SNOW_BOX_CM, SNOW_LOOK

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.habitat.stone_shade import sun_at
+from subsea.habitat.stone import sun_at
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.sea.sun_shadows import around, axes_of, map_of
+from subsea.rendering.sea.sunlight import around, axes_of, map_of
 
 SIZE = (320, 180)
 FLAT = replace(PRESETS["medium"], smooth=False, snow=0, shafts=0, shadows=False, sun_map=0)

@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.habitat.stone_shade import SUN
+from subsea.habitat.stone import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.gl.textures import near_and_far, repeating
 from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.daylight import WIDE, daylight, light_uniforms
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.sea.water import disc, grid
-from subsea.scenario.schema import Water
-from subsea.scenario.water_types import JERLOV, attenuation
+from subsea.scenario.schema import JERLOV, Water, attenuation
 
 PLAIN_WATER = Water(fog=(0.01, 0.1, 0.2), visibility_cm=1500.0)
 PLAIN = replace(PRESETS["medium"], smooth=False, snow=0)

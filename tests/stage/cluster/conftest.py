@@ -11,7 +11,7 @@ from subsea.base.errors import UserError
 from subsea.scenario.load import load_scenario
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.master import Master
-from subsea.submarine.helm import NEUTRAL, Helm
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step

@@ -29,7 +29,7 @@ from subsea.stage.cluster.messages import (
     picture_of,
     ticks_of,
 )
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 
 IDENTITY = Identity("0.2.0", {"scenario": "Bucht, früh", "subsea/fish": "#f0"})
 SHOWN = Presented(0.5, True, "Good evening", 1.0)

@@ -22,7 +22,7 @@ from subsea.stage.cluster.messages import (
     encode,
     from_master,
 )
-from subsea.submarine.helm import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.console import connections, http
+from subsea.stage.console import http
+from subsea.stage.console import http as connections
 from tests.stage.console.conftest import TOKEN, Console, local
 
 

@@ -9,10 +9,10 @@ from io import BytesIO
 import pytest
 from PIL import Image
 
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.stage.console import http
 from subsea.stage.console.commands import NAMES, ShowCaption, StartTour
-from subsea.stage.console.words import PAGE, SCRIPT
+from subsea.stage.console.http import PAGE, SCRIPT
 from tests.stage.console.conftest import STATE, TOKEN
 
 PAGE_TEXT = resource_path("assets/console/index.html").read_text()

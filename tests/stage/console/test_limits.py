@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.console.limits import PATIENCE_S, RateLimit
+from subsea.stage.console.board import PATIENCE_S, RateLimit
 
 
 class Clock:

@@ -47,7 +47,7 @@ def test_a_fault_at_the_start_is_one_line(monkeypatch):
 
 
 def test_a_fault_later_is_told_once(monkeypatch):
-    from subsea.stage.console import connections
+    from subsea.stage.console import http as connections
 
     async def fail(self, listener):
         raise RuntimeError("it fails")

@@ -8,8 +8,8 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.headset import display as headset_display
+from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
-from subsea.stage.headset.session import Hand
 from subsea.ui.dive import Dive
 from subsea.view.head import Pose
 from tests.support.headset import NOT_TURNED, FakeHeadset, turned

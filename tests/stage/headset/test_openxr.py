@@ -10,9 +10,8 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.cli import doctor as doctor_command
 from subsea.cli.main import main
-from subsea.stage.headset.bindings import PROFILES
+from subsea.stage.headset.controllers import PROFILES, Hand, HeadsetLostError
 from subsea.stage.headset.openxr import HeadsetReport, describe_headset, open_headset
-from subsea.stage.headset.session import Hand, HeadsetLostError
 from tests.stage.headset.fake_xr import ANGLES, LEFT, PARTS, RIGHT, SIZES, Flags, install, pose
 
 TO_FOCUS = "IDLE", "READY", "SYNCHRONIZED", "VISIBLE", "FOCUSED"

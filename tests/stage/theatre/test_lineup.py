@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.stage.theatre.lineup import lineup
-from subsea.stage.theatre.test_pattern import pattern
+from subsea.stage.theatre.test_pattern import lineup, pattern
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import DisplayPatch
 from subsea.view.surround import MARGIN_PX

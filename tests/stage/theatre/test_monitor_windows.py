@@ -8,10 +8,10 @@ from contextlib import closing
 import glfw
 import numpy as np
 
-from subsea.dive.bindings import USUAL
 from subsea.dive.pilot import Pilot
+from subsea.dive.settings import USUAL
 from subsea.dive.tick_source import LocalTicks
-from subsea.stage.theatre.lineup import lineup
+from subsea.stage.theatre.test_pattern import lineup
 from subsea.ui.dive import Dive
 from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.monitors import Installation, Screen, monitors, on_display

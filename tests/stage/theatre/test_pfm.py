@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from subsea.base.errors import UserError
-from subsea.base.input_files import read_input
+from subsea.base.files import read_input
 from subsea.stage.theatre.pfm import parse_pfm
 
 GRIDS = st.tuples(st.integers(1, 6), st.integers(1, 6), st.sampled_from([1, 3])).flatmap(

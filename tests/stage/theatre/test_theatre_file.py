@@ -5,7 +5,7 @@ from itertools import combinations, pairwise
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_names
+from subsea.base.system import resource_names
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.theatre_file import FOLDER

@@ -9,7 +9,7 @@ from subsea.cli.main import main
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measures import KINDS
 from subsea.stage.theatre.plan import NewTheatre, write_theatre
-from subsea.stage.theatre.theatre_setup import set_up_theatre
+from subsea.stage.theatre.setup import set_up_theatre
 
 SMALL = "--across", "640", "--down", "480"
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_names
+from subsea.base.system import resource_names
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on

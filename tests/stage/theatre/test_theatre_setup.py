@@ -6,19 +6,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_names
+from subsea.base.system import resource_names
 from subsea.cli import main
-from subsea.stage.cluster.credentials import cluster_faults, credentials
 from subsea.stage.cluster.keys import write_keys
+from subsea.stage.cluster.link import cluster_faults, credentials
 from subsea.stage.theatre.load import load_theatre
-from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
-from subsea.stage.theatre.theatre_setup import (
+from subsea.stage.theatre.setup import (
     chosen_rig,
     describe,
     set_up_theatre,
     shrink_theatre,
     theatre_digest,
 )
+from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
 from subsea.view.stereo import Stereo
 from tools import theatre_samples
 

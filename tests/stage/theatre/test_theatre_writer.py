@@ -95,7 +95,7 @@ def test_existing_files_are_kept_unless_forced(tmp_path):
 
 
 def test_our_own_theatres_survive_being_written(tmp_path):
-    from subsea.base.resources import resource_names
+    from subsea.base.system import resource_names
 
     for name in resource_names(FOLDER, ".toml"):
         theatre, path = load_theatre(name)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.stage.theatre.view_angles import (
+from subsea.stage.theatre.measured_mesh import (
     ViewAngles,
     angles_of,
     flipped,

@@ -6,10 +6,8 @@ import pytest
 
 from subsea.cli.main import parsers
 from subsea.fish.species import species_file
-from subsea.scenario.fish_lookup import find_fish
-from subsea.scenario.load import load_scenario
-from subsea.studio.builder.jobs import CaptureJobs
-from subsea.studio.builder.processes import CommandProcess
+from subsea.scenario.load import find_fish, load_scenario
+from subsea.studio.builder.jobs import CaptureJobs, CommandProcess
 
 PATIENCE_S = 60.0
 

@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 from PIL import Image
 
-from capture.learning.species_edit import write_controllers
+from capture.learning.improve import write_controllers
 from subsea.base.errors import UserError
 from subsea.fish.species import load_species, own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
@@ -18,9 +18,9 @@ from subsea.studio.builder.jobs import SEA, SHOAL
 from subsea.studio.builder.window import builder_for
 from subsea.studio.draft import copy_draft, read_draft, save_draft, with_value
 from subsea.studio.handles import handles
-from subsea.studio.proportions import with_mass
+from subsea.studio.outline import with_mass
 from subsea.studio.tool_window import ToolWindow
-from subsea.submarine.helm import Helm
+from subsea.submarine.vessel import Helm
 from subsea.world.build import create_world
 from subsea.world.step import step
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.intention_text import focus
-from subsea.dive.mental_chart import Chart
+from subsea.dive.minds_text import Chart, focus
 from subsea.scenario.schema import Waypoint
 from subsea.state import EAT, ESCAPE, FEAR, SUBMARINE
 from subsea.ui.dive import Dive

@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 from subsea.base.errors import UserError
-from subsea.base.resources import resource_path
+from subsea.base.system import resource_path
 from subsea.scenario import storage
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import IndividualTable, Shoal

@@ -1,0 +1,267 @@
+"""Check output paths before the work, and write files atomically.
+
+Folders and files that nobody but the user can have written, for caches.
+
+Check and read input files: regular files of limited size.
+"""
+
+import glob
+import hashlib
+import os
+import re
+import stat
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from hashlib import file_digest
+from io import BufferedReader
+from pathlib import Path
+from typing import BinaryIO
+
+from subsea.base.errors import UserError, unreadable
+
+
+def make_own_folder(path: Path) -> None:
+    """Make a folder for the user alone, if it is missing; PermissionError if others may write."""
+    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if not _is_own(path.stat()):
+        raise PermissionError("others may write to the folder or own it")
+
+
+def open_own(path: Path) -> BinaryIO:
+    """Open a regular file of the user to read it; OSError for anything else.
+
+    Does not wait for the other end of a pipe.
+    """
+    nonblocking = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    file = os.fdopen(os.open(path, os.O_RDONLY | nonblocking), "rb")
+    status = os.fstat(file.fileno())
+    if not stat.S_ISREG(status.st_mode) or not _is_own(status):
+        file.close()
+        raise PermissionError("others may write to the file or own it, or it is not a regular file")
+    return file
+
+
+def _is_own(status: os.stat_result) -> bool:
+    """True if the user owns it and nobody else may write; always true on Windows."""
+    if not hasattr(os, "geteuid"):
+        return True
+    writable = status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return status.st_uid == os.geteuid() and (
+        not writable or (writable == stat.S_IWGRP and _is_private(status.st_gid))
+    )
+
+
+@cache
+def _is_private(group: int) -> bool:
+    """True for the group of the user alone, to which new folders belong on many systems."""
+    from grp import getgrgid  # missing on Windows
+    from pwd import getpwuid
+
+    with suppress(KeyError):  # an unknown number
+        user, about = getpwuid(os.geteuid()), getgrgid(group)
+        return about.gr_name == user.pw_name and set(about.gr_mem) <= {user.pw_name}
+    return False
+
+
+MIB = 1 << 20
+# Do not wait for the writer of a pipe; on Windows, do not change line ends.
+FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+
+
+def check_input(path: Path) -> int:
+    """The size in bytes of a regular file; a UserError for anything else.
+
+    For libraries that open files themselves: a pipe has no end, and opening one waits for a writer.
+    """
+    with open_input(path) as file:
+        return os.fstat(file.fileno()).st_size
+
+
+def open_input(path: Path) -> BufferedReader:
+    """Open a regular file for reading; a UserError for anything else, also for files of /proc."""
+    try:
+        _check_kind(path, path.stat())  # opening a device could have an effect
+        file = os.fdopen(os.open(path, FLAGS), "rb")
+        try:
+            # By now the name may mean another file.
+            _check_kind(path, status := os.fstat(file.fileno()))
+            if status.st_size == 0 and not _is_empty(file.fileno()):
+                raise UserError("not a regular file", file=path)
+        except BaseException:
+            file.close()
+            raise
+    except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
+        raise unreadable(path, fault) from fault
+    return file
+
+
+def _check_kind(path: Path, status: os.stat_result) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise unreadable(path, IsADirectoryError())
+    if not stat.S_ISREG(status.st_mode):
+        raise UserError("not a regular file", file=path)
+
+
+def _is_empty(number: int) -> bool:
+    """False for a file of the kernel, such as /proc/kmsg, which claims to be empty and may wait."""
+    try:
+        return not os.read(number, 1)
+    except BlockingIOError:
+        return False
+
+
+def read_input(path: Path, most: int = 16 * MIB) -> bytes:
+    """The content of a regular file of at most `most` bytes; a UserError for anything else."""
+    with open_input(path) as file:
+        try:
+            data = file.read(most + 1)
+        except OSError as fault:
+            raise unreadable(path, fault) from fault
+    if len(data) > most:
+        raise UserError(f"larger than {most // MIB} MiB, expected a smaller file", file=path)
+    return data
+
+
+def read_text(path: Path, most: int = 16 * MIB) -> str:
+    """The text of a regular file in UTF-8, with line ends as they are; else a UserError."""
+    try:
+        return read_input(path, most).decode("utf-8")
+    except UnicodeDecodeError as fault:
+        raise unreadable(path, fault) from fault
+
+
+def file_hash(path: Path) -> str:
+    """The SHA-256 of a regular file, as `sha256sum` prints it; a UserError for anything else."""
+    with open_input(path) as file:
+        try:
+            return file_digest(file, "sha256").hexdigest()
+        except OSError as fault:
+            raise unreadable(path, fault) from fault
+
+
+STALE_S = 86400.0  # age of a partial file whose process has certainly ended
+MAX_NAME = 200  # bytes; file systems allow 255 with what is added for a partial file
+PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # process ID; libraries may add a suffix
+
+
+def is_folder(path: Path) -> bool:
+    """True if `path` is an existing folder; an impossible name is a UserError."""
+    try:
+        return path.is_dir()
+    except OSError as fault:
+        raise UserError(f"{fault.strerror}", file=path) from fault
+
+
+def check_folder(folder: Path) -> None:
+    """Raise a UserError unless files can be written to `folder`, which may be missing.
+
+    The folder is not created, so that a command that fails later leaves nothing behind.
+    """
+    there = wanted = Path(os.path.realpath(folder))
+    try:
+        while not os.path.lexists(there):
+            there = there.parent
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as fault:
+        what = "write there" if there == wanted else "make the folder"
+        raise UserError(f"cannot {what} ({fault.strerror})", file=folder) from fault
+
+
+def check_file(path: Path) -> None:
+    """Raise a UserError unless the file `path` can be created or replaced."""
+    _check_replaceable(path)
+    check_folder(path.parent)
+
+
+def _check_replaceable(path: Path) -> None:
+    """Raise a UserError unless `path` is a regular file or missing.
+
+    A device such as /dev/null or a pipe would become a file.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
+        raise UserError(getattr(fault, "strerror", None) or str(fault), file=path) from fault
+    if stat.S_ISDIR(mode):
+        raise UserError("is a folder, expected the name of a file", file=path)
+    if not stat.S_ISREG(mode):
+        raise UserError("not a regular file, choose another name", file=path)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a hidden path beside `path` to write to; rename it to `path` at the end.
+
+    Creates missing folders and replaces the target of a link. On an error, removes the partial file
+    and new folders and turns an OSError into a UserError. Also removes partial files of killed
+    processes that are at least a day old.
+    """
+    _check_replaceable(path)
+    real = Path(os.path.realpath(path))
+    temporary = real.with_name(f".{_short(real.name)}.{os.getpid()}.part")
+    _remove_stale(real.parent)
+    new: list[Path] = []
+    try:
+        new += [folder for folder in real.parents if not folder.exists()]
+        real.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        temporary.replace(real)
+    except OSError as fault:
+        # HDF5 adds lines of its own to the text of an error.
+        reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]
+        raise UserError(f"cannot write ({reason})", file=path) from fault
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+        with suppress(OSError):  # not empty
+            for folder in new:
+                folder.rmdir()
+
+
+def remove_abandoned(path: Path) -> None:
+    """Remove partial files of `path` whose processes, of this computer, have ended.
+
+    Only for files that no other computer writes.
+    """
+    begin = f".{_short(path.name)}."
+    with suppress(OSError):
+        for part in path.parent.glob(f"{glob.escape(begin)}*.part"):
+            number = part.name[len(begin) :].removesuffix(".part")
+            if number.isdecimal() and len(number) < 10 and not _is_running(int(number)):
+                part.unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    if os.name != "posix":  # elsewhere a signal of 0 is not a question
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _short(name: str) -> str:
+    """The name, or a digest of one that is too long for a partial file."""
+    data = os.fsencode(name)
+    return name if len(data) <= MAX_NAME else hashlib.sha256(data).hexdigest()
+
+
+@cache
+def _remove_stale(folder: Path) -> None:
+    """Remove old partial files from a folder; once per process, as listing takes time."""
+    with suppress(OSError):
+        for part in folder.glob(".*.*.part*"):
+            if not PART.search(part.name):
+                continue
+            with suppress(OSError):  # another process may have removed it
+                if time.time() - part.stat().st_mtime > STALE_S:
+                    part.unlink()

