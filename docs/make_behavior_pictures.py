@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from picture_files import STYLE, output_folder, save, save_plot
 from PIL import Image, ImageDraw
 
-from subsea.dive.options import headless, picture_maker
+from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.geometry.rotation import matrix
 from subsea.rendering.output.quality import PRESETS

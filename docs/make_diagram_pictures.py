@@ -8,7 +8,7 @@ import numpy as np
 from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.diagrams import DiagramBuilder, place_labels
 from subsea.frame.packet import PackOptions, pack

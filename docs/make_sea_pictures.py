@@ -21,7 +21,7 @@ from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
 from subsea.base.system import ROOT, resource_path
-from subsea.dive.options import headless, picture_maker
+from subsea.dive.start import headless, picture_maker
 from subsea.frame.packet import pack
 from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.load import SHIPPED, load_scenario

@@ -7,11 +7,11 @@ import numpy as np
 from picture_files import output_folder, save
 from PIL import Image
 
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import PackOptions, pack
 from subsea.rendering.output.quality import PRESETS
-from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.setup import set_up_theatre
 from subsea.stage.theatre.test_pattern import lineup
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from picture_files import output_folder, save, window_image
 
 from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
-from subsea.stage.theatre.setup import theatre_windows
+from subsea.stage.setup import theatre_windows
 from subsea.ui.dive import Dive
 from tools.monkey import virtual_display
 

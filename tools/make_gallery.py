@@ -26,6 +26,7 @@ from subsea import __version__  # noqa: E402
 from subsea.base.errors import UserError, unknown  # noqa: E402
 from subsea.base.files import check_folder, replacing  # noqa: E402
 from subsea.base.progress import progress, say  # noqa: E402
+from subsea.base.source_stamp import source_stamp  # noqa: E402
 from subsea.base.system import require  # noqa: E402
 from subsea.export.clips import make_clips  # noqa: E402
 from subsea.export.dive_scene import record_scene  # noqa: E402
@@ -39,7 +40,6 @@ from subsea.export.usd import write_usd  # noqa: E402
 from subsea.export.usd_parts import write_package  # noqa: E402
 from subsea.export.usd_scene import WRITER as USD  # noqa: E402
 from subsea.fish.species import load_species, repertoire_file, shipped_species, species_file  # noqa: E402
-from subsea.kernels.source_stamp import source_stamp  # noqa: E402
 from subsea.scenario.load import load_scenario  # noqa: E402
 
 POSES = 40  # of a species in the USD package of a scene

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.system import resource_names
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import pack
 from subsea.rendering.gl.id_buffer import FISH, IdMaps

@@ -27,7 +27,7 @@ ROWS = (*HOST, "host", "drawing calls", "all threads")
 
 def measured(scenario: str, fish: int | None, display: str, frames: int) -> dict[str, float]:
     """Medians of the parts of a frame, ms."""
-    from subsea.dive.options import headless, picture_maker, start_world
+    from subsea.dive.start import headless, picture_maker, start_world
     from subsea.dive.tour import Tour
     from subsea.frame.packet import pack
     from subsea.rendering.output.quality import PRESETS

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from subsea.dive.options import headless, start_world
+from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
 from subsea.rendering.output.quality import PRESETS

@@ -17,13 +17,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from subsea.base.errors import UserError
-from subsea.dive.options import headless
+from subsea.dive.start import headless
 from subsea.rendering.output.target import ResolvePass
+from subsea.stage.setup import left_out, shrink_theatre
 from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
 from subsea.stage.theatre.domeprojection import frustum_file
 from subsea.stage.theatre.foreign import READERS
 from subsea.stage.theatre.load import load_theatre
-from subsea.stage.theatre.setup import left_out, shrink_theatre
 from subsea.stage.theatre.test_pattern import lineup
 from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.stage.theatre.warp import describe_warp

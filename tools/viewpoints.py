@@ -16,7 +16,7 @@ from PIL import Image
 
 from subsea.base.files import check_folder
 from subsea.base.system import resource_names
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.rendering.output.quality import PRESETS

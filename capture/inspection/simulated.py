@@ -28,7 +28,12 @@ from capture.inspection.targets import (
     limit_at_phase_0,
     within,
 )
-from capture.recording.record import Motion, run_trial, spine_from_provenance, steady_contraction
+from capture.recording.record import (
+    Motion,
+    run_trial,
+    spine_from_provenance,
+    steady_contraction,
+)
 from capture.recording.segment import motion_of_segment
 from capture.recording.trial import (
     Trial,

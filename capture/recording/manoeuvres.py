@@ -22,7 +22,15 @@ from capture.recording.trial import (
     steady_beat,
 )
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import MUSCLES, RINGS, Body, Floats, body_frame, build_body, to_body
+from subsea.biomechanics.body import (
+    MUSCLES,
+    RINGS,
+    Body,
+    Floats,
+    body_frame,
+    build_body,
+    to_body,
+)
 from subsea.biomechanics.body_plan import Muscles, SwimPlan
 from subsea.biomechanics.controllers import (
     LEFT,

@@ -23,7 +23,7 @@ from subsea.base.arrays import pack, unpack
 from subsea.base.errors import UserError
 from subsea.base.files import make_own_folder, open_own, replacing
 from subsea.base.progress import say
-from subsea.kernels.source_stamp import source_stamp
+from subsea.base.source_stamp import source_stamp
 
 P = ParamSpec("P")
 T = TypeVar("T")

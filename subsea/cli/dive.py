@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from subsea.base.command_line import add_command, number_reader
 from subsea.base.errors import UserError
-from subsea.cli import options as shared
+from subsea.dive import arguments as shared
 
 if TYPE_CHECKING:
     from subsea.dive.options import DiveOptions

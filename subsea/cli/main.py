@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
-from subsea.cli import dive, doctor, film, keys, listing, settings
+from subsea.cli import dive, doctor, film, listing, settings
 from subsea.export import command as export
 from subsea.lab import benchmark_command as benchmark
 from subsea.lab import simulate_command as simulate
@@ -16,6 +16,7 @@ from subsea.lab import study_command as study
 from subsea.lab import sweep_command as sweep
 from subsea.stage import show_command as show
 from subsea.stage import theatre_command as theatre
+from subsea.stage.cluster import keys_command as keys
 from subsea.studio import build_command as build
 from subsea.studio import skin_command as skin
 

@@ -24,13 +24,13 @@ from msgspec.structs import replace
 from subsea.base.disk_cache import cache_folder
 from subsea.base.files import make_own_folder
 from subsea.base.language import marked
+from subsea.base.source_stamp import ROOT, source_stamp
 from subsea.base.system import cores
 from subsea.behavior.table import run_routine
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
 from subsea.jobs.background import CancelledByUserError
-from subsea.kernels.source_stamp import ROOT, source_stamp
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import Mixer, SoundLevels

@@ -11,7 +11,7 @@ from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
 from subsea.base.progress import count_noun, say
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.options import ready_world
+from subsea.dive.start import ready_world
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
 from subsea.export.scene import GROUPS, Scene, SceneExtent, SceneOptions, SceneWriter
 from subsea.export.statics import moment_of, static_meshes

@@ -7,7 +7,18 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.solids import far_from_rock, from_pillar, from_turned_rock
-from subsea.geometry.vector import ZERO, Vector, dot, minus, norm, plus, store, times, unit, vector
+from subsea.geometry.vector import (
+    ZERO,
+    Vector,
+    dot,
+    minus,
+    norm,
+    plus,
+    store,
+    times,
+    unit,
+    vector,
+)
 from subsea.habitat.rocks import RockCells, rocks_near
 from subsea.kernels import kernel
 from subsea.state import HULL_CM, Fishes, Sea

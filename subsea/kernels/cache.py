@@ -28,7 +28,7 @@ from numba.core import caching
 from numba.core.registry import cpu_target
 
 from subsea.base.files import make_own_folder, open_own
-from subsea.kernels.source_stamp import ROOT, source_stamp
+from subsea.base.source_stamp import ROOT, source_stamp
 
 SHIPPED = ROOT / "subsea" / "_data" / "kernels"
 MANIFEST = "manifest.json"  # what the code in that folder is compiled with and for

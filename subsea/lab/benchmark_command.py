@@ -6,7 +6,7 @@ from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError, unknown
-from subsea.cli import options as shared
+from subsea.dive import arguments as shared
 
 STAGES_TO_LEAVE_OUT = ("culling", "lod", "sync")
 

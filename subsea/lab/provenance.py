@@ -9,8 +9,8 @@ import numpy as np
 
 from subsea import __version__
 from subsea.base.files import file_hash
+from subsea.base.source_stamp import source_stamp
 from subsea.fish.species import repertoire_file, species_file
-from subsea.kernels.source_stamp import source_stamp
 from subsea.scenario.save import scenario_text
 from subsea.scenario.schema import Scenario
 

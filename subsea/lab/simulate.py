@@ -14,7 +14,7 @@ from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result
 from subsea.base.progress import count_noun, say
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.options import Say, start_world
+from subsea.dive.start import Say, start_world
 from subsea.lab.provenance import Provenance, provenance_of
 from subsea.media.record import (
     COORDINATES,

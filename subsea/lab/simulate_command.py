@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
-from subsea.cli import options as shared
+from subsea.dive import arguments as shared
 
 MAX_TICKS = 100_000_000
 

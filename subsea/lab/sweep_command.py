@@ -6,7 +6,7 @@ from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
-from subsea.cli import options as shared
+from subsea.dive import arguments as shared
 from subsea.lab.simulate_command import add_length, ticks_of
 
 MAX_JOBS = 256

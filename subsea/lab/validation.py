@@ -10,7 +10,7 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.progress import progress
 from subsea.base.system import is_path
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.fish.species import load_species, shipped_species
 from subsea.jobs.workers import Check, Pool
 from subsea.lab import measures as predation

@@ -21,7 +21,6 @@ from subsea.base.files import read_input, replacing
 from subsea.base.progress import count_noun, describe_durations, progress, say
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.options import headless, picture_maker, start_world
 from subsea.dive.ride import (
     MOST_FISHES,
     SIDES,
@@ -31,6 +30,7 @@ from subsea.dive.ride import (
     values_of,
     velocity_of,
 )
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
 from subsea.media.film import (

@@ -35,7 +35,7 @@ from subsea.dive.directed_camera import (
     is_over,
     tour_steering,
 )
-from subsea.dive.options import headless, picture_maker, ready_world, start_world
+from subsea.dive.start import headless, picture_maker, ready_world, start_world
 from subsea.dive.tour import Steer
 from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
@@ -58,7 +58,7 @@ from subsea.scenario.load import find_fish, load_scenario
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.space import layout_of
-from subsea.stage.theatre.setup import chosen_rig, theatre_digest
+from subsea.stage.setup import chosen_rig, theatre_digest
 from subsea.submarine.vessel import course_of
 from subsea.view.display_rigs import cockpit
 from subsea.view.follow import FollowCamera, follow_fish

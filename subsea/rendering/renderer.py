@@ -22,10 +22,10 @@ from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.static_batch import box_around
 from subsea.rendering.gl.textures import near_and_far, noise, repeating
-from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.cabin import TheatreVesselRenderer
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
+from subsea.rendering.output.uniforms import uniforms_of
 from subsea.rendering.output.views import LineRenderer
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown

@@ -21,8 +21,8 @@ from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.tick_source import tick_source_maker
 from subsea.scenario.load import load_scenario
+from subsea.stage.setup import set_up_theatre
 from subsea.stage.show_file import faults, load_show
-from subsea.stage.theatre.setup import set_up_theatre
 from subsea.world.populate import with_total
 
 EVERY_S = 1.0  # between two reports of pictures

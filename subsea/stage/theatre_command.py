@@ -59,7 +59,7 @@ def run(options: Namespace) -> int:
                 raise UserError(f"--{name} needs --new too")
         if options.name is None:
             raise UserError("theatre: expected a name or a file, or --new")
-        from subsea.stage.theatre.setup import describe
+        from subsea.stage.setup import describe
 
         code = describe(options.name, options.write, options.force)
         if options.picture is not None:

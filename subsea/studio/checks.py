@@ -35,7 +35,13 @@ from subsea.biomechanics.controllers import (
 )
 from subsea.biomechanics.fins import contraction_step, headings, straightness, sweep
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, STRAIN_LIMITS, TICK_S, longest_step
+from subsea.biomechanics.solver import (
+    STEP,
+    STEPS_PER_TICK,
+    STRAIN_LIMITS,
+    TICK_S,
+    longest_step,
+)
 from subsea.fish.species import Species
 from subsea.fish.surface import SurfacePlan, along
 

@@ -21,7 +21,15 @@ from subsea.studio.draft import (
     with_value,
     with_values,
 )
-from subsea.studio.handles import CM_DIGITS, CURVES, FINS, LEAST_GAP, View, handles, tail_heights
+from subsea.studio.handles import (
+    CM_DIGITS,
+    CURVES,
+    FINS,
+    LEAST_GAP,
+    View,
+    handles,
+    tail_heights,
+)
 
 FEWEST = {"back": 3, "belly": 3, "width": 3, "dorsal": 3, "ventral": 3, "tail": 2, "wing": 5}
 

@@ -52,7 +52,7 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     installation: Installation | None = None
     make_ticks: TickSourceMaker = LocalTicks
     if theatre is not None:
-        from subsea.stage.theatre.setup import theatre_windows
+        from subsea.stage.setup import theatre_windows
 
         if show is not None and theatre.node is not None:
             from subsea.stage.theatre.load import load_theatre

@@ -17,7 +17,7 @@ import numpy as np
 
 from subsea.base.arrays import Bytes
 from subsea.base.disk_cache import keep, recall
-from subsea.dive.options import WAKING, wake
+from subsea.dive.start import WAKING, wake
 from subsea.dive.warm_up import WarmUp
 from subsea.jobs.background import run_in_background
 from subsea.scenario.schema import Scenario

@@ -13,7 +13,7 @@ from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.load import load_scenario
-from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.setup import set_up_theatre
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import front, pose_from_angles, seen_part, views

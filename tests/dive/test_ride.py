@@ -24,7 +24,7 @@ from subsea.dive.ride import (
 )
 from subsea.rendering.gl.id_buffer import FISH, SEABED, WATER, IdMaps
 from subsea.scenario.load import load_scenario
-from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.setup import set_up_theatre
 from subsea.submarine.vessel import NEUTRAL
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken

@@ -9,8 +9,8 @@ import msgspec
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.cli import options as cli
 from subsea.cli.main import main
+from subsea.dive import arguments as cli
 from subsea.dive import settings
 from subsea.dive.settings import (
     ACTIONS,

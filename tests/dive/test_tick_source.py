@@ -13,10 +13,10 @@ from subsea.cli import main
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import FollowerTicks, LeaderTicks, LocalTicks, tick_source_maker
 from subsea.scenario.load import load_scenario
+from subsea.stage import setup as theatre_windows
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.master import Master
-from subsea.stage.theatre import setup as theatre_windows
 from subsea.stage.theatre.load import load_theatre
 from subsea.submarine.vessel import NEUTRAL, Rail
 from subsea.ui import dive

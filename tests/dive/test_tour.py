@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from subsea.dive.options import start_world
 from subsea.dive.pilot import Pilot
+from subsea.dive.start import start_world
 from subsea.dive.tick_source import LocalTicks
 from subsea.dive.tour import (
     HOOK,

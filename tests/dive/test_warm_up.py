@@ -17,7 +17,7 @@ DIVE = """
 import sys
 from numba.core import event
 from subsea.cli.main import main
-from subsea.kernels.source_stamp import ROOT
+from subsea.base.source_stamp import ROOT
 from subsea.dive.warm_up import warm_up
 
 class Compiled(event.Listener):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.export.recording import SceneFilmOptions, continuous, tint_of
 from subsea.export.scene import Scene
 from subsea.fish.mesh import BODY, DETAILS, fish_mesh, species_vertices, surface_points

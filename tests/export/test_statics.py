@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.export.scene import GROUPS, SceneMesh
 from subsea.export.statics import StillMoment, moment_of, static_meshes
 from subsea.rendering.reef.coral import bake

@@ -9,7 +9,7 @@ import pytest
 from pxr import Usd
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.options import picture_maker, start_world
+from subsea.dive.start import picture_maker, start_world
 from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene, SceneOptions
 from subsea.export.usd_scene import WRITER

@@ -19,7 +19,7 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.export import web
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
 from subsea.export.scene import SceneExtent, SceneOptions

@@ -7,7 +7,7 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import UNITS
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.frame.diagrams import (
     DIAGRAMS,
     FAINT,

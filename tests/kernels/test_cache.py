@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from subsea.base.source_stamp import ROOT, source_stamp
 from subsea.behavior.steering import ease_goals
 from subsea.kernels import cache
 from subsea.kernels.cache import KernelCache, VerifiedFile
-from subsea.kernels.source_stamp import ROOT, source_stamp
 
 
 def _write(folder: Path, **files: str) -> None:

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
+from subsea.base.source_stamp import ROOT, source_stamp
 from subsea.kernels import kernel
-from subsea.kernels.source_stamp import ROOT, source_stamp
 
 STALE_CALLEES = """
 {imports}

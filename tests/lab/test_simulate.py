@@ -12,7 +12,7 @@ import pytest
 from subsea.base import hdf5
 from subsea.base.progress import count_noun
 from subsea.cli.main import main
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.fish.species import load_species
 from subsea.lab.simulate import live_records
 from subsea.media.record import COORDINATES, DIMENSIONS, FIELDS, read_record

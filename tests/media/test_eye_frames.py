@@ -11,8 +11,8 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.dive.options import headless, picture_maker
 from subsea.dive.ride import VALUES, coded, retina_brightness
+from subsea.dive.start import headless, picture_maker
 from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
 from subsea.rendering.output.quality import PRESETS

@@ -14,7 +14,7 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
-from subsea.dive.options import picture_maker, start_world
+from subsea.dive.start import picture_maker, start_world
 from subsea.frame.diagrams import PlacedLabel
 from subsea.frame.packet import pack
 from subsea.media import eye_frames, film, frame_writers

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import make_scene, pack
 from subsea.rendering.output.quality import LADDER, PRESETS

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.frame.packet import lamps_of, make_scene, pack
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for

@@ -5,7 +5,7 @@ import os
 import msgspec
 import pytest
 
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.fish.species import species_names
 from subsea.frame.packet import KIND, make_scene, pack

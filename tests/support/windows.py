@@ -16,7 +16,8 @@ from imgui_bundle import imgui
 from PIL import ImageGrab
 
 from subsea.base.system import resource_path
-from subsea.dive.options import DisplayOptions, DiveOptions, headless
+from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.dive.start import headless
 from subsea.lab.profiling import benchmark
 from subsea.media import eye_frames, film
 from subsea.rendering.output.quality import PRESETS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.state import PREDATOR
 from subsea.ui.gui import NEAR_CM, STRONGEST_PASS, hand_pulses
 from subsea.view.display_rigs import cockpit

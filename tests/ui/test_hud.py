@@ -7,7 +7,7 @@ import pytest
 from imgui_bundle import imgui
 
 from subsea.dive.settings import USUAL, bindings_of
-from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.setup import set_up_theatre
 from subsea.state import Submarine
 from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.help_overlay import NOT_SHARED, help_content

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from subsea.stage.theatre.setup import set_up_theatre
+from subsea.stage.setup import set_up_theatre
 from subsea.ui.picture import ScenePicture
 from subsea.view.theatre_vessel import PANEL_SIZE
 

@@ -19,7 +19,7 @@ from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.system import require
 from subsea.dive import adaptive_quality
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
 from subsea.lab.profiling.comparison import compare, read_reports
@@ -45,7 +45,7 @@ from subsea.rendering.output.quality import (
 )
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
-from subsea.stage.theatre.setup import chosen_rig
+from subsea.stage.setup import chosen_rig
 from subsea.view.display_rigs import cockpit
 from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
 from subsea.view.rig import CameraRig, views

@@ -15,7 +15,7 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import swim_contraction
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate

@@ -22,12 +22,12 @@ from subsea.base.files import check_file, replacing
 from subsea.base.progress import clock, count_noun, progress, say
 from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
-from subsea.dive.options import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
 from subsea.lab.profiling.comparison import read_json
 from subsea.lab.profiling.invariants import faults_in, starving, stuck, visited_now, widen
 from subsea.rendering.output.quality import PRESETS
-from subsea.stage.theatre.setup import chosen_rig
+from subsea.stage.setup import chosen_rig
 from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig

@@ -17,8 +17,8 @@ from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.textures import mipmapped
-from subsea.rendering.gl.uniforms import uniforms_of
 from subsea.rendering.output.target import RenderTarget, ResolvePass
+from subsea.rendering.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
 from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import display_rig

@@ -16,8 +16,8 @@ from subsea.base.arrays import Array
 from subsea.habitat.stone import sun_at
 from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, set_uniforms
-from subsea.rendering.gl.uniforms import SHAFTS_UNIT
 from subsea.rendering.output.quality import Quality
+from subsea.rendering.output.uniforms import SHAFTS_UNIT
 
 SUN_UNIT, FISH_UNIT = 13, 14  # texture units
 REACH_CM = 650.0  # of the map of fishes, from the eye

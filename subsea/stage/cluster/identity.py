@@ -18,9 +18,9 @@ import numpy as np
 from msgspec import structs
 
 from subsea import __version__
+from subsea.base.source_stamp import ROOT, package_stamps
 from subsea.base.system import resource_path
 from subsea.fish.species import Species
-from subsea.kernels.source_stamp import ROOT, package_stamps
 from subsea.stage.cluster.messages import HASH, MAX_PART, Identity
 from subsea.world import snapshot
 from subsea.world.world import World

@@ -8,13 +8,13 @@ from pathlib import Path
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.files import check_file, replacing
+from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.compose import compose_theatre, line_up, mesh_name
 from subsea.stage.theatre.layouts import layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measures import KINDS, MEASURES, ask, chosen
-from subsea.stage.theatre.setup import describe
 
 
 @dataclass(frozen=True)

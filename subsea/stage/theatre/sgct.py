@@ -26,7 +26,13 @@ from subsea.stage.theatre.sgct_file import (
     SgctViewport,
     SgctWindow,
 )
-from subsea.stage.theatre.theatre_file import MAIN, MOST_WINDOWS, Cluster, Window, parse_address
+from subsea.stage.theatre.theatre_file import (
+    MAIN,
+    MOST_WINDOWS,
+    Cluster,
+    Window,
+    parse_address,
+)
 from subsea.stage.theatre.warp_files import FORMATS, read_mesh
 
 VERSION = 1

@@ -12,9 +12,7 @@ from subsea.ui.panels import (
     placement,
     time,
 )
-from subsea.ui.panels import (
-    fish_picker as fish_view,
-)
+from subsea.ui.panels import fish_picker as fish_view
 
 Panel = Callable[[PanelContext], None]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsea import __version__
-from subsea.dive.options import start_world
+from subsea.dive.start import start_world
 from subsea.frame.packet import pack
 from subsea.lab.profiling import paper_tables
 from subsea.motor.pose import nodes_world

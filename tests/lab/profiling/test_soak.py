@@ -19,7 +19,7 @@ from subsea.lab.profiling.soak import (
     random_input,
 )
 from subsea.scenario.load import load_scenario
-from subsea.stage.theatre.setup import chosen_rig
+from subsea.stage.setup import chosen_rig
 from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, display_rig

@@ -6,10 +6,10 @@ import pytest
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.output.target import ResolvePass
 from subsea.rendering.renderer import Renderer
+from subsea.stage.setup import shrink_theatre
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
-from subsea.stage.theatre.setup import shrink_theatre
 from subsea.stage.theatre.test_pattern import lineup
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import mesh

@@ -10,14 +10,14 @@ from subsea.base.system import resource_names
 from subsea.cli import main
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.link import cluster_faults, credentials
-from subsea.stage.theatre.load import load_theatre
-from subsea.stage.theatre.setup import (
+from subsea.stage.setup import (
     chosen_rig,
     describe,
     set_up_theatre,
     shrink_theatre,
     theatre_digest,
 )
+from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
 from subsea.view.stereo import Stereo
 from tools import theatre_samples

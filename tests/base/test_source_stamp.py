@@ -1,6 +1,6 @@
 """Hashes of source files with all that they import."""
 
-from subsea.kernels.source_stamp import package_stamps, source_stamp
+from subsea.base.source_stamp import package_stamps, source_stamp
 
 
 def written(root, values):
