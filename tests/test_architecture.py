@@ -33,8 +33,8 @@ def test_pytest_skips_no_folder_of_tests(pytestconfig):
 
 
 MOST_PARAMETERS = 8
-MOST_LINES = 400
-LONG = "# Over 400 lines: "  # begins the line that gives the reason for a longer module
+MOST_LINES = 600
+LONG = "# Over 600 lines: "  # begins the line that gives the reason for a longer module
 MODULES = [*ROOT.glob("subsea/**/*.py"), *ROOT.glob("capture/**/*.py")]
 
 
@@ -56,7 +56,7 @@ def test_a_function_takes_at_most_eight_parameters():
     assert not crowded
 
 
-def test_a_module_has_at_most_400_lines_or_says_why():
+def test_a_module_has_at_most_600_lines_or_says_why():
     texts = {path: path.read_text(encoding="utf-8").splitlines() for path in MODULES}
     long = [path for path, lines in texts.items() if len(lines) > MOST_LINES]
     assert not [path for path in long if not any(line.startswith(LONG) for line in texts[path])]

@@ -5,8 +5,6 @@ fins follow the segment, tempo, thrust and steering that the controller asks of 
 recorded sharp turns, a couple stands for the fins that hold heading and pitch.
 """
 
-# Over 400 lines: one tick of a simulated fish, whose kernels call each other.
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple

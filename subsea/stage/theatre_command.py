@@ -63,7 +63,7 @@ def run(options: Namespace) -> int:
 
         code = describe(options.name, options.write, options.force)
         if options.picture is not None:
-            from subsea.stage.theatre.plan import draw_room
+            from subsea.stage.plan import draw_room
 
             draw_room(options.name, options.picture, options.force)
         return code
@@ -73,7 +73,7 @@ def run(options: Namespace) -> int:
         raise UserError("theatre: --new writes to --out FILE, drop --write")
     if options.out is None:
         raise UserError("theatre: --new needs --out FILE.toml")
-    from subsea.stage.theatre.plan import NewTheatre, write_theatre
+    from subsea.stage.plan import NewTheatre, write_theatre
 
     return write_theatre(
         NewTheatre(

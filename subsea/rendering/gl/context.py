@@ -14,7 +14,7 @@ import moderngl
 
 from subsea.base.errors import UserError
 from subsea.rendering.gl.shaders import avoid_full_disk
-from subsea.rendering.output.uniforms import ViewBuffer
+from subsea.rendering.gl.view_block import ViewBuffer
 
 # Of a picture, in the order of drawing; several views add up.
 GPU_STAGES = (

@@ -14,7 +14,7 @@ from moderngl import Uniform
 
 from subsea.base.errors import UserError
 from subsea.base.system import resource_path
-from subsea.rendering.output import uniforms as view_block
+from subsea.rendering.gl import view_block
 
 MIN_FREE_BYTES = 256 << 20
 

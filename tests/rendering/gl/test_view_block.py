@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.base.system import resource_path
+from subsea.rendering.gl import view_block
 from subsea.rendering.gl.shaders import set_uniforms
-from subsea.rendering.output import uniforms as view_block
 
 MATRICES = ("u_view", "u_projection", "u_view_projection", "u_inverse")
 VECTORS = ("u_balance", "u_far", "u_broad", "u_narrow")

@@ -6,10 +6,10 @@ from PIL import Image
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
+from subsea.stage.plan import NewTheatre, write_theatre
 from subsea.stage.setup import set_up_theatre
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measures import KINDS
-from subsea.stage.theatre.plan import NewTheatre, write_theatre
 
 SMALL = "--across", "640", "--down", "480"
 
