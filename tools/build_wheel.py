@@ -38,7 +38,7 @@ def collect_kernels(compiled: Path, folder: Path) -> None:
     """Copy the code in a cache of numba to a folder, by the folders of its sources."""
     from numba.core.caching import _CacheLocator
 
-    from subsea.core.kernels.cache import Target, processor, write_manifest
+    from subsea.kernels.cache import Target, processor, write_manifest
 
     for source in {path.parent for path in (ROOT / "subsea").rglob("*.py")}:
         cached = compiled / _CacheLocator.get_suitable_cache_subpath(str(source / "any.py"))

@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 from numba.core import event
 
-from subsea.core.kernels import cache, kernel
-from subsea.core.source_stamp import ROOT
+from subsea.base.source_stamp import ROOT
 from subsea.geometry.vector import dot
+from subsea.kernels import cache, kernel
 from tools.build_wheel import collect_kernels, target_settings
 
 ROW = (1.0, 2.0, 3.0)
 COMPILE = f"""
 from subsea.geometry.vector import dot
-from subsea.core.kernels.cache import processor
+from subsea.kernels.cache import processor
 dot({ROW}, {ROW})
 print(processor().cpu)
 """
