@@ -195,7 +195,7 @@ class VerifiedFile(caching.IndexDataCacheFile):  # type: ignore[misc]
 
 
 class ShippedFile(VerifiedFile):
-    """The code of one kernel that is part of the package, whoever owns its files."""
+    """The code of one kernel that is part of the package; any account may own its files."""
 
     _open = staticmethod(lambda path: path.open("rb"))
 

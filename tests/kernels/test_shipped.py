@@ -64,7 +64,7 @@ class _Compiled(event.Listener):
 
 
 def _compiled() -> int:
-    """How often a call of the kernel compiles, as in a new process."""
+    """Count the compilations of a call of the kernel, as in a new process."""
     listener = _Compiled()
     with event.install_listener("numba:compile", listener):
         assert kernel(dot.py_func)(ROW, ROW) == 14.0
