@@ -1,5 +1,6 @@
 # `make run` opens a dive, `make bench` installs what the makers' tools need besides, `make test` runs
-# every check, `make blender` opens an exported scene in Blender. Each sets up what it needs, once.
+# the checks of every day, `make test-house` those of a dive alone, `make nightly` all that there are,
+# `make blender` opens an exported scene in Blender. Each sets up what it needs, once.
 #
 #   make run ARGS="--seed 3 --fullscreen"      arguments of `subsea dive`
 #   make test ARGS="-k clock"                  arguments of pytest
@@ -8,7 +9,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test format docs gallery clean
+.PHONY: run bench test test-house nightly format docs gallery clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -20,11 +21,13 @@ run: .venv/ready-run
 
 bench: .venv/ready-bench
 
-test: .venv/ready-test
-	$(BIN)/ruff format --check .
-	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
+# Types and format are checked beside the tests, and reported after them.
+test test-house nightly: .venv/ready-test
+	@{ $(BIN)/ruff format --check . && $(BIN)/ruff check . && $(BIN)/mypy; } >.venv/checks.log 2>&1 & \
+	$(BIN)/pytest -n 2 --dist loadfile $(TESTS) $(ARGS); tested=$$?; \
+	wait $$!; checked=$$?; cat .venv/checks.log; exit $$((tested | checked))
+test-house: TESTS = $(patsubst %,--ignore=tests/%,stage studio export lab docs tools)
+nightly: TESTS = --nightly
 
 # Blender is a gigabyte, and wants this version of Python.
 blender: .venv/ready-test .venv/blender/ready

@@ -26,12 +26,15 @@ from subsea.state import Clock, Fishes, Minds, Nature, Sea, empty
 pytest_plugins = ["tests.support.windows"]
 
 # The first example of a test may compile a kernel, so time is not a measure of a failure.
-settings.register_profile("subsea", deadline=None, derandomize=True)
-settings.load_profile("subsea")
+settings.register_profile("daily", deadline=None, derandomize=True, max_examples=25)
+settings.register_profile("nightly", settings.get_profile("daily"), max_examples=200)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let pictures be accepted: `pytest tests/rendering --regenerate`."""
+    parser.addoption(
+        "--nightly", action="store_true", help="run also the tests that are long by nature"
+    )
     parser.addoption(
         "--regenerate", action="store_true", help="store the pictures of tests/rendering again"
     )
@@ -42,6 +45,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """No test, nor what it starts, sees the species and scenarios of the user who runs it."""
+    settings.load_profile("nightly" if config.getoption("--nightly") else "daily")
     gc.set_threshold(50_000, 20, 20)  # thousands of tests are many objects to look through
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
@@ -94,12 +98,16 @@ LONG = (
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Long files first: of several processes none is left alone with one in the end.
+    """Choose the tests of this run, and begin with long files, so that no process is last alone.
 
-    With `--differences` only the tests of stored pictures.
+    `--differences` chooses the tests of stored pictures; tests marked `nightly` need `--nightly`.
     """
     if config.getoption("--differences"):
         items[:] = [item for item in items if "same_picture" in getattr(item, "fixturenames", ())]
+    if not config.getoption("--nightly"):
+        late = [item for item in items if item.get_closest_marker("nightly")]
+        config.hook.pytest_deselected(items=late)
+        items[:] = [item for item in items if item not in set(late)]
     here = Path(__file__).parent
     rank = {here / name: place for place, name in enumerate(LONG)}
     assert all(path.exists() for path in rank), "LONG names a file that is gone"

@@ -1,7 +1,7 @@
 """The body frame of SMC eqs. 1-5."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.biomechanics.body import body_frame, to_body, to_world
@@ -11,7 +11,6 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 @given(seeds)
-@settings(max_examples=50)
 def test_the_frame_stays_orthonormal_in_deformed_bodies(known_repertoire_nodes, seed):
     rng = np.random.default_rng(seed)
     nodes = known_repertoire_nodes + rng.normal(0, 0.3, (23, 3))
@@ -21,7 +20,6 @@ def test_the_frame_stays_orthonormal_in_deformed_bodies(known_repertoire_nodes, 
 
 
 @given(seeds)
-@settings(max_examples=50)
 def test_the_frame_moves_with_the_body(known_repertoire_nodes, seed):
     rng = np.random.default_rng(seed)
     q = rng.normal(size=4)

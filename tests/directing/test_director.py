@@ -42,6 +42,7 @@ from subsea.world.placement import Handle, removed
 from subsea.world.step import step
 from subsea.world.to_scenario import to_scenario
 from subsea.world.world import TICK_S
+from tests.support.daily import examples
 from tests.support.directions import directions
 
 SEA = """
@@ -299,7 +300,7 @@ ANY = Shoals(["fusilier", "blacktip_reef_shark", "clownfish"], [6, 1, 2],
 WITHIN = st.tuples(st.floats(-500, 500), st.floats(-500, 500), st.floats(-420, -60))
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(4), suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_any_directions_leave_the_world_valid_and_repeatable(tmp_path, data):
     """Two runs are equal, one restored from a snapshot; all is finite and in bounds."""

@@ -16,6 +16,7 @@ from subsea.dive.adaptive_quality import (
     target_for,
 )
 from subsea.rendering.output.quality import LADDER, PRESETS
+from tests.support.daily import examples
 
 TARGET_MS = 20.0
 LOW, HIGH = LADDER.index(PRESETS["low"]), len(LADDER) - 1
@@ -61,7 +62,6 @@ machines = st.builds(
 )
 
 
-@settings(max_examples=20, deadline=None)
 @given(cost=machines, begin=st.sampled_from([0, LOW, HIGH]), seed=st.integers(0, 2**31))
 @example(cost=costs(9.4, 0.5, 2.4, 1.1), begin=LOW, seed=1)  # medium looks affordable, and is not
 def test_the_quality_settles_at_the_target(cost, begin, seed):
@@ -75,7 +75,7 @@ def test_the_quality_settles_at_the_target(cost, begin, seed):
         assert cost[pace.rung] * max(pace.ratios[pace.rung], 1.0) > (QUICK - 0.06) * TARGET_MS
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=examples(8))
 @given(cost=machines, seed=st.integers(0, 2**31))
 @example(cost=costs(20.0, 0.625, 2.0, 2.0), seed=0)  # the next rung looks unaffordable, and is not
 def test_the_quality_recovers_after_a_load(cost, seed):

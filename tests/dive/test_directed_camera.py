@@ -38,6 +38,7 @@ from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S
+from tests.support.daily import examples
 from tests.support.scenes import scene
 
 CUT = "camera = { follow = { species = 'fusilier' }, over_s = 0.0, distance_cm = 150.0 }"
@@ -170,7 +171,7 @@ def test_the_camera_finds_a_free_line_of_sight(tmp_path):
     assert clearance(world.state.sea.pillars, world.state.sea.rocks, boat) > HULL_CM
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=examples(3))
 @given(
     st.lists(st.tuples(*3 * [st.floats(-1.0, 1.0)]), min_size=1, max_size=3),
     st.lists(st.sampled_from([0.0, 0.5, 3.0]), min_size=3, max_size=3),

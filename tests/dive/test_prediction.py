@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.dive.pilot import CATCH_UP_S, Pilot, Prediction
@@ -48,7 +48,6 @@ def apart(one, other):
     return float(np.linalg.norm(one.eye - other.eye)), float(np.arcsin(min(turn, 1.0)))
 
 
-@settings(max_examples=30)
 @given(helm=HELMS, late=st.floats(0.0, 1.0), ticks=st.integers(1, 40))
 def test_the_prediction_meets_the_next_tick(world, begin, helm, late, ticks):
     snapshot.restore(world, begin)

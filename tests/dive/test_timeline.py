@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.behavior.teleop import TeleopCommand
@@ -81,7 +81,6 @@ deeds = st.one_of(
 )
 
 
-@settings(max_examples=20)
 @given(st.lists(deeds, min_size=2, max_size=12), st.randoms(use_true_random=False))
 def test_restored_ticks_equal_the_original_ones(begun, what, chance):
     world = afresh(begun)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.fish.skinning import couple, place, skin_weights
 from subsea.geometry.rotation import matrix
+from tests.support.daily import examples
 
 WAYS = ["sections", "patches", "tetrahedra"]
 
@@ -30,7 +31,7 @@ def test_points_lie_in_place_at_rest_in_one_frame_or_many(known_repertoire, way)
 
 @pytest.mark.parametrize("way", WAYS)
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=15)
+@settings(max_examples=examples(8))
 def test_points_follow_rigid_motion_of_a_bent_body(known_repertoire_nodes, known_motion, way, seed):
     rng = np.random.default_rng(seed)
     coupling = couple(way, known_repertoire_nodes, _points(rng, 40))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.solids import (
@@ -54,7 +54,6 @@ def _above_rock(p, margin):
 
 
 @given(SEEDS, st.sampled_from([0.0, 3.0]))
-@settings(max_examples=200)
 def test_a_ray_enters_a_pillar_where_its_first_point_does(seed, margin):
     a, b = _ends(seed, 30.0)
     found = ray_meets_pillar(PILLAR, margin, tuple(a), tuple(b))
@@ -62,7 +61,6 @@ def test_a_ray_enters_a_pillar_where_its_first_point_does(seed, margin):
 
 
 @given(SEEDS, st.sampled_from([0.0, 2.0]))
-@settings(max_examples=200)
 def test_a_ray_enters_a_rock_where_its_first_point_does(seed, margin):
     a, b = _ends(seed, 15.0)
     found = ray_meets_rock(ROCK, margin, tuple(a), tuple(b))
@@ -70,7 +68,6 @@ def test_a_ray_enters_a_rock_where_its_first_point_does(seed, margin):
 
 
 @given(SEEDS, st.sampled_from([0.0, 4.0]))
-@settings(max_examples=200)
 def test_a_ray_enters_the_seabed_where_its_first_point_does(seed, clearance):
     rng = np.random.default_rng(seed)
     heights = rng.uniform(-30.0, 0.0, (9, 9)).astype(np.float32)

@@ -3,7 +3,7 @@
 from collections import Counter
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES
@@ -31,7 +31,6 @@ def test_neighbours_share_whole_faces():
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=30)
 def test_inside_a_tetrahedron_the_coordinates_are_barycentric(known_repertoire_nodes, seed):
     rng = np.random.default_rng(seed)
     which = rng.integers(len(TETRAHEDRA))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.contact import clearances
@@ -30,7 +30,6 @@ def rock(x=0.0, y=0.0, z=-500.0, a=80.0, b=60.0, c=50.0, yaw=0.4):
 
 
 @given(SIZE, SIZE, SIZE, st.floats(-3, 3), st.floats(-120, 120), st.integers(0, 2**32 - 1))
-@settings(max_examples=25, deadline=None)
 def test_drawn_stone_lies_inside_the_avoided_solids(a, b, c, yaw, apart, seed):
     rocks = np.concatenate([rock(a=a, b=b, c=c, yaw=yaw), rock(x=apart, y=30.0, z=-470.0)])
     places = np.random.default_rng(seed).uniform(-300, 300, (400, 3)) + (0, 0, -490)

@@ -1,7 +1,7 @@
 """Plankton: it drifts with the water, past what stands there, is eaten and comes again."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.vector import vector
@@ -45,7 +45,6 @@ def test_none_is_scattered_into_a_solid():
 
 
 @given(st.floats(-60, 60), st.floats(-60, 60), st.integers(0, 1000))
-@settings(max_examples=20)
 def test_stays_in_the_sea_whatever_the_current(make_sea, vx, vy, seed):
     sea = make_sea(_scattered(60))
     _pass(sea, (vx, vy, 0.0), 200, seed)
@@ -55,7 +54,6 @@ def test_stays_in_the_sea_whatever_the_current(make_sea, vx, vy, seed):
 
 
 @given(st.floats(-60, 60), st.floats(-60, 60), st.integers(0, 1000))
-@settings(max_examples=20)
 def test_none_ever_enters_a_pillar_or_a_rock(make_sea, vx, vy, seed):
     sea = make_sea(_scattered(150, seed, PILLARS, ROCKS), PILLARS, ROCKS)
     for tick in range(200):

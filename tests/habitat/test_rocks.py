@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.habitat.contact import clearances
@@ -30,7 +30,6 @@ def slanting(x, y):
 
 
 @given(SEED, st.integers(1, 20), st.floats(-180, 180))
-@settings(max_examples=25, deadline=None)
 def test_an_outcrop_is_one_formation_within_its_size(seed, number, yaw):
     one = Outcrop(
         position_cm=(50, 60), size_cm=(160, 110, 140), rocks=number, yaw_deg=yaw, seed=seed
@@ -44,7 +43,6 @@ def test_an_outcrop_is_one_formation_within_its_size(seed, number, yaw):
 
 
 @given(SEED, st.floats(220, 600), st.floats(160, 450), st.floats(40, 200), st.floats(-180, 180))
-@settings(max_examples=25, deadline=None)
 def test_an_arch_stands_and_is_open(seed, span, height, thick, yaw):
     one = Arch(position_cm=(50, 60), span_cm=span, height_cm=height, thickness_cm=thick,
                yaw_deg=yaw, seed=seed)  # fmt: skip

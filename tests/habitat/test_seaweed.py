@@ -27,6 +27,7 @@ from subsea.habitat.seaweed import (
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import SeaweedTable
 from subsea.state import HULL_CM, Clock, Fishes, Reef, empty
+from tests.support.daily import examples
 
 DT = 0.033
 STILL = np.zeros(3)
@@ -185,7 +186,7 @@ def test_clusters_beyond_visibility_stand_still(make_bed):
 
 
 @given(st.integers(0, 1000), st.floats(0, 400), st.floats(-200, 200), st.floats(-200, 200))
-@settings(max_examples=12)
+@settings(max_examples=examples(6))
 def test_fast_bodies_leave_leaves_whole_and_above_the_ground(make_bed, seed, speed, fx, fy):
     bed = _, weed = make_bed({"clusters": 3, "position_cm": (0.0, 0.0), "spread_cm": 20.0})
     rng = np.random.default_rng(seed)

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from subsea.biomechanics.body import body_frame
@@ -59,7 +59,6 @@ def test_a_turning_cycle_bends_the_path_as_recorded(library, make_fishes, known_
 
 
 @given(turn=st.tuples(*[st.floats(-1, 1)] * 4), scale=st.floats(0.4, 2.5))
-@settings(max_examples=50)
 def test_playback_is_equivariant(library, turn, scale):
     """The same segment at another place, attitude and size gives the same motion."""
     assume(np.linalg.norm(turn) > 0.1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.rotation import from_matrix
@@ -143,7 +143,6 @@ def test_the_one_with_most_of_its_body_inside_is_worst(tank):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=40)
 def test_the_grids_miss_nobody(tank, seed):
     """Compare with all pairs of fishes of all sizes and speeds."""
     rng = np.random.default_rng(seed)

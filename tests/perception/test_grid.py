@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.perception.grid import (
@@ -32,7 +32,6 @@ def _scene(seed, n=80, spread=100.0):
 
 
 @given(SEEDS, st.sampled_from([20.0, 70.0, 1e4]), st.floats(0.0, 500.0))
-@settings(max_examples=40)
 def test_near_slots_hold_all_that_are_near_once(seed, cell, reach):
     points, chosen, p = _scene(seed, n=160)
     assert len(chosen) > FEW
@@ -62,7 +61,6 @@ def test_all_of_a_few_points_are_near():
     st.sampled_from([20, 160]),
     st.sampled_from([0.0, 15.0, 120.0, np.inf]),
 )
-@settings(max_examples=120)
 def test_the_nearest_are_those_of_all_pairs(seed, reach, k, n, guess):
     """For few points and many, and whatever distance is guessed."""
     points, chosen, p = _scene(seed, n)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.perception.grid import REACH_CM, SCHOOL_CM, find_neighbours, grid_of
@@ -34,7 +34,6 @@ def _all_pairs(fishes, reach):
     n=st.integers(0, 120),
     spread=st.sampled_from([1.0, 100.0, 800.0]),
 )
-@settings(max_examples=60)
 def test_the_grid_finds_what_all_pairs_find(seed, n, spread):
     rng = np.random.default_rng(seed)
     fishes, minds = empty(Fishes, n=n), empty(Minds, n=n, b=1, d=1)
@@ -53,7 +52,6 @@ def test_a_single_fish_has_no_neighbours(n):
 
 
 @given(seed=st.integers(0, 2**32 - 1), stride=st.integers(1, 5))
-@settings(max_examples=20)
 def test_fishes_that_do_not_think_keep_their_neighbours(seed, stride):
     rng = np.random.default_rng(seed)
     fishes, minds = empty(Fishes, n=40), empty(Minds, n=40, b=1, d=1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.perception.foraging import COMPANY_CM, SCHOOL_COST, TURN_COST
@@ -100,7 +100,6 @@ def _all(t, i, kind):
 
 
 @given(SEEDS)
-@settings(max_examples=25)
 def test_possible_mates_are_the_nearest_visible_of_the_other_sex(tank, seed):
     t = _crowd(tank, seed, [PACIFIST, PACIFIST, PREY])
     n = len(t.fishes.species)
@@ -147,7 +146,6 @@ def test_without_libido_only_near_mates_are_perceived(tank):
 
 
 @given(SEEDS)
-@settings(max_examples=25)
 def test_prey_are_ranked_by_their_cost(tank, seed):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY])
     t.minds.leads[:] = t.minds.intention == SCHOOL
@@ -173,7 +171,6 @@ def test_prey_are_ranked_by_their_cost(tank, seed):
 
 
 @given(SEEDS, st.booleans())
-@settings(max_examples=25)
 def test_fear_is_of_visible_predators(tank, seed, company):
     t = _crowd(tank, seed, [PREDATOR, PREY, PREY, PACIFIST])
     if company:

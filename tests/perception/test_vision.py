@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.rotation import matrix
@@ -111,7 +111,6 @@ def _is_hidden(sea, eye, p):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=60)
 def test_occlusion_of_points_and_fishes_against_brute_force(tank, seed):
     t = _scene(tank, seed)
     bodies, scene = _view(t)

@@ -8,7 +8,7 @@ import zlib
 import h5py
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
@@ -222,7 +222,6 @@ def test_a_missing_file_is_one_line(tmp_path):
 
 
 @given(cut=st.floats(0, 0.999), flips=st.lists(st.tuples(st.floats(0, 0.999), st.integers(0, 7))))
-@settings(max_examples=60)
 def test_truncated_or_flipped_files_are_read_or_refused(tmp_path_factory, damaged, cut, flips):
     data = bytearray(damaged)
     for place, bit in flips[:20]:

@@ -17,6 +17,7 @@ from subsea.scenario.checks import shoals_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario, scenario_text
 from subsea.scenario.schema import Pillar, Rock, Scenario
+from tests.support.daily import examples
 from tests.support.directions import directions
 
 NAMES = resource_names("assets/scenarios", ".toml")
@@ -120,8 +121,7 @@ def follows(shoals):
 
 
 FEW = settings(
-    max_examples=40,
-    deadline=None,
+    max_examples=examples(8),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 

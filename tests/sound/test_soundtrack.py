@@ -31,6 +31,7 @@ from subsea.sound.soundtrack import Soundtrack, render, stems, write_wav
 from subsea.sound.space import BLOCK, LAYOUTS, RATE, fading
 from subsea.sound.voices import KNOCK, WHOOSH, minnaert_hz
 from tests.sound.conftest import ears
+from tests.support.daily import examples
 
 STEREO = LAYOUTS["stereo"]
 FULL = SoundLevels(volume=1.0)
@@ -57,7 +58,7 @@ def mixed(*moments, layout=STEREO, levels=FULL):
 
 
 @given(cuts=st.lists(st.integers(1, 60_000), max_size=4), start=st.floats(0.0, 4.0))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=examples(10))
 def test_any_cuts_give_the_same_samples(heard, cuts, start):
     moments = heard[1].moments[:40]
     edges = [0, *sorted({*cuts, 40_000})]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.sound.space import RATE
@@ -49,7 +49,6 @@ def test_minnaert():
 
 
 @given(st.floats(0.1, 1.0), st.floats(0.0, 3000.0))
-@settings(max_examples=40)
 def test_bubbles_ring_at_their_resonance(radius, depth):
     expected = minnaert_hz(radius, depth)
     hz, power = spectrum(sound(BUBBLE, expected))
@@ -57,7 +56,6 @@ def test_bubbles_ring_at_their_resonance(radius, depth):
 
 
 @given(st.integers(0, 2**31))
-@settings(max_examples=40)
 def test_snaps_of_shrimp_are_short_clicks_of_2_to_15_khz(seed):
     snap = sound(SNAP, seed=seed)
     assert len(snap) < 0.003 * RATE

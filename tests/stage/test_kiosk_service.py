@@ -57,6 +57,7 @@ def test_systemd_accepts_the_unit(manager):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.nightly
 def test_a_kiosk_comes_back_until_the_operator_ends_it(manager):
     told = install(manager, "--scenario", str(BARE))
     manager.control("start", UNIT)  # returns when the dive is ready
@@ -96,6 +97,7 @@ def test_an_operator_stops_it_without_a_failure(manager):
     assert (ended["ActiveState"], ended["Result"]) == ("inactive", "success")
 
 
+@pytest.mark.nightly
 def test_an_error_that_stays_is_not_tried_again_and_one_that_may_pass_is(manager, tmp_path):
     scenario = tmp_path / "mine.toml"
     scenario.write_text(BARE.read_text())

@@ -11,6 +11,7 @@ from tests.support.scenes import BARE
 pytestmark = pytest.mark.timeout(900)  # a first start compiles
 
 
+@pytest.mark.nightly
 def test_a_kiosk_survives_cuts_of_the_power_and_a_full_disk(display, capsys, monkeypatch):
     monkeypatch.setattr(kiosk_soak, "RUNS_S", 20.0)
     words = ["soak", "--kiosk", "--minutes", "1", "--seed", "3", "--scenario", str(BARE)]

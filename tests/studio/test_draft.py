@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
@@ -88,7 +88,6 @@ def done(draft, kind, view, number, to):
     return draft
 
 
-@settings(max_examples=40, deadline=None)
 @given(name=st.sampled_from(NAMES), edits=EDITS)
 def test_any_edited_draft_can_be_saved_and_loaded(tmp_path_factory, name, edits):
     draft = first = drawn(name)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.solids import from_pillar, from_rock, height_at
@@ -134,7 +134,6 @@ HELM = st.builds(Helm, COMMAND, COMMAND, COMMAND, COMMAND, st.booleans())
 HELMS = st.lists(st.tuples(HELM, st.integers(5, 120)), min_size=1, max_size=8)
 
 
-@settings(max_examples=60, deadline=None)
 @given(HELMS, st.floats(0.0, math.tau), st.floats(0.0, 1200.0))
 def test_no_pilot_leaves_the_sea_or_feels_a_jerk(helms, bearing, radius):
     start = (radius * math.cos(bearing), radius * math.sin(bearing), -300.0)
@@ -193,7 +192,6 @@ def test_a_run_at_a_solid_ends_softly_before_it(start, heading):
     assert np.linalg.norm(boat.position - start) > 100.0
 
 
-@settings(max_examples=40, deadline=None)
 @given(HELMS, st.floats(0.0, math.tau), st.floats(-500.0, -60.0))
 def test_no_pilot_touches_a_pillar_or_a_rock(helms, heading, depth):
     boat = submarine((0.0, 0.0, depth), heading)

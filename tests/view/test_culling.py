@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.system import resource_path
@@ -46,7 +46,6 @@ def _inside(points, view):
     seed=st.integers(0, 2**32 - 1), heading=st.floats(-3, 3), pitch=st.floats(-1, 1),
     display=st.sampled_from(DISPLAYS),
 )  # fmt: skip
-@settings(max_examples=60)
 def test_whatever_could_show_is_kept(seed, heading, pitch, display):
     """A sphere with any point of its surface in a view is not culled from that view."""
     rng = np.random.default_rng(seed)
@@ -99,7 +98,6 @@ def _poses(species, repertoire, segment):
     at=st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(8, 900)),
     length=st.floats(8, 150), display=st.sampled_from(["mono", "side-by-side", "dome"]),
 )  # fmt: skip
-@settings(max_examples=200)
 def test_no_fish_with_a_visible_vertex_is_culled(drawn, which, turn, at, length, display):
     """Nothing pops at the edges of a picture, for any species and pose."""
     places, radius = drawn[which % len(drawn)]

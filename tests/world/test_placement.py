@@ -32,6 +32,7 @@ from subsea.world.build import create_world
 from subsea.world.checks import check_in_sea, tour_fault
 from subsea.world.placement import added, aim, check_placed, grip, handles, moved, pick
 from subsea.world.step import step
+from tests.support.daily import examples
 
 replace = msgspec.structs.replace
 
@@ -259,7 +260,7 @@ def edited(scenario, sea, act):
     return placement.removed(scenario, handle)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(ACTS)
 def test_undo_and_redo_restore_every_scenario(full, acts):
     scenario, sea = full
@@ -284,7 +285,7 @@ def test_undo_and_redo_restore_every_scenario(full, acts):
         assert (history.present, history.may_redo) == (other, False)
 
 
-@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(4), suppress_health_check=list(HealthCheck))
 @given(ACTS)
 def test_a_saved_and_loaded_placement_is_the_same_world(full, tmp_path, monkeypatch, acts):
     scenario, sea = full

@@ -52,6 +52,7 @@ def hall(display, tmp_path, monkeypatch):
             node.process.wait()
 
 
+@pytest.mark.nightly
 def test_nodes_follow_a_show_of_three_items_and_two_cues(hall):
     nodes, folder = hall
     master, port = nodes["middle"], int((folder / "console").read_text())

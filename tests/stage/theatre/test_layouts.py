@@ -13,9 +13,10 @@ from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.measures import chosen
 from subsea.stage.theatre.screens import frustum_of, places_on, points_on, screen_of
 from subsea.stage.theatre.warp import mesh, sources_at
+from tests.support.daily import examples
 
 FEW = settings(  # smaller examples are not clearer, and take minutes to find
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.filter_too_much],
+    max_examples=examples(5), suppress_health_check=[HealthCheck.filter_too_much],
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )  # fmt: skip
 SHARES = np.stack(np.meshgrid([0.0, 0.31, 0.5, 0.83, 1.0], [0.0, 0.4, 1.0]), axis=-1).reshape(-1, 2)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.stage.theatre.bourke import parse_bourke
@@ -37,7 +37,6 @@ def mirror_point(lens, centre, radius, target):
     return point
 
 
-@settings(max_examples=30, deadline=None)
 @given(mirror=st.floats(15, 60), throw=st.floats(0.8, 3), tilt=st.floats(0, 0.7),
        seed=st.integers(0, 10**6))  # fmt: skip
 def test_light_is_reflected_at_equal_angles_toward_what_the_mesh_shows(mirror, throw, tilt, seed):

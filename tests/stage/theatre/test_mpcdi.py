@@ -331,7 +331,7 @@ def small(making):
     return {"": making.zipped(files), **files}
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.sampled_from(["", "mpcdi.xml", "left.pfm", "maps/left-alpha.png"]),
     st.sampled_from(["cut", "flip", "junk"]),

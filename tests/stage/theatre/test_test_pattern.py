@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.stage.theatre.test_pattern import colour_of, pattern
@@ -11,7 +11,6 @@ SIZE = (400, 300)
 MIDDLE = (slice(90, 190), slice(130, 270))  # where the number is
 
 
-@settings(max_examples=40)
 @given(st.integers(1, 999), st.text(max_size=30), st.integers(1, 300), st.integers(1, 300))
 def test_any_channel_has_a_pattern_whose_outermost_pixels_are_lit(number, word, width, height):
     picture = pattern((width, height), number, word)

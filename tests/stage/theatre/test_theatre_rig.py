@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
@@ -137,7 +137,6 @@ CYLINDERS = st.builds(
 HERE = st.tuples(between(-15, 15), between(-15, 15), between(-15, 15))
 
 
-@settings(deadline=None)
 @given(
     screens=st.lists(st.one_of(PLANES, CYLINDERS), min_size=1, max_size=3),
     eye=HERE,
