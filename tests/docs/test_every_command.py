@@ -574,7 +574,7 @@ SCRIPTS = "docs", "tools", "benchmarks"  # folders
 
 
 def test_every_option_that_a_page_names_is_one():
-    known = {"--regenerate", "--now", "--user"}  # of pytest here, and of systemctl
+    known = {"--regenerate", "--nightly", "--now", "--user"}  # of pytest here, and of systemctl
     known |= {"--execute", "--inplace"}  # of jupyter
     for program in (main, capture_cli):
         parser, commands = program.parsers()
