@@ -1,6 +1,7 @@
-"""Sockets of master and nodes, with keys and limits.
+"""Sockets of master and nodes, with keys and limits, and the keys that a theatre names.
 
-The keys of a computer in the cluster of a theatre.
+Strangers do not pass the handshake: a connection without a known key ends within HANDSHAKE_MS, and
+no part of a message to the master may be longer than a few kilobytes.
 """
 
 import errno
@@ -14,7 +15,6 @@ from zmq.utils.monitor import parse_monitor_message
 
 from subsea.base.errors import TransientError, UserError
 from subsea.base.toml_files import error_at
-from subsea.stage.cluster.gate import Gate
 from subsea.stage.cluster.keys import SECRET, Keys, read_keys
 from subsea.stage.theatre.theatre_file import Cluster, parse_address
 
@@ -51,8 +51,11 @@ def endpoint(address: str, keys: Keys | None) -> str:
 
 def listening(
     context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int
-) -> tuple[Any, Gate]:
-    """The socket of the master and its gate; parts of more than `limit` bytes end a connection."""
+) -> tuple[Any, Any]:
+    """Listen as the master; return the socket, and one that reports `failed` handshakes.
+
+    Parts of more than `limit` bytes end a connection.
+    """
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
     socket.rcvhwm = UNREAD
@@ -62,13 +65,8 @@ def listening(
         if keys:
             socket.curve_server = True
             socket.curve_publickey, socket.curve_secretkey = keys.public, keys.secret
-        gate = Gate(socket, parse_address(address)[1])
-        try:
-            socket.bind(where)
-        except BaseException:
-            gate.close()
-            raise
-    return socket, gate
+        socket.bind(where)
+    return socket, failures(socket)
 
 
 def calling(

@@ -1,9 +1,4 @@
-"""The master of a cluster: sends the ticks of every picture and waits until all have drawn.
-
-Statistics of the wait times for a node.
-
-Record of one node that the master keeps.
-"""
+"""The master of a cluster: sends the ticks of every picture and waits until all have drawn."""
 
 import math
 import secrets
@@ -22,7 +17,6 @@ from zmq.auth.thread import ThreadAuthenticator
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING
 from subsea.stage.cluster import link
-from subsea.stage.cluster.gate import Connection
 from subsea.stage.cluster.identity import NO_VIEW, difference, identity_of, may_open
 from subsea.stage.cluster.keys import Keys
 from subsea.stage.cluster.messages import (
@@ -91,8 +85,6 @@ class WaitStatistics:
 
 
 SOON_S = 60.0  # a node that diverges twice within this time is refused
-MAX_REFUSALS = 5  # reported of a node within SOON_S
-MAX_ASKED = 20  # requests of a node whose times are kept
 
 
 @dataclass
@@ -101,22 +93,16 @@ class NodeRecord:
 
     name: str
     route: bytes | None = None  # its connection; None: not connected
-    connection: Connection | None = None  # the same for the gate
     tick: int = 0  # of its world when it came, if that is of a dive
     asks: bool = False  # True if it needs the state
     sent_s: float = -math.inf  # when the state was sent
-    asked_s: deque[float] = field(default_factory=lambda: deque(maxlen=MAX_ASKED))
-    out_until_s: float = 0.0  # end of the time for which it was put out
     in_step: bool = False  # True if the master waits for it
     drawn: int = 0  # number of its last picture ...
     drawn_s: float = 0.0  # ... and when it was drawn
     not_before_s: float = 0.0  # the master does not wait for it before
     diverged_s: float = -SOON_S
     came: bool = False  # True if it has been in step before
-    refusal: str = ""  # why a node of its name was refused ...
-    refused_s: deque[float] = field(  # ... and when that was reported
-        default_factory=lambda: deque([-math.inf] * MAX_REFUSALS, MAX_REFUSALS)
-    )
+    refusal: str = ""  # the last reported reason to refuse a node of its name
     waits: WaitStatistics = field(default_factory=WaitStatistics)
 
 
@@ -126,11 +112,7 @@ CHECK_TICKS = 30  # interval of checksums of the world: once a second
 NUDGE_S = 0.02  # interval at which late nodes are probed
 NEAR = 30  # most pictures that a node may be behind to be waited for again
 LONGEST_PROBATION_S = 60.0  # longest time without waiting for a late node
-READ_S = 0.005  # longest time of reading messages, so that a flood does not stop the dive
-MAX_PARTS = 3  # parts of a message that are kept; valid ones have two
 STATE_S = 1.0  # shortest time between two states sent to a node
-WITHIN_S = 10.0  # a node that makes MAX_ASKED requests within this time is put out ...
-PUT_OUT_S = 10.0  # ... for this time
 GATHER_S = 1.5  # longest time in which nodes come that may know the dive: they call once a second
 FETCH_S = 3.0  # longest time that one takes to send its state
 
@@ -174,7 +156,7 @@ class Master:
                 self._authenticator.configure_curve_callback(
                     credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
                 )
-            self._socket, self._gate = link.listening(self._context, address, keys, SMALL)
+            self._socket, self._failures = link.listening(self._context, address, keys, SMALL)
             self._begun_s = time.monotonic()
         except BaseException:
             self._leave()
@@ -203,13 +185,11 @@ class Master:
             self._tell(f"resumed the dive of node {source.name} at tick {self.world.state.tick}")
 
     def _fetch(self, source: NodeRecord, check: Callable[[], object]) -> bytes:
-        """Ask a node for its state, in slices, so that it never may send much; or a UserError."""
+        """Fetch a node's state in slices, as messages to the master are small; or a UserError."""
         self._source, route, end = source, source.route, time.monotonic() + FETCH_S
         data, size, asked = bytearray(), 1, 0
         while len(data) < size:
             if len(data) == asked:
-                if source.connection:
-                    self._gate.allow(source.connection, SLICE + SMALL)
                 self._send(source, encode(Resume(asked)))
                 asked += SLICE
             check()
@@ -289,47 +269,32 @@ class Master:
 
     def close(self) -> None:
         """Close all connections."""
-        self._gate.close()
+        self._failures.close(0)
+        self._socket.disable_monitor()
         self._socket.close()
         self._leave()
 
     def _hear(self, wait_s: float) -> None:
         """Handle messages of nodes, waiting up to `wait_s` for the first."""
-        for reason, times in self._gate.reports().items():
-            self._report_refused(reason, times)
-        if self._socket.poll(math.ceil(1000.0 * wait_s)):
-            end = time.monotonic() + READ_S
-            while time.monotonic() < end and (parts := self._receive()):
-                self._handle(parts)
+        while link.failed(self._failures):
+            self._report_refused("a connection without a key that is known, or none of subsea's")
+        while self._socket.poll(math.ceil(1000.0 * wait_s)):
+            self._handle(*self._socket.recv_multipart(copy=False))
+            wait_s = 0.0
 
-    def _receive(self) -> list[Any]:
-        """The first parts of the next message; empty if there is none."""
+    def _handle(self, sender: Any, *content: Any) -> None:
+        """Handle one message: the frames of its route and its content."""
+        route = sender.bytes
         try:
-            parts = [self._socket.recv(zmq.NOBLOCK, copy=False)]
-        except zmq.Again:
-            return []
-        more = parts[0].more
-        while more:
-            part = self._socket.recv(copy=False)
-            more = part.more
-            if len(parts) < MAX_PARTS:
-                parts.append(part)
-        return parts
-
-    def _handle(self, parts: list[Any]) -> None:
-        """Handle one message: its route and its content."""
-        route, connection = parts[0].bytes, parts[-1].get(zmq.SRCFD)
-        try:
-            if len(parts) != 2:
+            if len(content) != 1:
                 raise UserError("the message received is not one of subsea")
-            message = from_node(parts[1].bytes)
+            message = from_node(content[0].bytes)
         except UserError as fault:
-            self._gate.fault(connection)
             self._report_refused(str(fault))
             self._reply(route, Refused(str(fault)[:200]))
             return
         if isinstance(message, Hello):
-            self._welcome(route, message, parts[1])
+            self._welcome(route, message, content[0])
         elif node := next((node for node in self._present() if node.route == route), None):
             self._answer(node, message)  # not of a dropped connection
 
@@ -340,8 +305,6 @@ class Master:
         if isinstance(message, StatePart):
             if node is self._source:
                 self._parts.append(message)
-            else:
-                self._put_out(node, "sent a state that was not asked for")
             return
         now = time.monotonic()
         node.drawn, node.drawn_s = min(message.number, self._number), now
@@ -350,19 +313,6 @@ class Master:
             node.waits.rejoined += node.came
             self._tell(f"node {node.name}: is in step{' again' * node.came}")
             node.in_step = node.came = True
-
-    def _ask(self, node: NodeRecord) -> None:
-        """Note that a node needs the state; put it out if it asks too often."""
-        now = time.monotonic()
-        node.asked_s.append(now)
-        node.asks, node.in_step = True, False
-        if len(node.asked_s) == MAX_ASKED and now - node.asked_s[0] < WITHIN_S:
-            self._put_out(node, f"came or asked for the state {MAX_ASKED} times in {WITHIN_S:g} s")
-
-    def _put_out(self, node: NodeRecord, reason: str) -> None:
-        """Drop a node and ignore it for a while."""
-        node.out_until_s = time.monotonic() + PUT_OUT_S
-        self._drop(node, f"{reason}: put out for {PUT_OUT_S:g} s")
 
     def _send_states(self) -> None:
         """Send the state to the nodes that need it."""
@@ -386,28 +336,21 @@ class Master:
             self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
             return
         node = self.nodes[hello.node]
-        if time.monotonic() < node.out_until_s:
-            return
         if node.route == route and hello.dive == self._dive:
             return  # the master was only silent for a while
         if node.route not in (None, route):
             reason = f"another computer has come as node {node.name}"
             self._reply(node.route, Refused(reason))
             self._drop(node, reason)
-        node.route, node.connection = route, self._gate.keep(frame.get(zmq.SRCFD))
-        node.tick = hello.tick
-        self._ask(node)
+        node.route, node.tick = route, hello.tick
+        node.asks, node.in_step = True, False
 
     def _refuse(self, name: str, reason: str) -> None:
-        """Report a refused node now and then, as it may try again and again."""
+        """Report each reason to refuse a node once, as the node may try again and again."""
         if name not in self.nodes:
             self._report_refused(f"node {name}: {reason}")
-            return
-        node, now = self.nodes[name], time.monotonic()
-        repeated = reason == node.refusal and now - node.refused_s[-1] <= SOON_S
-        if not repeated and now - node.refused_s[0] > SOON_S:
-            node.refusal = reason
-            node.refused_s.append(now)
+        elif self.nodes[name].refusal != reason:
+            self.nodes[name].refusal = reason
             self._tell(f"node {name}: {reason}: refused")
 
     def _objection(self, hello: Hello, frame: Any) -> str:
@@ -426,11 +369,11 @@ class Master:
             reason = f"its world differed from the master's again at tick {tick}; its processor or "
             reason += "its packages compute otherwise"
             self._reply(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
-            self._put_out(node, reason)
+            self._drop(node, reason)
             return
         node.diverged_s = now
         self._tell(f"node {node.name}: its world differs at tick {tick}; it fetches the state")
-        self._ask(node)
+        node.asks, node.in_step = True, False
 
     def _present(self) -> list[NodeRecord]:
         return [node for node in self.nodes.values() if node.route is not None]
@@ -460,16 +403,14 @@ class Master:
             self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
 
     def _drop(self, node: NodeRecord, reason: str) -> None:
-        if node.connection:
-            self._gate.end(node.connection)
         node.route, node.in_step, node.asks = None, False, False
         node.waits.dropped += 1
         self._tell(f"node {node.name}: {reason}; going on without it")
 
-    def _report_refused(self, reason: str, times: int = 1) -> None:
-        """Report refusals at the 1st, 10th, 100th in all, so that the log is not flooded."""
-        before, self._refusals = self._refusals, self._refusals + times
-        if len(str(self._refusals)) > len(str(before)) or not before:
+    def _report_refused(self, reason: str) -> None:
+        """Report the 1st, 10th, 100th refusal, so that the log is not flooded."""
+        self._refusals += 1
+        if str(self._refusals).rstrip("0") == "1":
             self._tell(f"refused: {reason} ({self._refusals} so far)")
 
     def _leave(self) -> None:

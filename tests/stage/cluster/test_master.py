@@ -2,6 +2,7 @@
 
 import socket
 import time
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -372,6 +373,23 @@ def test_a_node_does_not_follow_a_master_with_another_key(make_harness, seas, ad
     assert harness.master.in_step() == []
     assert not left.seen
     assert left.node.waiting or left.fault
+
+
+def test_strangers_without_a_key_cannot_stop_the_dive(make_harness, seas, address, keyed):
+    """A crowd of connections that send a greeting, or nothing, and stay open."""
+    harness = make_harness(seas[0], address, keys=read_keys(keyed, "master", ["left", "right"]))
+    left = harness.node(seas[1], "left", keys=read_keys(keyed, "left", ["master"]))
+    assert_all_show_the_same(harness, left)
+    host, port = address.split(":")
+    with ExitStack() as stack:
+        for k in range(300):
+            raw = stack.enter_context(socket.create_connection((host, int(port))))
+            raw.sendall(b"\xff" + bytes(8) + b"\x7f\x03\x00NULL" + bytes(48) if k % 2 else b"")
+        assert_all_show_the_same(harness, left)
+    assert_all_show_the_same(harness, left)
+    assert sum(line.startswith("refused") for line in harness.told) <= 3
+    assert "late" not in harness.master.report()[0]
+    assert "dropped" not in harness.master.report()[0]
 
 
 @pytest.mark.parametrize(
