@@ -69,7 +69,7 @@ def main() -> int:
         if options.kill:
             os.kill(options.kill, signal.SIGKILL)
         else:
-            headset.request_exit()
+            headset._xr.request_exit_session(headset._session)
         until = time.perf_counter() + AFTER_S
         while dive.picture.head is not None and time.perf_counter() < until:
             dive.frame(0.05)

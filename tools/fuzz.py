@@ -47,11 +47,11 @@ from subsea.scenario.load import load_scenario
 from subsea.scenario.storage import read_thumbnail
 from subsea.stage.cluster import messages
 from subsea.stage.show_file import load_show
-from subsea.stage.theatre import pfm
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.mesh_formats import read_warp as read_any_warp
 from subsea.stage.theatre.mpcdi import read_mpcdi
-from subsea.stage.theatre.warp_files import read_warp as read_any_warp
+from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.studio.dress import load_mesh, save_mesh
 from subsea.studio.photograph import Photograph, read_photograph
 from subsea.studio.side_view import centred_matrix, make_fish_meshes
@@ -177,7 +177,7 @@ def read_warp(path: Path) -> object:
 
 def read_float_map(path: Path) -> object:
     """The numbers of a float map."""
-    return pfm.parse_pfm(read_input(path, pfm.MAX_BYTES), str(path))
+    return parse_pfm(read_input(path), str(path))
 
 
 def sound(sample: bytes, path: Path, read: Callable[[Path], object]) -> list[bytes]:

@@ -21,9 +21,8 @@ from subsea.dive.start import headless
 from subsea.rendering.output.target import ResolvePass
 from subsea.stage.setup import left_out, shrink_theatre
 from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
-from subsea.stage.theatre.domeprojection import frustum_file
-from subsea.stage.theatre.foreign import READERS
-from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.load import READERS, load_theatre
+from subsea.stage.theatre.mesh_formats import frustum_file
 from subsea.stage.theatre.test_pattern import lineup
 from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.stage.theatre.warp import describe_warp

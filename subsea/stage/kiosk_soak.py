@@ -9,9 +9,9 @@ import sys
 import tempfile
 import time
 from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import mean
-from typing import NamedTuple
 
 import msgspec
 
@@ -86,14 +86,15 @@ class _Kiosk:
         return (self.log.read_text(errors="replace").splitlines() or ["nothing"])[-1]
 
 
-class KioskReport(NamedTuple):
+@dataclass
+class KioskReport:
     """The observations of a soak."""
 
-    starts_s: list[float]  # until the first picture of the sea
-    full: int  # starts with a full disk
-    early: int  # cuts while it still loaded
-    resumed: int  # starts that found a saved state
-    faults: list[str]
+    starts_s: list[float] = field(default_factory=list)  # until the first picture of the sea
+    full: int = 0  # starts with a full disk
+    early: int = 0  # cuts while it still loaded
+    resumed: int = 0  # starts that found a saved state
+    faults: list[str] = field(default_factory=list)
 
 
 def soak_kiosk(scenario: str, minutes: float, seed: int | None, playlist: Path | None) -> int:
@@ -122,17 +123,15 @@ def soak_kiosk(scenario: str, minutes: float, seed: int | None, playlist: Path |
 
 
 def _rounds(command: list[str], folder: Path, seconds: float, rng: random.Random) -> KioskReport:
-    report = KioskReport([], 0, 0, 0, [])
+    report = KioskReport()
     end, limit_s = time.monotonic() + seconds, FIRST_S
     while len(report.faults) < MOST_FAULTS:
         last = bool(report.starts_s) and time.monotonic() > end
         number = len(report.starts_s) + report.early  # of starts so far
         full = not last and number % FULL == 1
         early = not last and number % EARLY == EARLY - 1
-        resumed = (folder / "state/subsea/show.state").exists()
-        report = report._replace(
-            full=report.full + full, early=report.early + early, resumed=report.resumed + resumed
-        )
+        report.full, report.early = report.full + full, report.early + early
+        report.resumed += (folder / "state/subsea/show.state").exists()
         begun = time.monotonic()
         kiosk = _Kiosk(command, folder, full)
         try:

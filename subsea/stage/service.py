@@ -1,7 +1,4 @@
-"""Write a systemd unit that starts a dive at login and again after a failure.
-
-Tell the service manager of this process how it does: the protocol of sd_notify(3).
-"""
+"""Run a dive as a service: its systemd unit, and reports to its service manager by sd_notify(3)."""
 
 import os
 import socket
@@ -38,9 +35,9 @@ def notify(**fields: object) -> None:
     if not address or not hasattr(socket, "AF_UNIX"):
         return
     text = "\n".join(f"{name}={printable(str(value))}" for name, value in fields.items())
-    with suppress(OSError, ValueError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as one:
-        one.setblocking(False)
-        one.sendto(text.encode(), f"\0{address[1:]}" if address.startswith("@") else address)
+    with suppress(OSError, ValueError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.setblocking(False)
+        sender.sendto(text.encode(), f"\0{address[1:]}" if address.startswith("@") else address)
 
 
 class PictureReports:
@@ -124,17 +121,20 @@ def check_dive(options: DiveOptions) -> None:
 
 
 def unit_text(words: Sequence[str], node: str | None = None) -> str:
-    """The text of a unit for `subsea dive` with these options."""
-    program = [
-        str(Path(sys.executable).absolute()),
-        "-m",
-        "subsea",
-        "dive",
-    ]  # not what a link leads to
-    command = " ".join(_quoted(word) for word in [*program, *_absolute(words)])
-    about = "subsea" if node is None else f"subsea, node {node}"
+    """Compose a unit for `subsea dive` with these options; their files get absolute paths."""
+    python = str(Path(sys.executable).absolute())  # not what a link leads to
+    program = [python, "-m", "subsea", "dive"]
+    for word in words:
+        name, equals, value = word.partition("=")
+        if equals and name in PATHS:
+            program.append(f"{name}={_path(name, value)}")
+        else:
+            program.append(_path(program[-1], word) if program[-1] in PATHS else word)
     return MARK + TEXT.format(
-        description=about, command=command, stopped=INTERRUPTED, transient=TRANSIENT
+        description="subsea" if node is None else f"subsea, node {node}",
+        command=" ".join(map(_quoted, program)),
+        stopped=INTERRUPTED,
+        transient=TRANSIENT,
     )
 
 
@@ -146,15 +146,11 @@ def write_unit(words: Sequence[str], options: DiveOptions, out: Path | None = No
     """
     check_dive(options)
     node = None if options.theatre is None else options.theatre.node
-    path, k = out or unit_path(node), 0
-    kept = list(words)
-    while k < len(kept):
-        if kept[k] == OPTION:
-            del kept[k : k + 2 if out is not None else k + 1]
-        elif kept[k].startswith(f"{OPTION}="):
-            del kept[k]
-        else:
-            k += 1
+    path = out or unit_path(node)
+    kept = [word for word in words if not word.startswith(f"{OPTION}=")]
+    if OPTION in kept:
+        at = kept.index(OPTION)
+        del kept[at : at + (1 if out is None else 2)]
     text = unit_text(kept, node)
     check_result(path, UNIT)
     with replacing(path) as part:
@@ -163,19 +159,6 @@ def write_unit(words: Sequence[str], options: DiveOptions, out: Path | None = No
     if out is None:
         print(f"`systemctl --user enable --now {path.stem}` starts it, now and at every login")
     return 0
-
-
-def _absolute(words: Sequence[str]) -> list[str]:
-    """Options whose files have absolute paths, as a unit has no folder."""
-    found: list[str] = []
-    for k, word in enumerate(words):
-        name, equals, value = word.partition("=")
-        before = words[k - 1] if k else ""
-        if equals and name in PATHS:
-            found.append(f"{name}={_path(name, value)}")
-        else:
-            found.append(_path(before, word) if before in PATHS else word)
-    return found
 
 
 def _path(option: str, text: str) -> str:

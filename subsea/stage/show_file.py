@@ -1,11 +1,8 @@
 """Read a show: a file of items, one after the other, by the clock or on cue.
 
-Opening hours of an exhibition: spans of the day for each day of the week.
-
-The moment of a show: pure functions of the clock and the state before.
-
-Items last by the time that passes, so that a clock that jumps shortens none. The clock starts
-items of a fixed time, each once a day.
+The moment of a show is a pure function of the clock and the moment before. Items last by the time
+that passes, so that a clock that jumps shortens none. The clock starts items of a fixed time, each
+once a day.
 """
 
 import hashlib
@@ -162,7 +159,7 @@ def load_show(path: Path) -> Show:
         if one.for_s is None and after.start == AFTER:
             message = (
                 f"`item[{k}]`: expected `for_s`, as item {k + 2} starts after it; or a `start` of "
-                "item {}".format(k + 2)
+                f"item {k + 2}"
             )
             raise error_at(path, f"item[{k}]", message)
     starts = [one.minute for one in show.item]
@@ -217,9 +214,7 @@ def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:
         try:
             open_item(show, path, number)
         except UserError as fault:
-            key = f"item[{number}]"
-            key += ".tour" if str(fault).startswith(("unknown tour", "tour ")) else ".scenario"
-            yield number, error_at(path, key, f"item {number + 1}: {fault}")
+            yield number, error_at(path, f"item[{number}]", f"item {number + 1}: {fault}")
 
 
 JUMP_S = 5.0  # difference between clock and passed time that counts as a jump

@@ -1,21 +1,16 @@
-"""Play a show: which item is on, how dark the screens are, and cues. Nothing here has windows.
+"""Play a show in a dive: its items and cues, black screens, captions, and its saved state.
 
-Keep what a power cut must not erase: the state of a show, and the number of dives of each day.
-
-Both files are written whole, to the disk, and renamed. A damaged one is set aside by its reader.
-
-Describe a show: `subsea show`.
-
-Play a show in a dive: its seas and tours, black screens, captions, and its saved state.
+What a power cut must not erase, the state of a show and the number of dives of each day, is written
+whole, to the disk, and renamed.
 """
 
 import os
 import time
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import date
 from pathlib import Path
-from threading import Thread
 from typing import Literal, Protocol
 
 import msgspec
@@ -57,7 +52,6 @@ from subsea.world.world import World
 Tell = Callable[[str], object]
 
 MOST_BYTES = 64 * MIB  # of a state
-MOST_DAYS = 1000  # in the list of dives
 HEAD = "date,dives"
 
 
@@ -84,18 +78,30 @@ def write_whole(path: Path, data: bytes) -> None:
         os.fsync(file.fileno())
 
 
+def once(tell: Tell) -> Tell:
+    """Make a function that tells only the first line: a disk that is full stays full."""
+    told: list[str] = []
+
+    def first(line: str) -> None:
+        if not told:
+            told.append(line)
+            tell(line)
+
+    return first
+
+
 class ShowStore:
     """Saves the state of a show in the background."""
 
     def __init__(self, show: str, tell: Tell) -> None:
         """For the show of that digest; `tell` reports that the disk is full, once."""
         self._path, self._show, self._tell = state_folder() / "show.state", show, tell
-        self._writer: Thread | None = None
-        self._faults: list[str] = []
-        self._told = False
+        self._tell_full = once(tell)
+        self._pool = ThreadPoolExecutor(1)
+        self._writing: Future[None] | None = None
 
     def load(self) -> SavedShow | None:
-        """The saved state of this show; None without one."""
+        """Read the saved state of this show; None without one."""
         remove_abandoned(self._path)
         try:
             data = read_input(self._path, MOST_BYTES)
@@ -111,12 +117,12 @@ class ShowStore:
 
     def save(self, progress: Progress, shown: int, sea: Callable[[], bytes]) -> None:
         """Save a state, unless the last one is still being written."""
-        if self._writer is not None and self._writer.is_alive():
+        if self._writing is not None and not self._writing.done():
             return
         self._report()
         saved = SavedShow(show=self._show, progress=progress, shown=shown, sea=sea())
-        self._writer = Thread(target=self._write, args=(msgspec.msgpack.encode(saved),))
-        self._writer.start()
+        data = msgspec.msgpack.encode(saved)
+        self._writing = self._pool.submit(write_whole, self._path, data)
 
     def forget(self) -> None:
         """Remove the saved state."""
@@ -124,22 +130,12 @@ class ShowStore:
             self._path.unlink()
 
     def close(self) -> None:
-        """Wait for the writer."""
-        if self._writer is not None:
-            self._writer.join()
+        """Wait until the state is written."""
         self._report()
 
-    def _write(self, data: bytes) -> None:
-        try:
-            write_whole(self._path, data)
-        except UserError as fault:
-            self._faults.append(str(fault))
-
     def _report(self) -> None:
-        faults, self._faults = self._faults, []
-        if faults and not self._told:
-            self._told = True
-            self._tell(f"{faults[0]}; after a power cut the show would begin earlier")
+        if self._writing is not None and (fault := self._writing.exception()):
+            self._tell_full(f"{fault}; after a power cut the show would begin earlier")
 
 
 class DiveCount:
@@ -147,17 +143,17 @@ class DiveCount:
 
     def __init__(self, tell: Tell) -> None:
         """`tell` reports once that the table cannot be read or written."""
-        self._path, self._tell, self._told = state_folder() / "dives.csv", tell, False
+        self._path, self._tell = state_folder() / "dives.csv", once(tell)
         self.days: dict[str, int] = {}
         remove_abandoned(self._path)
         try:
             self.days = _counts(read_input(self._path).decode("utf-8", "replace"))
         except UserError as fault:
             if not isinstance(fault.__cause__, FileNotFoundError):
-                self._report(str(fault))
+                self._tell(str(fault))
         except ValueError:
             aside = self._path.with_name(f"{self._path.name}.damaged")
-            self._report(f"{self._path}: not a table of dives; it is kept as {aside.name}")
+            self._tell(f"{self._path}: not a table of dives; it is kept as {aside.name}")
             with suppress(OSError):
                 self._path.replace(aside)
 
@@ -165,21 +161,15 @@ class DiveCount:
         """Count a dive of a day."""
         name = day.isoformat()
         self.days[name] = self.days.get(name, 0) + 1
-        kept = sorted(self.days.items())[-MOST_DAYS:]
-        text = "".join(f"{one},{number}\n" for one, number in [*kept])
+        rows = "".join(f"{day},{number}\n" for day, number in sorted(self.days.items()))
         try:
-            write_whole(self._path, f"{HEAD}\n{text}".encode())
+            write_whole(self._path, f"{HEAD}\n{rows}".encode())
         except UserError as fault:
-            self._report(f"{fault}; dives are counted until this one ends")
+            self._tell(f"{fault}; dives are counted until this one ends")
 
     def of(self, day: date) -> int:
-        """The dives of a day."""
+        """Count the dives of a day."""
         return self.days.get(day.isoformat(), 0)
-
-    def _report(self, line: str) -> None:
-        if not self._told:
-            self._told = True
-            self._tell(line)
 
 
 def _counts(text: str) -> dict[str, int]:
@@ -187,11 +177,8 @@ def _counts(text: str) -> dict[str, int]:
     head, *rows = text.splitlines() or [""]
     if head != HEAD:
         raise ValueError(head)
-    found: dict[str, int] = {}
-    for row in rows:
-        day, _, number = row.partition(",")
-        found[date.fromisoformat(day).isoformat()] = int(number[:12])
-    return found
+    pairs = (row.split(",", 1) for row in rows)
+    return {date.fromisoformat(day).isoformat(): int(number) for day, number in pairs}
 
 
 def describe_show(path: Path) -> int:
@@ -210,13 +197,12 @@ def describe_show(path: Path) -> int:
     return 1 if missing else 0
 
 
-def _described(one: ShowItem) -> str:
-    parts = [one.scenario or "the same sea"]
-    parts += [f"tour {one.tour}" if one.tour else "steered"]
-    parts += [] if one.for_s is None else [f"{one.for_s:g} s"]
-    parts += [f"\N{LEFT DOUBLE QUOTATION MARK}{one.caption}\N{RIGHT DOUBLE QUOTATION MARK}"] * bool(
-        one.caption
-    )
+def _described(item: ShowItem) -> str:
+    parts = [item.scenario or "the same sea", f"tour {item.tour}" if item.tour else "steered"]
+    if item.for_s is not None:
+        parts.append(f"{item.for_s:g} s")
+    if item.caption:
+        parts.append(f"“{item.caption}”")
     return ", ".join(parts)
 
 

@@ -23,8 +23,8 @@ from subsea.scenario.schema import Scenario
 from subsea.scenario.storage import held
 from subsea.stage.cluster.keys import read_keys
 from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.mesh_formats import read_warp
 from subsea.stage.theatre.mpcdi import read_mpcdi
-from subsea.stage.theatre.warp_files import read_warp
 from subsea.studio.draft import changed_on_disk, read_draft
 from subsea.studio.dress import load_mesh
 from subsea.studio.photograph import Photograph, read_photograph

@@ -9,7 +9,6 @@ import re
 import stat
 import struct
 from collections.abc import Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,7 +35,7 @@ class Keys(NamedTuple):
 def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
     """Write a new key pair for each computer; return the files, public and secret in turn.
 
-    Only the owner can read secret files. If a name is invalid or has keys already, nothing is
+    Only the owner can read secret files. If a name is invalid, or has keys already, nothing is
     written: UserError.
     """
     _check_curve()
@@ -54,24 +53,19 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
             raise UserError(f"{name!r} was given twice")
     check_folder(folder)
     written = []
-    with ExitStack() as undo, ExitStack() as all_at_once:
-        for name in names:
-            public, secret = (key.decode() for key in zmq.curve_keypair())
-            for suffix, what, mode in (
-                (PUBLIC, "public key", 0o644),
-                (SECRET, "SECRET key, for nobody but that computer,", 0o600),
-            ):
-                text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
-                if suffix == SECRET:
-                    text += f'    secret-key = "{secret}"\n'
-                written.append(folder / f"{name}{suffix}")
-                undo.callback(written[-1].unlink, missing_ok=True)
-                path = all_at_once.enter_context(replacing(written[-1]))
-                # Created with its mode, so that others can never read it.
-                path.touch(mode, exist_ok=False)
-                path.write_text(text)
-        all_at_once.close()
-        undo.pop_all()
+    for name in names:
+        public, secret = (key.decode() for key in zmq.curve_keypair())
+        for suffix, what, mode in (
+            (PUBLIC, "public key", 0o644),
+            (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+        ):
+            text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+            if suffix == SECRET:
+                text += f'    secret-key = "{secret}"\n'
+            written.append(folder / f"{name}{suffix}")
+            with replacing(written[-1]) as part:
+                part.touch(mode, exist_ok=False)  # with its mode, so that others never can read it
+                part.write_text(text)
     return written
 
 
@@ -101,18 +95,13 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
         raise unreadable(path, fault) from fault
     except (ValueError, IndexError) as fault:  # a missing or empty line
         raise UserError("holds no key", file=path) from fault
-    for key in (public, secret):
-        if key is not None and not _is_key(key):
-            raise UserError("holds no key of 40 letters, as Z85 has them", file=path)
-    return public, secret
-
-
-def _is_key(text: bytes) -> bool:
-    """True if a text is 32 bytes in Z85; not all texts of 40 letters are."""
     try:
-        return len(z85.decode(text)) == 32
-    except (ValueError, KeyError, struct.error):
-        return False
+        sizes = {len(z85.decode(key)) for key in (public, secret) if key is not None}
+    except (ValueError, KeyError, struct.error):  # not all texts of 40 letters are numbers in Z85
+        sizes = set()
+    if sizes != {32}:
+        raise UserError("holds no key of 40 letters, as Z85 has them", file=path)
+    return public, secret
 
 
 def _check_curve() -> None:

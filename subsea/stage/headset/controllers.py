@@ -1,13 +1,8 @@
-"""The controllers, or the tracked hands, of a session: their states, and vibration.
+"""The interface of a headset to the dive, and the controllers, or tracked hands, of its session.
 
-The functions get the module `xr` from their caller, the one module that imports it.
-
-Suggested bindings: the parts of each kind of controller that the actions of a dive use.
-
-An action has the same name as its field of `Hand`. A button that a controller lacks is left out,
-or is on another part if the dive cannot do without.
-
-The interface of a headset to the dive, and its errors.
+Functions get the module `xr` from their caller, the one module that imports it. An action has the
+same name as its field of `Hand`. A button that a controller lacks is left out, or is on another
+part if the dive cannot do without.
 """
 
 from collections.abc import Mapping
@@ -21,13 +16,11 @@ from subsea.view.head import HeadEye, Pose
 
 HANDS = "/user/hand/left", "/user/hand/right"
 HAND_INTERACTION = "XR_EXT_hand_interaction"
-POSES = ("aim",)
-STICKS = ("stick",)
-AMOUNTS = "trigger", "squeeze"
-BUTTONS = "primary", "secondary", "menu"
-PULSES = ("haptic",)
-
-CONTROLLER = {"aim": "input/aim/pose", "haptic": "output/haptic"}
+ACTIONS = {  # and their types in OpenXR
+    "aim": "POSE_INPUT", "stick": "VECTOR2F_INPUT", "trigger": "FLOAT_INPUT",
+    "squeeze": "FLOAT_INPUT", "primary": "BOOLEAN_INPUT", "secondary": "BOOLEAN_INPUT",
+    "menu": "BOOLEAN_INPUT", "haptic": "VIBRATION_OUTPUT",
+}  # fmt: skip
 
 
 class Profile(NamedTuple):
@@ -42,51 +35,46 @@ class Profile(NamedTuple):
         """Pairs of an action and the full path of a part."""
         return [
             (action, f"{hand}/{part}")
-            for hand, own in zip(HANDS, (self.left, self.right), strict=True)
-            for action, part in {**self.both, **own}.items()
+            for hand, only in zip(HANDS, (self.left, self.right), strict=True)
+            for action, part in {**self.both, **only}.items()
         ]
 
 
+CONTROLLER = {"aim": "input/aim/pose", "haptic": "output/haptic"}
+WITH_STICK = CONTROLLER | {
+    "stick": "input/thumbstick",
+    "trigger": "input/trigger/value",
+    "squeeze": "input/squeeze/value",
+}
 PROFILES = {
     "khr/simple_controller": Profile(
         CONTROLLER | {"trigger": "input/select/click", "menu": "input/menu/click"}
     ),
     "oculus/touch_controller": Profile(
-        CONTROLLER
-        | {
-            "stick": "input/thumbstick",
-            "trigger": "input/trigger/value",
-            "squeeze": "input/squeeze/value",
-        },
+        WITH_STICK,
         {"primary": "input/x/click", "secondary": "input/y/click", "menu": "input/menu/click"},
         {"primary": "input/a/click", "secondary": "input/b/click"},
     ),
     "valve/index_controller": Profile(
-        CONTROLLER
+        WITH_STICK
         | {
-            "stick": "input/thumbstick",
-            "trigger": "input/trigger/value",
-            "squeeze": "input/squeeze/value",
             "primary": "input/a/click",
             "secondary": "input/b/click",
             "menu": "input/thumbstick/click",  # the system has its only other button
         }
     ),
     "htc/vive_controller": Profile(
-        CONTROLLER
+        WITH_STICK
         | {
             "stick": "input/trackpad",
-            "trigger": "input/trigger/value",
             "squeeze": "input/squeeze/click",
             "primary": "input/trackpad/click",
             "menu": "input/menu/click",
         }
     ),
     "microsoft/motion_controller": Profile(
-        CONTROLLER
+        WITH_STICK
         | {
-            "stick": "input/thumbstick",
-            "trigger": "input/trigger/value",
             "squeeze": "input/squeeze/click",
             "primary": "input/trackpad/click",
             "secondary": "input/thumbstick/click",
@@ -184,17 +172,17 @@ class Controllers:
                 action_set_name="dive", localized_action_set_name="Dive", priority=0
             ),
         )
-        kinds = xr.ActionType
         self._actions = {
-            name: self._make_action(name, kind)
-            for names, kind in (
-                (POSES, kinds.POSE_INPUT),
-                (STICKS, kinds.VECTOR2F_INPUT),
-                (AMOUNTS, kinds.FLOAT_INPUT),
-                (BUTTONS, kinds.BOOLEAN_INPUT),
-                (PULSES, kinds.VIBRATION_OUTPUT),
+            name: xr.create_action(
+                self._set,
+                xr.ActionCreateInfo(
+                    action_name=name,
+                    action_type=getattr(xr.ActionType, kind),
+                    subaction_paths=self._paths,
+                    localized_action_name=name.capitalize(),
+                ),
             )
-            for name in names
+            for name, kind in ACTIONS.items()
         }
         self._suggest(instance, extensions)
         xr.attach_session_action_sets(
@@ -214,15 +202,6 @@ class Controllers:
             }
             for path in self._paths
         ]
-
-    def _make_action(self, name: str, kind: Any) -> Any:
-        info = self._xr.ActionCreateInfo(
-            action_name=name,
-            action_type=kind,
-            subaction_paths=self._paths,
-            localized_action_name=name.capitalize(),
-        )
-        return self._xr.create_action(self._set, info)
 
     def _suggest(self, instance: Any, extensions: set[str]) -> None:
         xr = self._xr
@@ -260,11 +239,11 @@ class Controllers:
         moved = (stick.current_state.x, stick.current_state.y) if stick.is_active else None
         trigger, squeeze = (
             float(xr.get_action_state_float(session, queries[name]).current_state)
-            for name in AMOUNTS
+            for name in ("trigger", "squeeze")
         )
         buttons = (
             bool(xr.get_action_state_boolean(session, queries[name]).current_state)
-            for name in BUTTONS
+            for name in ("primary", "secondary", "menu")
         )
         aim = self._aim(number, space, time) if time else None
         return Hand(aim, moved, trigger, squeeze, *buttons)
@@ -272,8 +251,8 @@ class Controllers:
     def _aim(self, number: int, space: Any, time: int) -> Pose | None:
         flags = self._xr.SpaceLocationFlags
         valid = flags.POSITION_VALID_BIT | flags.ORIENTATION_VALID_BIT
-        found = self._xr.locate_space(self._aims[number], space, time)
-        return pose_of(found.pose) if found.location_flags & valid == valid else None
+        location = self._xr.locate_space(self._aims[number], space, time)
+        return pose_of(location.pose) if location.location_flags & valid == valid else None
 
     def pulse(self, hand: int, strength: float, seconds: float) -> None:
         """Vibrate a controller; nothing for one that cannot."""

@@ -2,15 +2,16 @@
 
 import ctypes
 import os
+import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, NamedTuple
 
-from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.system import require
 from subsea.stage.headset.controllers import (
+    HAND_INTERACTION,
     NO_HANDS,
     Controllers,
     Hand,
@@ -19,20 +20,17 @@ from subsea.stage.headset.controllers import (
     HeadsetLostError,
     pose_of,
 )
-from subsea.stage.headset.runtime import (
-    NO_OPENGL,
-    OPENGL,
-    destroy,
-    find_system,
-    first_line,
-    graphics_binding,
-    make_instance,
-    name_runtime,
-    name_system,
-    opening,
-)
 from subsea.view.head import AT_REST, HeadEye, Pose
 
+OPENGL = "XR_KHR_opengl_enable"
+NO_RUNTIME = (
+    "no OpenXR runtime: install the software of the headset, SteamVR or Monado, and make it the "
+    "active OpenXR runtime in its settings"
+)
+NOT_RUNNING = "the OpenXR runtime does not start: start the software of the headset, then try again"
+NO_HEADSET = "no headset: connect it, switch it on and start its software"
+NO_OPENGL = "the OpenXR runtime does not support OpenGL: make SteamVR or Monado the active one"
+NO_CONTEXT = "OpenXR needs a window on X11: unset WAYLAND_DISPLAY, or set it to nothing"
 FORMATS = 0x8C43, 0x8058  # SRGB8_ALPHA8, RGBA8: the best first
 CLOSING_S = 2.0  # for the runtime to let a session end
 ENDED = "the software of the headset ended the dive"
@@ -127,7 +125,7 @@ class OpenXrHeadset:
     def _make_swapchains(self, system: Any) -> list[_Swapchain]:
         xr = self._xr
         offered = list(xr.enumerate_swapchain_formats(self._session))
-        chosen = next((one for one in FORMATS if one in offered), None)
+        chosen = next((known for known in FORMATS if known in offered), None)
         self.srgb = chosen == FORMATS[0]
         if chosen is None:
             raise UserError("the headset takes no pictures of 8 bits with sRGB or RGBA")
@@ -147,7 +145,7 @@ class OpenXrHeadset:
             )
             handle = xr.create_swapchain(self._session, info)
             images = xr.enumerate_swapchain_images(handle, xr.SwapchainImageOpenGLKHR)
-            chains.append(_Swapchain(handle, size, tuple(int(one.image) for one in images)))
+            chains.append(_Swapchain(handle, size, tuple(int(image.image) for image in images)))
         return chains
 
     def poll(self) -> None:
@@ -281,11 +279,6 @@ class OpenXrHeadset:
             if self.focused and strength > 0.0:
                 self._controllers.pulse(hand, strength, seconds)
 
-    def request_exit(self) -> None:
-        """Ask the runtime to end the session; later calls tell of it."""
-        with self._speaking():
-            self._xr.request_exit_session(self._session)
-
     def close(self) -> None:
         """End the session and release everything; again, or after a loss, is fine."""
         with suppress(UserError, self._xr.XrException):
@@ -360,8 +353,8 @@ def _layer_view(xr: Any, eye: HeadEye, chain: _Swapchain) -> Any:
     size = xr.Extent2Di(*chain.size)
     return xr.CompositionLayerProjectionView(
         pose=xr.Posef(
-            orientation=xr.Quaternionf(*_floats(eye.pose.orientation)),
-            position=xr.Vector3f(*_floats(eye.pose.position)),
+            orientation=xr.Quaternionf(*eye.pose.orientation.tolist()),
+            position=xr.Vector3f(*eye.pose.position.tolist()),
         ),
         fov=xr.Fovf(eye.left, eye.right, eye.up, eye.down),
         sub_image=xr.SwapchainSubImage(
@@ -370,6 +363,97 @@ def _layer_view(xr: Any, eye: HeadEye, chain: _Swapchain) -> Any:
     )
 
 
-def _floats(values: Array) -> Sequence[float]:
-    floats: list[float] = values.tolist()
-    return floats
+@contextmanager
+def opening(xr: Any) -> Iterator[None]:
+    """Turn what the runtime reports into a UserError."""
+    try:
+        yield
+    except xr.RuntimeUnavailableError as fault:
+        raise UserError(NO_RUNTIME) from fault
+    except (xr.FormFactorUnavailableError, xr.FormFactorUnsupportedError) as fault:
+        raise UserError(NO_HEADSET) from fault
+    except (xr.RuntimeFailureError, xr.InitializationFailedError) as fault:
+        raise UserError(NOT_RUNNING) from fault
+    except xr.XrException as fault:
+        raise UserError(f"the headset does not open: {first_line(fault)}") from fault
+
+
+def make_instance(xr: Any, made: ExitStack, graphics: bool) -> tuple[Any, set[str]]:
+    """Make an instance, which `made` destroys; also the extensions that are enabled in it.
+
+    `graphics`: a UserError if the runtime does not support OpenGL.
+    """
+    properties = xr.enumerate_instance_extension_properties()
+    offered = {_text(extension.extension_name) for extension in properties}
+    wanted = {OPENGL, HAND_INTERACTION} & offered
+    if graphics and OPENGL not in wanted:
+        raise UserError(NO_OPENGL)
+    about = xr.ApplicationInfo(
+        application_name="subsea", engine_name="subsea", api_version=xr.Version(1, 0, 0)
+    )
+    instance = xr.create_instance(
+        xr.InstanceCreateInfo(application_info=about, enabled_extension_names=sorted(wanted))
+    )
+    made.callback(destroy, xr, xr.destroy_instance, instance)
+    return instance, wanted
+
+
+def find_system(xr: Any, instance: Any) -> Any:
+    """The headset that is connected."""
+    head = xr.FormFactor.HEAD_MOUNTED_DISPLAY
+    return xr.get_system(instance, xr.SystemGetInfo(form_factor=head))
+
+
+def name_runtime(xr: Any, instance: Any, version: bool = False) -> str:
+    """The name of the runtime, with its version if asked for."""
+    known = xr.get_instance_properties(instance)
+    name = _text(known.runtime_name)
+    if not version:
+        return name
+    number = known.runtime_version
+    return f"{name} {number.major}.{number.minor}.{number.patch}"
+
+
+def name_system(xr: Any, instance: Any, system: Any) -> str:
+    """The name of a headset."""
+    return _text(xr.get_system_properties(instance, system).system_name)
+
+
+def graphics_binding(xr: Any, instance: Any, system: Any) -> tuple[Any, Callable[[], object]]:
+    """Describe the current OpenGL context to the runtime.
+
+    The second value makes it current again: some runtimes change it while they open a session.
+    """
+    xr.get_opengl_graphics_requirements_khr(instance, system)  # OpenXR insists on the call
+    if sys.platform == "win32":
+        from OpenGL import WGL
+
+        device, context = WGL.wglGetCurrentDC(), WGL.wglGetCurrentContext()
+        binding = xr.GraphicsBindingOpenGLWin32KHR(h_dc=device, h_glrc=context)
+        return binding, lambda: WGL.wglMakeCurrent(device, context)
+    from OpenGL import GLX
+
+    display, drawable = GLX.glXGetCurrentDisplay(), GLX.glXGetCurrentDrawable()
+    context = GLX.glXGetCurrentContext()
+    if not context:
+        raise UserError(NO_CONTEXT)
+    binding = xr.GraphicsBindingOpenGLXlibKHR(
+        x_display=display, glx_drawable=drawable, glx_context=context
+    )
+    return binding, lambda: GLX.glXMakeCurrent(display, drawable, context)
+
+
+def destroy(xr: Any, function: Callable[[Any], None], handle: Any) -> None:
+    """Destroy what the handle stands for with its function of `xr`."""
+    with suppress(xr.XrException):  # the runtime that had it is lost
+        function(handle)
+
+
+def first_line(fault: Exception) -> str:
+    """The first line of an error, as the end of a sentence."""
+    lines = str(fault).strip().splitlines()
+    return lines[0].rstrip(". ") if lines else type(fault).__name__
+
+
+def _text(value: bytes | str) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else value

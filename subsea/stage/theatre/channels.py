@@ -14,9 +14,11 @@ from subsea.base.files import read_input
 from subsea.base.toml_files import error_at
 from subsea.stage.theatre.blend import Projector, blend_mask
 from subsea.stage.theatre.imported import ImportedTheatre
+from subsea.stage.theatre.measured_mesh import grid_triangles
+from subsea.stage.theatre.mesh_formats import read_warp
 from subsea.stage.theatre.mpcdi import MpcdiRegion, read_mpcdi
 from subsea.stage.theatre.mpcdi import mask as calibrated_mask
-from subsea.stage.theatre.png import MAX_BYTES, parse_png, stretched
+from subsea.stage.theatre.pixel_files import MAX_PICTURE, parse_png, stretched
 from subsea.stage.theatre.screens import (
     Flat,
     Screen,
@@ -39,7 +41,6 @@ from subsea.stage.theatre.theatre_file import (
     viewport,
 )
 from subsea.stage.theatre.warp import cropped, identity, rasterized, subdivided
-from subsea.stage.theatre.warp_files import read_warp
 from subsea.view.rig import Projection, Rect, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -112,11 +113,8 @@ def screen_mesh(lighted: ProjectorChannel) -> tuple[Array, Ints]:
     if lighted.warp is not None:
         warp = subdivided(lighted.warp, across, up)
         return warp.vertices[:, :4].astype(np.float64), warp.triangles
-    k = (np.arange(up)[:, None] * (across + 1) + np.arange(across)).ravel()
-    low = np.stack([k, k + 1, k + across + 2], axis=1)
-    high = np.stack([k, k + across + 2, k + across + 1], axis=1)
     places = grid.reshape(-1, 2)
-    return np.hstack([places, places]), np.concatenate([low, high]).astype(np.int32)
+    return np.hstack([places, places]), grid_triangles(across + 1, up + 1).astype(np.int32)
 
 
 def screen_grid(screen: Screen) -> Array:
@@ -162,7 +160,7 @@ def _file_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) ->
 
 def _mask_picture(path: Path, most: tuple[int, int]) -> Array:
     """The factors (h, w, 3) of a PNG picture, of at most `most` pixels."""
-    picture = parse_png(read_input(path, MAX_BYTES), str(path))
+    picture = parse_png(read_input(path, MAX_PICTURE), str(path))
     height, width, _ = picture.shape
     return stretched(picture, min(width, most[0]), min(height, most[1]))
 

@@ -1,12 +1,13 @@
 """The commented theatre file of a layout, and the steps to line its projectors up."""
 
-from collections.abc import Sequence
+import textwrap
+from typing import Any
 
-import msgspec
+import numpy as np
 
-from subsea.base.arrays import Array
+from subsea.base.toml_edit import toml_value
 from subsea.stage.theatre.layouts import TheatreLayout
-from subsea.stage.theatre.theatre_file import Angles, Cylinder, Dome, Plane
+from subsea.stage.theatre.theatre_writer import plain
 
 IN_A_ROW = 6  # windows of a row of the desktop
 COLUMN = 98  # of comments
@@ -29,7 +30,7 @@ def compose_theatre(
     lines += [f"# {note}." for note in layout.notes]
     lines += ["#"]
     for number, step in enumerate(line_up(layout, computers), 1):
-        lines += _wrapped(f"{number}. {step}")
+        lines += textwrap.wrap(f"# {number}. {step}", COLUMN, subsequent_indent="#   ")
     lines += ["", f'title = "{layout.title}"']
     lines += ["eye_cm = [0, 0, 0]  # the best seat; lengths count from here: right, up, ahead"]
     if layout.dome is not None:
@@ -43,19 +44,19 @@ def compose_theatre(
         lines += [f"position = {place}  # or `monitor = {1 if computers else number + 1}`"]
     for channel in layout.channels:
         lines += ["", "[[channel]]", f'name = "{channel.name}"', f'window = "{channel.name}"']
-        lines += [_screen_line(channel.screen)]
+        lines += [f"{type(channel.screen).__name__.lower()} = {_toml(channel.screen)}"]
         if layout.blend and len(names) > 1:
             lines += ["blend = true", "gamma = 2.2  # of the projector", "black = 0.0"]
         if channel.nodes is not None:
             lines += [f'warp = "{mesh_name(stem, channel.name)}"']
     lines += ["", "# Only for `subsea theatre FILE --picture`.", "[room]"]
-    lines += [f"floor_cm = {_number(layout.floor_cm)}"]
+    lines += [f"floor_cm = {_toml(layout.floor_cm)}"]
     if layout.dome is not None:
-        lines += [f"dome = {_inline(layout.dome)}"]
+        lines += [f"dome = {_toml(layout.dome)}"]
     if layout.mirror is not None:
-        lines += [f"mirror = {_inline(layout.mirror)}"]
+        lines += [f"mirror = {_toml(layout.mirror)}"]
     lines += ["", "[room.projectors]  # places of the lenses"]
-    lines += [f"{one.name} = {_numbers(one.lens.place)}" for one in layout.channels]
+    lines += [f"{channel.name} = {_toml(channel.lens.place)}" for channel in layout.channels]
     if computers:
         lines += ["", "# One computer shows all nodes as it stands. For several enter the master's"]
         lines += ["# own address, make keys with"]
@@ -106,37 +107,15 @@ def line_up(layout: TheatreLayout, computers: bool) -> list[str]:
     return steps
 
 
-def _screen_line(screen: Plane | Cylinder | Angles | Dome) -> str:
-    return f"{type(screen).__name__.lower()} = {_inline(screen)}"
+def _short(value: Any) -> Any:
+    """Round numbers to a thousandth, whole ones without a point."""
+    if isinstance(value, dict):
+        return {key: _short(inner) for key, inner in value.items()}
+    if isinstance(value, list | np.ndarray):
+        return [_short(inner) for inner in value]
+    number = round(float(value), 3)
+    return int(number) if number.is_integer() else number
 
 
-def _inline(table: msgspec.Struct) -> str:
-    """An inline table of the fields that differ from their defaults, or have none."""
-    found = []
-    for one in msgspec.structs.fields(table):
-        value = getattr(table, one.name)
-        if one.default is msgspec.NODEFAULT or value != one.default:
-            text = _numbers(value) if isinstance(value, tuple) else _number(value)
-            found.append(f"{one.name} = {text}")
-    return f"{{ {', '.join(found)} }}"
-
-
-def _numbers(values: Sequence[float] | Array) -> str:
-    return f"[{', '.join(_number(value) for value in values)}]"
-
-
-def _number(value: float) -> str:
-    """A number to a thousandth, without a useless end."""
-    text = f"{float(value):.3f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
-
-
-def _wrapped(text: str) -> list[str]:
-    """Lines of a comment."""
-    found, line = [], "#"
-    for word in text.split():
-        if len(line) + 1 + len(word) > COLUMN:
-            found.append(line)
-            line = "#   "
-        line += f" {word}" if line == "#" else word if line.endswith("   ") else f" {word}"
-    return [*found, line]
+def _toml(value: Any) -> str:
+    return toml_value(_short(plain(value)))

@@ -1,21 +1,42 @@
 """Load a theatre from a file of our own or of another program, and check its names and places."""
 
+from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from subsea.base.errors import UserError, unknown
+from subsea.base.files import read_input
 from subsea.base.system import named_or_file
 from subsea.base.toml_files import error_at, load_toml
-from subsea.stage.theatre.foreign import READERS
-from subsea.stage.theatre.theatre_file import FOLDER, Channel, Theatre, Window, viewport
+from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
+from subsea.stage.theatre.measured_mesh import angles_of
+from subsea.stage.theatre.mesh_formats import FORMATS, MAX_BYTES, read_mesh
+from subsea.stage.theatre.mpcdi import read_mpcdi
+from subsea.stage.theatre.ndisplay import read_ndisplay
+from subsea.stage.theatre.sgct import read_sgct
+from subsea.stage.theatre.theatre_file import (
+    FOLDER,
+    Archive,
+    Theatre,
+    covers,
+    reaches_out,
+    viewport,
+)
+from subsea.stage.theatre.vioso import vioso_maps, vioso_mesh
 from subsea.view.rig import overlap
+
+SIZE = (1280, 720)  # of the window of a mesh
+FIELD = {"left_deg": -40, "right_deg": 40, "down_deg": -25, "up_deg": 25}
 
 
 def load_theatre(name: str) -> tuple[Theatre, Path]:
     """Load the theatre called `name`, or from the path `name`; return it with its file.
 
-    The suffix of a path tells which program's file it is. Raises a UserError; the geometry of
-    screens is checked when they are built.
+    The suffix of a path tells which program's file it is (`READERS`). Raises a UserError; the
+    geometry of screens is checked when they are built.
     """
     if reader := READERS.get(Path(name).suffix.lower()):
         path = Path(name)
@@ -23,102 +44,170 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     else:
         path = named_or_file(name, FOLDER, ".toml", "theatre")
         theatre = load_toml(path, Theatre)
-    _check(path, theatre)
+    for key, fault in _faults(theatre):
+        raise error_at(path, key, fault) if key else UserError(fault, file=path)
     return theatre, path
 
 
-def _check(path: Path, theatre: Theatre) -> None:
-    """Refuse names that are taken or unknown, and windows and channels that overlap."""
-    _distinct(path, "window", [window.name for window in theatre.window])
-    _distinct(path, "channel", [channel.name for channel in theatre.channel])
+def read_json(path: Path) -> ImportedTheatre:
+    """Read a configuration of SGCT, or of nDisplay if it has its table."""
+    data = read_input(path).removeprefix(b"\xef\xbb\xbf")
+    try:
+        content = msgspec.json.decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as fault:
+        raise UserError(f"not valid JSON ({fault})", file=path) from fault
+    if isinstance(content, dict) and "nDisplay" in content:
+        return read_ndisplay(path, content["nDisplay"])
+    return read_sgct(path, content)
+
+
+def read_archive(path: Path) -> ImportedTheatre:
+    """Read the projectors of an MPCDI archive, a window for each."""
+    builder = TheatreBuilder(path, path.stem)
+    archive = read_mpcdi(path)
+    for fault in archive.faults:
+        builder.leave_out(fault)
+    windows = {}
+    for region in archive.regions:
+        if region.frustum is None:
+            builder.leave_out(
+                f"region {region.name!r}: it has no frustum of its own; name the screen in a "
+                "theatre file with [[mpcdi]]"
+            )
+        elif (window := builder.window(region.name, size=region.size)) is not None:
+            windows[region.name] = window.name
+    if windows:
+        builder.archives.append(Archive(file=path.name, windows=windows))
+    return builder.build()
+
+
+def read_lone_mesh(path: Path) -> ImportedTheatre:
+    """Make a window for one mesh, with its own view if it has one."""
+    builder = TheatreBuilder(path, path.stem)
+    measured = read_mesh(path, SIZE)
+    for note in measured.notes:
+        builder.leave_out(note)
+    screen: dict[str, Any] = {"angles": FIELD}
+    if measured.view is not None:
+        screen = {"angles": angles_of(measured.view)}
+    else:
+        builder.leave_out("its screen: a mesh says nothing of it, so change it here")
+        if path.suffix.lower() == ".data":
+            screen = {"dome": {}}
+    window = builder.window(path.stem, size=SIZE)
+    if window is not None:
+        builder.channel(path.stem, window, warp=path.name, **screen)
+    return builder.build()
+
+
+def read_maps(path: Path) -> ImportedTheatre:
+    """Make a window for each map of a VIOSO file."""
+    builder = TheatreBuilder(path, path.stem)
+    maps, notes = vioso_maps(read_input(path, MAX_BYTES), str(path))
+    for note in notes:
+        builder.leave_out(note)
+    builder.leave_out("the screen of each map: a map says nothing of it, so change it here")
+    for measured in maps:
+        name = measured.name or path.stem
+        try:
+            mesh = vioso_mesh(measured, f"{path}: map {name!r}")
+        except UserError as fault:
+            builder.leave_out(f"{fault}")
+            continue
+        window = builder.window(name, size=measured.size)
+        if window is not None:
+            key = f"{window.name}.obj"
+            builder.meshes[key] = mesh
+            builder.channel(name, window, warp=key, angles=FIELD)
+    return builder.build()
+
+
+READERS: dict[str, Callable[[Path], ImportedTheatre]] = {
+    ".json": read_json,
+    ".ndisplay": read_json,
+    ".mpcdi": read_archive,
+    **dict.fromkeys(FORMATS, read_lone_mesh),
+    ".vwf": read_maps,
+}
+
+
+def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
+    """Find names that are taken or unknown, and windows and channels that overlap: key, message.
+
+    Each fault after the first one may follow from those before it.
+    """
+    names = [channel.name for channel in theatre.channel]
+    windows = {window.name: window for window in theatre.window}
+    for kind, given in (("window", [window.name for window in theatre.window]), ("channel", names)):
+        for k, name in enumerate(given):
+            if name in given[:k]:
+                message = f"{given.count(name)} {kind}s are called {name!r}, expected 1"
+                yield f"{kind}[{k}].name", message
     if not theatre.channel and not theatre.mpcdi:
-        raise UserError("shows nothing, expected at least one `channel` or `mpcdi`", file=path)
-    for k, speaker in enumerate(theatre.loudspeaker):
-        if speaker.node not in theatre.nodes:
-            fault = unknown("node", speaker.node, list(theatre.nodes)).message
-            raise error_at(path, f"loudspeaker[{k}].node", fault)
+        yield "", "shows nothing, expected at least one `channel` or `mpcdi`"
+    for key, kind, name, known, prefix in _references(theatre):
+        if name not in known:
+            yield key, f"{prefix}{unknown(kind, name, list(known)).message}"
     for k, window in enumerate(theatre.window):
         if window.position is not None and window.monitor is not None:
-            fault = f"window {window.name!r} has a `position` and a `monitor`, expected one"
-            raise error_at(path, f"window[{k}].position", fault)
-    names = [channel.name for channel in theatre.channel]
-    for name in theatre.room.projectors if theatre.room else ():
-        if name not in names:
-            fault = unknown("channel", name, names).message
-            raise error_at(path, f"room.projectors.{name}", f"`room.projectors`: {fault}")
-    _apart(path, theatre)
-    windows = {window.name: window for window in theatre.window}
+            message = f"window {window.name!r} has a `position` and a `monitor`, expected one"
+            yield f"window[{k}].position", message
+    for (_, window), (k, other) in combinations(enumerate(theatre.window), 2):
+        pair = f"windows {window.name!r} and {other.name!r}"
+        how = {
+            "monitor": f"both fill monitor {window.monitor!r}; expected one window a monitor, with "
+            "several channels if need be",
+            "position": "lie on one another; expected places side by side",
+        }
+        if key := covers(window, other):
+            yield f"window[{k}].{key}", f"{pair} {how[key]}"
     for k, channel in enumerate(theatre.channel):
-        if channel.window not in windows:
-            fault = unknown("window", channel.window, list(windows)).message
-            raise error_at(path, f"channel[{k}].window", f"channel {channel.name!r}: {fault}")
-        _inside(path, k, channel, windows[channel.window])
-    for (_, one), (k, other) in combinations(enumerate(theatre.channel), 2):
-        if one.window == other.window and overlap(
-            viewport(one, windows[one.window]), viewport(other, windows[other.window])
-        ):
-            raise error_at(
-                path,
-                f"channel[{k}]",
-                f"channels {one.name!r} and {other.name!r} lie on one another in window "
-                f"{one.window!r}; expected viewports side by side",
+        window = windows[channel.window]
+        if reaches_out(channel, window):
+            yield (
+                f"channel[{k}].viewport",
+                (
+                    f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
+                    f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
+                ),
             )
+    for (_, first), (k, second) in combinations(enumerate(theatre.channel), 2):
+        window = windows[first.window]
+        if second.window == first.window and overlap(
+            viewport(first, window), viewport(second, window)
+        ):
+            yield (
+                f"channel[{k}]",
+                (
+                    f"channels {first.name!r} and {second.name!r} lie on one another in window "
+                    f"{window.name!r}; expected viewports side by side"
+                ),
+            )
+    if theatre.cluster is None and len(theatre.nodes) > 1:
+        yield (
+            "",
+            (
+                f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
+                "[cluster] that says which of them is the `master`"
+            ),
+        )
+
+
+def _references(theatre: Theatre) -> Iterator[tuple[str, str, str, tuple[str, ...], str]]:
+    """List the names that must be known: key, kind, name, known names, start of a message."""
+    nodes = theatre.nodes
+    channels = tuple(channel.name for channel in theatre.channel)
+    windows = tuple(window.name for window in theatre.window)
+    for k, speaker in enumerate(theatre.loudspeaker):
+        yield f"loudspeaker[{k}].node", "node", speaker.node, nodes, ""
+    for name in theatre.room.projectors if theatre.room else ():
+        yield f"room.projectors.{name}", "channel", name, channels, "`room.projectors`: "
+    for k, channel in enumerate(theatre.channel):
+        start = f"channel {channel.name!r}: "
+        yield f"channel[{k}].window", "window", channel.window, windows, start
     for k, archive in enumerate(theatre.mpcdi):
         for region, shown in (archive.windows or {}).items():
-            if shown not in windows:
-                fault = unknown("window", shown, list(windows)).message
-                message = f"region {region!r} of {archive.file}: {fault}"
-                raise error_at(path, f"mpcdi[{k}].windows.{region}", message)
-    cluster = theatre.cluster
-    if cluster is None and len(theatre.nodes) > 1:
-        raise UserError(
-            f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
-            "[cluster] that says which of them is the `master`",
-            file=path,
-        )
-    if cluster is not None and cluster.master not in theatre.nodes:
-        fault = unknown("node", cluster.master, list(theatre.nodes)).message
-        raise error_at(path, "cluster.master", f"`cluster.master`: {fault}")
-
-
-def _distinct(path: Path, kind: str, names: list[str]) -> None:
-    for k, name in enumerate(names):
-        if name in names[:k]:
-            fault = f"{names.count(name)} {kind}s are called {name!r}, expected 1"
-            raise error_at(path, f"{kind}[{k}].name", fault)
-
-
-def _apart(path: Path, theatre: Theatre) -> None:
-    """Refuse windows of a computer that share a monitor or overlap."""
-    for (_, one), (k, other) in combinations(enumerate(theatre.window), 2):
-        if one.node != other.node:
-            continue
-        if one.monitor is not None and one.monitor == other.monitor:
-            raise error_at(
-                path,
-                f"window[{k}].monitor",
-                f"windows {one.name!r} and {other.name!r} both fill monitor {one.monitor!r}; "
-                "expected one window a monitor, with several channels if need be",
-            )
-        if (
-            one.position is not None
-            and other.position is not None
-            and overlap((*one.position, *one.size), (*other.position, *other.size))
-        ):
-            raise error_at(
-                path,
-                f"window[{k}].position",
-                f"windows {one.name!r} and {other.name!r} lie on one another; expected places "
-                "side by side",
-            )
-
-
-def _inside(path: Path, k: int, channel: Channel, window: Window) -> None:
-    x, y, width, height = viewport(channel, window)
-    if x + width > window.size[0] or y + height > window.size[1]:
-        raise error_at(
-            path,
-            f"channel[{k}].viewport",
-            f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
-            f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels",
-        )
+            start = f"region {region!r} of {archive.file}: "
+            yield f"mpcdi[{k}].windows.{region}", "window", shown, windows, start
+    if theatre.cluster is not None:
+        yield "cluster.master", "node", theatre.cluster.master, nodes, "`cluster.master`: "

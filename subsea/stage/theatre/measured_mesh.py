@@ -82,10 +82,6 @@ def turns(axis: int, degrees: float) -> Array:
     return found
 
 
-MAX_NODES = 2**20  # of a mesh that lists its nodes
-MAX_TRIANGLES = 2**22
-
-
 class MeasuredMesh(NamedTuple):
     """A warp, and what else its file says of the projector."""
 
@@ -119,12 +115,6 @@ def node_mesh(places: Array, sources: Array, triangles: Ints, where: str) -> War
         raise UserError(f"a triangle of nodes beyond the {len(places)} of its mesh", file=where)
     kept = triangles[used[triangles].all(axis=1)]
     return validated(mesh(places, np.nan_to_num(shown), kept), where)
-
-
-def bounded_grid(columns: int, rows: int, where: str) -> None:
-    """Refuse a grid of fewer than 2×2 nodes or of more than MAX_NODES."""
-    if min(columns, rows) < 2 or columns * rows > MAX_NODES:
-        raise UserError(f"{columns}×{rows} nodes, expected 2×2 to {MAX_NODES} in all", file=where)
 
 
 def numbers_of(words: Sequence[str], count: int, at: str, names: str) -> list[float]:

@@ -24,7 +24,8 @@ The format (VESA MPCDI 1.0 and 2.0) and the sources of these statements:
 """
 
 import math
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
@@ -33,21 +34,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
-from subsea.stage.theatre.archives import MAX_XML, Fetch, open_archive, parse_xml
+from subsea.base.files import open_input
 from subsea.stage.theatre.measured_mesh import ViewAngles
-from subsea.stage.theatre.pfm import MAX_BYTES, parse_pfm
-from subsea.stage.theatre.png import MAX_BYTES as MAX_PICTURE
-from subsea.stage.theatre.png import MAX_SIDE, parse_png, stretched
+from subsea.stage.theatre.mesh_formats import parse_xml, sources_of
+from subsea.stage.theatre.pixel_files import parse_pfm, parse_png, stretched
 from subsea.stage.theatre.warp import from_grid, validated, without_invalid
-from subsea.stage.theatre.warp_files import sources_of
 from subsea.view.rig import Warp
 
 Rect = tuple[float, float, float, float]
+Fetch = Callable[[str], bytes | None]  # the content of a path in an archive
 
-MAX_REGIONS = 256
+MAX_SIDE = 2**14  # pixels of a projector
 XML_NAMES = ("mpcdi.xml", "mpacs.xml", "mpcdi1_.xml")  # the last: SGCT's calibrator
-MAX_POINTS = 2**27  # of the warps and maps of all regions together: eight projectors of 4K
-PROFILES = {"a3": "advanced 3-D", "sl": "shader lamps"}  # known, but not shown
+PROFILES = {  # known, but not shown
+    "a3": " (advanced 3-D) has points in space",
+    "sl": " (shader lamps) has points in space",
+}
 USED = ("geometrywarpfile", "alphamap", "betamap")
 AGREES = 0.02  # of a buffer: by which u and v that fill a region's place may miss its edges
 
@@ -62,9 +64,8 @@ class MpcdiRegion(NamedTuple):
     frustum: ViewAngles | None = None
     warp: Warp | None = None  # u, v are shares of the region, not of the buffer
     alpha: NDArray[np.float32] | None = None  # (h, w, 3), upper row first: 0 to 1, as stored
-    alpha_gamma: float = 1.0
     beta: NDArray[np.float32] | None = None  # (h, w, 3)
-    beta_gamma: float = 1.0
+    gamma: float = 1.0  # of both maps
 
 
 class MpcdiArchive(NamedTuple):
@@ -77,11 +78,32 @@ class MpcdiArchive(NamedTuple):
 
 def read_mpcdi(path: Path) -> MpcdiArchive:
     """Read the projectors of an archive; a UserError if none can be used."""
-    with open_archive(path) as fetch:
+    with open_input(path) as file:
+        try:
+            archive = zipfile.ZipFile(file)
+        except Exception as fault:  # zipfile raises nearly anything for a damaged file
+            raise UserError(f"not a readable zip archive ({fault})", file=path) from fault
+        members = {_plain(member.filename): member for member in archive.infolist()}
+
+        def fetch(name: str) -> bytes | None:
+            if (member := members.get(_plain(name))) is None:
+                return None
+            try:
+                return archive.read(member)
+            except Exception as fault:  # as above
+                raise UserError(
+                    f"cannot be unpacked ({fault})", file=f"{path}: {name!r}"
+                ) from fault
+
         for name in XML_NAMES:
-            if (xml := fetch(name, MAX_XML)) is not None:
+            if (xml := fetch(name)) is not None:
                 return _archive(parse_xml(xml, f"{path}: {name}"), fetch, str(path))
     raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
+
+
+def _plain(name: str) -> str:
+    """Make a path in an archive comparable: lower case, forward slashes, no leading ./"""
+    return name.strip().replace("\\", "/").removeprefix("./").lower()
 
 
 def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
@@ -92,23 +114,23 @@ def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np
     k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black and white, and for all values where
     there is no beta map. k is the mean of three colours.
     """
-    maps = [one for one in (region.alpha, region.beta) if one is not None]
-    if not maps:
+    shapes = [given.shape for given in (region.alpha, region.beta) if given is not None]
+    if not shapes:
         return np.array([[[1.0, 1.0, 1.0, 0.0]]], np.float32)
-    height, width, _ = max((one.shape for one in maps), key=lambda shape: shape[0] * shape[1])
+    height, width, _ = max(shapes, key=lambda shape: shape[0] * shape[1])
     width, height = min(width, most[0]), min(height, most[1])
-    found = np.zeros((height, width, 4), np.float32)
+    factors = np.zeros((height, width, 4), np.float32)
     alpha, beta = np.ones((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
     if region.alpha is not None:
         alpha = stretched(region.alpha, width, height)
     if region.beta is not None:
         beta = stretched(region.beta, width, height)
     for k in range(3):  # one after the other: pictures of projectors are large
-        a, b = alpha[..., k] ** region.alpha_gamma, beta[..., k] ** region.beta_gamma
-        found[..., k] = (a * (1 - b) + b) ** (1 / gamma)
-        found[..., 3] += b ** (1 / gamma) / 3
-    found[..., :3] = np.maximum(found[..., :3] - found[..., 3:], 0.0)
-    return found
+        a, b = alpha[..., k] ** region.gamma, beta[..., k] ** region.gamma
+        factors[..., k] = (a * (1 - b) + b) ** (1 / gamma)
+        factors[..., 3] += b ** (1 / gamma) / 3
+    factors[..., :3] = np.maximum(factors[..., :3] - factors[..., 3:], 0.0)
+    return factors
 
 
 def _edges(place: Rect) -> Rect:
@@ -118,67 +140,47 @@ def _edges(place: Rect) -> Rect:
 
 
 def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
-    """All regions; a fault of one leaves the others."""
+    """Read all regions; a fault of one leaves the others."""
     profile = root.get("profile", "").strip().lower()
     if root.tag != "mpcdi":
-        raise UserError(f"root {root.tag[:40]!r} of the XML, expected 'MPCDI'", file=where)
-    if profile in PROFILES:
-        named = f"{profile!r} ({PROFILES[profile]})"
-        raise UserError(f"profile {named} has points in space, expected '2d' or '3d'", file=where)
+        raise UserError(f"root {root.tag!r} of the XML, expected 'MPCDI'", file=where)
     if profile not in ("2d", "3d"):
-        raise UserError(f"profile {profile[:20]!r}, expected '2d' or '3d'", file=where)
-    filesets = {one.get("region", ""): one for one in root.iterfind("files/fileset")}
-    found = [
-        (buffer.get("id", ""), one)
-        for buffer in root.iterfind("display/buffer")
-        for one in buffer.iterfind("region")
-    ]
-    if not 1 <= len(found) <= MAX_REGIONS:
-        raise UserError(
-            f"{len(found)} regions in its buffers, expected 1 to {MAX_REGIONS}", file=where
-        )
+        why = PROFILES.get(profile, "")
+        raise UserError(f"profile {profile!r}{why}, expected '2d' or '3d'", file=where)
+    filesets = {fileset.get("region", ""): fileset for fileset in root.iterfind("files/fileset")}
     regions: dict[str, MpcdiRegion] = {}
     faults: list[str] = []
-    points = 0
-    for buffer, element in found:
-        name = element.get("id", "")
-        at = f"{where}: region {name[:80]!r}"
-        files = {one.tag: one for one in filesets.get(name, ())}
-        try:
-            if name in regions:
-                raise UserError(f"{at}: is there twice, expected names that differ")
-            if points > MAX_POINTS:
-                raise UserError(
-                    f"{at}: warps and maps of those before it have {points} points, "
-                    f"expected {MAX_POINTS} in all"
-                )
-            region = _region(element, buffer, profile, at)
-            region = _with_warp(region, files, fetch, at)
-        except UserError as fault:
-            faults.append(str(fault))
-            continue
-        for blend in (_with_alpha, _with_beta):
+    named = set()
+    for buffer in root.iterfind("display/buffer"):
+        for element in buffer.iterfind("region"):
+            name = element.get("id", "")
+            named.add(name)
+            at = f"{where}: region {name!r}"
+            files = {part.tag: part for part in filesets.get(name, ())}
             try:
-                region = blend(region, files, fetch, at)
+                if name in regions:
+                    raise UserError(f"{at}: is there twice, expected names that differ")
+                region = _region(element, buffer.get("id", ""), profile, at)
+                region = _with_warp(region, files, fetch, at)
             except UserError as fault:
-                faults.append(f"{fault}; shown without it")
-        unused = [tag[:40] for tag, one in files.items() if tag not in USED and _path(one)]
-        faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
-        regions[name] = region
-        points += _points(region)
+                faults.append(str(fault))
+                continue
+            for kind in ("alpha", "beta"):
+                try:
+                    region = _with_map(region, kind, files, fetch, at)
+                except UserError as fault:
+                    faults.append(f"{fault}; shown without it")
+            unused = [tag for tag, part in files.items() if tag not in USED and _path(part)]
+            faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
+            regions[name] = region
+    if not named:
+        raise UserError("no regions in its buffers, expected 1 or more", file=where)
     if not regions:
         more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
         raise UserError(f"{faults[0]}{more}")
-    lost = sorted(set(filesets) - {element.get("id", "") for _, element in found})
-    faults.extend(f"{where}: files for region {name[:80]!r}, which is not there" for name in lost)
+    lost = sorted(set(filesets) - named)
+    faults.extend(f"{where}: files for region {name!r}, which is not there" for name in lost)
     return MpcdiArchive(profile, tuple(regions.values()), tuple(faults))
-
-
-def _points(region: MpcdiRegion) -> int:
-    """The number of points of the warp and pixels of the maps of a region."""
-    maps = [one for one in (region.alpha, region.beta) if one is not None]
-    warped = 0 if region.warp is None else len(region.warp.vertices)
-    return warped + sum(one.shape[0] * one.shape[1] for one in maps)
 
 
 def _region(element: Element, buffer: str, profile: str, at: str) -> MpcdiRegion:
@@ -219,8 +221,8 @@ def _with_warp(
     path = _path(files.get("geometrywarpfile"))
     if not path:
         return region
-    at = f"{at}: {path[:80]!r}"
-    numbers = parse_pfm(_fetched(fetch, path, MAX_BYTES, at), at)
+    at = f"{at}: {path!r}"
+    numbers = parse_pfm(_fetched(fetch, path, at), at)
     sources = without_invalid(sources_of(numbers, at))
     left, low, right, high = _edges(region.place)
     points = sources[~np.isnan(sources[..., 0])]
@@ -231,34 +233,22 @@ def _with_warp(
     return region._replace(warp=validated(from_grid(sources, region.size), at))
 
 
-def _with_alpha(
-    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
+def _with_map(
+    region: MpcdiRegion, kind: str, files: Mapping[str, Element], fetch: Fetch, at: str
 ) -> MpcdiRegion:
-    """The region with its alpha map, if it names one, and with the gamma of both maps."""
-    element = files.get("alphamap")
-    text = element.findtext("gammaembedded") if element is not None else None
-    gamma = 1.0 if text is None else _number(text, "gammaEmbedded", at)
-    if not 0.1 <= gamma <= 10:
-        raise UserError(f"{at}: gammaEmbedded {gamma:g} of its alpha map, expected 0.1 to 10")
-    region = region._replace(alpha_gamma=gamma, beta_gamma=gamma)
-    picture = _map(element, fetch, at)
-    return region if picture is None else region._replace(alpha=picture)
-
-
-def _with_beta(
-    region: MpcdiRegion, files: Mapping[str, Element], fetch: Fetch, at: str
-) -> MpcdiRegion:
-    """The region with its beta map, if it names one."""
-    picture = _map(files.get("betamap"), fetch, at)
-    return region if picture is None else region._replace(beta=picture)
-
-
-def _map(element: Element | None, fetch: Fetch, at: str) -> NDArray[np.float32] | None:
-    path = _path(element)
-    if not path:
-        return None
-    at = f"{at}: {path[:80]!r}"
-    return parse_png(_fetched(fetch, path, MAX_PICTURE, at), at)
+    """Add the alpha or beta map of a region, if it names one; alpha's gamma is that of both."""
+    element = files.get(f"{kind}map")
+    text = element.findtext("gammaembedded") if element is not None and kind == "alpha" else None
+    if text is not None:
+        gamma = _number(text, "gammaEmbedded", at)
+        if not 0.1 <= gamma <= 10:
+            raise UserError(f"{at}: gammaEmbedded {gamma:g} of its alpha map, expected 0.1 to 10")
+        region = region._replace(gamma=gamma)
+    if not (path := _path(element)):
+        return region
+    at = f"{at}: {path!r}"
+    picture = parse_png(_fetched(fetch, path, at), at)
+    return region._replace(alpha=picture) if kind == "alpha" else region._replace(beta=picture)
 
 
 def _path(element: Element | None) -> str:
@@ -266,9 +256,8 @@ def _path(element: Element | None) -> str:
     return (element.findtext("path") or "").strip() if element is not None else ""
 
 
-def _fetched(fetch: Fetch, path: str, most: int, at: str) -> bytes:
-    data = fetch(path, most)
-    if data is None:
+def _fetched(fetch: Fetch, path: str, at: str) -> bytes:
+    if (data := fetch(path)) is None:
         raise UserError(f"{at} is not in the archive")
     return data
 

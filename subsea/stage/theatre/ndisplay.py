@@ -18,19 +18,11 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError, unknown
 from subsea.base.validation import convert
-from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder, printable_word
-from subsea.stage.theatre.theatre_file import (
-    MAIN,
-    MOST_WINDOWS,
-    Cluster,
-    Coordinate,
-    Window,
-    parse_address,
-)
+from subsea.stage.theatre.imported import HERE, ImportedTheatre, TheatreBuilder
+from subsea.stage.theatre.theatre_file import MAIN, Coordinate, Window
 from subsea.view.camera import axes_of
 
 MAX_DEPTH = 64  # of parents
-MAX_PARTS = 1000  # of the scene
 POLICIES = ("camera", "manual", "mesh", "mpcdi", "easyblend", "domeprojection", "vioso")
 Angle = Annotated[float, msgspec.Meta(ge=-3600, le=3600)]
 
@@ -111,19 +103,13 @@ class NdisplayNode(msgspec.Struct, frozen=True, rename={"full": "fullScreen"}):
     viewports: dict[str, NdisplayViewport] = {}
 
 
-class NdisplayMaster(msgspec.Struct, frozen=True):
-    """The first node."""
-
-    id: str
-
-
 class NdisplayCluster(msgspec.Struct, frozen=True, rename={"primary": "primaryNode",
                       "master": "masterNode"}):  # fmt: skip
     """The nodes by name."""
 
     nodes: dict[str, NdisplayNode]
-    primary: NdisplayMaster | None = None
-    master: NdisplayMaster | None = None  # until version 4.27
+    primary: dict[str, str] | None = None  # with the `id` of the first node
+    master: dict[str, str] | None = None  # as `primary` was called until version 4.27
 
 
 class NdisplayConfig(msgspec.Struct, frozen=True):
@@ -134,16 +120,10 @@ class NdisplayConfig(msgspec.Struct, frozen=True):
     description: str = ""
 
 
-class NdisplayFile(msgspec.Struct, frozen=True, rename={"config": "nDisplay"}):
-    """A whole file."""
-
-    config: NdisplayConfig
-
-
 def read_ndisplay(path: Path, content: Any) -> ImportedTheatre:
-    """The theatre of a configuration's content; a UserError if nothing of it can be shown."""
+    """Build the theatre of a configuration's content; a UserError if nothing can be shown."""
     try:
-        config = convert(content, NdisplayFile).config
+        config = convert(content, NdisplayConfig)
     except UserError as fault:
         raise UserError(fault.message, file=path, key=fault.key) from fault
     return _NdisplayReader(path, config).theatre()
@@ -157,10 +137,6 @@ class _NdisplayReader:
         self.builder = TheatreBuilder(path, config.description or path.stem)
         scene = config.scene
         self.parts = {**scene.xforms, **scene.cameras, **scene.screens}
-        if len(self.parts) > MAX_PARTS:
-            raise UserError(
-                f"{len(self.parts)} parts of the scene, expected {MAX_PARTS} at most", file=path
-            )
         used = Counter(
             viewport.camera for node in self.nodes.values() for viewport in node.viewports.values()
         )
@@ -178,33 +154,38 @@ class _NdisplayReader:
             return sum(bool((at - eyes[name]) @ turn[2] > 1.0) for turn, at in screens)
 
         self.camera = max(eyes, key=lambda name: (seen(name), used[name]), default="")
-        self.eye = self._eye(self.camera)
+        self.eye = eyes.get(self.camera, np.zeros(3))
         self.names: dict[str, str] = {}
 
     def theatre(self) -> ImportedTheatre:
-        """The theatre of all nodes."""
+        """Build the theatre of all nodes."""
         camera = self.config.scene.cameras.get(self.camera)
         self.builder.keys = {"eye_cm": tuple(_rounded(self.eye))}
         if camera is not None and camera.eyes_cm is not None and 0 <= camera.eyes_cm <= 20:
             self.builder.keys["eye_distance_cm"] = round(camera.eyes_cm, 3)
         self.builder.leave_out(
             "tracking, which this format does not hold: the eye stays at camera "
-            f"{printable_word(self.camera)!r}, from which most screens are seen"
+            f"{self.camera!r}, from which most screens are seen"
         )
         for name, node in self.nodes.items():
             self._node(name, node)
-        self._cluster()
+        nodes = [window.node for window in self.builder.windows]
+        if len(set(nodes)) > 1:
+            cluster = self.config.cluster
+            first = (cluster.primary or cluster.master or {}).get("id", "")
+            host = self.nodes[first].host if first in self.nodes else HERE
+            self.builder.lead(self.names.get(first, nodes[0]), host)
         return self.builder.build()
 
     def _node(self, name: str, node: NdisplayNode) -> None:
         """Add the window of a node and its viewports."""
-        regions = [one.region for one in node.viewports.values()]
+        regions = [viewport.region for viewport in node.viewports.values()]
         size = [round(node.window.w), round(node.window.h)]
         if min(size) < 1 and regions:  # a full screen of its monitor's size
-            size = [round(max(one.x + one.w for one in regions)),
-                    round(max(one.y + one.h for one in regions))]  # fmt: skip
-        own = self.builder.name(name, "node")
-        keys: dict[str, Any] = {"size": tuple(size), "node": own if len(self.nodes) > 1 else MAIN}
+            size = [round(max(region.x + region.w for region in regions)),
+                    round(max(region.y + region.h for region in regions))]  # fmt: skip
+        computer = self.builder.name(name, "node") if len(self.nodes) > 1 else MAIN
+        keys: dict[str, Any] = {"size": tuple(size), "node": computer}
         if node.full:
             keys["monitor"] = 1
         else:
@@ -214,23 +195,21 @@ class _NdisplayReader:
             return
         self.names[name] = window.node
         left_out: set[str] = set()
-        if len(node.viewports) > MOST_WINDOWS:
-            self.builder.leave_out(f"viewports of {printable_word(name)!r} beyond {MOST_WINDOWS}")
-        for words, viewport in list(node.viewports.items())[:MOST_WINDOWS]:
+        for words, viewport in node.viewports.items():
             if words in left_out:
                 continue
             other = self._other_eye(words, node)
             if other is not None:
                 left_out.add(other)
                 self.builder.leave_out(
-                    f"viewport {printable_word(other)!r}: its place is that of the other eye, so "
-                    f"{printable_word(words)!r} is for both; start with a stereo --display"
+                    f"viewport {other!r}: its place is that of the other eye, so "
+                    f"{words!r} is for both; start with a stereo --display"
                 )
                 viewport = msgspec.structs.replace(viewport, camera=self.camera)
             try:
                 self._viewport(words, viewport, window)
             except UserError as fault:
-                line = f"viewport {printable_word(words)!r} of {printable_word(name)!r}: {fault}"
+                line = f"viewport {words!r} of {name!r}: {fault}"
                 self.builder.leave_out(line)
 
     def _viewport(self, words: str, viewport: NdisplayViewport, window: Window) -> None:
@@ -238,28 +217,20 @@ class _NdisplayReader:
         if kind in POLICIES:
             raise UserError(f"projection policy {kind!r}, expected 'simple'")
         if kind != "simple":
-            raise unknown("projection policy", printable_word(kind), ["simple"])
-        named = viewport.policy.parameters.get(
-            "screen", viewport.policy.parameters.get("screen_id")
-        )
-        screens = self.config.scene.screens
-        if not isinstance(named, str) or named not in screens or screens[named].size is None:
-            raise UserError(f"screen {printable_word(str(named))!r} is not there")
-        camera = viewport.camera or self.camera
-        extent = screens[named].size
-        assert extent is not None
+            raise unknown("projection policy", kind, ["simple"])
+        given = viewport.policy.parameters
+        named = str(given.get("screen", given.get("screen_id")))
+        screen = self.config.scene.screens.get(named)
+        extent = None if screen is None else screen.size
+        if extent is None:
+            raise UserError(f"screen {named!r} is not there")
         turn, middle = self._pose(named)
         half = np.array([[-1, -1], [1, -1], [-1, 1]]) * [extent.width / 2, extent.height / 2]
         corners = middle + half[:, :1] * turn[0] + half[:, 1:] * turn[1]
-        keys: dict[str, Any] = {
-            "plane": {
-                key: _rounded(corner)
-                for key, corner in zip(
-                    ("lower_left", "lower_right", "upper_left"), corners, strict=True
-                )
-            }
-        }
-        if (eye := self._side(camera)) is not None:
+        names = ("lower_left", "lower_right", "upper_left")
+        plane = {key: _rounded(corner) for key, corner in zip(names, corners, strict=True)}
+        keys: dict[str, Any] = {"plane": plane}
+        if (eye := self._side(viewport.camera or self.camera)) is not None:
             keys["eye"] = eye
         region = viewport.region
         rect = (round(region.x), round(region.y), round(region.w), round(region.h))
@@ -269,24 +240,20 @@ class _NdisplayReader:
 
     def _side(self, camera: str) -> str | None:
         """The eye that a camera is for, "left" or "right"."""
-        eye = self.config.scene.cameras[camera].eye if camera in self.config.scene.cameras else ""
-        return eye if eye in ("left", "right") else None
+        part = self.config.scene.cameras.get(camera)
+        return part.eye if part is not None and part.eye in ("left", "right") else None
 
     def _other_eye(self, words: str, node: NdisplayNode) -> str | None:
         """The viewport that shows the same screen at the same place to the other eye."""
-        one = node.viewports[words]
+        viewport = node.viewports[words]
         for name, other in node.viewports.items():
             if (
-                {self._side(one.camera), self._side(other.camera)} == {"left", "right"}
-                and other.region == one.region
-                and other.policy.parameters == one.policy.parameters
+                {self._side(viewport.camera), self._side(other.camera)} == {"left", "right"}
+                and other.region == viewport.region
+                and other.policy.parameters == viewport.policy.parameters
             ):
                 return name
         return None
-
-    def _eye(self, camera: str) -> Array:
-        """The place (3,) of a camera, right, up, ahead; the origin if it is not there."""
-        return self._pose(camera)[1] if camera in self.config.scene.cameras else np.zeros(3)
 
     def _pose(self, name: str) -> tuple[Array, Array]:
         """Axes right, up, ahead (3, 3) of a part, and its place (3,), both in our axes."""
@@ -295,30 +262,16 @@ class _NdisplayReader:
             part = self.parts.get(name)
             if part is None:
                 if name:
-                    raise UserError(f"parent {printable_word(name)!r} is not there")
+                    raise UserError(f"parent {name!r} is not there")
                 return turn, place
-            own = axes_of(*np.radians([part.rotation.yaw, part.rotation.pitch, part.rotation.roll]))
+            axes = axes_of(
+                *np.radians([part.rotation.yaw, part.rotation.pitch, part.rotation.roll])
+            )
             at = part.location
-            place = np.array([at.y, at.z, at.x]) + place @ own
-            turn = turn @ own
+            place = np.array([at.y, at.z, at.x]) + place @ axes
+            turn = turn @ axes
             name = part.parent
         raise UserError(f"more than {MAX_DEPTH} parents, or a circle of them")
-
-    def _cluster(self) -> None:
-        if len({window.node for window in self.builder.windows}) < 2:
-            return
-        first = self.config.cluster.primary or self.config.cluster.master
-        nodes = [window.node for window in self.builder.windows]
-        master = self.names.get(first.id, nodes[0]) if first is not None else nodes[0]
-        host = self.nodes[first.id].host if first is not None and first.id in self.nodes else ""
-        try:
-            parse_address(f"{host}:5560")
-        except ValueError:
-            self.builder.leave_out(f"address {printable_word(host)!r} of the master")
-            host = "127.0.0.1"
-        self.builder.cluster = Cluster(master=master, address=f"{host}:5560")
-        if host != "127.0.0.1":
-            self.builder.leave_out("keys of the [cluster]: make them with `subsea keys`")
 
 
 def _rounded(point: Array) -> list[float]:

@@ -4,10 +4,13 @@ JSON of ``sgct.schema.json``, version 1 (github.com/sgct/sgct). Lengths are metr
 z astern; angles are degrees unless said otherwise. Shares of windows are from the lower left.
 """
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
 
+from subsea.base.errors import UserError
+from subsea.base.validation import convert
 from subsea.stage.theatre.theatre_file import Coordinate
 
 Metres = Annotated[float, msgspec.Meta(ge=-1000, le=1000)]
@@ -154,6 +157,7 @@ class SgctConfig(msgspec.Struct, frozen=True):
     trackers: Any = None
 
 
+VERSION = 1
 # Keys with no meaning for what is shown where, which need no line.
 QUIET = {"$schema", "id", "tags", "tracked", "draw2d", "port", "zleft", "zright", "generator"}
 WHOLE = {"meta", "generator", "scene", "trackers", "tracking", "matrix"}  # not looked into
@@ -165,3 +169,24 @@ KNOWN = QUIET | {
     )
     for field in kind.__struct_fields__
 }  # fmt: skip
+
+
+def read_config(path: Path, content: Any) -> SgctConfig:
+    """Check the content of a configuration; a UserError names the faulty key."""
+    try:
+        config = convert(content, SgctConfig)
+    except UserError as fault:
+        raise UserError(fault.message, file=path, key=fault.key) from fault
+    if config.version != VERSION:
+        raise UserError(f"`version` {config.version}, expected {VERSION}", file=path)
+    return config
+
+
+def unused_keys(content: Any) -> set[str]:
+    """Collect the keys of all tables of a content that are not KNOWN; WHOLE ones stay closed."""
+    if isinstance(content, list):
+        return set().union(*map(unused_keys, content))
+    if not isinstance(content, dict):
+        return set()
+    inner = [value for key, value in content.items() if key in KNOWN - WHOLE]
+    return (content.keys() - KNOWN).union(*map(unused_keys, inner))

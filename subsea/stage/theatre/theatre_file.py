@@ -1,10 +1,6 @@
 """Theatre files: windows, projectors and the screens that they light, from TOML.
 
 Lengths are real centimetres in the axes of somebody who looks ahead: x right, y up, z ahead.
-
-Names of computers, for theatre files and keys.
-
-Addresses of computers: an IP address and a port.
 """
 
 import ipaddress
@@ -12,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
-from subsea.view.rig import Rect
+from subsea.view.rig import Rect, overlap
 from subsea.view.surround import ALL_ROUND
 
 # ASCII, because files are named so; `\Z`, because `$` would accept a final line break.
@@ -152,7 +148,7 @@ class Channel(ScreenTable, frozen=True, kw_only=True):
     viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
                     Pixels, Pixels] | None = None  # fmt: skip
     blend: bool = False  # with all others that light the same part of the screen
-    warp: str | None = None  # a mesh of `warp_files.FORMATS`, relative to the theatre file
+    warp: str | None = None  # a mesh of `mesh_formats.FORMATS`, relative to the theatre file
     mask: str | None = None  # a PNG picture of factors, relative to the theatre file
     # x, y, width, height of the part that is shown, in shares of the screen from the lower left
     part: tuple[Extent, Extent, Span, Span] | None = None
@@ -245,3 +241,20 @@ class Theatre(_Table, frozen=True, kw_only=True):
 def viewport(channel: Channel, window: Window) -> Rect:
     """The rectangle of a channel in its window: x, y from the upper left, width, height."""
     return channel.viewport or (0, 0, *window.size)
+
+
+def reaches_out(channel: Channel, window: Window) -> bool:
+    """Test whether a part of a channel's viewport lies beyond its window."""
+    x, y, width, height = viewport(channel, window)
+    return x + width > window.size[0] or y + height > window.size[1]
+
+
+def covers(window: Window, other: Window) -> str:
+    """The key, `monitor` or `position`, by which two windows of a computer lie on one another."""
+    if window.node != other.node:
+        return ""
+    if window.monitor is not None and window.monitor == other.monitor:
+        return "monitor"
+    if window.position is None or other.position is None:
+        return ""
+    return "position" * overlap((*window.position, *window.size), (*other.position, *other.size))

@@ -78,7 +78,7 @@ def compose_theatre(theatre: Theatre, source: Path) -> str:
     lines = [_comment(f"Written by `subsea theatre {source.name} --write`.")]
     lines += [_comment(f"Left out: {line}") for line in getattr(theatre, "left_out", ())]
     lines.append("")
-    content = _plain(theatre)
+    content = plain(theatre)
     lines += [f"{key} = {toml_value(content[key])}" for key in KEYS if key in content]
     for kind in ("window", "channel", "mpcdi", "loudspeaker"):
         lines += _tables(kind, content.get(kind, ()))
@@ -114,20 +114,20 @@ def _pairs(table: dict[str, Any]) -> list[str]:
     return [f"{key} = {toml_value(table[key])}" for key in keys]
 
 
-def _plain(value: Any) -> Any:
-    """Structs as tables without keys that have their default, tuples as lists."""
+def plain(value: Any) -> Any:
+    """Turn structs into tables without keys that have their default, tuples into lists."""
     if isinstance(value, msgspec.Struct):
-        found = {}
+        table = {}
         for field in msgspec.structs.fields(value):
-            here = getattr(value, field.name)
-            same = field.default is not msgspec.NODEFAULT and here == field.default
-            made = field.default_factory is not msgspec.NODEFAULT and not here
+            inner = getattr(value, field.name)
+            same = field.default is not msgspec.NODEFAULT and inner == field.default
+            empty = field.default_factory is not msgspec.NODEFAULT and not inner
             # A screen is there even if all its keys have their defaults.
-            if not (same or made or here is None) and field.name not in ("meshes", "left_out"):
-                found[field.name] = _plain(here)
-        return found
+            if not (same or empty or inner is None) and field.name not in ("meshes", "left_out"):
+                table[field.name] = plain(inner)
+        return table
     if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
+        return [plain(inner) for inner in value]
     return value
 
 

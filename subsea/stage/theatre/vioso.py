@@ -18,11 +18,8 @@ from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.measured_mesh import MeasuredMesh
-from subsea.stage.theatre.pfm import MAX_POINTS
 from subsea.stage.theatre.warp import from_grid, validated
 
-MAX_BYTES = 2**29
-MAX_MAPS = 32
 MAPS = (b"vwf0", b"vwf2", b"vwf3")
 PACKED, BORDER, IN_SPACE = 1, 8, 64  # flags
 NAME_AT, NAME = 124, 256  # of the header: bytes
@@ -38,8 +35,8 @@ class ViosoMap(NamedTuple):
     blend: NDArray[np.float32] | None = None  # (h, w, 3)
 
 
-def parse_vioso(data: bytes, where: str) -> MeasuredMesh:
-    """The warp and blend of the first map of a file's bytes; a UserError names `where`."""
+def parse_vioso(data: bytes, _: tuple[int, int], where: str) -> MeasuredMesh:
+    """Parse the warp and blend of the first map of a file's bytes; a UserError names `where`."""
     maps, notes = vioso_maps(data, where)
     others = len(maps) - 1
     if others:
@@ -47,13 +44,13 @@ def parse_vioso(data: bytes, where: str) -> MeasuredMesh:
     return vioso_mesh(maps[0], where)._replace(notes=notes)
 
 
-def vioso_mesh(one: ViosoMap, where: str) -> MeasuredMesh:
-    """The warp and mask of a map."""
-    warp = validated(from_grid(one.sources, one.size), where)
-    if one.blend is None:
+def vioso_mesh(measured: ViosoMap, where: str) -> MeasuredMesh:
+    """Make the warp and mask of a map."""
+    warp = validated(from_grid(measured.sources, measured.size), where)
+    if measured.blend is None:
         return MeasuredMesh(warp)
-    mask = np.zeros((*one.blend.shape[:2], 4), np.float32)
-    mask[..., :3] = one.blend
+    mask = np.zeros((*measured.blend.shape[:2], 4), np.float32)
+    mask[..., :3] = measured.blend
     return MeasuredMesh(warp, mask)
 
 
@@ -62,18 +59,15 @@ def vioso_maps(data: bytes, where: str) -> tuple[list[ViosoMap], tuple[str, ...]
     at, blocks = 0, 1
     if data[:4] == b"vwf1" and len(data) >= 16:
         blocks, at = struct.unpack_from("<2I", data, 4)
-        if not 1 <= blocks <= 4 * MAX_MAPS or at < 16:
-            raise UserError(f"{blocks} blocks from byte {at}, expected 1 to {4 * MAX_MAPS}",
-                            file=where)  # fmt: skip
+        if blocks < 1 or at < 16:
+            raise UserError(f"{blocks} blocks from byte {at}, expected 1 from byte 16", file=where)
     maps: list[ViosoMap] = []
     unused = 0
     for number in range(blocks):
         head = data[at : at + 4]
         if head in MAPS:
-            one, at = _map(data, at, where)
-            maps.append(one)
-            if len(maps) > MAX_MAPS:
-                raise UserError(f"more than {MAX_MAPS} maps, expected fewer", file=where)
+            latest, at = _map(data, at, where)
+            maps.append(latest)
         elif head[:2] == b"BM" and maps:
             blend, at = _bitmap(data, at, maps[-1].size, where)
             if maps[-1].blend is None:
@@ -98,8 +92,8 @@ def _map(data: bytes, at: int, where: str) -> tuple[ViosoMap, int]:
         raise UserError("its data is packed, expected a map that is not", file=where)
     if flags & IN_SPACE:
         raise UserError("a 3D map has points in space, expected u and v", file=where)
-    if min(width, height) < 2 or width * height > MAX_POINTS:
-        raise UserError(f"{width}×{height} points, expected 2×2 to {MAX_POINTS}", file=where)
+    if min(width, height) < 2:
+        raise UserError(f"{width}×{height} points, expected 2×2 or more", file=where)
     begin, end = at + header, at + header + 16 * width * height
     if header < 28 or end > len(data):
         raise UserError(f"{width}×{height} points do not fit its {len(data)} bytes", file=where)
@@ -111,8 +105,8 @@ def _map(data: bytes, at: int, where: str) -> tuple[ViosoMap, int]:
     name = b""
     if header >= NAME_AT + NAME:
         name = data[at + NAME_AT : at + NAME_AT + NAME].partition(b"\0")[0]
-    found = sources.astype(np.float32)
-    return ViosoMap(name.decode("latin-1"), (width, height), found), end
+    title = name.decode("latin-1")
+    return ViosoMap(title, (width, height), sources.astype(np.float32)), end
 
 
 def _bitmap(

@@ -1,10 +1,8 @@
 """Key files: owners, permissions, and invalid keys."""
 
 import stat
-from pathlib import Path
 
 import pytest
-import zmq
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
@@ -36,28 +34,6 @@ def test_only_the_owner_can_read_a_secret(folder):
     path.chmod(0o640)
     with pytest.raises(UserError, match=r"others may read it \(mode 640\)"):
         read_keys(folder, "left", [])
-
-
-def test_all_keys_are_made_or_none(folder, monkeypatch):
-    pairs = [zmq.curve_keypair(), zmq.curve_keypair()]
-    monkeypatch.setattr(zmq, "curve_keypair", pairs.pop)  # no pair for the third
-    with pytest.raises(IndexError):
-        write_keys(folder, NAMES)
-    assert not folder.exists()
-
-
-def test_a_failure_removes_keys_already_written(folder, monkeypatch):
-    rename, moves = Path.replace, iter(range(9))
-
-    def refused(self, target):
-        if next(moves) == 2:
-            raise PermissionError(13, "Permission denied")
-        return rename(self, target)
-
-    monkeypatch.setattr(Path, "replace", refused)
-    with pytest.raises(UserError, match="Permission denied"):
-        write_keys(folder, NAMES)
-    assert list(folder.iterdir()) == []
 
 
 def test_keys_are_not_overwritten(folder):

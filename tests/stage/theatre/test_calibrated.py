@@ -154,7 +154,7 @@ def test_the_projectors_that_work_go_on_without_the_one_that_does_not(theatre, p
     read, found, faults = theatre(files)
     assert [one.name for one in found] == ["left", "right"]
     assert len(faults) == 1
-    assert "region 'middle': 'middle.pfm': 230399 bytes of numbers, expected" in str(faults[0])
+    assert "'middle.pfm': 160×120 points in 230399 bytes of numbers, expected" in str(faults[0])
     rig = theatre_rig(read, found, range(3))
     assert {patch.output for patch in rig.patches} == {0, 2}
 

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.blend import Projector, light_shares, overlap_count
-from subsea.stage.theatre.bourke import parse_bourke
 from subsea.stage.theatre.layouts import layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.measures import chosen
+from subsea.stage.theatre.mesh_formats import parse_bourke
 from subsea.stage.theatre.screens import frustum_of, places_on, points_on, screen_of
 from subsea.stage.theatre.warp import mesh, sources_at
 from tests.support.daily import examples
@@ -55,7 +55,7 @@ def check_frusta(screens):
 
 def check_mesh(one, screen):
     """The projector's own picture holds all of its screen, at the place where its light goes."""
-    warp, _ = parse_bourke(nodes_text(one.nodes).encode(), (1920, 1080), "test")
+    warp = parse_bourke(nodes_text(one.nodes).encode(), (1920, 1080), "test").warp
     shown = warp.vertices[:, 2:4]
     inverse = mesh(shown, warp.vertices[:, :2], warp.triangles)
     inner = 0.001 + 0.998 * SHARES

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
+from subsea.stage.theatre.mesh_formats import read_mesh, read_warp
 from subsea.stage.theatre.vioso import vioso_maps
 from subsea.stage.theatre.warp import is_mirrored, sources_at
-from subsea.stage.theatre.warp_files import read_mesh, read_warp
 from tools import theatre_samples as samples
 
 POINTS = np.random.default_rng(7).uniform(0.06, 0.94, (60, 2))
@@ -130,8 +130,8 @@ def test_nodes_without_a_source_stay_dark(tmp_path):
         ("a.skyskan", samples.skyskan().replace(b"Dome A", b"Dome B"), "Dome Azimuth="),
         ("a.vwf", samples.vwf()[:200], "do not fit"),
         ("a.vwf", b"vwf0" + struct.pack("<4I2i", 28, 64, 1, 0, 2, 2) + bytes(64), "in space"),
-        ("a.vwf", b"vwf0" + struct.pack("<4I2i", 28, 0, 1, 0, 2**30, 2**30), "points"),
-        ("a.vwf", b"vwf1" + struct.pack("<3I", 2**31, 16, 0), "blocks"),
+        ("a.vwf", b"vwf0" + struct.pack("<4I2i", 28, 0, 1, 0, 2**30, 2**30), "do not fit"),
+        ("a.vwf", b"vwf1" + struct.pack("<3I", 2**31, 16, 0), "block 1 at byte 16"),
         ("a.xyz", b"", "ends in .obj, .pfm, .data, .sgc, .csv"),
     ],
 )

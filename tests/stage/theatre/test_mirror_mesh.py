@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.theatre.bourke import parse_bourke
 from subsea.stage.theatre.lenses import nodes_text
+from subsea.stage.theatre.mesh_formats import parse_bourke
 from subsea.stage.theatre.mirror_mesh import NODES, fisheye, mirror_setup, traced
 from subsea.stage.theatre.warp import sources_at
 from subsea.view.surround import Surround, directions
@@ -63,7 +63,7 @@ def test_light_is_reflected_at_equal_angles_toward_what_the_mesh_shows(mirror, t
 
 def test_between_nodes_the_mesh_is_right_within_a_quarter_of_a_degree():
     setup = mirror_setup(RADIUS, MIRROR, 1.5, SIZE[0] / SIZE[1])
-    warp, mask = parse_bourke(nodes_text(setup.nodes).encode(), SIZE, "test")
+    warp, mask, *_ = parse_bourke(nodes_text(setup.nodes).encode(), SIZE, "test")
     rng = np.random.default_rng(2)
     places = rng.uniform(0.1, 0.9, (400, 2)) * [1.0, 0.8]
     x, y = (2 * places - 1).T
@@ -84,7 +84,7 @@ def test_the_mesh_is_a_grid_whose_light_covers_nearly_all_of_the_dome():
     assert setup.nodes.shape == (NODES[1], NODES[0], 5)
     ways = np.random.default_rng(1).normal(size=(3000, 3))
     ways = ways[ways[:, 1] > 0] / np.linalg.norm(ways[ways[:, 1] > 0], axis=1, keepdims=True)
-    warp, _ = parse_bourke(nodes_text(setup.nodes).encode(), SIZE, "test")
+    warp = parse_bourke(nodes_text(setup.nodes).encode(), SIZE, "test").warp
     lit = 0
     for way in ways:
         point = mirror_point(setup.lens.place, setup.centre, MIRROR, RADIUS * way)

@@ -1,8 +1,6 @@
 """MPCDI archives: three projectors on a cylinder, there and back, and all that may be wrong."""
 
-import io
 import struct
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -11,8 +9,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from subsea.base.errors import UserError
-from subsea.stage.theatre import mpcdi
-from subsea.stage.theatre.mpcdi import MpcdiRegion, ViewAngles, mask, read_mpcdi
+from subsea.stage.theatre.measured_mesh import ViewAngles
+from subsea.stage.theatre.mpcdi import MpcdiRegion, mask, read_mpcdi
 from subsea.stage.theatre.warp import sources_at
 
 FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>25</rightAngle>
@@ -44,7 +42,7 @@ def test_what_was_measured_is_read(read, files, projectors):
         np.testing.assert_allclose(region.place, one.place)
         np.testing.assert_allclose(region.alpha, np.repeat(one.alpha[..., None], 3, 2), atol=2e-3)
         np.testing.assert_allclose(region.beta, np.repeat(one.beta[..., None], 3, 2), atol=2e-3)
-        assert region.alpha_gamma == region.beta_gamma == 2.2
+        assert region.gamma == 2.2
 
 
 def test_each_pixel_shows_what_was_measured_there(read, files, projectors, making):
@@ -116,7 +114,7 @@ def test_the_black_of_projectors_is_as_bright_everywhere(read, projectors, makin
 def test_a_mask_is_the_standards_formula_for_black_and_white(beta):
     alpha = np.linspace(0, 1, 12, dtype=np.float32).reshape(3, 4, 1).repeat(3, axis=2)
     region = MpcdiRegion(
-        "a", "b", (4, 3), (0, 0, 1, 1), None, None, alpha, 2.2, np.full((6, 8, 3), beta, "f4"), 2.2
+        "a", "b", (4, 3), (0, 0, 1, 1), None, None, alpha, np.full((6, 8, 3), beta, "f4"), 2.2
     )
     found = mask(region, 1.8, (999, 999))
     assert (found.shape, found.dtype) == ((6, 8, 4), np.float32)
@@ -167,7 +165,7 @@ def test_the_3d_profile_has_frusta(read, projectors, making):
     ("change", "said", "left"),
     [
         ({"left.pfm": None}, "region 'left': 'left.pfm' is not in the archive", 2),
-        ({"left.pfm": b"PF\n9 9\n-1.0\n"}, "region 'left': 'left.pfm': 0 bytes of numbers", 2),
+        ({"left.pfm": b"PF\n9 9\n-1.0\n"}, "'left.pfm': 9×9 points in 0 bytes of numbers", 2),
         ({"left.pfm": b"Pf\n2 2\n-1.0\n" + bytes(16)}, "one number a point", 2),
         ({"left.pfm": b"PF\n2 2\n-1.0\n" + bytes(48)}, "'left.pfm': an empty mesh", 2),
         (b'<region id="left" Xresolution="160"', "'xResolution' is missing", 2),
@@ -175,8 +173,12 @@ def test_the_3d_profile_has_frusta(read, projectors, making):
         (b'Xresolution="160" ', "0×120 pixels, expected 1 to 16384", 2),
         (b'<region id="left"', "files for region 'left', which is not there", 3),
         ({"maps/left-alpha.png": None}, "is not in the archive; shown without it", 3),
-        ({"maps/left-alpha.png": b"GIF89a"}, "not a PNG picture; shown without it", 3),
-        ({"maps/left-beta.png": b"\x89PNG\r\n\x1a\n" + bytes(30)}, "not a PNG picture; shown", 3),
+        ({"maps/left-alpha.png": b"GIF89a"}, "not a readable PNG picture; shown without it", 3),
+        (
+            {"maps/left-beta.png": b"\x89PNG\r\n\x1a\n" + bytes(30)},
+            "not a readable PNG picture; shown",
+            3,
+        ),
         (b"<gammaEmbedded>2.2", "gammaEmbedded 99 of its alpha map, expected 0.1 to 10", 3),
         (b"<betaMap>", "region 'left': its 'distortionmap' is not used", 3),
     ],
@@ -221,11 +223,10 @@ def test_with_no_usable_projector_the_archive_is_refused_with_the_first_fault(re
         (b'"2d"', b'"sl"', "profile 'sl' \\(shader lamps\\) has points in space"),
         (b'"2d"', b'"4d"', "profile '4d', expected '2d' or '3d'"),
         (b'"2d"', b'"3d"', "no 'frustum', which profile '3d' needs"),
-        (b"<MPCDI", b"<!DOCTYPE a [<!ENTITY b 'c'>]><MPCDI", "has a document type"),
         (b"</MPCDI>", b"</MPCDJ>", "mpcdi.xml: not readable XML \\(mismatched tag"),
         (b"utf-8", b"klingon", "not readable XML \\(unknown encoding"),
         (b"MPCDI", b"Theatre", "root 'theatre' of the XML, expected 'MPCDI'"),
-        (b"buffer", b"heap", "0 regions in its buffers, expected 1 to 256"),
+        (b"buffer", b"heap", "no regions in its buffers"),
         (b'xsize="', b'xsize="7', "of the buffer, expected shares of it"),
         (b'xsize="', b'xsize="nan', "xsize 'nan.*expected a number"),
     ],
@@ -240,10 +241,9 @@ def test_a_mislabelled_archive_is_one_line(read, files, old, new, said):
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (b"", "not a zip archive"),
-        (b"<MPCDI/>", "not a zip archive"),
+        (b"", "not a readable zip archive"),
+        (b"<MPCDI/>", "not a readable zip archive"),
         (b"PK\x05\x06" + bytes(18), "no 'mpcdi.xml' in it"),
-        (b"PK\x05\x06" + bytes(8) + b"\xff" * 4 + bytes(6), "of too many files"),
     ],
 )
 def test_a_file_that_is_not_an_archive_is_one_line(read, data, said):
@@ -260,42 +260,6 @@ def test_files_of_any_name_are_never_written(tmp_path, read, files, making):
     assert {path.name for path in set(tmp_path.parent.rglob("*")) - before} <= {"theatre.mpcdi"}
 
 
-def test_zip_and_picture_bombs_are_refused(read, files, making):
-    zeros = bytes(2**21)
-    with pytest.raises(UserError, match=r"'mpcdi.xml': larger than 1 MB"):
-        read(files | {"mpcdi.xml": zeros})
-    huge = io.BytesIO()
-    Image.new("1", (9000, 9000)).save(huge, "PNG")
-    long = io.BytesIO()
-    Image.new("1", (20_000, 20)).save(long, "PNG")
-    deep = b"PF\n90000 90000\n-1.0\n" + zeros
-    made = files | {
-        "maps/left-alpha.png": huge.getvalue(),
-        "maps/left-beta.png": long.getvalue(),
-        "right.pfm": deep,
-    }
-    tracemalloc.start()
-    archive = read(made)
-    assert tracemalloc.get_traced_memory()[1] < 60e6
-    tracemalloc.stop()
-    assert len(archive.regions) == 2
-    assert any("9000×9000 pixels, expected 1 to 16777216" in line for line in archive.faults)
-    assert any("20000×20 pixels, expected" in line for line in archive.faults)
-    assert any("90000×90000 points" in line for line in archive.faults)
-
-
-def test_the_total_size_of_all_maps_is_limited(read, files, monkeypatch):
-    whole = sum(len(region.warp.vertices) + 2 * 160 * 120 for region in read(files).regions[:2])
-    for most, left in ((whole, 3), (whole - 1, 2)):
-        monkeypatch.setattr(mpcdi, "MAX_POINTS", most)
-        archive = read(files)
-        assert len(archive.regions) == left
-    assert (
-        f"region 'right': warps and maps of those before it have {whole} points"
-        in (archive.faults[0])
-    )
-
-
 def test_a_mask_is_no_finer_than_the_window(read, files):
     region = read(files).regions[0]
     assert mask(region, 2.2, (999, 999)).shape == (120, 160, 4)
@@ -308,8 +272,8 @@ def test_a_mask_is_no_finer_than_the_window(read, files):
 @pytest.mark.parametrize(
     ("offset", "form", "value", "said"),
     [
-        (8, "<H", 1, "packed in an unusual way or encrypted"),
-        (10, "<H", 99, "packed in an unusual way or encrypted"),
+        (8, "<H", 1, "cannot be unpacked"),
+        (10, "<H", 99, "cannot be unpacked"),
         (16, "<I", 7, "cannot be unpacked (Bad CRC-32"),
         (24, "<I", 7, "cannot be unpacked"),
     ],
@@ -347,7 +311,6 @@ def test_mangled_archives_are_regions_faults_or_one_line(read, small, name, kind
         data = whole[:at] + bytes([whole[at] ^ junk[0]]) + whole[at + 1 :]
     else:
         data = whole[:at] + junk + whole[at + 20 :]
-    tracemalloc.start()
     try:
         archive = read(files | {name: data} if name else data)
         assert archive.regions
@@ -356,10 +319,6 @@ def test_mangled_archives_are_regions_faults_or_one_line(read, small, name, kind
             assert np.isfinite(mask(region, 2.2, region.size)).all()
     except UserError as fault:
         assert "\n" not in str(fault)
-    finally:
-        peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-    assert peak < 60e6
 
 
 def test_an_archive_that_is_not_there_is_one_line(tmp_path):

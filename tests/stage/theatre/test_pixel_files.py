@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from subsea.base.errors import UserError
 from subsea.base.files import read_input
-from subsea.stage.theatre.pfm import parse_pfm
+from subsea.stage.theatre.pixel_files import parse_pfm
 
 GRIDS = st.tuples(st.integers(1, 6), st.integers(1, 6), st.sampled_from([1, 3])).flatmap(
     lambda shape: arrays(np.float32, shape, elements=st.floats(width=32))
@@ -38,8 +38,8 @@ def test_lines_may_end_in_crlf(making):
         (b"", "not a PFM file"),
         (b"P6\n2 2\n255\n", "not a PFM file"),
         (b"PF\n2\n-1.0\n" + bytes(48), "not a PFM file"),
-        (b"PF\n0 2\n-1.0\n", "0×2 points"),
-        (b"PF\n99999 99999\n-1.0\n", "99999×99999 points"),
+        (b"PF\n0 2\n-1.0\n", "0×2 points in 0 bytes"),
+        (b"PF\n99999 99999\n-1.0\n", "99999×99999 points in 0 bytes"),
         (b"PF\n2 2\n0.0\n" + bytes(48), "scale '0.0'"),
         (b"PF\n2 2\n1e999\n" + bytes(48), "scale '1e999'"),
         (b"PF\n2 2\n1.0.0\n" + bytes(48), "scale '1.0.0'"),

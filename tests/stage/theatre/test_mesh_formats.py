@@ -6,10 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.stage.theatre.bourke import parse_bourke
-from subsea.stage.theatre.obj import parse_obj
+from subsea.stage.theatre.mesh_formats import parse_bourke, parse_obj, read_warp
 from subsea.stage.theatre.warp import from_grid, sources_at, validated
-from subsea.stage.theatre.warp_files import read_warp
 
 SIZE = (160, 120)
 QUAD = b"""# from a tool
@@ -34,7 +32,7 @@ POINTS = np.random.default_rng(5).uniform(0.02, 0.98, (50, 2))
     "faces", [b"f 1/1/1 2/2/1 3/3/1 4/4/1", b"f 1 2 3\nf 1 3 4", b"f -4/-4 -3/-3 -2/-2 -1/-1"]
 )
 def test_quads_triangles_and_backward_numbers_show_the_same(faces):
-    warp = parse_obj(QUAD + faces, "x")
+    warp = parse_obj(QUAD + faces, SIZE, "x").warp
     assert warp.vertices.shape == (4, 6)
     assert warp.triangles.shape == (2, 3)
     np.testing.assert_allclose(sources_at(warp, POINTS), POINTS, atol=1e-6)
@@ -42,12 +40,12 @@ def test_quads_triangles_and_backward_numbers_show_the_same(faces):
 
 def test_a_mesh_from_0_to_1_is_known_by_having_nothing_below():
     lines = QUAD.replace(b"v -1 ", b"v 0 ").replace(b" -1 0", b" 0 0").replace(b"v -1", b"v 0")
-    warp = parse_obj(lines + b"f 1 2 3 4", "x")
+    warp = parse_obj(lines + b"f 1 2 3 4", SIZE, "x").warp
     np.testing.assert_allclose(sources_at(warp, POINTS), POINTS, atol=1e-6)
 
 
 def test_a_point_that_shows_two_sources_is_split():
-    warp = parse_obj(QUAD + b"f 1/1 2/2 3/3\nf 1/2 3/3 4/4", "x")
+    warp = parse_obj(QUAD + b"f 1/1 2/2 3/3\nf 1/2 3/3 4/4", SIZE, "x").warp
     assert len(warp.vertices) == 5
 
 
@@ -56,7 +54,7 @@ def test_a_written_obj_shows_what_the_warp_did(making, seed):
     x, y = np.meshgrid(np.linspace(0.1, 0.9, 12), np.linspace(0.9, 0.1, 9))
     wobble = np.random.default_rng(seed).uniform(-0.01, 0.01, (9, 12, 2))
     warp = validated(from_grid(np.stack([x, y], axis=-1) + wobble, SIZE), "x")
-    again = parse_obj(making.compose_obj(warp), "x")
+    again = parse_obj(making.compose_obj(warp), SIZE, "x").warp
     np.testing.assert_allclose(sources_at(again, POINTS), sources_at(warp, POINTS), atol=1e-5)
 
 
@@ -84,7 +82,7 @@ def test_a_written_obj_shows_what_the_warp_did(making, seed):
 )
 def test_an_obj_that_is_wrong_is_refused_in_one_line(lines, said):
     with pytest.raises(UserError, match=said) as caught:
-        parse_obj(lines, "left.obj")
+        parse_obj(lines, SIZE, "left.obj")
     assert str(caught.value).startswith("left.obj: ")
     assert "\n" not in str(caught.value)
 
@@ -100,7 +98,7 @@ def bourke(kind=2, columns=7, rows=5, aspect=4 / 3, dim=1.0):
 
 
 def test_a_mesh_in_bourkes_format_with_its_brightness():
-    warp, mask = parse_bourke(bourke(dim=0.25), SIZE, "x")
+    warp, mask, *_ = parse_bourke(bourke(dim=0.25), SIZE, "x")
     inside = (np.abs(POINTS - 0.5) < 0.249).all(axis=1)
     outside = (np.abs(POINTS - 0.5) > 0.251).any(axis=1)
     found = sources_at(warp, POINTS)
@@ -111,12 +109,12 @@ def test_a_mesh_in_bourkes_format_with_its_brightness():
 
 
 def test_the_mask_of_a_narrow_picture_is_no_larger():
-    tall = parse_bourke(bourke(aspect=16 / 16384), (16, 16384), "x")[1]
+    tall = parse_bourke(bourke(aspect=16 / 16384), (16, 16384), "x").mask
     assert tall.shape == (512, 1, 4)
 
 
 def test_nodes_of_negative_brightness_are_not_used():
-    warp, _ = parse_bourke(bourke(dim=-1.0), SIZE, "x")
+    warp = parse_bourke(bourke(dim=-1.0), SIZE, "x").warp
     assert np.nanmax(sources_at(warp, POINTS)[:, 0]) <= 0.5
 
 
@@ -127,7 +125,7 @@ def test_a_polar_mesh_closes_to_a_ring():
         for turn in 2 * np.pi * np.arange(turns) / turns:
             x, y = r * np.cos(turn) * 0.9, r * np.sin(turn) * 0.9
             lines.append(f"{x} {y} {0.5 + x / 2} {0.5 + y / 2} 1")
-    warp, _ = parse_bourke("\n".join(lines).encode(), (100, 100), "x")
+    warp = parse_bourke("\n".join(lines).encode(), (100, 100), "x").warp
     near = POINTS[np.linalg.norm(POINTS - 0.5, axis=1) < 0.4]
     np.testing.assert_allclose(sources_at(warp, near), near, atol=1e-6)
 
@@ -140,9 +138,9 @@ def test_a_polar_mesh_closes_to_a_ring():
         (b"2\n2\n", "expected a line '1' or '2'"),
         (b"2\n1 1\n0 0 0 0 1\n", "expected a line '1' or '2'"),
         (b"2\n2 2\n0 0 0 0 1\n", "expected 2 times 2 nodes, got 1"),
-        (b"2\n2 2\n" + b"0 0 0 0\n" * 4, "line 3: expected x y u v and brightness"),
-        (b"2\n2 2\n" + b"0.5\n" * 4, "line 3: expected x y u v and brightness"),
-        (b"2\n2 2\n" + b"0 0 0 0 1 1\n" * 4, "line 3: expected x y u v and brightness"),
+        (b"2\n2 2\n" + b"0 0 0 0\n" * 4, "line 3: expected the numbers x y u v"),
+        (b"2\n2 2\n" + b"0.5\n" * 4, "line 3: expected the numbers x y u v"),
+        (b"2\n2 2\n" + b"0 0 0 0 1 1\n" * 4, "line 3: expected the numbers x y u v"),
         (b"2\n2 2\n" + b"0 0 0 0 -1\n" * 4, "an empty mesh"),
         (b"2\n2 2\n0 0 .5 .5 1\n1 0 .5 .5 1\n0 1 .5 .5 1\n1 1 .5 .5 1\n", "u and v have no area"),
         (b"2\n2 2\n" + b"nan 0 0 0 1\n" * 4, "4 of 4 points"),
@@ -168,7 +166,7 @@ def test_mangled_text_is_a_warp_or_one_line(kind, at, gone, junk):
     at %= len(whole)
     data = whole[:at] + junk + whole[at + gone :]
     try:
-        parse_obj(data, "x") if kind == "obj" else parse_bourke(data, SIZE, "x")
+        (parse_obj if kind == "obj" else parse_bourke)(data, SIZE, "x")
     except UserError as fault:
         assert "\n" not in str(fault)
 
