@@ -1,23 +1,23 @@
 """Compile the kernels of a dive in advance, in parallel processes.
 
-One process compiles some hundreds of kernels for a dive one by one, which takes a minute. Here each
-part of a tick runs once in its own process, in an almost empty sea. The compiled kernels are cached
-on disk, where the dive finds them.
+One process compiles some hundreds of kernels for a dive one by one, which takes a minute. Here the
+parts of a tick run once, in an almost empty sea, in a process for each core. The compiled kernels
+are cached on disk, where the dive finds them. A wheel ships them, and then nothing is left to do.
 """
 
 import gc
+import hashlib
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-import numba
 import numpy as np
 from msgspec.structs import replace
 
@@ -30,13 +30,13 @@ from subsea.behavior.table import run_routine
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
-from subsea.jobs.background import CancelledByUserError
+from subsea.kernels.cache import processor, shipped_code, versions
 from subsea.perception.focusser import focus
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import Sources, hear
 from subsea.sound.space import LAYOUTS, listener_of
-from subsea.state import Clock, Reef, empty
+from subsea.state import PREDATOR, Clock, Reef, empty
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.world import step
@@ -44,10 +44,9 @@ from subsea.world.build import create_world
 from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
-MODULE = "subsea.dive.warm_up"  # run as a program by each process, with the name of a job
+MODULE = "subsea.dive.warm_up"  # run as a program by each process, which reads names of jobs
 SCENARIO, FISHES = "peaceful", 12  # the world of the jobs
 COMPILING = marked("compiling the fishes' code, once")
-POLL_S = 0.1  # interval of checks for Ctrl-C and window events meanwhile
 ROCK = np.array([[0.0, 0.0, 10.0, 30.0, 20.0, 20.0, 0.0]])
 
 
@@ -99,10 +98,13 @@ def _routines() -> None:
 
 def _motion() -> None:
     world = _open_water()
+    world.state.minds.kind[0] = PREDATOR  # which looks for prey
     step.perceive(world, CLOCK, NEUTRAL)
     everyone = np.arange(len(world.state.fishes.species))
     step.move_water(world, everyone, CLOCK)
     step.move_fishes(world, everyone, CLOCK)
+    step.steer(world, world.state.submarine, NEUTRAL)
+    step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())
 
 
 def _sound() -> None:
@@ -123,191 +125,157 @@ def _open_water() -> World:
 
 
 JOBS: dict[str, Callable[[], None]] = {
-    "scenery": _scenery,
     "routines": _routines,
     "motion": _motion,
+    "scenery": _scenery,
     "decisions": _decisions,
     "sound": _sound,
 }
-"""The parts of a dive, in the order of their start: the first picture, then the slowest."""
-FIRST = "scenery"
+"""The parts of a dive, the slowest first."""
 
 
 def warm_up(
-    tell: Callable[[str], None] = lambda message: None,
-    check: Callable[[], None] = lambda: None,
-    processes: int | None = None,
-    first: Callable[[], None] = lambda: None,
+    tell: Callable[[str], None] = lambda message: None, processes: int | None = None
 ) -> None:
-    """Compile all kernels of a dive that are not cached yet, in parallel `processes`.
+    """Compile all kernels of a dive that are not shipped or cached yet, in parallel `processes`.
 
     None: one for each core. Does nothing with a single process, which would gain no time, or if
-    nothing can be cached. `tell` gets lines on the progress; `check` is called meanwhile and may
-    raise, which ends the processes; `first` is called once what draws a world is compiled.
+    nothing can be cached. `tell` gets lines on the progress.
     """
     marker = _marker()
-    if marker.exists():
+    if marker.exists() or shipped_code() == code_stamp():
         return
     processes = cores() if processes is None else processes
     if processes > 1 and _can_write(marker.parent):
-        with _one_at_a_time(tell, check), suppress(OSError):  # no more processes may be started
-            if marker.exists() or _run_all(min(processes, len(JOBS)), tell, check, first):
-                for old in marker.parent.glob("warm-*"):
-                    old.unlink(missing_ok=True)
-                marker.touch()
+        with _one_at_a_time(tell), suppress(OSError):  # no more processes may be started
+            if marker.exists() or compile_all(processes, tell):
                 return
     tell(marked("compiling the fishes' code (a minute or more)"))
 
 
-class WarmUp:
-    """Compile kernels in a thread, so that a world is seen before its fishes can move."""
-
-    def __init__(self) -> None:
-        """Start to compile."""
-        self._lines: SimpleQueue[str] = SimpleQueue()
-        self._fault: BaseException | None = None
-        self._first, self._cancelled = threading.Event(), threading.Event()
-        self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
-        self._thread.start()
-
-    def wait_for_first(self, tell: Callable[[str], None]) -> None:
-        """Wait until a world can be created and drawn; `tell` gets lines on the progress."""
-        self._wait(self._first.is_set, tell)
-
-    def wait(self, tell: Callable[[str], None]) -> None:
-        """Wait until a world can be stepped."""
-        self._wait(lambda: not self._thread.is_alive(), tell)
-
-    def cancel(self) -> None:
-        """End the processes; what they have not compiled is compiled when it is called."""
-        self._cancelled.set()
-
-    def _wait(self, done: Callable[[], bool], tell: Callable[[str], None]) -> None:
-        while not done() or not self._lines.empty():
-            with suppress(Empty):
-                tell(self._lines.get(timeout=POLL_S))
-        if self._fault:
-            raise self._fault
-
-    def _run(self) -> None:
-        try:
-            warm_up(self._lines.put, self._check, first=self._first.set)
-        except BaseException as fault:
-            self._fault = fault
-        self._first.set()
-
-    def _check(self) -> None:
-        if self._cancelled.is_set():
-            raise CancelledByUserError
+def code_stamp() -> str:
+    """Hash the sources of all kernels of a dive."""
+    return source_stamp(Path(__file__).resolve())
 
 
 def _marker() -> Path:
-    """The file beside cached kernels that marks those of the current code as complete."""
-    code = f"{source_stamp(Path(__file__).resolve())[:32]}-{numba.__version__}"
-    return Path(height_at.stats.cache_path or cache_folder()) / f"warm-{code}"
+    """The file beside cached kernels that marks those of this code, Python and processor."""
+    about = hashlib.sha256(repr((code_stamp(), versions(), processor())).encode()).hexdigest()
+    folder = Path(height_at.stats.cache_path or cache_folder())
+    return folder / f"warm-{versions()['python']}-{processor().cpu}-{about[:32]}"
 
 
-def _can_write(place: Path) -> bool:
+def _can_write(folder: Path) -> bool:
     """True if compiled code can be cached in a folder."""
-    probe = place / f".probe-{os.getpid()}"
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-        probe.write_bytes(b"1")
-    except OSError:
-        return False
-    finally:
-        with suppress(OSError):
-            probe.unlink()
-    return True
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(b"1")
+        return True
+    return False
 
 
 @contextmanager
-def _one_at_a_time(tell: Callable[[str], None], check: Callable[[], None]) -> Iterator[None]:
+def _one_at_a_time(tell: Callable[[str], None]) -> Iterator[None]:
     """Wait while another start compiles. Without file locks (Windows) both compile."""
     with ExitStack() as stack:
         with suppress(ImportError, OSError):
             from fcntl import LOCK_EX, LOCK_NB, flock
 
-            place = cache_folder().parent
-            make_own_folder(place)
-            lock = os.open(place / "compiling", os.O_RDWR | os.O_CREAT | os.O_NONBLOCK)
-            stack.callback(os.close, lock)
-            told = False
-            while not _locks(lambda: flock(lock, LOCK_EX | LOCK_NB)):
-                if not told:
-                    tell(marked("waiting for another dive, which compiles the fishes' code"))
-                told = True
-                check()
-                time.sleep(POLL_S)
+            folder = cache_folder().parent
+            make_own_folder(folder)
+            lock = stack.enter_context((folder / "compiling").open("a"))
+            try:
+                flock(lock, LOCK_EX | LOCK_NB)
+            except BlockingIOError:
+                tell(marked("waiting for another dive, which compiles the fishes' code"))
+                flock(lock, LOCK_EX)
         yield
 
 
-def _locks(lock: Callable[[], None]) -> bool:
-    """True if `lock` could lock its file."""
-    try:
-        lock()
-    except BlockingIOError:
-        return False
-    return True
+def compile_all(processes: int, tell: Callable[[str], None]) -> bool:
+    """Run all jobs in processes that take one after another, and mark the kernels as compiled.
 
-
-def _run_all(
-    processes: int,
-    tell: Callable[[str], None],
-    check: Callable[[], None],
-    first: Callable[[], None],
-) -> bool:
-    """Run all jobs, some at a time; return whether all succeeded. An exception ends them."""
-    waiting = list(JOBS)
-    running: dict[subprocess.Popen[bytes], str] = {}
-    done = 0
+    Returns False if a job fails. An exception, such as Ctrl-C, ends the processes.
+    """
+    waiting: SimpleQueue[str] = SimpleQueue()
+    for job in JOBS:
+        waiting.put(job)
+    ended: SimpleQueue[bool] = SimpleQueue()
     with ExitStack() as stack:
-        tell(f"{COMPILING}: 0/{len(JOBS)}")
-        while waiting or running:
-            while waiting and len(running) < processes:
-                job = waiting.pop(0)
-                running[_start(job, stack)] = job
-            with suppress(subprocess.TimeoutExpired):
-                next(iter(running)).wait(POLL_S)
-            check()
-            for worker in [worker for worker in running if worker.poll() is not None]:
-                if worker.returncode:
-                    return False
-                if running.pop(worker) == FIRST:
-                    first()
-                done += 1
-                tell(f"{COMPILING}: {done}/{len(JOBS)}")
+        for _ in range(min(processes, len(JOBS))):
+            worker = _start(stack)
+            threading.Thread(target=_employ, args=(worker, waiting, ended), daemon=True).start()
+        for done in range(len(JOBS)):
+            tell(f"{COMPILING}: {done}/{len(JOBS)}")
+            if not ended.get():
+                return False
+        tell(f"{COMPILING}: {len(JOBS)}/{len(JOBS)}")
+    marker = _marker()
+    for old in marker.parent.glob(f"{marker.name.rpartition('-')[0]}-*"):
+        old.unlink(missing_ok=True)
+    marker.touch()
     return True
 
 
-def _start(job: str, stack: ExitStack) -> "subprocess.Popen[bytes]":
-    """Start a job in a process that ends with the stack or with this process.
+def _employ(
+    worker: "subprocess.Popen[str]", waiting: "SimpleQueue[str]", ended: "SimpleQueue[bool]"
+) -> None:
+    """Let a process run waiting jobs; report the end of each, and whether it succeeded."""
+    assert worker.stdin and worker.stdout
+    try:
+        while True:
+            job = waiting.get_nowait()
+            print(job, file=worker.stdin, flush=True)
+            ended.put(worker.stdout.readline() == f"{job}\n")
+    except Empty:
+        return
+    except (OSError, ValueError):  # it has crashed, or all are ended
+        ended.put(False)
+
+
+def _start(stack: ExitStack) -> "subprocess.Popen[str]":
+    """Start a process for jobs that ends with the stack or with this process.
 
     -P: it imports nothing from the current folder.
     """
     paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
+    settings = {
+        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+        "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # colours take 3% of the time
+    }
     worker = subprocess.Popen(
-        [sys.executable, "-P", "-m", MODULE, job],
-        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
+        [sys.executable, "-P", "-m", MODULE], env=os.environ | settings, text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     stack.enter_context(worker)
     stack.callback(worker.kill)
     return worker
 
 
-def end_with_parent() -> None:
-    """Ignore Ctrl-C, which the parent also gets, and end with the parent."""
+def jobs_to_do() -> Iterator[str]:
+    """Yield the jobs that this process gets on its standard input; end when that ends.
 
-    def wait() -> None:
-        os.read(0, 1)  # not through sys.stdin, whose lock a thread may not hold at exit
-        os._exit(1)
-
+    It ignores Ctrl-C, which its parent also gets, and ends at once with its parent.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=wait, daemon=True).start()
+    given: SimpleQueue[str] = SimpleQueue()
+
+    def read() -> None:
+        # Not through sys.stdin, whose lock a thread may not hold at exit.
+        with open(0, "rb", buffering=0) as lines:
+            for line in lines:
+                given.put(line.decode().strip())
+        os._exit(0)
+
+    threading.Thread(target=read, daemon=True).start()
+    while True:
+        job = given.get()
+        yield job
+        print(job, flush=True)
 
 
 if __name__ == "__main__":
-    end_with_parent()
     gc.set_threshold(200_000, 20, 20)  # the compiler's many objects: a sixth of its time
-    JOBS[sys.argv[1]]()
+    for job in jobs_to_do():
+        JOBS[job]()

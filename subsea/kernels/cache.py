@@ -66,21 +66,33 @@ def versions() -> dict[str, str]:
     }  # fmt: skip
 
 
-def write_manifest(folder: Path, target: Target) -> None:
-    """Record what the code in a folder is compiled with and for."""
-    about = {"versions": versions(), "target": target}
+def write_manifest(folder: Path, target: Target, code: str) -> None:
+    """Record what the kernels in a folder are compiled with and for, and a hash of their code."""
+    about = {"versions": versions(), "target": target, "code": code}
     (folder / MANIFEST).write_text(json.dumps(about), encoding="utf-8")
 
 
 @cache
-def shipped_target() -> Target | None:
-    """The processor that shipped code is compiled for; None if it is of no use in this process."""
+def _manifest() -> tuple[Target | None, str]:
+    """The processor that shipped kernels are for, and a hash of their code; None if of no use."""
     try:
         about = json.loads((SHIPPED / MANIFEST).read_bytes())
         target = Target(*about["target"])
-        return target if about["versions"] == versions() and processor().runs(target) else None
-    except (OSError, ValueError, LookupError, TypeError):  # nothing is shipped, or it is damaged
-        return None
+        if about["versions"] == versions() and processor().runs(target):
+            return target, str(about["code"])
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        pass  # nothing is shipped, or it is damaged
+    return None, ""
+
+
+def shipped_target() -> Target | None:
+    """The processor that shipped kernels are compiled for; None if this process cannot use them."""
+    return _manifest()[0]
+
+
+def shipped_code() -> str:
+    """A hash of the code of which all kernels are shipped; empty if of no use in this process."""
+    return _manifest()[1]
 
 
 @cache

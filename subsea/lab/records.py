@@ -121,8 +121,8 @@ def sweep(
         raise ValueError(f"jobs: {jobs!r}, expected at least 1")
     runs = Sweep(scenario, [*seeds], _ticks(seconds), fish, values or {})
     jobs = cores() if jobs is None else jobs
+    warm_up(say)
     with deferred_interrupts() as check:
-        warm_up(say, check)
         return run_sweep(
             runs,
             Path(out),

@@ -104,7 +104,7 @@ def _validate(options: Namespace) -> int:
     jobs = list(trials(chosen))
     files = ReportFiles(NAME, options.json, options.report, options.plots)
     files.check(VALIDATION_PLOTS, options.force)
+    warm_up(say)
     with deferred_interrupts() as check:
-        warm_up(say, check)
         validate(jobs, files, process_pool(options.jobs or cores()), check)
     return 0

@@ -87,9 +87,9 @@ def run(options: Namespace) -> int:
         pool = dask_pool(options.cluster)
     else:
         pool = process_pool(options.jobs or cores())
+    if options.cluster is None:
+        warm_up(say)
     with deferred_interrupts() as check:
-        if options.cluster is None:
-            warm_up(say, check)
         table = sweep(
             chosen,
             options.out,

@@ -12,29 +12,30 @@ import pytest
 
 from subsea.dive import warm_up as module
 from subsea.dive.warm_up import JOBS, warm_up
+from subsea.kernels.cache import processor, versions
 
-DIVE = """
-import sys
-from numba.core import event
-from subsea.cli.main import main
+# Prints the kernels that Python calls, with types, after the lines of a program. Kernels that only
+# kernels call are compiled with these.
+CALLED = """
+import gc
+from numba.core.dispatcher import Dispatcher
 from subsea.base.source_stamp import ROOT
-from subsea.dive.warm_up import warm_up
-
-class Compiled(event.Listener):
-    def on_start(self, event):
-        function = event.data["dispatcher"].py_func
+from subsea.cli.main import main
+from subsea.dive.warm_up import JOBS
+{}
+for kernel in gc.get_objects():
+    if isinstance(kernel, Dispatcher):
+        function = kernel.py_func
         if function.__code__.co_filename.startswith(str(ROOT / "subsea")):
-            compiled.append(f"{function.__module__}.{function.__name__}")
-
-    def on_end(self, event):
-        pass
-
-compiled = []
-warm_up(print)
-with event.install_listener("numba:compile", Compiled()):
-    code = main(["benchmark", "--frames", "2", "--size", "64x64"])
-print(sorted(set(compiled)))
-sys.exit(code)
+            for types in kernel.overloads:
+                print("called", function.__module__, function.__name__, *types)
+"""
+WARM_UP = "for job in JOBS.values(): job()"
+DIVE = """
+assert main(["simulate", "--scenario", "preying", "--ticks", "3", "--out", "sea.h5"]) == 0
+for scenario in "peaceful", "preying":
+    film = ["film", f"{scenario}.mp4", "--scenario", scenario, "--seconds", "0.1"]
+    assert main([*film, "--size", "64x64"]) == 0
 """
 # Short jobs replace those of a dive: these tests cover the processes.
 SHORT = """
@@ -62,25 +63,32 @@ def _jobs(tmp_path: Path) -> list[str]:
     return sorted(line for line in (tmp_path / "jobs").read_text().splitlines())
 
 
-def test_a_dive_compiles_nothing_then():
-    run = subprocess.run([sys.executable, "-c", DIVE], capture_output=True, text=True, check=False)
+def _called(tmp_path: Path, program: str) -> set[str]:
+    """The kernels that a program calls, with nothing kept that kernels have made."""
+    run = subprocess.run(
+        [sys.executable, "-P", "-c", CALLED.format(program)], cwd=tmp_path, capture_output=True,
+        text=True, check=False, env=os.environ | {"XDG_CACHE_HOME": str(tmp_path)},
+    )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    assert run.stdout.splitlines()[-1] == "[]"
+    return {line for line in run.stdout.splitlines() if line.startswith("called ")}
+
+
+def test_a_dive_calls_no_kernel_that_is_not_compiled_in_advance(tmp_path):
+    dive = _called(tmp_path, DIVE)
+    assert len(dive) > 50
+    assert sorted(dive - _called(tmp_path, WARM_UP)) == []
 
 
 def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
     stranger = tmp_path / "folder" / "subsea.py"  # in the current folder
     stranger.parent.mkdir()
     stranger.write_text("raise SystemExit")
-    program = _program(tmp_path, "run(told, processes=2, first=lambda: told('first'));"
-                       "run(told, processes=2)", cwd=stranger.parent)  # fmt: skip
+    program = _program(
+        tmp_path, "run(told, processes=2); run(told, processes=2)", cwd=stranger.parent
+    )
     told, faults = program.communicate(timeout=200)
     assert program.returncode == 0, faults
-    lines = told.splitlines()
-    place = lines.index("first")  # once what draws a world is compiled
-    assert place > 0
-    del lines[place]
-    assert lines == [
+    assert told.splitlines() == [
         f"compiling the fishes' code, once: {done}/{len(JOBS)}" for done in range(len(JOBS) + 1)
     ]
     assert _jobs(tmp_path) == sorted(JOBS)
@@ -116,16 +124,17 @@ def test_nobody_is_left_who_compiles(tmp_path, number):
         tmp_path,
         """
 start = warm_up._start
-def started(job, stack):
-    worker = start("endless", stack)
+def started(stack):
+    worker = start(stack)
     print(worker.pid, flush=True)
     return worker
 warm_up._start = started
+warm_up.JOBS = {"endless": None, " endless": None}
 run(told, processes=2)
 """,
     )
-    program.stdout.readline()
     workers = [int(program.stdout.readline()) for _ in range(2)]
+    program.stdout.readline()
     if number == signal.SIGINT:
         os.killpg(program.pid, number)
     else:
@@ -159,12 +168,22 @@ def test_a_single_core_compiles_when_a_kernel_is_called(monkeypatch, tmp_path):
     assert told == ["compiling the fishes' code (a minute or more)"]
 
 
-def test_a_check_that_raises_ends_it(monkeypatch, tmp_path):
-    def leave() -> None:
-        raise KeyboardInterrupt
+def test_kernels_of_another_python_or_processor_have_another_marker(monkeypatch):
+    names = {module._marker().name}
+    for name, other in (
+        ("versions", {**versions(), "python": "cpython-399"}),
+        ("processor", processor()._replace(features="+sse2")),
+        ("code_stamp", "other"),
+    ):
+        with monkeypatch.context() as patched:
+            patched.setattr(module, name, lambda other=other: other)
+            names.add(module._marker().name)
+    assert len(names) == 4
 
+
+def test_shipped_kernels_are_not_compiled(monkeypatch, tmp_path):
+    told: list[str] = []
     monkeypatch.setattr(module, "_marker", lambda: tmp_path / "warm-never")
-    monkeypatch.setattr(module, "MODULE", "tests.support.short_job")
-    with pytest.raises(KeyboardInterrupt):
-        warm_up(check=leave, processes=2)
-    assert not (tmp_path / "warm-never").exists()
+    monkeypatch.setattr(module, "shipped_code", module.code_stamp)
+    warm_up(told.append, processes=1)
+    assert told == []

@@ -1,18 +1,18 @@
-"""A warm-up job that compiles nothing: it records its name, fails, or never ends."""
+"""Warm-up jobs that compile nothing: they record their names, fail, or never end."""
 
 import os
 import sys
 import time
 from pathlib import Path
 
-from subsea.dive.warm_up import end_with_parent
+from subsea.dive.warm_up import jobs_to_do
 
 if __name__ == "__main__":
-    end_with_parent()
-    if sys.argv[1] == "endless":
-        time.sleep(600.0)
-    if sys.argv[1] == "failing":
-        sys.exit(1)
-    if "SHORT_JOBS" in os.environ:
-        with Path(os.environ["SHORT_JOBS"]).open("a") as file:
-            file.write(f"{sys.argv[1]}\n")
+    for job in jobs_to_do():
+        if job == "endless":
+            time.sleep(600.0)
+        if job == "failing":
+            sys.exit(1)
+        if "SHORT_JOBS" in os.environ:
+            with Path(os.environ["SHORT_JOBS"]).open("a") as file:
+                file.write(f"{job}\n")

@@ -182,7 +182,7 @@ class StaticBatch(GpuOwner):
         if self._waiting:
             items = np.arange(len(self._centres))
             self._make(items, np.full(len(items), level))
-        triangles = gather(self._triangles, self._ranges[:, level])
+        triangles = gather(self._triangles, np.ascontiguousarray(self._ranges[:, level]))
         if not len(triangles):
             return
         indices = compiled.ctx.buffer(triangles)
