@@ -9,7 +9,7 @@ BIN := .venv/bin
 LOCKED := uv.lock pyproject.toml tools/setup.sh tools/gltf-validator/package-lock.json assets/web/package-lock.json
 NO_DISPLAY = [ -z "$$DISPLAY$$WAYLAND_DISPLAY" ] && [ "$$(uname -s)" != Darwin ]
 
-.PHONY: run bench test test-house nightly format docs gallery clean
+.PHONY: run bench test test-house nightly format docs gallery wheel clean
 
 run: .venv/ready-run
 	@if $(NO_DISPLAY); then \
@@ -49,6 +49,10 @@ docs: .venv/ready-test
 # Models of all species and two scenes, with an index page. An interrupted run goes on.
 gallery: .venv/ready-bench
 	$(BIN)/python tools/make_gallery.py $(ARGS)
+
+# With kernels compiled for this Python and system, and the results of a first start.
+wheel: .venv/ready-test
+	$(BIN)/python tools/build_wheel.py -d dist
 
 clean:
 	rm -rf .venv tools/gltf-validator/node_modules

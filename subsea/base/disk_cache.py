@@ -2,11 +2,12 @@
 
 For functions whose result depends on their arguments alone. A file is named after its code and
 arguments, so it is never outdated; a damaged one is computed again. Files are data only: reading
-one executes nothing.
+one executes nothing. A wheel ships the results that its scenarios need.
 """
 
 import hashlib
 import io
+import lzma
 import os
 import pickle
 import sys
@@ -23,11 +24,12 @@ from subsea.base.arrays import pack, unpack
 from subsea.base.errors import UserError
 from subsea.base.files import make_own_folder, open_own, replacing
 from subsea.base.progress import say
-from subsea.base.source_stamp import source_stamp
+from subsea.base.source_stamp import ROOT, source_stamp
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
+SHIPPED = ROOT / "subsea" / "_data" / "kept"
 MAX_BYTES = 512 << 20  # of all files; twice the need of the shipped scenarios
 
 
@@ -52,13 +54,16 @@ def cached(make: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
 
 
 def recall(name: str, kind: Any) -> Any:
-    """Read a kept value of a type; LookupError if it is missing or damaged."""
+    """Read a value of a type that is shipped or was kept; LookupError if missing or damaged."""
+    with suppress(Exception):  # anything unexpected counts as missing
+        packed = (SHIPPED / f"{name}.xz").read_bytes()
+        return unpack(memoryview(bytearray(lzma.decompress(packed))), name, kind)
     path = cache_folder() / f"{name}.data"
     if not _may_use(path.parent):
         raise LookupError(name)
     try:
         made = unpack(_content(path), name, kind)
-    except Exception as fault:  # anything unexpected counts as missing
+    except Exception as fault:
         raise LookupError(name) from fault
     with suppress(OSError):  # a read-only disk
         os.utime(path)

@@ -132,7 +132,7 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
     pair = (reef.hue * pairs).astype(int)
     groups = np.unique(np.stack([reef.kind, variant, pair], axis=1), axis=0)
     wanted = np.unique(groups[:, :2], axis=0)
-    shapes = cached(forms, [(names[kind], int(number)) for kind, number in wanted])
+    shapes = forms([(names[kind], int(number)) for kind, number in wanted])
     levels = {tuple(key): own for key, own in zip(wanted.tolist(), shapes, strict=True)}
     for kind, form, number in groups.tolist():
         mine = (reef.kind == kind) & (variant == form) & (pair == number)

@@ -95,8 +95,18 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """Read a repertoire, which must be of that species and tick."""
     if stamp is None:
         raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
-    content = _content(path)
-    repertoire = cached(_read, path, content) if content else _read(path, content)
+    stored = _content(path)
+
+    # Named after the content, not the path: a wheel carries the results of its repertoires.
+    def read(content: str) -> Repertoire:
+        from subsea.repertoire import read_repertoire
+
+        repertoire = read_repertoire(path)
+        if _content(path) != content:
+            raise UserError("changed while it was read; start again", file=path)
+        return repertoire
+
+    repertoire = cached(read, stored) if stored else read(stored)
     if repertoire.species != name:
         raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
@@ -112,13 +122,3 @@ def _content(path: Path) -> str:
         return file_hash(path)
     except (OSError, UserError):
         return ""
-
-
-def _read(path: Path, content: str) -> Repertoire:
-    """Read a repertoire from a file of this content."""
-    from subsea.repertoire import read_repertoire
-
-    repertoire = read_repertoire(path)
-    if _content(path) != content:  # the cache goes by content
-        raise UserError("changed while it was read; start again", file=path)
-    return repertoire

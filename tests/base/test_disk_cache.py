@@ -1,6 +1,7 @@
 """Cached results equal computed ones, or are computed again."""
 
 import importlib.util
+import lzma
 import os
 import pickle
 import sys
@@ -292,3 +293,35 @@ def test_the_group_of_the_user_alone_may_write(module, place, monkeypatch):
     place.chmod(0o770)
     assert_squares(cached(maker.squares, 5))
     assert maker.made == [5]
+
+
+@pytest.fixture
+def shipped(tmp_path, monkeypatch, module, place):
+    """A function whose result is shipped, and the file of that."""
+    squares = module(CODE).squares
+    cached(squares, 5, 2)
+    [kept] = place.iterdir()
+    file = tmp_path / "shipped" / kept.with_suffix(".xz").name
+    file.parent.mkdir()
+    file.write_bytes(lzma.compress(kept.read_bytes()))
+    kept.unlink()
+    monkeypatch.setattr(disk_cache, "SHIPPED", file.parent)
+    return squares, file
+
+
+def test_a_shipped_result_is_not_kept_and_a_damaged_one_is_made_again(shipped, place):
+    squares, file = shipped
+    assert_squares(cached(squares, 5, 2))
+    assert not list(place.iterdir())
+    for content in (b"", file.read_bytes()[:-1], lzma.compress(b"other")):
+        file.write_bytes(content)
+        assert_squares(cached(squares, 5, 2))
+        [made] = place.iterdir()
+        made.unlink()
+
+
+def test_a_shipped_result_needs_no_folder_of_the_user(shipped, tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "file" / "kept")
+    assert_squares(cached(shipped[0], 5, 2))
+    assert not capsys.readouterr().err

@@ -45,9 +45,9 @@ def package(shipped, tmp_path, monkeypatch):
     shutil.copytree(shipped, folder)
     monkeypatch.setattr(cache, "SHIPPED", folder)
     monkeypatch.setattr(cache.caching.config, "CACHE_DIR", str(tmp_path / "own"))
-    cache.shipped_target.cache_clear()
+    cache._manifest.cache_clear()
     yield folder
-    cache.shipped_target.cache_clear()
+    cache._manifest.cache_clear()
 
 
 class _Compiled(event.Listener):
@@ -91,7 +91,7 @@ def test_the_users_own_cache_comes_first(package, tmp_path):
     manifest.rename(tmp_path / "away")
     assert _compiled() == 1
     (tmp_path / "away").rename(manifest)
-    cache.shipped_target.cache_clear()
+    cache._manifest.cache_clear()
     for path in package.rglob("*.nb*"):
         path.unlink()
     assert _compiled() == 0

@@ -278,7 +278,7 @@ def bake(reef: Reef) -> list[list[LazyMesh]]:
     variant = variant_of(reef.own)
     groups = np.unique(np.stack([reef.kind, variant], axis=1), axis=0)
 
-    meshes = cached(forms, [(list(KINDS)[kind], int(number)) for kind, number in groups])
+    meshes = forms([(list(KINDS)[kind], int(number)) for kind, number in groups])
     for group, levels in zip(groups, meshes, strict=True):
         chosen = np.flatnonzero((reef.kind == group[0]) & (variant == group[1]))
         placed = PlacedGrowths(list(KINDS)[group[0]], reef.taken(chosen))

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.base.disk_cache import cached
 from subsea.habitat.reef import KINDS
 from subsea.habitat.terrain import HEIGHT, dome, outline
 from subsea.rendering.reef.coral_mesh import (
@@ -482,13 +483,14 @@ def lump(kind: str, mesh: CoralMesh) -> CoralMesh:
 
 
 def forms(wanted: Sequence[tuple[str, int]]) -> list[list[CoralMesh]]:
-    """All levels of kinds and variants, finest first, in single precision."""
-
-    def levels(one: tuple[str, int]) -> list[CoralMesh]:
-        return [single(shape(*one, level)) for level in range(LEVELS)]
-
+    """Make all levels of kinds and variants, finest first, or read them from the disk cache."""
     with ThreadPoolExecutor() as pool:  # numpy releases the GIL
-        return list(pool.map(levels, wanted))
+        return list(pool.map(lambda one: cached(growth_levels, *one), wanted))
+
+
+def growth_levels(kind: str, variant: int) -> list[CoralMesh]:
+    """Make all levels of one variant of a kind, finest first, in single precision."""
+    return [single(shape(kind, variant, level)) for level in range(LEVELS)]
 
 
 @cache
