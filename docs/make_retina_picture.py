@@ -15,6 +15,7 @@ from PIL import Image
 from subsea.dive.ride import SIDES
 from subsea.media.eye_frames import film_eyes
 from subsea.media.film import EyeFilmOptions
+from subsea.scenario.load import load_scenario
 
 SIZE, GAP = (480, 360), 6
 FISH, SECONDS = "9", 7.425
@@ -25,7 +26,14 @@ fish, seconds = sys.argv[1:3] if len(sys.argv) > 2 else (FISH, SECONDS)
 with TemporaryDirectory() as name:
     folder = Path(name) / "seen"
     film_eyes(
-        EyeFilmOptions(out=folder, eyes=fish, seconds=1 / 30, start=float(seconds), size=SIZE)
+        EyeFilmOptions(
+            out=folder,
+            loaded=load_scenario("peaceful"),
+            eyes=fish,
+            seconds=1 / 30,
+            start=float(seconds),
+            size=SIZE,
+        )
     )
 
     def read(part: str) -> np.ndarray:

@@ -65,9 +65,9 @@ def load(
         >>> world
         World('peaceful', seed=1, 10 fishes, tick 0)
     """
-    chosen, source = load_scenario(scenario, change_texts(changes))
+    loaded = load_scenario(scenario, change_texts(changes))
     warm_up(say)
-    return World(create_world(chosen, seed, fish, source=str(source)), scenario)
+    return World(create_world(loaded.scenario, seed, fish, source=str(loaded.path)), scenario)
 
 
 def change_texts(changes: Changes) -> list[str]:

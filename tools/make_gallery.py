@@ -108,7 +108,7 @@ def stamp(item: Item, detail: int) -> str:
     if item.scene is None:
         sources += [species_file(item.name), repertoire_file(item.name)]
     else:
-        scenario, source = load_scenario(item.name)
+        scenario, source, _ = load_scenario(item.name)
         sources.append(source)
         for name in scenario.species:
             sources += [species_file(name), repertoire_file(name)]
@@ -133,7 +133,7 @@ def make_species(folder: Path, name: str, detail: int) -> None:
 def make_scene(folder: Path, one: Scene, detail: int) -> None:
     """Write the models and the picture of a scene: its first frame."""
     film = SceneFilmOptions(
-        out=folder / f"{one.scenario}.glb", scenario=one.scenario, start=one.start,
+        out=folder / f"{one.scenario}.glb", loaded=load_scenario(one.scenario), start=one.start,
         seconds=one.seconds, fps=FPS, size=PICTURE, detail=detail,
     )  # fmt: skip
     scene = record_scene(film)

@@ -32,6 +32,7 @@ from subsea.export.usd import write_usd  # noqa: E402
 from subsea.export.vat import encode, write_vat  # noqa: E402
 from subsea.fish.species import shipped_species  # noqa: E402
 from subsea.geometry.rotation import matrix  # noqa: E402
+from subsea.scenario.load import load_scenario  # noqa: E402
 from tests.support.gltf_reader import Reader  # noqa: E402
 
 SCENE_S = 3.0  # length of a scene
@@ -128,7 +129,7 @@ def scene_errors(file: Path, scene: Scene) -> tuple[float, float]:
 def measure_scene(name: str, detail: int) -> None:
     """Print the table of a scene."""
     film = SceneFilmOptions(
-        out=Path("scene.glb"), scenario=name, start=4.0, seconds=SCENE_S, detail=detail
+        out=Path("scene.glb"), loaded=load_scenario(name), start=4.0, seconds=SCENE_S, detail=detail
     )
     scene = record_scene(film)
     print(f"{len(scene.fishes)} fishes, {scene.frames} frames, level {detail}")

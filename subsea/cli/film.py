@@ -109,16 +109,18 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Film the tour, or the view of a fish."""
     if options.eyes is not None:
-        shared.refuse(options, BLUR, "film: {} cannot be combined with --eyes")
         return _film_eyes(options)
     shared.refuse(options, ("gaze", "field", "see-brightness"), "film: {} needs --eyes FISH")
     from subsea.media.film import TourFilmOptions, film
+    from subsea.scenario.load import load_scenario
 
     shared.check_display_without_window(options.display)
     shared.settle_size(options)
     options.stereo, options.surround = shared.optics(options)
     options.exposure = _exposure(options)
-    return film(TourFilmOptions(**shared.fields_of(TourFilmOptions, options)))
+    options.loaded = load_scenario(options.scenario, options.changes)
+    chosen = TourFilmOptions(**shared.fields_of(TourFilmOptions, options))
+    return film(chosen)
 
 
 def _exposure(options: Namespace) -> "Exposure":
@@ -139,8 +141,10 @@ def _exposure(options: Namespace) -> "Exposure":
 def _film_eyes(options: Namespace) -> int:
     from subsea.media.eye_frames import film_eyes
     from subsea.media.film import EyeFilmOptions
+    from subsea.scenario.load import load_scenario
     from subsea.view.retina import FIELD_DEG, Gaze
 
+    shared.refuse(options, BLUR, "film: {} cannot be combined with --eyes")
     if options.display != "mono":
         raise UserError(
             f"film: --eyes gives a picture for each eye, not --display {options.display}"
@@ -151,4 +155,6 @@ def _film_eyes(options: Namespace) -> int:
     shared.refuse(options, drawing, "film: --eyes shows what a fish sees, {} shows more")
     shared.settle_size(options)
     options.gaze, options.field_deg = Gaze(*(options.gaze or ())), options.field or FIELD_DEG
-    return film_eyes(EyeFilmOptions(**shared.fields_of(EyeFilmOptions, options)))
+    options.loaded = load_scenario(options.scenario, options.changes)
+    chosen = EyeFilmOptions(**shared.fields_of(EyeFilmOptions, options))
+    return film_eyes(chosen)

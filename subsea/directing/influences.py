@@ -170,7 +170,7 @@ def _lead(context: DirectingContext, k: int) -> bool:
         log.stage[k] %= len(points)
     share = np.float32(CRUISING)
     if one.speed_cm_s is not None:
-        share = np.clip(one.speed_cm_s / context.script.fastest_cm_s[those], 0.05, 1.0)
+        share = np.clip(one.speed_cm_s / context.state.fishes.fast[those], 0.05, 1.0)
     _send(context, those, points[log.stage[k]], share)
     return True
 

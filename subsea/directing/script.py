@@ -6,8 +6,9 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior.mental_state import urge_to_eat
-from subsea.scenario.directions import Direction, FishSelector, Shoals, numbers_of
+from subsea.scenario.directions import Direction, FishSelector
 from subsea.scenario.schema import Scenario
+from subsea.scenario.shoals import Shoals, numbers_of
 from subsea.state import Clock, Nature, State
 
 Cast = tuple[int, int]  # two fishes, NOBODY or SUBMARINE
@@ -30,7 +31,6 @@ class Script(NamedTuple):
 
     cues: tuple[Cue, ...]
     order: tuple[int, ...]  # indices, each after the one that it follows
-    fastest_cm_s: Array  # (n,) float32, of each fish
     species: tuple[str, ...]  # names by index
 
 
@@ -44,13 +44,13 @@ class DirectingContext(NamedTuple):
     clock: Clock
 
 
-def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> Script:
+def make_script(scenario: Scenario, numbers: list[int]) -> Script:
     """Resolve the directions of a scenario whose shoals have these numbers of fishes."""
-    shoals = Shoals([shoal.species for shoal in scenario.fish], numbers, [])
+    shoals = Shoals([shoal.species for shoal in scenario.fish], numbers)
     everybody = np.arange(sum(numbers))
 
     def those(whose: FishSelector | None) -> Ints:
-        return everybody if whose is None else np.array([*numbers_of(whose, shoals)], np.int64)
+        return everybody if whose is None else np.array(numbers_of(whose, shoals), np.int64)
 
     def shown(one: Direction) -> Ints:
         follow = None if one.camera is None else one.camera.follow
@@ -74,7 +74,7 @@ def make_script(scenario: Scenario, numbers: list[int], fastest_cm_s: Array) -> 
         return 0 if cues[k].after < 0 else 1 + depth(cues[k].after)
 
     order = tuple(sorted(range(len(cues)), key=depth))
-    return Script(cues, order, fastest_cm_s, tuple(scenario.species))
+    return Script(cues, order, tuple(scenario.species))
 
 
 def now_s(context: DirectingContext) -> float:

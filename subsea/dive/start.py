@@ -4,15 +4,13 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from subsea.base.language import marked
 from subsea.base.progress import say
 from subsea.dive.warm_up import warm_up
 from subsea.frame.packet import make_scene, pack
-from subsea.scenario.load import load_scenario
-from subsea.scenario.schema import Scenario
+from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import cockpit, views_for
 from subsea.view.rig import CameraRig
@@ -32,29 +30,30 @@ def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
     motor: str | None = None, changes: Sequence[str] = (),
 ) -> World:  # fmt: skip
-    """The world of a named scenario after its first tick and packet, with kernels compiled.
+    """Load a scenario by name and make its world as `ready_world` does.
 
-    The motor "playback" simulates no fish, "dynamics" every one as soon as its motion allows,
-    None: as the scenario says. `changes` are those of `--set`.
+    `changes` are those of `--set`.
     """
-    chosen, path = load_scenario(scenario, changes)
-    number = sum(shoal.number for shoal in chosen.fish) if fish is None else fish
-    if motor is None:
-        return ready_world(chosen, path, seed, tell, fish)
-    live = number if motor == "dynamics" else 0
-    return ready_world(chosen, path, seed, tell, fish, live, math.inf)
+    return ready_world(load_scenario(scenario, changes), seed, tell, fish, motor)
 
 
 def ready_world(
-    scenario: Scenario, source: Path, seed: int | None = None, tell: Say = say,
-    fish: int | None = None, live: int | None = None, live_reach_cm: float = LIVE_REACH_CM,
+    loaded: LoadedScenario, seed: int | None = None, tell: Say = say, fish: int | None = None,
+    motor: str | None = None,
 ) -> World:  # fmt: skip
-    """The world of a scenario after its first tick and packet, with kernels compiled.
+    """Make the world of a scenario with its first tick and packet, and kernels compiled.
 
-    `source` is the scenario's file; for the others see :func:`subsea.world.build.create_world`.
+    `seed` and `fish` (the number of fishes) replace those of the scenario. The motor "playback"
+    simulates no fish, "dynamics" every one as soon as its motion allows, None: as the scenario
+    says.
     """
     warm_up(tell)
-    world = create_world(scenario, seed, fish, tell, live, live_reach_cm, str(source))
+    live, reach_cm = None, LIVE_REACH_CM
+    if motor is not None:
+        number = sum(shoal.number for shoal in loaded.scenario.fish) if fish is None else fish
+        live, reach_cm = number if motor == "dynamics" else 0, math.inf
+    source = str(loaded.path)
+    world = create_world(loaded.scenario, seed, fish, tell, live, reach_cm, source)
     tell(WAKING)
     wake(world)
     return world

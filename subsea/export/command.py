@@ -104,6 +104,7 @@ def run(options: Namespace) -> int:
     from subsea.export.dive_scene import export_scene
     from subsea.export.recording import SceneFilmOptions
     from subsea.export.scene import GROUPS, SceneOptions
+    from subsea.scenario.load import load_scenario
 
     if options.record is not None:
         given = [name for name in ("changes", "seed", "fish") if getattr(options, name)]
@@ -112,5 +113,6 @@ def run(options: Namespace) -> int:
             raise UserError(f"--{name} cannot be combined with --record, which holds its own")
     options.size = options.size or shared.SIZE
     options.groups = GROUPS if options.groups is None else options.groups
+    options.loaded = load_scenario(options.scenario, options.changes)
     film = SceneFilmOptions(**shared.fields_of(SceneFilmOptions, options))
     return export_scene(options.to, film, SceneOptions(**shared.fields_of(SceneOptions, options)))

@@ -20,11 +20,11 @@ from subsea.fish.mesh import DETAILS, fish_mesh
 from subsea.media.film import film_length_s, instants, reach
 from subsea.media.frame_writers import frame_rate
 from subsea.media.record import Record, read_origin, read_record
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
+from subsea.scenario.shoals import find_fish, with_total
 from subsea.submarine.vessel import NEUTRAL, Helm, Rail
 from subsea.view.display_rigs import cockpit
-from subsea.world.populate import with_total
 from subsea.world.world import World
 
 LIMIT_BYTES = 1_000_000_000  # beyond it --force is needed
@@ -61,18 +61,17 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     record = None
     if film.record is not None:
         film, record = _replay_of(film, film.record)
-    given, source = load_scenario(film.scenario, film.changes)
-    scenario = with_total(given, film.fish)
+    scenario, source = with_total(film.loaded.scenario, film.fish), film.loaded.path
     if not any(shoal.number for shoal in scenario.fish):
         raise UserError("has no fishes, nothing to export", file=source)
     if record is None:
         check_tour(scenario, film.tour)
     follow = None if film.follow is None else find_fish(film.follow, scenario)
-    seconds = _seconds_of(film, scenario, source, record)
+    seconds = _seconds_of(film, record)
     rate = frame_rate(film.fps)
     times = instants(film.start, seconds, rate)
     announce(_extent(scenario, len(times), film.detail))
-    world = ready_world(given, source, film.seed, fish=film.fish)
+    world = ready_world(film.loaded, film.seed, fish=film.fish)
     steer = tour_steering(world, film.tour) if record is None else _drift
     after = _no_check if record is None else _check_against(record, world, film)
     with interrupts.deferred_interrupts() as check:
@@ -92,12 +91,10 @@ def _no_check() -> None:
     """Nothing to compare with."""
 
 
-def _seconds_of(
-    film: SceneFilmOptions, scenario: Scenario, source: Path, record: Record | None
-) -> float:
+def _seconds_of(film: SceneFilmOptions, record: Record | None) -> float:
     """The length of a scene: as given, to the end of the record, or as of a film."""
     if film.seconds is not None or record is None:
-        return film_length_s(scenario, source, film)
+        return film_length_s(film)
     return max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
 
 
@@ -107,7 +104,7 @@ def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Re
     A UserError if it is of another scenario.
     """
     record, origin = read_record(path), read_origin(path)
-    _, source = load_scenario(film.scenario)
+    source = film.loaded.path
     if not origin.scenario_sha256:
         raise UserError("of an earlier version, which cannot be replayed", file=path)
     if origin.scenario_sha256 != file_hash(source):
@@ -115,7 +112,8 @@ def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Re
             f"recorded from another scenario ({origin.title!r}), or {source} has changed since",
             file=path,
         )
-    film = replace(film, changes=origin.changes, seed=record.seed, fish=origin.fish)
+    loaded = load_scenario(str(source), origin.changes)
+    film = replace(film, loaded=loaded, seed=record.seed, fish=origin.fish)
     if film.seconds is not None and film.start + film.seconds > record.time[-1]:
         raise UserError(f"ends after {record.time[-1]:.1f} s, before the scene does", file=path)
     return film, record

@@ -1,40 +1,49 @@
-"""The sea of a scenario: seabed, solids, climate, plankton."""
+"""The sea of a scenario: seabed, solids, climate, plankton, and a baited hook.
+
+The hook sinks on a line and is drawn up with its catch (Tu §10.1).
+"""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
 from subsea.geometry.solids import height_at
-from subsea.habitat import hook, plankton
-from subsea.habitat.rocks import Floor, rock_rows
+from subsea.habitat import plankton
+from subsea.habitat.rocks import rock_rows
 from subsea.habitat.terrain import crest, drifted, half_width, make_terrain
-from subsea.scenario.schema import Scenario
-from subsea.state import Sea, empty
+from subsea.kernels import kernel
+from subsea.scenario.schema import MAX_SOLIDS, Hook, Scenario
+from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Clock, Sea, empty
+
+OUT_CM = 60.0  # height above the surface at which the hook is out of sight
 
 
-def pillar_rows(scenario: Scenario, floor: Floor) -> NDArray[np.float64]:
-    """All pillars (k, 4) on this seabed, as in `state.Sea`."""
-    rows = np.zeros((len(scenario.pillar), 4))
-    for k, pillar in enumerate(scenario.pillar):
-        x, y = pillar.position_cm
-        rows[k] = x, y, pillar.radius_cm, floor(x, y) + pillar.height_cm
-    return rows
+def solids_on(scenario: Scenario, heights: Array, width: float) -> tuple[Array, Array, list[str]]:
+    """Put pillars (k, 4) and rocks (j, 7) on a seabed, as in `state.Sea`.
 
-
-def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
-    """All that surrounds the fishes at tick 0; pillars and rocks stand on the seabed."""
-    heights, width = make_terrain(scenario), half_width(scenario)
-    bounds, water = scenario.bounds, scenario.water
+    Also returns the scenario's table of each rock. `width` is half that of the seabed.
+    """
 
     def floor(x: float, y: float) -> float:
         return float(height_at(heights, width, x, y))
 
-    pillars = pillar_rows(scenario, floor)
-    rocks, _ = rock_rows(scenario, floor)
+    pillars = np.zeros((len(scenario.pillar), 4))
+    for k, pillar in enumerate(scenario.pillar):
+        x, y = pillar.position_cm
+        pillars[k] = x, y, pillar.radius_cm, floor(x, y) + pillar.height_cm
+    return pillars, *rock_rows(scenario, floor)
+
+
+def make_sea(scenario: Scenario, rng: np.random.Generator) -> tuple[Sea, list[str]]:
+    """Make all that surrounds the fishes at tick 0, with the scenario's table of each rock."""
+    heights, width = make_terrain(scenario), half_width(scenario)
+    bounds, water = scenario.bounds, scenario.water
+    pillars, rocks, owners = solids_on(scenario, heights, width)
+    rocks = rocks[:MAX_SOLIDS]  # `world.checks` refuses more
     heights = cached(drifted, heights, width, pillars, rocks, water.current_cm_s)
-    lowered = any(one.hook == "down" for one in scenario.direction)
+    lowered = any(direction.hook == "down" for direction in scenario.direction)
     specks = plankton.scatter(rng, water.plankton, bounds.radius_cm, heights, width, pillars, rocks)
-    return empty(
+    sea = empty(
         Sea,
         given={
             "heights": heights,
@@ -45,9 +54,39 @@ def make_sea(scenario: Scenario, rng: np.random.Generator) -> Sea:
             "rocks": rocks,
             "climate": np.array([*water.temperature_c, bounds.depth_cm, water.light_depth_cm]),
             "plankton": specks,
-            "tackle": hook.hook_constants(scenario.hook, lowered),
+            "tackle": hook_constants(scenario.hook, lowered),
             "crest": crest(heights, width, bounds.radius_cm),
         },
         p=water.plankton,
         c=0,
     )
+    return sea, owners
+
+
+def hook_constants(plan: Hook | None, waits: bool = False) -> Array:
+    """Return the constants of a hook (5,): x, y, depth, cm, speed, cm/s, start, s.
+
+    Without a hook, or where it `waits` for a direction, the start is infinite.
+    """
+    if plan is None:
+        return np.array([0.0, 0.0, 0.0, 0.0, np.inf])
+    start = np.inf if waits else plan.start_s
+    return np.array([*plan.position_cm, plan.depth_cm, plan.speed_cm_s, start])
+
+
+@kernel
+def move_hook(sea: Sea, clock: Clock) -> None:
+    """Move the hook by one tick: down until it hangs, up once it has caught a fish."""
+    x, y, depth, speed, start = sea.tackle
+    state = sea.catch[0]
+    if state == STOWED and clock.tick * clock.dt >= start:
+        sea.hook[0], sea.hook[1], sea.hook[2] = x, y, 0.0
+        sea.catch[0] = SINKING
+    elif state == SINKING:
+        sea.hook[2] = max(sea.hook[2] - speed * clock.dt, -depth)
+        if sea.hook[2] == -depth:
+            sea.catch[0] = HANGING
+    elif state == HOOKED:
+        sea.hook[2] += speed * clock.dt
+        if sea.hook[2] > OUT_CM:
+            sea.catch[0] = LANDED

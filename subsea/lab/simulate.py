@@ -14,7 +14,7 @@ from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result
 from subsea.base.progress import count_noun, say
 from subsea.behavior.table import INTENTIONS
-from subsea.dive.start import Say, start_world
+from subsea.dive.start import Say, ready_world
 from subsea.lab.provenance import Provenance, provenance_of
 from subsea.media.record import (
     COORDINATES,
@@ -114,18 +114,18 @@ def record_run(
     `tell` gets messages; `progress` wraps the iterable of ticks. `check` is called before each
     tick: if it raises KeyboardInterrupt, the file has the ticks so far.
     """
-    chosen, source = load_scenario(run.scenario, run.changes)
+    loaded = load_scenario(run.scenario, run.changes)
     if len(run.changes) * max(map(len, run.changes), default=0) > MAX_CHANGES:
         raise UserError("--set: too long for a record; write a scenario file with these values")
-    if not any(shoal.number for shoal in chosen.fish):
-        raise UserError("has no fishes, nothing to record", file=source)
-    world = start_world(run.scenario, run.seed, run.fish, tell, changes=run.changes)
+    if not any(shoal.number for shoal in loaded.scenario.fish):
+        raise UserError("has no fishes, nothing to record", file=loaded.path)
+    world = ready_world(loaded, run.seed, tell, run.fish)
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, run.ticks)))
     block = _empty_block(length, number)
     held, happened = 0, []
     names = _names(world)
-    attributes = _attributes(world, names, provenance_of(chosen, source, run.changes, __file__))
+    attributes = _attributes(world, names, provenance_of(*loaded, __file__))
     constants = _constants(world) | _coordinates(world)
     with hdf5.recording(out, attributes, constants, _notes(names), _SCALES) as append:
         k = 0

@@ -281,7 +281,7 @@ def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]
     for values in product(*texts.values()):
         changes = tuple(f"{key}={value}" for key, value in zip(texts, values, strict=True))
         run = Run(options.scenario, options.ticks, None, options.fish, changes)
-        chosen, source = load_scenario(options.scenario, changes)
+        chosen, source, _ = load_scenario(options.scenario, changes)
         if not any(shoal.number for shoal in chosen.fish):
             raise UserError("has no fishes, nothing to record", file=source)
         origin = provenance_of(chosen, source, changes, __file__)
@@ -305,8 +305,8 @@ def make_run(job: _Job) -> tuple[Row, bytes | None]:
         scenario, out = Path(folder) / job.name, Path(folder) / "run.h5"
         scenario.write_bytes(job.content)
         run = replace(job.run, scenario=str(scenario))
-        chosen, source = load_scenario(run.scenario, run.changes)
-        if _digest(run, provenance_of(chosen, source, run.changes, __file__)) != job.inputs:
+        loaded = load_scenario(run.scenario, run.changes)
+        if _digest(run, provenance_of(*loaded, __file__)) != job.inputs:
             raise UserError(
                 "a worker has another version of subsea, numpy, numba or the species; install the "
                 "same"

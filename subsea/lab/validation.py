@@ -74,7 +74,7 @@ def trials(options: Validation) -> Iterator[SeaTrial]:
     that cannot be read.
     """
     for name in options.scenarios:
-        chosen, _ = load_scenario(name)
+        chosen = load_scenario(name).scenario
         number = sum(shoal.number for shoal in chosen.fish)
         most = CROWD.get(name, number)
         fish = most if most < number else None

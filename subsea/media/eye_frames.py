@@ -30,7 +30,7 @@ from subsea.dive.ride import (
     values_of,
     velocity_of,
 )
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.frame.packet import pack
 from subsea.habitat.reef import KINDS as REEF_KINDS
 from subsea.media.film import (
@@ -45,13 +45,12 @@ from subsea.media.film import (
 from subsea.media.frame_writers import frame_rate, kind_of, open_writers
 from subsea.rendering.gl.id_buffer import CORAL, FISH, KINDS, PILLAR, ROCK, IdMaps
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.shoals import find_fish, with_total
 from subsea.state import MENTAL_STATES
 from subsea.view.camera import View
 from subsea.view.levels import empty_lod_state
 from subsea.view.retina import FishEyes, Gaze, bodies_at, fish_eyes, retina_rig, retinal_views
 from subsea.view.rig import CameraRig
-from subsea.world.populate import with_total
 from subsea.world.world import World
 
 PARTS = "", "identity", "coded", "depth"  # folders of the pictures, and of the maps
@@ -74,14 +73,13 @@ def film_eyes(options: EyeFilmOptions) -> int:
     out, gaze, field_deg = options.out, options.gaze, options.field_deg
     if kind_of(out) != "folder":
         raise UserError("labelled frames need the name of a folder", file=out)
-    scenario, source = load_scenario(options.scenario, options.changes)
-    scenario = with_total(scenario, options.fish)
+    scenario = with_total(options.loaded.scenario, options.fish)
     fish = find_fish(options.eyes, scenario)
     check_tour(scenario, options.tour)
-    seconds = film_length_s(scenario, source, options)
+    seconds = film_length_s(options)
     rate = frame_rate(options.fps)
     times = instants(options.start, seconds, rate)
-    manifest = describe_film(source, options, seconds=seconds)
+    manifest = describe_film(options, seconds=seconds)
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
     missing = missing_frames(out, manifest, windows, len(times))
     if not missing and _frames_in(out / CAMERA, manifest) == len(times):
@@ -91,7 +89,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     frames: list[dict[str, Any]] = []
     with ExitStack() as stack:
         context = stack.enter_context(headless())
-        world = start_world(options.scenario, options.seed, options.fish, changes=options.changes)
+        world = ready_world(options.loaded, options.seed, fish=options.fish)
         steer = tour_steering(world, options.tour)
         by = fish_eyes(world, fish)
         rig = retina_rig(options.size, by.half_cm, gaze, field_deg)

@@ -14,7 +14,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ from subsea.dive.directed_camera import (
     is_over,
     tour_steering,
 )
-from subsea.dive.start import headless, picture_maker, ready_world, start_world
+from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.diagrams import DiagramBuilder, PlacedLabel, place_labels
 from subsea.frame.packet import pack
@@ -54,8 +54,9 @@ from subsea.media.frame_writers import (
     window_path,
 )
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.load import find_fish, load_scenario
-from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.scenario.load import LoadedScenario
+from subsea.scenario.schema import AUTOPILOT, DIRECTED
+from subsea.scenario.shoals import find_fish, with_total
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.space import layout_of
 from subsea.stage.setup import chosen_rig, theatre_digest
@@ -67,7 +68,6 @@ from subsea.view.retina import AHEAD, FIELD_DEG, Gaze
 from subsea.view.rig import CameraPose, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
-from subsea.world.populate import with_total
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
@@ -77,8 +77,7 @@ class FilmOptions:
     """The filmed dive, and the part of it."""
 
     out: Path
-    scenario: str = "peaceful"
-    changes: Sequence[str] = ()  # to the scenario, as in --set
+    loaded: LoadedScenario
     seed: int | None = None  # None: the scenario's
     fish: int | None = None  # total number; None: the scenario's
     tour: str = AUTOPILOT  # one of the scenario's, "auto" or "directed"
@@ -125,27 +124,28 @@ DEFAULT_S = 10.0
 MAX_DIRECTED_S = 900.0
 
 
-def film_length_s(scenario: Scenario, source: Path, options: FilmOptions) -> float:
-    """Length of a film: as given, or to the end of a finite tour."""
+def film_length_s(options: FilmOptions) -> float:
+    """Find the length of a film: as given, or to the end of a finite tour."""
     if options.seconds is not None:
         return options.seconds
     if options.tour == AUTOPILOT:
         return DEFAULT_S
     if options.tour == DIRECTED:
-        end = directed_length_s(scenario, source, options.seed)
+        scenario = with_total(options.loaded.scenario, options.fish)
+        end = directed_length_s(options.loaded._replace(scenario=scenario), options.seed)
     else:
-        end = course_of(scenario, options.tour).seconds
+        end = course_of(options.loaded.scenario, options.tour).seconds
     return max(end - options.start, 0.0)
 
 
-def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> float:
-    """Seconds until a scenario's directions are over, measured by playing them once.
+def directed_length_s(loaded: LoadedScenario, seed: int | None) -> float:
+    """Measure the seconds until a scenario's directions are over, by playing them once.
 
-    A trial, as in Tu §11.6.1: when fishes mate cannot be known beforehand. `source` is the
-    scenario's file. A UserError after a quarter of an hour.
+    This is a trial, as in Tu §11.6.1: when fishes mate cannot be known beforehand. A UserError
+    after a quarter of an hour.
     """
     say("rehearsing the directions to find the length of the film")
-    world = ready_world(scenario, source, seed)
+    world = ready_world(loaded, seed)
     with interrupts.deferred_interrupts() as check:
         steer = directed_steering(world)
         while not is_over(world):
@@ -155,7 +155,7 @@ def directed_length_s(scenario: Scenario, source: Path, seed: int | None) -> flo
                 raise UserError(
                     f"its directions are not over after {MAX_DIRECTED_S / 60:g} minutes: "
                     "a `camera`, `caption` or `end` never came; give --seconds",
-                    file=source,
+                    file=loaded.path,
                 )
     return world.state.tick * TICK_S
 
@@ -189,20 +189,21 @@ PICTURES = "frame_*.png"
 
 
 # Options that are not compared as such: sources, and groups whose fields are given one by one.
-NOT_COMPARED = ("out", "force", "scenario", "changes", "stereo", "surround", "exposure")
+NOT_COMPARED = ("out", "force", "loaded", "stereo", "surround", "exposure")
 
 
-def describe_film(scenario: Path, options: FilmOptions, **resolved: Any) -> dict[str, Any]:
-    """A film's options, scenario file and version as JSON; `resolved` values replace and add."""
-    found: dict[str, Any] = {
+def describe_film(options: FilmOptions, **resolved: Any) -> dict[str, Any]:
+    """Describe a film's options, scenario and version as JSON; `resolved` replaces and adds."""
+    source = options.loaded.path
+    origin: dict[str, Any] = {
         "version": __version__,
-        "scenario": scenario.name,
-        "sha256": file_hash(scenario),
+        "scenario": source.name,
+        "sha256": file_hash(source),
     }
-    if options.changes:
-        found["set"] = [*options.changes]
-    given = {name: value for name, value in asdict(options).items() if name not in NOT_COMPARED}
-    described: dict[str, Any] = json.loads(json.dumps(found | given | resolved))
+    if options.loaded.changes:
+        origin["set"] = [*options.loaded.changes]
+    given = {name: value for name, value in vars(options).items() if name not in NOT_COMPARED}
+    described: dict[str, Any] = json.loads(json.dumps(origin | given | resolved))
     return described
 
 
@@ -278,11 +279,10 @@ def film(options: TourFilmOptions) -> int:
     and reading back, without encoding.
     """
     out, show = options.out, options.show
-    scenario, source = load_scenario(options.scenario, options.changes)
-    scenario = with_total(scenario, options.fish)
+    scenario = with_total(options.loaded.scenario, options.fish)
     check_tour(scenario, options.tour)
     fish = None if options.follow is None else find_fish(options.follow, scenario)
-    seconds = film_length_s(scenario, source, options)
+    seconds = film_length_s(options)
     kind = kind_of(out)
     size = fitted_size(kind, options.size)
     rig, windows = chosen_rig(
@@ -299,7 +299,7 @@ def film(options: TourFilmOptions) -> int:
     missing = list(range(len(times)))
     if kind == "folder":
         manifest = describe_film(
-            source, options, seconds=seconds, size=size,
+            options, seconds=seconds, size=size,
             theatre=theatre_digest(options.theatre), follow=fish,
             **options.stereo._asdict(), **options.surround._asdict(),
             **options.exposure._asdict(),
@@ -313,9 +313,7 @@ def film(options: TourFilmOptions) -> int:
     try:
         with ExitStack() as stack:
             context = stack.enter_context(headless())
-            world = start_world(
-                options.scenario, options.seed, options.fish, changes=options.changes
-            )
+            world = ready_world(options.loaded, options.seed, fish=options.fish)
             steer = tour_steering(world, options.tour)
             check = stack.enter_context(interrupts.deferred_interrupts())
             renderer = stack.enter_context(picture_maker(context, world, rig, preset))

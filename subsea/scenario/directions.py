@@ -4,12 +4,11 @@ A direction begins once all its conditions hold. `directing` carries it out.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec.structs import replace
 
-from subsea.base.errors import UserError, unknown
 from subsea.fish.surface import Share
 
 MAX_DIRECTIONS = 200
@@ -117,146 +116,6 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         return tuple(name for name, value in values.items() if value is not None)
 
 
-class Shoals(NamedTuple):
-    """Valid references of directions: species and size of each shoal, kind of each fish."""
-
-    species: Sequence[str]
-    numbers: Sequence[int]
-    kind: Sequence[str]  # of each fish
-
-
-def check_directions(
-    directions: Sequence[Direction],
-    shoals: Shoals,
-    tours: Sequence[str],
-    hook: bool,
-    inside: Callable[[str, Place], None],
-) -> None:
-    """Raise a UserError with its key for a direction that cannot be carried out.
-
-    `tours` are the names of the scenario's tours; `hook` is true if it has a hook; `inside` raises
-    a UserError for the key of a place outside the sea.
-    """
-    names: dict[str, int] = {}
-    for k, one in enumerate(directions):
-        if one.name and names.setdefault(one.name, k) != k:
-            _refuse(f"direction[{k}].name", f"the name {one.name!r} is taken, expected another")
-    for k, one in enumerate(directions):
-        here = f"direction[{k}]"
-        for key, fault in _faults(one, shoals, tours, hook):
-            _refuse(f"{here}.{key}" if key else here, fault)
-        if one.after is not None and one.after not in names:
-            _refuse(f"{here}.after", unknown("direction", one.after, list(names)).message)
-        for key in ("gate_cm", "place_cm"):
-            if (place := getattr(one, key)) is not None:
-                inside(f"{here}.{key}", place)
-        for i, place in enumerate(one.path_cm or []):
-            inside(f"{here}.path_cm[{i}]", place)
-        for key in ("position_cm", "look_at_cm"):
-            if one.camera is not None and (place := getattr(one.camera, key)) is not None:
-                inside(f"{here}.camera.{key}", place)
-    for k in range(len(directions)):
-        chain = [k]
-        while (after := directions[chain[-1]].after) is not None:
-            if (before := names[after]) in chain:
-                expected = "expected a direction that can begin before it"
-                _refuse(
-                    f"direction[{k}].after", f"it waits for itself, by way of {after!r}, {expected}"
-                )
-            chain.append(before)
-
-
-def _refuse(key: str, fault: str) -> NoReturn:
-    raise UserError(f"`{key}`: {fault}", key=key)
-
-
-def _faults(
-    one: Direction, shoals: Shoals, tours: Sequence[str], hook: bool
-) -> list[tuple[str, str]]:
-    """Key and fault of each error in a single direction."""
-    faults: list[tuple[str, str]] = []
-    wholes = [("of", one.of), ("who", one.who)]
-    wholes += [("hunts", one.hunts)] if isinstance(one.hunts, FishSelector) else []
-    if one.camera is not None and isinstance(one.camera.follow, FishSelector):
-        wholes.append(("camera.follow", one.camera.follow))
-    for key, whose in wholes:
-        if whose is not None:
-            faults += [(f"{key}.{which}", fault) for which, fault in _strangers(whose, shoals)]
-    if faults:
-        return faults
-    if not one.influences and not one.name:
-        expected = f"expected one of {', '.join(INFLUENCES)}, or a name that others follow"
-        faults.append(("", f"nothing happens: {expected}"))
-    moved = [name for name in MOVES if name in one.influences]
-    if moved and one.who is None:
-        faults.append(("who", f"missing: whom `{moved[0]}` is about"))
-    if one.who is not None and not moved and one.pair != "nearest":
-        faults.append(("who", f"nothing moves them: expected one of {', '.join(MOVES)}"))
-    if one.pair == "nearest" and one.who is None:
-        faults.append(("who", "missing: among whom the nearest two are to be found"))
-    if isinstance(one.pair, tuple) and max(one.pair) >= len(shoals.kind):
-        faults.append(("pair", _no_fish(max(one.pair), shoals)))
-    elif isinstance(one.pair, tuple) and one.pair[0] == one.pair[1]:
-        faults.append(("pair", "a fish cannot court itself, expected two"))
-    if isinstance(one.pair, tuple):
-        faults += [
-            ("pair", f"fish {i} is a {shoals.kind[i]}, expected two pacifists: only they court")
-            for i in one.pair
-            if i < len(shoals.kind) and shoals.kind[i] != "pacifist"
-        ]
-    if (one.event == "passes") != (one.gate_cm is not None):
-        faults.append(("gate_cm", 'goes with `event = "passes"`, and that with it'))
-    if one.of is not None and one.event is None and one.fewer_than is None:
-        faults.append(("of", "expected an `event` or `fewer_than` that is theirs"))
-    if one.delay_s and one.after is None:
-        faults.append(
-            ("delay_s", "expected the direction `after` which it waits, or a later `at_s`")
-        )
-    for key in ("speed_cm_s", "loop"):
-        if getattr(one, key) and one.path_cm is None:
-            faults.append((key, "expected a `path_cm`"))
-    if one.place_cm is not None and one.pair is None:
-        faults.append(("place_cm", "expected a `pair`"))
-    if one.pair is not None and one.path_cm is not None:
-        faults.append(("pair", "a pair that courts follows no path, expected `place_cm`"))
-    if one.hunts is not None and one.rests:
-        faults.append(("rests", "who `hunts` does not rest, expected one of them"))
-    if one.hook is not None and not hook:
-        faults.append(("hook", "expected a table [hook] that says where it hangs"))
-    if one.camera is not None and one.camera.tour is not None and one.camera.tour not in tours:
-        faults.append(("camera.tour", unknown("tour", one.camera.tour, list(tours)).message))
-    about = one.event is not None or one.after is not None or one.pair is not None
-    if one.camera is not None and one.camera.follow == "cast" and not about:
-        faults.append(("camera.follow", 'of "cast": expected an `event`, `pair` or `after`'))
-    for name, kind in (("hunts", "predator"), ("rests", "predator"), ("fear", "prey"),
-                       ("libido", "pacifist"), ("pair", "pacifist")):  # fmt: skip
-        if name == "pair" and one.pair != "nearest":
-            continue  # the pair is not part of `who`
-        if one.who is not None and name in one.influences:
-            kinds = {shoals.kind[i] for i in numbers_of(one.who, shoals)}
-            if kinds and kind not in kinds:
-                faults.append((name, f"there is no {kind} among them, expected one"))
-    return faults
-
-
-def numbers_of(whose: FishSelector, shoals: Shoals) -> range | list[int]:
-    """The numbers of the selected fishes that exist."""
-    if whose.fish is not None:
-        return range(whose.fish, min(whose.fish + 1, sum(shoals.numbers)))
-    if whose.shoal is not None:
-        if whose.shoal >= len(shoals.numbers):
-            return range(0)
-        first = sum(shoals.numbers[: whose.shoal])
-        return range(first, first + shoals.numbers[whose.shoal])
-    found: list[int] = []
-    first = 0
-    for species, number in zip(shoals.species, shoals.numbers, strict=True):
-        if species == whose.species:
-            found += range(first, first + number)
-        first += number
-    return found
-
-
 def renumbered(
     directions: Sequence[Direction], fish: Callable[[int], int], shoal: Callable[[int], int]
 ) -> list[Direction]:
@@ -293,20 +152,3 @@ def renumbered(
         gone |= {one.name for one in orphans}
         left = [one for one in left if one not in orphans]
     return left
-
-
-def _strangers(whose: FishSelector, shoals: Shoals) -> list[tuple[str, str]]:
-    """Key and fault of a selector of fishes that do not exist."""
-    if whose.shoal is not None and whose.shoal >= len(shoals.species):
-        last = len(shoals.species) - 1
-        return [("shoal", f"{whose.shoal}: there is no such shoal, expected 0 to {last}")]
-    if whose.fish is not None and whose.fish >= len(shoals.kind):
-        return [("fish", _no_fish(whose.fish, shoals))]
-    if whose.species is not None and whose.species not in shoals.species:
-        return [("species", unknown("fish", whose.species, sorted(set(shoals.species))).message)]
-    return []
-
-
-def _no_fish(fish: int, shoals: Shoals) -> str:
-    last = len(shoals.kind) - 1
-    return f"{fish}: there is no such fish, expected " + (f"0 to {last}" if last >= 0 else "none")

@@ -1,14 +1,10 @@
-"""Find scenarios by name or path and load them.
-
-Find a fish by number or species.
-"""
+"""Find scenarios by name or path and load them."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
-import numpy as np
-
-from subsea.base.errors import UserError, unknown
+from subsea.base.errors import unknown
 from subsea.base.system import is_path, own_path, resource_names, resource_path, stems
 from subsea.base.toml_files import load_toml, locate_errors
 from subsea.scenario.checks import check_scenario
@@ -41,8 +37,16 @@ def scenario_file(name: str) -> Path:
     return shipped if shipped.exists() else own_scenarios() / f"{name}.toml"
 
 
-def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Path]:
-    """Load the scenario called `name`, or from the path `name`; return it with its file.
+class LoadedScenario(NamedTuple):
+    """A scenario as a command has loaded it. Nothing below a command loads it again."""
+
+    scenario: Scenario
+    path: Path
+    changes: Sequence[str] = ()  # of --set, which the scenario has already
+
+
+def load_scenario(name: str, changes: Sequence[str] = ()) -> LoadedScenario:
+    """Load the scenario called `name`, or from the path `name`.
 
     `changes` such as ``fish.0.number=20`` are applied to it. Any fault is a UserError.
     """
@@ -50,28 +54,4 @@ def load_scenario(name: str, changes: Sequence[str] = ()) -> tuple[Scenario, Pat
     scenario = load_toml(path, Scenario, changes)
     with locate_errors(scenario, path, changes):
         check_scenario(scenario)
-    return scenario, path
-
-
-def find_fish(name: str, scenario: Scenario) -> int:
-    """Return the index of a fish given as a number, a species or SPECIES:NUMBER.
-
-    Fishes of a species are counted from 0 in the order of their numbers. An unknown fish is a
-    UserError.
-    """
-    kinds = np.repeat(
-        [shoal.species for shoal in scenario.fish], [shoal.number for shoal in scenario.fish]
-    )
-    found, of, count = np.arange(len(kinds)), "", name
-    if not name.isdecimal():
-        species, colon, count = name.partition(":")
-        if species not in (known := scenario.species):
-            raise unknown("fish", species, known)
-        if colon and not count.isdecimal():
-            raise UserError(f"fish {name!r}: expected a number, a species or SPECIES:NUMBER")
-        found, of = np.flatnonzero(kinds == species), f" of {species}"
-    number = int(count or 0)
-    if number >= len(found):
-        last = f"0 to {len(found) - 1}" if len(found) else "none, there is no such fish"
-        raise UserError(f"no fish {number}{of}: expected {last}")
-    return int(found[number])
+    return LoadedScenario(scenario, path, changes)

@@ -13,7 +13,13 @@ from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, check_file, read_input
 from subsea.base.system import resource_names, resource_path
-from subsea.scenario.load import SHIPPED, load_scenario, own_scenarios, scenario_names
+from subsea.scenario.load import (
+    SHIPPED,
+    LoadedScenario,
+    load_scenario,
+    own_scenarios,
+    scenario_names,
+)
 from subsea.scenario.save import save_scenario
 from subsea.scenario.schema import Scenario
 
@@ -100,8 +106,8 @@ def save(scenario: Scenario, path: Path, source: Path, known: bytes) -> None:
     save_scenario(scenario, path, source)
 
 
-def opened(name: str) -> tuple[Scenario, Path]:
-    """Load a scenario by name or path; return it with its file."""
+def opened(name: str) -> LoadedScenario:
+    """Load a scenario by name or path, in which ``~`` is expanded."""
     return load_scenario(name if name in scenario_names() else str(_path(name)))
 
 

@@ -18,9 +18,9 @@ from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
 from subsea.dive.tick_source import tick_source_maker
 from subsea.scenario.load import load_scenario
+from subsea.scenario.shoals import with_total
 from subsea.stage.setup import set_up_theatre
 from subsea.stage.show_file import faults, load_show
-from subsea.world.populate import with_total
 
 EVERY_S = 1.0  # between two reports of pictures
 SOCKET = "NOTIFY_SOCKET"  # variable with the address; "@" begins an abstract one

@@ -185,7 +185,7 @@ def scenario_name(show: Show, path: Path, number: int) -> str:
 
 def open_item(show: Show, path: Path, number: int) -> tuple[Scenario, Path]:
     """The scenario of an item and its file; a UserError if that or the tour is missing."""
-    scenario, file = load_scenario(scenario_name(show, path, number))
+    scenario, file, _ = load_scenario(scenario_name(show, path, number))
     if (tour := show.item[number].tour) is not None:
         check_tour(scenario, tour)
     return scenario, file

@@ -444,18 +444,27 @@ def _fault(place: Array, velocity: Array, sea: Sea, bounds: Bounds, rocks: list[
     speed = float(np.linalg.norm(velocity))
     if speed > AHEAD_CM_S:
         return f"moves at {speed:.0f} cm/s, expected at most {AHEAD_CM_S:g}"
-    x, y, z = here = vector(place)
-    gaps = {
-        "the rim of the sea": bounds.radius_cm - math.hypot(x, y),
-        "the surface": -z,
-        "the seabed": z - height_at(sea.heights, sea.half_width, x, y),
-        "the reef": z - height_at(sea.floor, sea.half_width, x, y),
-    }
-    gaps |= {f"`pillar[{k}]`": from_pillar(row, here)[1] for k, row in enumerate(sea.pillars)}
-    for name, row in zip(rocks, sea.rocks, strict=True):
-        gaps[name] = min(from_rock(row, here)[1], gaps.get(name, math.inf))
+    x, y, z = place
+    gaps = {"the rim of the sea": bounds.radius_cm - math.hypot(x, y), "the surface": -z}
+    gaps |= gaps_at(vector(place), sea, rocks)
     nearest = min(gaps, key=lambda name: gaps[name])
     if gaps[nearest] >= HULL_CM:
         return None
     gap = math.floor(10.0 * gaps[nearest]) / 10.0  # rounded down: it is less than expected
     return f"is {gap:.1f} cm from {nearest}, expected at least {HULL_CM:g}"
+
+
+def gaps_at(place: tuple[float, float, float], sea: Sea, rocks: list[str]) -> dict[str, float]:
+    """Measure the distances of a place from seabed, reef and solids, by their names.
+
+    `rocks` names each rock of the sea; those of one name count as one solid.
+    """
+    x, y, z = place
+    gaps = {
+        "the seabed": z - height_at(sea.heights, sea.half_width, x, y),
+        "the reef": z - height_at(sea.floor, sea.half_width, x, y),
+    }
+    gaps |= {f"`pillar[{k}]`": from_pillar(row, place)[1] for k, row in enumerate(sea.pillars)}
+    for name, row in zip(rocks, sea.rocks, strict=True):
+        gaps[name] = min(from_rock(row, place)[1], gaps.get(name, math.inf))
+    return gaps

@@ -24,6 +24,7 @@ from subsea.jobs.background import CancelledByUserError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
+from subsea.scenario.shoals import with_total
 from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
 from subsea.stage.headset.controllers import HeadsetLostError
@@ -46,7 +47,6 @@ from subsea.view.display_rigs import HEADSET, cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
-from subsea.world.populate import with_total
 from subsea.world.world import World
 
 if TYPE_CHECKING:  # loaded only for a console
@@ -71,7 +71,7 @@ class Dive:
         while loading, and may raise. If anything fails, all that was opened is closed again.
         """
         display, settings = options.display, options.settings
-        scenario, self.source = load_scenario(options.scenario, options.changes)
+        scenario, self.source, _ = load_scenario(options.scenario, options.changes)
         self.scenario = with_total(scenario, options.fish)
         self.known = held(self.source)
         if options.kiosk:

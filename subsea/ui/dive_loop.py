@@ -14,7 +14,8 @@ from subsea.dive.options import DiveOptions
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.jobs.background import CancelledByUserError
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.shoals import find_fish, with_total
 from subsea.stage.cluster.master_scenario import MasterScenario
 from subsea.stage.service import PictureReports, notify
 from subsea.stage.show_file import check_for_cluster
@@ -22,7 +23,6 @@ from subsea.stage.show_player import ShowScreens
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening
-from subsea.world.populate import with_total
 from subsea.world.world import World
 
 

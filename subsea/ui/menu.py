@@ -291,7 +291,7 @@ class Menu:
     def _enter(self, path: Path) -> None:
         self.hide()
         try:
-            scenario, source = load_scenario(str(path))
+            scenario, source, _ = load_scenario(str(path))
         except UserError as fault:
             self.dive.overlay.note(str(fault))
         else:

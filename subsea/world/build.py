@@ -8,12 +8,31 @@ import numpy as np
 from subsea.base.errors import UserError
 from subsea.base.language import marked
 from subsea.base.toml_files import locate_errors
-from subsea.directing.script import make_script
+from subsea.base.validation import convert
+from subsea.behavior.table import BEHAVIORS, DESIRES
+from subsea.habitat.reef import grow_reefs
+from subsea.habitat.sea import make_sea
+from subsea.habitat.seaweed import plant_seaweed
 from subsea.repertoire.library import LIVE_TABLES
+from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import MAX_SIMULATED, Scenario
-from subsea.state import TRAITS, Directions, Live, Nature, Physics, State, Submarine, empty
-from subsea.world.checks import make_surroundings, tour_fault
-from subsea.world.populate import fastest_cm_s, populate, settle, shoal_sizes
+from subsea.scenario.shoals import shoal_sizes
+from subsea.state import (
+    Directions,
+    Fishes,
+    Live,
+    Minds,
+    Nature,
+    Physics,
+    Reef,
+    Sea,
+    Seaweed,
+    State,
+    Submarine,
+    empty,
+)
+from subsea.world.checks import check_sea, tour_fault
+from subsea.world.populate import populate
 from subsea.world.repertoires import motion_of, with_live
 from subsea.world.world import World
 
@@ -42,29 +61,24 @@ def create_world(
         raise UserError(f"{live} fishes to simulate: expected at most {MAX_SIMULATED}")
     seed = scenario.seed if seed is None else seed
     progress(marked("reading repertoires"))
-    recorded = motion_of(scenario.species)
-    species = dict(zip(scenario.species, recorded.species, strict=True))
-    library = with_live(recorded.library, live)
-    dynamics = recorded.dynamics._replace(reach_cm=live_reach_cm)
+    motion = motion_of(scenario.species)
+    library = with_live(motion.library, live)
     progress(marked("shaping the seabed and growing the reef"))
     rng = np.random.default_rng([seed, 0x5EA])
-    with locate_errors(scenario, source):
-        sea, reef, seaweed = make_surroundings(scenario, rng, seed)
-    progress(marked("letting the fishes in"))
+    sea, reef, seaweed, owners = make_surroundings(scenario, rng, seed)
     submarine = Submarine(position=np.array(scenario.submarine.position_cm, np.float64))
     submarine.angles[0] = np.radians(scenario.submarine.heading_deg)
     submarine.previous_position[:] = submarine.position
     submarine.lights[:] = scenario.submarine.lights
     submarine.previous_angles[:] = submarine.angles
-    fishes, minds = populate(scenario, species, library, sea, rng, fish)
-    settle(species, fishes, minds, reef)
-    tables = {name: getattr(library, name) for name in LIVE_TABLES}
+    numbers = shoal_sizes(scenario, fish)
     directed = bool(scenario.direction)
+    tables = {name: getattr(library, name) for name in LIVE_TABLES}
     state = State(
         tick=0,
         seed=seed,
-        fishes=fishes,
-        minds=minds,
+        fishes=empty(Fishes, n=sum(numbers)),
+        minds=empty(Minds, n=sum(numbers), b=len(BEHAVIORS), d=len(DESIRES)),
         sea=sea,
         seaweed=seaweed,
         reef=reef,
@@ -77,18 +91,39 @@ def create_world(
         directions=empty(
             Directions,
             k=len(scenario.direction),
-            n=len(fishes.species) * directed,
+            n=sum(numbers) * directed,
             axes=2 * directed,
         ),
     )
-    nature = Nature(**msgspec.structs.asdict(scenario.nature))
-    physics = Physics(**msgspec.structs.asdict(scenario.physics))
     world = World(
-        scenario, tuple(species.values()), library, dynamics, nature,
-        scenario.water.current_cm_s, physics, state,
-        {name: getattr(minds, name).copy() for name in TRAITS},
-        make_script(scenario, shoal_sizes(scenario, fish), fastest_cm_s(fishes, library)),
+        scenario, motion.species, library, motion.dynamics._replace(reach_cm=live_reach_cm),
+        Nature(**msgspec.structs.asdict(scenario.nature)), scenario.water.current_cm_s,
+        Physics(**msgspec.structs.asdict(scenario.physics)), state, owners, numbers,
     )  # fmt: skip
-    if fault := tour_fault(scenario, sea):
+    with locate_errors(world.scenario, source):
+        check_sea(world.scenario, world.state.sea, world.rock_owners)
+    if fault := tour_fault(world.scenario, world.state.sea, world.rock_owners):
         world.notices.append(f"{source}: {fault}")
+    progress(marked("letting the fishes in"))
+    populate(world, rng)
     return world
+
+
+def make_surroundings(
+    scenario: Scenario, rng: np.random.Generator, seed: int
+) -> tuple[Sea, Reef, Seaweed, list[str]]:
+    """Make sea, reef and seaweed, with the scenario's table of each rock."""
+    sea, owners = make_sea(scenario, rng)
+    sea, reef = grow_reefs(scenario, sea)
+    sea, seaweed = plant_seaweed(scenario, sea, reef, seed)
+    return sea, reef, seaweed, owners
+
+
+def check_placed(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
+    """Raise a UserError if no world can be made of a scenario; takes up to a second."""
+    seed = scenario.seed if seed is None else seed
+    with locate_errors(scenario, source):
+        convert(msgspec.to_builtins(scenario), Scenario)
+        check_scenario(scenario)
+        sea, _, _, owners = make_surroundings(scenario, np.random.default_rng([seed, 0x5EA]), seed)
+        check_sea(scenario, sea, owners)

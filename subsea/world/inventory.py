@@ -5,17 +5,15 @@ divided among them in proportion to the old ones.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import get_args
 
-import numpy as np
 from msgspec.structs import replace
 
 from subsea.fish.species import species_names
 from subsea.scenario.schema import Pillar, Scenario, SeaweedTable, Shoal
+from subsea.scenario.shoals import share_out, with_shoal_size
 from subsea.state import HULL_CM
-from subsea.world.placement import with_shoal_size
 
 ROOM_CM = 3.0 * HULL_CM  # from a new pillar to other things
 KINDS: tuple[str, ...] = get_args(SeaweedTable.__annotations__["kind"])
@@ -131,15 +129,3 @@ def _occupied(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
         occupied.append((scenario.hook.position_cm, ROOM_CM))
     occupied += [(p.position_cm[:2], ROOM_CM) for tour in scenario.tour for p in tour.waypoint]
     return occupied
-
-
-def share_out(number: int, shares: Sequence[int]) -> list[int]:
-    """Divide a number in proportion to shares (k,) by largest remainder; equally if all are 0."""
-    if not shares:
-        return []
-    old = np.array(shares, float) if any(shares) else np.ones(len(shares))
-    exact = number * old / old.sum()
-    parts = np.floor(exact).astype(int)
-    for k in np.argsort(parts - exact, kind="stable")[: number - int(parts.sum())]:
-        parts[k] += 1
-    return [int(part) for part in parts]

@@ -15,8 +15,6 @@ from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.base.toml_files import locate_errors
-from subsea.base.validation import convert
 from subsea.geometry.solids import (
     NEVER,
     height_at,
@@ -25,8 +23,7 @@ from subsea.geometry.solids import (
     ray_meets_seabed,
 )
 from subsea.geometry.vector import vector
-from subsea.habitat.rocks import rock_rows
-from subsea.scenario.checks import check_scenario
+from subsea.habitat.sea import solids_on
 from subsea.scenario.directions import renumbered
 from subsea.scenario.schema import (
     Arch,
@@ -42,8 +39,8 @@ from subsea.scenario.schema import (
     Shoal,
     Vent,
 )
+from subsea.scenario.shoals import with_shoal_size
 from subsea.state import HULL_CM, Fishes, Sea
-from subsea.world.checks import check_world
 
 SIDES = 32  # segments of a circle
 
@@ -108,7 +105,7 @@ class Grip(NamedTuple):
 
 def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
     """Handles of all things with a place, on the seabed of `sea`."""
-    rows, names = rock_rows(scenario, lambda x, y: _floor(sea, x, y))
+    _, rows, names = solids_on(scenario, sea.heights, sea.half_width)
     out = [
         _handle("submarine", 0, scenario.submarine.position_cm, HULL_CM, sea),
         *_each("fish", scenario.fish, sea, lambda one: one.spread_cm),
@@ -318,37 +315,6 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
     rest = list(getattr(scenario, handle.kind))
     del rest[handle.number]
     return replace(scenario, **{handle.kind: rest})
-
-
-def with_shoal_size(scenario: Scenario, index: int, number: int) -> Scenario:
-    """Set the number of fishes of a shoal; tables of single fishes follow their fishes."""
-    first = sum(shoal.number for shoal in scenario.fish[:index])
-    last, more = first + scenario.fish[index].number, number - scenario.fish[index].number
-
-    def then(fish: int) -> int:
-        """New index of a fish; -1 for a removed one."""
-        if fish >= last:
-            return fish + more
-        return fish if fish < first + number else -1
-
-    own = [replace(one, fish=then(one.fish)) for one in scenario.individual]
-    shoals = list(scenario.fish)
-    shoals[index] = replace(shoals[index], number=number)
-    return replace(
-        scenario,
-        fish=shoals,
-        individual=[one for one in own if one.fish >= 0],
-        direction=renumbered(scenario.direction, then, lambda shoal: shoal),
-        physics=replace(scenario.physics, fish=then(scenario.physics.fish)),
-    )
-
-
-def check_placed(scenario: Scenario, source: str = "the scenario", seed: int | None = None) -> None:
-    """Raise a UserError if no world can be made of a scenario; takes up to a second."""
-    with locate_errors(scenario, source):
-        convert(msgspec.to_builtins(scenario), Scenario)
-        check_scenario(scenario)
-        check_world(scenario, seed)
 
 
 def table_of(scenario: Scenario, kind: str, number: int) -> Any:

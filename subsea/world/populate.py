@@ -1,11 +1,11 @@
 """Put the fishes of a scenario into the sea."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from msgspec.structs import replace
 
 from subsea.base.arrays import Array
 from subsea.behavior.mental_state import apply_individual, set_temperament
-from subsea.behavior.table import BEHAVIORS, DESIRES
 from subsea.fish.species import Species
 from subsea.geometry.vector import vector
 from subsea.habitat.contact import out_of_solids
@@ -15,9 +15,8 @@ from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import Scenario, Shoal
-from subsea.state import KINDS, Fishes, Minds, Reef, Sea, empty
-from subsea.world.inventory import share_out
-from subsea.world.world import TICK_S
+from subsea.state import KINDS, TRAITS, Fishes, Minds, Reef, Sea
+from subsea.world.world import TICK_S, World
 
 ROOM_BL = 0.6  # distance of a new fish from every solid, body lengths
 FLAT_BL = 0.4  # bodies at least this tall, over their length, row with their pectoral fins
@@ -27,35 +26,14 @@ LET_OUT = 40  # steps out of a solid, a quarter of the body each, for a fish tha
 RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
-def shoal_sizes(scenario: Scenario, fish: int | None) -> list[int]:
-    """Number of fishes of each shoal; scaled to `fish` in all if given."""
-    numbers = [shoal.number for shoal in scenario.fish]
-    return numbers if fish is None or not any(numbers) else share_out(fish, numbers)
-
-
-def with_total(scenario: Scenario, fish: int | None) -> Scenario:
-    """The scenario with its shoals scaled to `fish` in all; None: as it is."""
-    if fish is None:
-        return scenario
-    shoals = zip(scenario.fish, shoal_sizes(scenario, fish), strict=True)
-    return replace(scenario, fish=[replace(shoal, number=number) for shoal, number in shoals])
-
-
-def populate(
-    scenario: Scenario,
-    species: dict[str, Species],
-    library: Library,
-    sea: Sea,
-    rng: np.random.Generator,
-    fish: int | None,
-) -> tuple[Fishes, Minds]:
-    """Make all fishes at tick 0: places, sizes, leaders, traits, each at its own phase."""
-    shares = shoal_sizes(scenario, fish)
-    fishes = empty(Fishes, n=sum(shares))
-    minds = empty(Minds, n=sum(shares), b=len(BEHAVIORS), d=len(DESIRES))
+def populate(world: World, rng: np.random.Generator) -> None:
+    """Fill in all fishes at tick 0: places, sizes, leaders, traits, each at its own phase."""
+    scenario, library, sea = world.scenario, world.library, world.state.sea
+    fishes, minds = world.state.fishes, world.state.minds
+    species = dict(zip(scenario.species, world.species, strict=True))
     slow = SEGMENTS.index("swim_slow")
     first = 0
-    for shoal, number in zip(scenario.fish, shares, strict=True):
+    for shoal, number in zip(scenario.fish, world.shoal_sizes, strict=True):
         kind = list(species).index(shoal.species)
         these = slice(first, first + number)
         fishes.species[these] = kind
@@ -95,30 +73,32 @@ def populate(
             minds.waypoint[these] = shoal.toward_cm
             minds.patience[these] = RESOLVE_S
         first += number
-    for one in scenario.individual:
-        if one.fish < len(fishes.species):  # beyond with `fish` scaled down
-            apply_individual(fishes, minds, one, 0.0)
+    for table in scenario.individual:
+        if table.fish < len(fishes.species):  # beyond with fewer fishes than the scenario has
+            apply_individual(fishes, minds, table, 0.0)
     minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
     fishes.segment[:] = slow
     fishes.wanted_segment[:] = slow
     fishes.scale[:] = fishes.length / library.recorded_length[fishes.species]
     fishes.snout[:] = fishes.scale * library.nodes[library.first[fishes.species, slow], 0, 0]
-    fishes.girth[:] = fishes.length[:, None] * _girths([*species.values()], library)[fishes.species]
+    fishes.girth[:] = fishes.length[:, None] * _girths(world.species, library)[fishes.species]
     # Froude similarity: a fish α times as long beats 1/√α as often.
     fishes.size_rate[:] = 1.0 / np.sqrt(fishes.scale)
-    fishes.rate[:] = fishes.size_rate * np.array([s.pace for s in species.values()])[fishes.species]
-    fishes.fast[:] = fastest_cm_s(fishes, library)
+    fishes.rate[:] = fishes.size_rate * np.array([s.pace for s in world.species])[fishes.species]
+    recorded = library.speed[fishes.species, SEGMENTS.index("swim_fast")]
+    fishes.fast[:] = recorded * fishes.scale * fishes.rate
     fishes.breath[:] = 2 * np.pi * fishes.identity
     fishes.fin_phase[:] = fishes.breath[:, None]
-    flat = np.array([one.surface.depth > FLAT_BL for one in species.values()])
+    flat = np.array([one.surface.depth > FLAT_BL for one in world.species])
     fishes.oars[:] = flat[fishes.species]
-    flaps = np.array([one.row is not None and one.row.flaps for one in species.values()])
+    flaps = np.array([one.row is not None and one.row.flaps for one in world.species])
     fishes.flaps[:] = flaps[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
     _let_out(fishes, library, sea)
-    return fishes, minds
+    settle(world.species, fishes, minds, world.state.reef)
+    world.initial_traits = {name: getattr(minds, name).copy() for name in TRAITS}
 
 
 def _let_out(fishes: Fishes, library: Library, sea: Sea) -> None:
@@ -134,12 +114,12 @@ def _let_out(fishes: Fishes, library: Library, sea: Sea) -> None:
     fishes.velocity[:] = 0.0
 
 
-def settle(species: dict[str, Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:
+def settle(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:
     """Give fishes of species that keep to a place the nearest anemone, else growth, as home.
 
     Without one within reach of its starting place that place is the home.
     """
-    ranges = np.array([one.home_cm or np.inf for one in species.values()])
+    ranges = np.array([one.home_cm or np.inf for one in species])
     minds.home[:], minds.home_range[:] = fishes.position, ranges[fishes.species]
     tops = reef.place + reef.radius[:, None] * reef.axis
     anemone = reef.kind == list(KINDS_OF_GROWTH).index("anemone")
@@ -152,19 +132,13 @@ def settle(species: dict[str, Species], fishes: Fishes, minds: Minds, reef: Reef
                 break
 
 
-def fastest_cm_s(fishes: Fishes, library: Library) -> Array:
-    """Speed of each fish (n,) at its fastest, cm/s."""
-    recorded = library.speed[fishes.species, SEGMENTS.index("swim_fast")]
-    return np.asarray(recorded * fishes.scale * fishes.rate)
-
-
 def burst_speed(library: Library, kind: int) -> float:
     """The speed of a burst at full tempo over that of the fast swim, at least 1."""
     fast, burst = (library.speed[kind, SEGMENTS.index(f"swim_{s}")] for s in ("fast", "burst"))
     return max(float(TEMPO[1] * burst / fast), 1.0)
 
 
-def _girths(species: list[Species], library: Library) -> Array:
+def _girths(species: Sequence[Species], library: Library) -> Array:
     """Height and width (s, 2) of the widest cross-section of each species, body lengths."""
     rows = library.nodes[library.first[:, SEGMENTS.index("swim_slow")], 1:21]
     sections = rows.reshape(len(species), 5, 4, 3)

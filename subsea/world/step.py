@@ -30,10 +30,11 @@ from subsea.behavior.table import (
 from subsea.behavior.teleop import TeleopCommand, TeleopCommands, as_commands, follow_commands
 from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
-from subsea.habitat import hook, plankton
+from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
 from subsea.habitat.current import add_bow_wave, flow_at, set_drift
 from subsea.habitat.rocks import RockCells
+from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
 from subsea.kernels import kernel
 from subsea.kernels.threads import cut, run_all, share
@@ -151,7 +152,7 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
         *cut(carry, everyone, LEAST_PART, fishes, state.minds, sea, cells, flow),
     ]
     run_all(tasks, shared=len(tasks) > 3)  # any of the three is worth two threads
-    hook.move_hook(sea, clock)
+    move_hook(sea, clock)
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:

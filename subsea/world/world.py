@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
-from subsea.directing.script import Script
+from subsea.directing.script import Script, make_script
 from subsea.fish.species import Species
 from subsea.habitat.current import REACH_CM
 from subsea.habitat.rocks import RockCells, rock_cells
@@ -31,8 +31,11 @@ class World:
     current_cm_s: tuple[float, float]  # strength of the swinging current along x and y
     physics: Physics
     state: State
-    initial_traits: dict[str, NDArray[Any]]  # `state.TRAITS` before panels changed any
-    script: Script  # of the scenario's directions
+    rock_owners: list[str]  # the scenario's table of each rock
+    shoal_sizes: list[int]  # number of fishes of each shoal
+    script: Script = field(init=False)  # of the scenario's directions
+    # `state.TRAITS` before panels changed any.
+    initial_traits: dict[str, NDArray[Any]] = field(default_factory=dict)
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Brightness of rendered eye views, for fishes that use it in place of the ambient light.
     seen_light: dict[int, float] = field(default_factory=dict)
@@ -42,6 +45,10 @@ class World:
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
     # Rocks, and the cells that list them.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Resolve the directions."""
+        self.script = make_script(self.scenario, self.shoal_sizes)
 
     @property
     def rock_cells(self) -> RockCells:

@@ -168,8 +168,8 @@ def test_partial_files_are_deleted_first(module, place, monkeypatch):
 
 
 def test_a_cached_reef_equals_a_grown_one():
-    scenario, _ = load_scenario("peaceful")
-    sea = make_sea(scenario, np.random.default_rng(1))
+    scenario = load_scenario("peaceful").scenario
+    sea = make_sea(scenario, np.random.default_rng(1))[0]
     seen = []
     for _ in range(2):
         reefed, reef = grow_reefs(scenario, sea)

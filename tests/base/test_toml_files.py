@@ -229,7 +229,7 @@ def test_faults_of_the_file_have_a_line_despite_changes(path):
 
 def test_a_changed_scenario_has_no_wrong_line(path):
     path.write_text(REEF)
-    scenario, _ = load_scenario(str(path))
+    scenario = load_scenario(str(path)).scenario
     moved = msgspec.structs.replace(scenario.submarine, position_cm=(0.0, 0.0, 9.0))
     changed = msgspec.structs.replace(scenario, submarine=moved)
     for source, shown in ((path, r"reef\.toml: `submarine"), ("the sea", "^the sea: `submarine")):

@@ -249,7 +249,7 @@ def test_neither_large_prey_nor_by_a_shut_or_idle_mouth_is_swallowed(
 
 
 def test_a_shoal_may_be_of_another_kind_than_its_species():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     shoal = Shoal(species="moon_wrasse", number=2, kind="predator")
     world = create_world(msgspec.structs.replace(scenario, fish=[shoal]))
     assert (world.state.minds.kind == PREDATOR).all()

@@ -109,7 +109,7 @@ def test_it_speeds_up_stops_and_backs_off(world):
 @pytest.mark.parametrize("name", ["peaceful", "visitors"])
 def test_it_keeps_clear_of_stone_sand_and_the_sea_s_bounds_however_it_is_steered(name):
     # Remove plankton and seaweed: slow, and irrelevant here.
-    scenario, _ = load_scenario(name, ["water.plankton=0", "seaweed=[]"])
+    scenario = load_scenario(name, ["water.plankton=0", "seaweed=[]"]).scenario
     world = create_world(scenario, fish=40)
     fishes, sea = world.state.fishes, world.state.sea
     rng = np.random.default_rng(3)

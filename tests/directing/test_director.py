@@ -16,9 +16,9 @@ from subsea.base.system import ROOT
 from subsea.behavior.mental_state import HABITS, set_hunger
 from subsea.directing.director import direct, latest
 from subsea.scenario.checks import check_scenario
-from subsea.scenario.directions import Shoals
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Hook, Scenario
+from subsea.scenario.shoals import Shoals
 from subsea.state import (
     EAT,
     FEAR,
@@ -335,7 +335,7 @@ def test_a_pair_courts_in_front_while_a_shark_hunts_a_school_behind(seed):
 
 
 def test_a_direction_can_be_set_on_the_command_line():
-    scenario, _ = load_scenario("rendezvous", ["direction.0.at_s=5"])
+    scenario = load_scenario("rendezvous", ["direction.0.at_s=5"]).scenario
     assert scenario.direction[0].at_s == 5.0
     with pytest.raises(UserError, match="direction"):
         load_scenario("rendezvous", ["direction.0.at_s=-1"])

@@ -270,8 +270,8 @@ def test_a_film_ends_with_a_direction_or_when_all_was_shown(tmp_path):
     assert not is_over(world)
     ride(world, 0.2)
     assert is_over(world)
-    scenario, source = load_scenario(str(scene(tmp_path, *lasting)))
-    assert directed_length_s(scenario, source, None) == pytest.approx(2.5, abs=0.1)
+    loaded = load_scenario(str(scene(tmp_path, *lasting)))
+    assert directed_length_s(loaded, None) == pytest.approx(2.5, abs=0.1)
 
 
 def test_ctrl_c_interrupts_the_compilation_of_a_rehearsal(tmp_path, monkeypatch):
@@ -280,21 +280,21 @@ def test_ctrl_c_interrupts_the_compilation_of_a_rehearsal(tmp_path, monkeypatch)
         pytest.fail("compiled on")
 
     monkeypatch.setattr("subsea.media.film.ready_world", ready)
-    scenario, source = load_scenario(str(scene(tmp_path, CUT)))
+    loaded = load_scenario(str(scene(tmp_path, CUT)))
     with pytest.raises(KeyboardInterrupt):
-        directed_length_s(scenario, source, None)
+        directed_length_s(loaded, None)
 
 
 def test_an_endless_film_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("subsea.media.film.MAX_DIRECTED_S", 1.0)
     event = "event = 'eaten'\nend = true"
-    scenario, source = load_scenario(str(scene(tmp_path, CUT, event)))
+    loaded = load_scenario(str(scene(tmp_path, CUT, event)))
     with pytest.raises(UserError, match=r"scene\.toml: its directions are not over after .*--sec"):
-        directed_length_s(scenario, source, None)
+        directed_length_s(loaded, None)
 
 
 def test_the_directed_tour_needs_a_camera_and_its_name_is_reserved(tmp_path):
-    scenario, _ = load_scenario(str(scene(tmp_path, CUT)))
+    scenario = load_scenario(str(scene(tmp_path, CUT))).scenario
     for name in ("auto", "directed", "glide"):
         check_tour(scenario, name)
     with pytest.raises(UserError, match=r"no \[\[direction\]\] of this scenario has a `camera`"):

@@ -13,6 +13,7 @@ from subsea.export.dive_scene import record_scene
 from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene
 from subsea.fish.species import species_names
+from subsea.scenario.load import load_scenario
 from subsea.world.world import TICK_S
 from tests.support.gltf_reader import Reader
 from tests.support.scenes import BARE
@@ -96,7 +97,7 @@ def clips(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> list[Cli
 def short_dive() -> SceneFilmOptions:
     """Six fishes, one of them simulated, in 60 frames of a tick each, with all that is still."""
     return SceneFilmOptions(
-        out=Path("unused.usdc"), scenario=str(BARE), changes=("simulated=1",), fps=1.0 / TICK_S,
+        out=Path("unused.usdc"), loaded=load_scenario(str(BARE), ["simulated=1"]), fps=1.0 / TICK_S,
         seconds=60 * TICK_S, detail=2,
     )  # fmt: skip
 

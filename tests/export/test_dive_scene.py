@@ -14,6 +14,7 @@ from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene
 from subsea.lab.simulate import simulate
 from subsea.media.record import read_record
+from subsea.scenario.load import load_scenario
 from tests.support.scenes import BARE
 
 FAST = ["--detail", "3", "--with", "none", "--seconds", "0.2"]
@@ -28,7 +29,8 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def of_record(record: Path, **options: object) -> SceneFilmOptions:
     return SceneFilmOptions(
-        out=Path("unused.usdc"), scenario=str(BARE), record=record, groups=(), detail=3,
+        out=Path("unused.usdc"), loaded=load_scenario(str(BARE)), record=record, groups=(),
+        detail=3,
         **options,  # type: ignore[arg-type]
     )  # fmt: skip
 
@@ -49,7 +51,7 @@ def test_a_record_of_another_dive_is_refused(record: Path, tmp_path: Path) -> No
     other.write_text(BARE.read_text() + "\n")
     options = of_record(record)
     with pytest.raises(UserError, match="recorded from another scenario"):
-        record_scene(SceneFilmOptions(**vars(options) | {"scenario": str(other)}))
+        record_scene(SceneFilmOptions(**vars(options) | {"loaded": load_scenario(str(other))}))
     with pytest.raises(UserError, match=r"ends after 1\.0 s, before the scene does"):
         record_scene(of_record(record, seconds=3.0))
     moved = tmp_path / "moved.h5"

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.start import start_world
+from subsea.dive.start import ready_world
 from subsea.export.recording import SceneFilmOptions, continuous, tint_of
 from subsea.export.scene import Scene
 from subsea.fish.mesh import BODY, DETAILS, fish_mesh, species_vertices, surface_points
 from subsea.fish.species import load_species
 from subsea.geometry.rotation import matrix
 from subsea.motor.pose import control_points_world, nodes_world
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.shoals import find_fish
 from subsea.world.step import step
 
 MOUTH_END, TAIL = 0.25, 0.7  # body lengths: between these neither jaws nor tail fin move the skin
@@ -22,7 +22,7 @@ def test_bodies_are_where_playback_has_them(dive: Scene, short_dive: SceneFilmOp
 
     Played back again by a world that nothing records, on another way: `control_points_world`.
     """
-    world = start_world(short_dive.scenario, changes=short_dive.changes)
+    world = ready_world(short_dive.loaded)
     steer = tour_steering(world, "auto")
     library, kinds, far = world.library, world.state.fishes.species, []
     mesh = fish_mesh(DETAILS[short_dive.detail])
@@ -56,7 +56,7 @@ def test_bodies_are_where_playback_has_them(dive: Scene, short_dive: SceneFilmOp
 
 
 def test_names_are_those_of_the_fish_finder(dive: Scene, short_dive: SceneFilmOptions) -> None:
-    scenario, _ = load_scenario(short_dive.scenario)
+    scenario = short_dive.loaded.scenario
     for fish in dive.fishes:
         species, _, number = fish.name.rpartition("_")
         assert find_fish(f"{species}:{int(number)}", scenario) == fish.number

@@ -9,7 +9,7 @@ import pytest
 from pxr import Usd
 
 from subsea.dive.directed_camera import tour_steering
-from subsea.dive.start import picture_maker, start_world
+from subsea.dive.start import picture_maker, ready_world
 from subsea.export.recording import SceneFilmOptions
 from subsea.export.scene import Scene, SceneOptions
 from subsea.export.usd_scene import WRITER
@@ -37,7 +37,7 @@ def context() -> Iterator[Any]:
 
 def filmed(context: Any, options: SceneFilmOptions) -> Any:
     """Kinds and numbers of what each pixel of the film's frame shows."""
-    world = start_world(options.scenario, changes=options.changes)
+    world = ready_world(options.loaded)
     rig = display_rig("mono", SIZE)
     steer = tour_steering(world, "auto")
     alpha = reach(world, FRAME * TICK_S, steer, lambda: None)

@@ -29,6 +29,7 @@ from subsea.frame.packet import PackOptions, pack
 from subsea.media.film import instants
 from subsea.rendering.gl.id_buffer import FISH
 from subsea.rendering.output.quality import PRESETS
+from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import views
 from tests.support.scenes import BARE
@@ -83,7 +84,7 @@ def written(tmp_path_factory):
         pytest.skip(str(fault))
     out = tmp_path_factory.mktemp("web") / "page"
     options = SceneFilmOptions(
-        out=out, scenario=str(BARE), start=START_S, size=SIZE, detail=1, groups=()
+        out=out, loaded=load_scenario(str(BARE)), start=START_S, size=SIZE, detail=1, groups=()
     )
     world = start_world(str(BARE))
     rig = display_rig("mono", SIZE)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.habitat.hook import OUT_CM, hook_constants, move_hook
+from subsea.habitat.sea import OUT_CM, hook_constants, move_hook
 from subsea.habitat.sea import make_sea as make_scenario_sea
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Hook
@@ -50,6 +50,6 @@ def test_it_is_drawn_up_with_its_catch_and_stays_away(sea):
 
 
 def test_without_a_hook_none_ever_comes():
-    sea = make_scenario_sea(load_scenario("peaceful")[0], np.random.default_rng(1))
+    sea = make_scenario_sea(load_scenario("peaceful")[0], np.random.default_rng(1))[0]
     move_hook(sea, Clock(1, 10**9, DT))
     assert sea.catch[0] == STOWED

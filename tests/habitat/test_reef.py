@@ -33,7 +33,7 @@ TABLES = [
 def bay():
     """The peaceful bay, without and with reefs."""
     scenario = msgspec.structs.replace(load_scenario("peaceful")[0], reef=TABLES)
-    return scenario, make_sea(scenario, np.random.default_rng(0))
+    return scenario, make_sea(scenario, np.random.default_rng(0))[0]
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +182,7 @@ def test_without_reefs_the_floor_is_the_sand(bay):
     ],
 )  # fmt: skip
 def test_errors_are_one_line(tmp_path, text, said):
-    _, path = load_scenario("schooling")
+    path = load_scenario("schooling").path
     bare = path.read_text()
     (tmp_path / "own.toml").write_text(f"{bare}\n[[reef]]\n{text}\n")
     with pytest.raises(UserError, match=said):

@@ -12,7 +12,7 @@ from tests.support.scenes import BARE
 
 def test_hashes_are_those_of_the_files():
     changes = ["fish.0.number=3"]
-    scenario, source = load_scenario(str(BARE), changes)
+    scenario, source, _ = load_scenario(str(BARE), changes)
     found = provenance_of(scenario, source, changes, simulate.__file__)
     assert found.program == f"subsea {__version__}"
     assert found.changes == ("fish.0.number=3",)
@@ -28,7 +28,7 @@ def test_hashes_are_those_of_the_files():
 
 
 def test_the_code_is_that_of_the_module():
-    scenario, source = load_scenario(str(BARE))
+    scenario, source, _ = load_scenario(str(BARE))
     hashes = {
         provenance_of(scenario, source, (), file).code_sha256
         for file in (simulate.__file__, provenance_of.__code__.co_filename)

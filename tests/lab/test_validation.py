@@ -33,7 +33,7 @@ def test_trials_are_scenarios_schools_and_groups():
 
 @pytest.mark.parametrize("size", GROUP_SIZES)
 def test_a_group_leaves_the_predators_and_one_shoal_of_prey(size):
-    chosen, _ = load_scenario("preying", one_group("preying", size))
+    chosen = load_scenario("preying", one_group("preying", size)).scenario
     assert sorted(shoal.number for shoal in chosen.fish if shoal.number) == sorted([1, size])
 
 

@@ -50,7 +50,7 @@ def test_type_checkers_find_every_public_name_where_it_is_loaded_from():
 
 
 def test_it_steps_as_every_other_part_of_the_program_does(world):
-    chosen, _ = load_scenario(str(BARE))
+    chosen = load_scenario(str(BARE)).scenario
     expected = create_world(chosen, 5, 8)
     world.step(4)
     world.step(2, subsea.Helm(surge=1.0))

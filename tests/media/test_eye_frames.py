@@ -16,7 +16,8 @@ from subsea.dive.start import headless, picture_maker
 from subsea.geometry.rotation import from_matrix
 from subsea.media import eye_frames as eyes
 from subsea.rendering.output.quality import PRESETS
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.shoals import find_fish
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.retina import fish_eyes, retina_rig
 from subsea.world.build import create_world

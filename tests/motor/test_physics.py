@@ -18,7 +18,7 @@ LITTLE = "water.plankton=300", "seaweed=[]"  # fewer drifting specks, no seaweed
 
 def bay(**options):
     """Eight fusiliers near the submarine, four simulated, and little else, to save time."""
-    scenario, _ = load_scenario("peaceful", LITTLE)
+    scenario = load_scenario("peaceful", LITTLE).scenario
     shoal = Shoal(
         species="fusilier", number=8, position_cm=scenario.submarine.position_cm, spread_cm=150.0,
         hunger=0.0, libido=0.0,

@@ -125,7 +125,7 @@ def _fish(make_tank, name):
 
 def _world(**options):
     """The bay with few specks and leaves, which would cost half of a tick."""
-    bay, _ = load_scenario("peaceful", ["water.plankton=300", "seaweed=[]"])
+    bay = load_scenario("peaceful", ["water.plankton=300", "seaweed=[]"]).scenario
     return create_world(bay, seed=5, **options)
 
 
@@ -207,7 +207,7 @@ def test_nodes_lie_where_the_simulation_has_them(make_tank):
 
 def test_a_spine_driven_fish_is_never_simulated():
     """It is played back however near it is; muscular fishes around it are simulated."""
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     here = scenario.submarine.position_cm
     shoals = [
         Shoal(species=name, number=3, position_cm=here, spread_cm=100.0)

@@ -13,10 +13,10 @@ from subsea.base.errors import UserError
 from subsea.base.system import resource_names, resource_path
 from subsea.fish.species import species_names
 from subsea.scenario import schema as tables
-from subsea.scenario.checks import shoals_of
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import save_scenario, scenario_text
 from subsea.scenario.schema import Pillar, Rock, Scenario
+from subsea.scenario.shoals import shoals_of
 from tests.support.daily import examples
 from tests.support.directions import directions
 
@@ -146,7 +146,7 @@ def test_scenarios_saved_over_a_file_with_comments_load_equally(tmp_path, scenar
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_unchanged_scenario_keeps_every_byte(tmp_path, name):
-    scenario, like = load_scenario(name)
+    scenario, like, _ = load_scenario(name)
     save_scenario(scenario, tmp_path / "mine.toml", like)
     assert (tmp_path / "mine.toml").read_bytes() == like.read_bytes()
     windows = like.read_bytes().replace(b"\n", b"\r\n")
@@ -163,7 +163,7 @@ def differing(scenario, like):
 
 
 def test_one_changed_number_is_one_line():
-    scenario, like = load_scenario("peaceful")
+    scenario, like, _ = load_scenario("peaceful")
     school, *others = scenario.fish
     assert differing(replace(scenario, fish=[replace(school, number=20), *others]), like) == [
         ["number = 33"], ["number = 20"],
@@ -194,7 +194,7 @@ def test_one_changed_number_is_one_line():
 
 
 def test_added_and_removed_tables_change_only_their_lines():
-    scenario, like = load_scenario("peaceful")
+    scenario, like, _ = load_scenario("peaceful")
     fewer = [*scenario.rock[:1], *scenario.rock[2:]]
     old, new = differing(replace(scenario, rock=fewer), like)
     assert new == []
@@ -213,7 +213,7 @@ def test_added_and_removed_tables_change_only_their_lines():
 
 
 def test_a_file_from_scratch_reads_well():
-    scenario, _ = load_scenario("preying")
+    scenario = load_scenario("preying").scenario
     text = scenario_text(replace(scenario, tour=TOUR[:0], reef=[], seaweed=[], rock=[]))
     head = (
         'title = "Preying"\ndescription = "A hungry reef shark hunts in the channels of a reef."\n'
@@ -256,7 +256,7 @@ def test_files_in_other_notations_are_edited_or_rewritten(tmp_path, text):
 
 
 def test_a_scenario_that_cannot_be_loaded_is_not_written(tmp_path):
-    scenario, _ = load_scenario("preying")
+    scenario = load_scenario("preying").scenario
     path = tmp_path / "mine.toml"
     path.write_text("what was there\n")
     for wrong, words in (

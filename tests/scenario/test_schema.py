@@ -46,7 +46,7 @@ def fault_of(folder, text):
 
 @pytest.mark.parametrize("name", resource_names("assets/scenarios", ".toml"))
 def test_shipped_scenarios_are_valid(name):
-    scenario, path = load_scenario(name)
+    scenario, path, _ = load_scenario(name)
     assert scenario.title
     assert path.stem == name
 
@@ -121,7 +121,7 @@ def test_an_unknown_name_suggests_the_nearest():
 
 
 def test_species_are_numbered_as_the_scenario_says():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     world = create_world(scenario, fish=60)
     assert len(scenario.species) > 5
     assert [load_species(name).name for name in scenario.species] == [
@@ -302,7 +302,7 @@ def test_every_key_can_be_set_from_outside(settings, value):
         with pytest.raises(UserError):
             load_scenario("peaceful", settings)
         return
-    scenario, path = load_scenario("peaceful", settings)
+    scenario, path, _ = load_scenario("peaceful", settings)
     assert value(scenario)
     assert path == load_scenario("peaceful")[1]
 

@@ -2,7 +2,8 @@
 
 from hypothesis import strategies as st
 
-from subsea.scenario.directions import Camera, Direction, FishSelector, Shoals, numbers_of
+from subsea.scenario.directions import Camera, Direction, FishSelector
+from subsea.scenario.shoals import Shoals, numbers_of
 
 HABITS = ["brightness", "darkness", "cold", "warmth"]
 SHARE, SECONDS = st.floats(0.0, 1.0), st.floats(0.0, 20.0)

@@ -20,7 +20,7 @@ PILLAR = Pillar(position_cm=(0.0, 0.0), radius_cm=9.0, height_cm=9.0)
 
 @pytest.fixture(scope="module")
 def few():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     shoals = [Shoal(species=name, number=3) for name in ("fusilier", "blue_tang", "clownfish")]
     return replace(scenario, fish=shoals, reef=[], seaweed=[], individual=[], pillar=[])
 

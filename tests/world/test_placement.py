@@ -28,9 +28,9 @@ from subsea.scenario.schema import (
 from subsea.submarine.vessel import NEUTRAL, paths_of
 from subsea.ui.undo import History
 from subsea.world import placement, snapshot
-from subsea.world.build import create_world
-from subsea.world.checks import check_in_sea, tour_fault
-from subsea.world.placement import added, aim, check_placed, grip, handles, moved, pick
+from subsea.world.build import check_placed, create_world
+from subsea.world.checks import check_in_sea, tour_fault, with_solids
+from subsea.world.placement import added, aim, grip, handles, moved, pick
 from subsea.world.step import step
 from tests.support.daily import examples
 
@@ -191,10 +191,10 @@ def test_a_trial_near_a_tour_is_no_fault_and_both_it_and_the_world_warn(full):
     tall = replace(scenario.rock[0], size_cm=(60.0, 60.0, 450.0))
     clear = placement.with_table(scenario, "rock", 0, tall)
     trial = moved(clear, rock, (0.0, 0.0, 0.0))
-    assert tour_fault(clear, sea, stored=False) is None
+    assert tour_fault(clear, *with_solids(clear, sea), stored=False) is None
     check_in_sea(trial, sea)
     check_placed(trial)
-    found = str(tour_fault(trial, sea, stored=False))
+    found = str(tour_fault(trial, *with_solids(trial, sea), stored=False))
     assert re.search(r"`tour\[0\]` 'across' is .* from `rock\[0\]`", found)
     (notice,) = create_world(trial, source="bay.toml").notices
     assert notice == f"bay.toml: {found}"

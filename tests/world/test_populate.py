@@ -10,15 +10,16 @@ from subsea.motor.containment import deepest
 from subsea.motor.pose import ends
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Rock, Shoal
+from subsea.scenario.shoals import shoal_sizes, with_total
 from subsea.state import Fishes, Minds, Reef, empty
 from subsea.world.build import create_world
-from subsea.world.populate import ABOVE_HOME_CM, settle, shoal_sizes, with_total
+from subsea.world.populate import ABOVE_HOME_CM, settle
 from subsea.world.repertoires import species_of
 from tests.support.scenes import BARE
 
 
 def test_a_scenario_is_scaled_to_a_total_number():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     assert with_total(scenario, None) is scenario
     small = with_total(scenario, 9)
     assert [shoal.number for shoal in small.fish] == shoal_sizes(scenario, 9)
@@ -27,7 +28,7 @@ def test_a_scenario_is_scaled_to_a_total_number():
 
 def test_clownfish_live_at_the_nearest_anemone():
     """Those without one near live where they start; other species have no home."""
-    species = {name: species_of(name) for name in ("clownfish", "fusilier")}
+    species = [species_of(name) for name in ("clownfish", "fusilier")]
     fishes, minds = empty(Fishes, n=4), empty(Minds, n=4, b=1, d=1)
     fishes.species[3] = 1
     fishes.position[:, 0] = 0.0, 300.0, 2000.0, 0.0
@@ -43,7 +44,7 @@ def test_clownfish_live_at_the_nearest_anemone():
 
 def test_no_body_begins_in_a_solid():
     """Sharks whose places lie deep in a rock, whose nearest surface is hard to tell from there."""
-    scenario, _ = load_scenario(str(BARE))
+    scenario = load_scenario(str(BARE)).scenario
     rock = Rock(position_cm=(0.0, 0.0), size_cm=(400.0, 200.0, 250.0), height_cm=200.0)
     sharks = Shoal(
         species="blacktip_reef_shark", number=12, position_cm=(0.0, 230.0, -350.0), spread_cm=300.0

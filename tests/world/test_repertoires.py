@@ -81,7 +81,7 @@ def pack_of(scenario):
 
 
 def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
-    scenario, _ = load_scenario(str(BARE))
+    scenario = load_scenario(str(BARE)).scenario
     one, two, lively = (create_world(scenario, 3, live=live) for live in (0, 0, 2))
     assert one.library.control_points is two.library.control_points
     rows = len(one.library.entry)

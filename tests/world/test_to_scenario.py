@@ -14,7 +14,7 @@ from subsea.world.to_scenario import equal_tunables, get_tunables, to_scenario
 
 @pytest.fixture(scope="module")
 def few():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     shoals = [replace(shoal, number=3) for shoal in scenario.fish]
     return replace(scenario, fish=shoals, individual=[IndividualTable(fish=2, hunger=0.5)])
 

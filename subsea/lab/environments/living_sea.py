@@ -28,6 +28,7 @@ from subsea.habitat.contact import out_of_solids
 from subsea.library import Changes, change_texts, render, retina
 from subsea.library import World as LibraryWorld
 from subsea.scenario.load import load_scenario
+from subsea.scenario.shoals import with_total
 from subsea.state import (
     CHOICES,
     FEAR,
@@ -44,7 +45,7 @@ from subsea.state import (
 from subsea.submarine.vessel import STATION
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.world.build import create_world
-from subsea.world.populate import heading_quaternion, with_total
+from subsea.world.populate import heading_quaternion
 from subsea.world.snapshot import changing
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
@@ -240,7 +241,7 @@ class LivingSea:
 
     def __init__(self, options: SeaOptions) -> None:
         """Build the world of the scenario with its own seed."""
-        scenario, source = load_scenario(options.scenario, change_texts(options.changes))
+        scenario, source, _ = load_scenario(options.scenario, change_texts(options.changes))
         self.options, self.scenario = options, with_total(scenario, options.fish_count)
         self.world = create_world(self.scenario, live=0, source=str(source))
         for _ in range(SETTLE_TICKS):

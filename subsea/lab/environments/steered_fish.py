@@ -19,7 +19,7 @@ from subsea.lab.environments.living_sea import (
     senses,
 )
 from subsea.lab.environments.rewards import Reward
-from subsea.scenario.load import find_fish
+from subsea.scenario.shoals import find_fish
 from subsea.world.world import TICK_S
 
 OBSERVATIONS = ["senses", "retina"]

@@ -42,7 +42,7 @@ class MasterScenario:
             if name not in (known := scenario_names()):  # not a path
                 raise unknown("scenario", name, known)
             self._tried, self._told = wanted, False
-            scenario, source = load_scenario(name)
+            scenario, source, _ = load_scenario(name)
         except UserError as fault:
             self._tried, self._told = wanted, True
             dive.note(f"the master opens {name!r}: {fault}; this node waits for the next one")

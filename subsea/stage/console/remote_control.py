@@ -15,8 +15,9 @@ from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
 from subsea.dive.tick_source import NodeStatus
 from subsea.rendering.output.views import SmallPicture
-from subsea.scenario.load import find_fish, load_scenario, scenario_names
+from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
+from subsea.scenario.shoals import find_fish
 from subsea.stage.console import commands
 from subsea.stage.console.board import Board
 from subsea.stage.console.options import ConsoleOptions
@@ -180,7 +181,7 @@ class RemoteControl:
         dive = self._dive
         if command.name not in (names := scenario_names()):  # not a path
             raise unknown("scenario", command.name, names)
-        scenario, source = load_scenario(command.name)
+        scenario, source, _ = load_scenario(command.name)
         if dive.menu.open:
             dive.menu.hide()
         self._opened = True

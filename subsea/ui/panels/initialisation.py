@@ -99,7 +99,7 @@ def open_file(context: PanelContext, name: str) -> bool:
     """Start another scenario, by name or path; False, with a note, if not possible."""
     draft, dive = context.state(InitialisationState), context.dive
     try:
-        scenario, path = storage.opened(name)
+        scenario, path, _ = storage.opened(name)
     except UserError as fault:
         draft.message = str(fault)
         dive.note(draft.message)

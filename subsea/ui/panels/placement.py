@@ -25,7 +25,8 @@ from subsea.ui.panels import fields
 from subsea.ui.undo import History
 from subsea.view.unproject import FrontView
 from subsea.world import placement
-from subsea.world.checks import check_in_sea, tour_fault
+from subsea.world.build import check_placed
+from subsea.world.checks import check_in_sea, tour_fault, with_solids
 from subsea.world.placement import Grip, Handle
 from subsea.world.world import World
 
@@ -69,7 +70,7 @@ class PlacementState:
     def warn(self, scenario: Scenario, sea: Sea) -> str:
         """The tour that does not fit a scenario, as a message, cached."""
         if not self.toured or self.toured[0] is not scenario or self.toured[1] is not sea:
-            fault = tour_fault(scenario, sea, stored=False)
+            fault = tour_fault(scenario, *with_solids(scenario, sea), stored=False)
             self.toured, self.misfit = (scenario, sea), str(fault) if fault else ""
         return self.misfit
 
@@ -163,7 +164,7 @@ def _enter(context: PanelContext, scenario: Scenario) -> bool:
     placing, dive = context.state(PlacementState), context.dive
     placing.message = ""
     try:
-        placement.check_placed(scenario, str(dive.source), dive.world.state.seed)
+        check_placed(scenario, str(dive.source), dive.world.state.seed)
     except UserError as fault:
         placing.message = str(fault)
         dive.note(placing.message)

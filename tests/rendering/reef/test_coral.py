@@ -141,7 +141,7 @@ def heights_over(triangles, places):
 def test_no_growth_floats_above_the_ground():
     """The lowest drawn part of a growth touches the sand or mounds as drawn."""
     scenario = load_scenario("peaceful")[0]
-    sea, reef = grow_reefs(scenario, make_sea(scenario, np.random.default_rng(0)))
+    sea, reef = grow_reefs(scenario, make_sea(scenario, np.random.default_rng(0))[0])
     baked = bake(reef)
     mounds = np.concatenate(
         [

@@ -6,7 +6,8 @@ import pytest
 
 from subsea.cli.main import parsers
 from subsea.fish.species import species_file
-from subsea.scenario.load import find_fish, load_scenario
+from subsea.scenario.load import load_scenario
+from subsea.scenario.shoals import find_fish
 from subsea.studio.builder.jobs import CaptureJobs, CommandProcess
 
 PATIENCE_S = 60.0
@@ -61,7 +62,7 @@ def test_a_dive_follows_the_fish(jobs, monkeypatch):
     monkeypatch.setattr(CaptureJobs, "close", lambda self: None)
     jobs.dive("clownfish")
     options = parsers()[0].parse_args(commands[0][3:])
-    scenario, _ = load_scenario(options.scenario, options.changes)
+    scenario = load_scenario(options.scenario, options.changes).scenario
     number = find_fish(options.follow, scenario)
     shoals = [one.species for one in scenario.fish for _ in range(one.number)]
     assert shoals[number] == "clownfish"

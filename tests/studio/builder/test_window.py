@@ -142,7 +142,7 @@ def test_from_a_copy_to_a_fish_in_the_sea(new, user, spots):
     assert recorded.provenance["body"]["half_widths"][1] == widened
 
     # ... and tried in a sea.
-    scenario, _ = load_scenario(SEA, [f"{SHOAL}.species=red_snapper"])
+    scenario = load_scenario(SEA, [f"{SHOAL}.species=red_snapper"]).scenario
     world = create_world(scenario)
     kind = [one.name for one in world.species].index("Red Snapper")
     mine = world.state.fishes.species == kind

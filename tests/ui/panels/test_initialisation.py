@@ -133,7 +133,7 @@ def test_a_saved_scenario_makes_the_same_world(pool, user, spots, tmp_path, caps
     assert "deep/kept.toml" in capsys.readouterr().err
     assert pool.source == path
     assert "# the school" in path.read_text() and "# clear" in path.read_text()
-    scenario, _ = load_scenario(str(path))
+    scenario = load_scenario(str(path)).scenario
     assert scenario == present(pool.inspector)
     again, minds = create_world(scenario), pool.world.state.minds
     assert np.array_equal(again.state.minds.male, minds.male)
@@ -193,7 +193,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, user, spots, c
     assert str(pool.source) in capsys.readouterr().err
     assert shipped.read_bytes() == before
     assert "my-schooling" in scenario_names()
-    scenario, path = load_scenario("my-schooling")
+    scenario, path, _ = load_scenario("my-schooling")
     assert path == pool.source and scenario == present(pool.inspector)
     spots.type(pool, "##title", "schooling")
     assert "shipped" in capsys.readouterr().err
@@ -203,7 +203,7 @@ def test_a_shipped_scenario_is_opened_and_saved_as_ones_own(pool, user, spots, c
 
 
 def test_numbers_keep_the_proportions_of_shoals_and_individuals_their_fish():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     scenario = replace(
         scenario,
         fish=[*scenario.fish, Shoal(species="fusilier", number=11)],
@@ -225,7 +225,7 @@ def test_numbers_keep_the_proportions_of_shoals_and_individuals_their_fish():
 
 
 def test_pillars_are_added_where_a_dive_can_begin_with_them():
-    scenario, _ = load_scenario("peaceful")
+    scenario = load_scenario("peaceful").scenario
     wanted = counts(scenario)
     wanted.pillars = 8
     new = with_counts(scenario, wanted)

@@ -250,7 +250,7 @@ def test_numbers_add_and_remove_and_another_process_makes_the_saved_world(
     path = initialisation.save(lagoon.inspector, str(tmp_path / "placed"))
     text = path.read_text()
     assert "# The one that is moved." in text and "[[vent]]" in text
-    scenario, _ = load_scenario(str(path))
+    scenario = load_scenario(str(path)).scenario
     assert scenario == replace(lagoon.scenario, physics=scenario.physics)
     words = "from subsea.scenario.load import load_scenario; "
     words += "from subsea.world.build import create_world; "
