@@ -15,10 +15,12 @@ from subsea.export.scene import Scene
 from subsea.fish.species import species_names
 from subsea.scenario.load import load_scenario
 from subsea.world.world import TICK_S
+from tests.support.daily import only
 from tests.support.gltf_reader import Reader
 from tests.support.scenes import BARE
 
 ROOT = Path(__file__).parents[2]
+DAILY = "fusilier", "ribbon_eel", "spotted_eagle_ray"
 VALIDATOR = ROOT / "tools" / "gltf-validator"
 # Blender is a gigabyte: `make blender` installs it and runs these.
 collect_ignore = [] if (ROOT / ".venv" / "blender" / "ready").exists() else ["test_blender.py"]
@@ -77,7 +79,7 @@ def exported() -> dict[str, tuple[Model, list[Clip]]]:
     return {name: make_clips(name) for name in species_names()}
 
 
-@pytest.fixture(scope="session", params=species_names())
+@pytest.fixture(scope="session", params=only(DAILY, species_names()))
 def known(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     return name

@@ -8,6 +8,7 @@ from subsea.lab.report import measure
 from subsea.media.record import read_record
 
 MINUTE, FIFTY_SECONDS = 1900, 1515  # ticks
+pytestmark = pytest.mark.nightly
 
 
 @pytest.fixture(scope="module")

@@ -265,7 +265,7 @@ def test_television_rates_are_exact(tmp_path):
     ("display", "fps"), [("mono", 29.97), ("side-by-side", 24), ("checkerboard", 25), ("dome", 50)]
 )
 def test_the_same_command_gives_the_same_film(tmp_path, display, fps):
-    arguments = ["--display", display, "--size", "64x64", "--seconds", "0.1", "--seed", "1"]
+    arguments = [*SEA, "--display", display, "--size", "64x64", "--seconds", "0.1", "--seed", "1"]
     films = []
     for name in ("one.mp4", "two.mp4"):
         assert main(["film", str(tmp_path / name), *arguments, "--fps", str(fps)]) == 0
@@ -295,6 +295,7 @@ def every_mode():
     return pictures
 
 
+@pytest.mark.nightly
 def test_two_dives_show_the_same_in_every_quality_and_display():
     pictures = every_mode()
     assert len(set(pictures.values())) == len(pictures) == len(PRESETS) * (len(DISPLAYS) - 1)

@@ -11,6 +11,7 @@ from subsea.geometry.rotation import matrix
 from subsea.motor.playback import advance
 from subsea.repertoire import SEGMENTS
 from subsea.state import Fishes, empty
+from tests.support.daily import only
 
 LIMIT = 2.0  # times the largest change of velocity inside the two segments, or ...
 SMOOTH_BL = 0.05  # ... body lengths per tick² between swims and gradual turns, and ...
@@ -18,7 +19,7 @@ SMOOTH_BL = 0.05  # ... body lengths per tick² between swims and gradual turns,
 AFTER = 16  # ticks after the change
 
 
-@pytest.fixture(scope="module", params=species_names())
+@pytest.fixture(scope="module", params=only(("fusilier", "ribbon_eel"), species_names()))
 def shipped(request, shipped_library):
     """The library of one species, the largest change inside each segment, and the length in cm."""
     repertoire, _, library = shipped_library(request.param)

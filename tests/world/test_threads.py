@@ -15,6 +15,7 @@ from subsea.submarine.vessel import Helm
 from subsea.world import step
 from subsea.world.build import create_world
 from subsea.world.snapshot import checksum
+from tests.support.daily import only
 
 SCENARIOS = sorted(path.stem for path in resource_path("assets/scenarios").glob("*.toml"))
 TICKS, MOST_FISHES = 30, 60
@@ -48,13 +49,14 @@ def _dive(name, threads, ticks=TICKS):
     return found
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", only(("peaceful", "preying", "mating"), SCENARIOS))
 def test_the_number_of_threads_does_not_matter(small_parts, name):
     alone = _dive(name, 1)
     for threads in (2, 3, 16):
         assert _dive(name, threads) == alone
 
 
+@pytest.mark.nightly
 def test_it_does_not_matter_for_ten_seconds(small_parts):
     """Long enough for captures and courtships."""
     for name in ("preying", "mating"):

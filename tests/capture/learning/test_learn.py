@@ -70,6 +70,7 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     return Lesson(before, path, "\n".join(lines), code)
 
 
+@pytest.mark.nightly
 def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
     assert lesson.code == 0
     old, new = load_detuned(lesson), load_toml(lesson.path, Species)
@@ -94,6 +95,7 @@ def load_detuned(lesson: Lesson) -> Species:
     return load_toml(path, Species)
 
 
+@pytest.mark.nightly
 def test_only_the_numbers_of_the_controllers_change(lesson: Lesson) -> None:
     old, new = (text.splitlines(True) for text in (lesson.before, lesson.path.read_bytes()))
     assert len(old) == len(new)
@@ -223,9 +225,9 @@ def test_a_search_leaves_the_random_numbers_of_others_alone() -> None:
 
 
 def test_a_winner_that_fails_verification_gives_way_to_the_next(
-    monkeypatch: pytest.MonkeyPatch, lesson: Lesson
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    fish = load_detuned(lesson)
+    fish = load_toml(detuned(tmp_path / "fish.toml"), Species)
     verified, turned = [], []
 
     def faults(body: object, swim: object, seed: int) -> list[str]:

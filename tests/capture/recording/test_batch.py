@@ -18,7 +18,6 @@ from msgspec import structs
 
 from capture.cli.main import main
 from capture.recording import batch
-from capture.recording import batch as workers
 from capture.recording.batch import (
     finished_segments,
     process_pool,
@@ -32,6 +31,7 @@ from subsea.base.errors import UserError
 from subsea.fish.species import Species, load_species, species_names
 from subsea.repertoire import Repertoire, write_repertoire
 from subsea.repertoire.schema import FORMAT
+from tests.support.daily import only
 from tests.support.recording import each_once
 
 pytestmark = pytest.mark.usefixtures("known_turns")
@@ -63,7 +63,7 @@ def changed(species: Species, table: str, **values: object) -> Species:
 
 
 @pytest.fixture(scope="module")
-def known(segments: dict[str, dict[str, workers.Recorded]]) -> dict[str, workers.Recorded]:
+def known(segments: dict[str, dict[str, batch.Recorded]]) -> dict[str, batch.Recorded]:
     """Segments that tests have swum."""
     return {
         f"{segment} of {load_species(name)}": recorded
@@ -73,20 +73,20 @@ def known(segments: dict[str, dict[str, workers.Recorded]]) -> dict[str, workers
 
 
 @pytest.fixture
-def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, workers.Recorded]) -> list[str]:
+def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, batch.Recorded]) -> list[str]:
     """The segments that are swum, in their order; each is simulated once for all tests."""
     names: list[str] = []
     record = each_once(known)
 
-    def swim(species: Species, segment: str) -> workers.Recorded:
+    def swim(species: Species, segment: str) -> batch.Recorded:
         names.append(segment)
         return record(species, segment)
 
-    monkeypatch.setattr(workers, "record_segment", swim)
+    monkeypatch.setattr(batch, "record_segment", swim)
     return names
 
 
-@pytest.mark.parametrize("done", [0, 4, WHOLE, WHOLE + 4, WHOLE + len(EACH)])
+@pytest.mark.parametrize("done", [4, WHOLE, WHOLE + len(EACH)])
 def test_an_interrupted_recording_continues_where_it_stopped(
     done: int, whole: Path, tmp_path: Path, swum: list[str]
 ) -> None:
@@ -140,7 +140,7 @@ def test_damaged_segments_and_those_of_another_fish_are_recorded_again(
     assert set(finished_segments(tmp_path, "fusilier", species)) == {"swim_slow", "swim_fast"}
 
 
-@pytest.mark.parametrize("name", species_names())
+@pytest.mark.parametrize("name", only(NAMES, species_names()))
 def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
     species = load_species(name)
     recorded = record_segment(species, "turn_left_sharp")
@@ -239,17 +239,17 @@ def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
 SLOW = """
 import sys, time
 from capture.cli import main as cli
-from capture.recording import workers
-record_segment = workers.record_segment
+from capture.recording import batch
+record_segment = batch.record_segment
 def slowly(species, segment):
     time.sleep(0.4)
     return record_segment(species, segment)
-workers.record_segment = slowly
+batch.record_segment = slowly
 sys.exit(cli.main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", only([signal.SIGINT], [signal.SIGINT, signal.SIGTERM]))
 def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     number: int, whole: Path, tmp_path: Path, swum: list[str]
 ) -> None:

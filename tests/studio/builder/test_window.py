@@ -86,6 +86,7 @@ def new(display, monkeypatch, tmp_path):
         yield window
 
 
+@pytest.mark.nightly
 def test_from_a_copy_to_a_fish_in_the_sea(new, user, spots):
     # Must be the first test of this module: the window library has one display at a time.
     window, builder = new, new.tool
@@ -268,6 +269,7 @@ def test_a_number_is_typed_and_an_invalid_one_is_refused(window, user, spots):
     assert "masses" in window.message and builder.editing.present is draft
 
 
+@pytest.mark.nightly
 def test_learned_controllers_are_put_into_the_draft(window, user, spots):
     builder = window.tool
     window.frame(0.1)
