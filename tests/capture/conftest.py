@@ -1,3 +1,4 @@
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -6,10 +7,12 @@ import pytest
 from capture.recording.batch import save_segment
 from capture.recording.manoeuvres import TURNS
 from capture.recording.record import Recorded, assemble, record_segment, segments_of
+from subsea.base.system import resource_path
 from subsea.fish.species import Species, load_species
-from subsea.repertoire import Repertoire, write_repertoire
+from subsea.repertoire import Repertoire, read_repertoire
 
 NAMES = ["emperor_angelfish", "fusilier"]
+SHIPPED = resource_path("repertoires")
 
 
 @pytest.fixture(scope="session")
@@ -52,13 +55,12 @@ def species(name: str) -> Species:
 
 
 @pytest.fixture(scope="session")
-def repertoire(name: str, repertoires: dict[str, Repertoire]) -> Repertoire:
-    return repertoires[name]
+def repertoire(name: str) -> Repertoire:
+    """The repertoire that is shipped: tests/repertoire shows that it would be recorded again."""
+    return read_repertoire(SHIPPED / f"{name}.h5")
 
 
 @pytest.fixture(scope="session")
-def recorded(repertoires: dict[str, Repertoire], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A freshly recorded repertoire file of the fusilier."""
-    path = tmp_path_factory.mktemp("recorded") / "fusilier.h5"
-    write_repertoire(path, repertoires["fusilier"])
-    return path
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the repertoire file of the fusilier."""
+    return Path(shutil.copy(SHIPPED / "fusilier.h5", tmp_path_factory.mktemp("recorded")))

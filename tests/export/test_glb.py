@@ -3,7 +3,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from subsea.export.axes import Y_UP, Z_UP, rotate_quaternions, to_metres
 from subsea.export.glb import INDICES, VERTICES, GlbBuffer, glb
@@ -58,6 +57,8 @@ def test_the_validator_has_no_objection(
 
 
 def test_arrays_come_back(tmp_path: Path) -> None:
+    import trimesh
+
     file, buffer, note = _written(tmp_path)
     mesh = trimesh.load(file, force="mesh", process=False)
     np.testing.assert_array_equal(mesh.vertices, CORNERS)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
 
 from capture.cli.main import main
 from subsea.export.axes import Y_UP, to_metres
@@ -205,6 +204,8 @@ def test_from_the_command_line_to_trimesh(
     said = Reader(path).content["asset"]["extras"]
     assert said["rmsErrorPercent"] < RMS_PERCENT and said["maxErrorPercent"] < MOST_PERCENT
     model, clips = make_clips("fusilier")
+    import trimesh
+
     scene = trimesh.load(path)
     [body, clear, fins] = (scene.geometry[name] for name in sorted(scene.geometry))
     parts = [len(part.faces) for part in (body, clear, fins)]

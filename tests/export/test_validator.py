@@ -4,12 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import trimesh
-
 
 def test_the_validator_detects_damage(
     khronos: Callable[[Path], dict[str, Any]], tmp_path: Path
 ) -> None:
+    import trimesh
+
     file = tmp_path / "box.glb"
     trimesh.creation.box().export(file)
     report = khronos(file)

@@ -8,7 +8,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-import trimesh
 from PIL import Image
 
 from subsea.base.errors import UserError
@@ -24,6 +23,8 @@ class Decoded:
     """The folder, read as OpenVAT-Engine_Tools/GLSL/VertexAnimationPBR-GLSL.gdshader does."""
 
     def __init__(self, folder: Path, name: str) -> None:
+        import trimesh
+
         self.info = json.loads((folder / f"{name}-remap_info.json").read_text())
         self.ranges = self.info["os-remap"]
         texels = cv2.imread(str(folder / f"{name}_vat.png"), cv2.IMREAD_UNCHANGED)
@@ -155,6 +156,8 @@ def test_the_validator_has_no_objection(
 def test_other_readers_read_the_mesh_and_the_texture(
     own: tuple[Model, list[Clip]], tmp_path: Path
 ) -> None:
+    import trimesh
+
     model, clips = own
     vat, colours, mesh, _ = write_vat(tmp_path, model, clips, baked=False)
     read = trimesh.load(mesh, force="mesh", process=False)

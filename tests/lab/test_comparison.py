@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from scipy import stats
 
 from subsea.cli.main import main
 from subsea.lab.comparison import Estimate, comparison_table, estimate, grouped, student
@@ -18,10 +17,14 @@ from tests.support.scenes import BARE
 
 @pytest.mark.parametrize("freedom", [*range(1, 31), 100, 10_000])
 def test_quantiles_are_those_of_students_distribution(freedom):
+    from scipy import stats
+
     assert student(freedom) == pytest.approx(stats.t.ppf(0.975, freedom), rel=2e-4)
 
 
 def test_an_estimate_is_the_mean_with_its_interval():
+    from scipy import stats
+
     rows = [{"x": 1.0}, {"x": 2.0}, {"x": 6.0}, {"x": None}, {}]
     found = estimate(rows, "x")
     low, high = stats.t.interval(0.95, 2, loc=3.0, scale=stats.sem([1.0, 2.0, 6.0]))

@@ -6,7 +6,6 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-import xarray
 
 from subsea.base.hdf5 import NO_VARIABLE
 from subsea.cli.main import main
@@ -62,6 +61,8 @@ def test_netcdf_knows_dimensions_units_and_meanings(record):
 
 
 def test_xarray_reads_every_group(record):
+    import xarray
+
     with xarray.open_datatree(record, engine="netcdf4") as tree:
         named = {f"{node.path}/{name}".strip("/") for node in tree.subtree for name in node.ds}
         assert named == FIELDS.keys() - {"time"}
@@ -81,6 +82,8 @@ def test_xarray_reads_every_group(record):
 
 
 def test_xarray_shows_time_and_origin_without_a_group(record):
+    import xarray
+
     with xarray.open_dataset(record, engine="netcdf4") as root:
         assert list(root.coords) == ["axis", "time"]
         assert root.attrs["format"] == "subsea-record"

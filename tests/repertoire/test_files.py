@@ -109,6 +109,11 @@ def _borrowed(source):
     return change
 
 
+def half_a_gigabyte():
+    """Pack zeros."""
+    return zlib.compress(bytes(2**29), 1)
+
+
 def _packed(*more, **how):
     """Numbers that are packed somehow, and what their only piece holds instead of them."""
 
@@ -117,7 +122,7 @@ def _packed(*more, **how):
         del file[name]
         made = file.create_dataset(name, (12, 23, 3), "f8", **how)
         for piece in more:
-            made.id.write_direct_chunk((0, 0, 0), piece)
+            made.id.write_direct_chunk((0, 0, 0), piece())
 
     return change
 
@@ -184,7 +189,7 @@ DAMAGE = {
         "packed in an unusual way",
     ),
     "more than its piece may hold": (
-        _packed(zlib.compress(bytes(2**29), 1), chunks=(12, 23, 3), compression="gzip"),
+        _packed(half_a_gigabyte, chunks=(12, 23, 3), compression="gzip"),
         "packed in an unusual way",
     ),
     "packed by another way": (_packed(chunks=(12, 23, 3), compression="lzf"), "unusual way"),

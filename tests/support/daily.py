@@ -13,10 +13,13 @@ def examples(number: int) -> int:
 
 
 def only(daily: Any, every: Iterable[Any]) -> list[Any]:
-    """Parametrise with `every` value, those not in `daily` marked for the night."""
+    """Parametrise with `every` value, or tuple of values; those not in `daily` at night."""
     every = list(every)
     assert set(daily) <= set(every), f"{daily} are not all of {every}"
     return [
-        value if value in daily else pytest.param(value, marks=pytest.mark.nightly)
+        pytest.param(
+            *(value if isinstance(value, tuple) else [value]),
+            marks=() if value in daily else pytest.mark.nightly,
+        )
         for value in every
     ]

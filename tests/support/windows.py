@@ -163,10 +163,12 @@ def coarse() -> Iterator[str]:
 
 @pytest.fixture(scope="session")
 def quiet(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """File of the peaceful bay with few fishes, which is drawn fast."""
+    """File of the peaceful bay with few fishes and bare rocks, which is drawn fast."""
     text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
+    text = re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE)
+    text = re.sub(r"^\[\[(reef|seaweed|vent)\]\]\n([^[].*\n|\n)*", "", text, flags=re.MULTILINE)
     path = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    path.write_text(re.sub(r"^number = \d+", "number = 2", text, flags=re.MULTILINE))
+    path.write_text(text.replace("plankton = 1800", "plankton = 200"))
     return str(path)
 
 

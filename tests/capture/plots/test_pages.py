@@ -10,7 +10,7 @@ from PIL import Image
 
 from capture.plots.pages import plot_repertoire
 from subsea.base.errors import UserError
-from subsea.repertoire import Repertoire
+from subsea.repertoire import Repertoire, read_repertoire
 
 
 def some(repertoire: Repertoire, *names: str) -> Repertoire:
@@ -25,10 +25,8 @@ def look(path: Path) -> NDArray[np.uint8]:
         return np.asarray(picture.convert("L"))
 
 
-def test_every_segment_and_the_repertoire_get_a_page(
-    repertoires: dict[str, Repertoire], tmp_path: Path
-) -> None:
-    chosen = some(repertoires["fusilier"], "turn_left_sharp", "swim_fast")
+def test_every_segment_and_the_repertoire_get_a_page(recorded: Path, tmp_path: Path) -> None:
+    chosen = some(read_repertoire(recorded), "turn_left_sharp", "swim_fast")
     written = plot_repertoire(chosen, tmp_path / "plots")
     names = ["fusilier_swim_fast.png", "fusilier_turn_left_sharp.png", "fusilier.png"]
     assert [path.name for path in written] == names
@@ -40,18 +38,16 @@ def test_every_segment_and_the_repertoire_get_a_page(
 
 
 def test_motion_without_plans_is_plotted_without_simulation(
-    known_repertoire: Repertoire, repertoires: dict[str, Repertoire], tmp_path: Path
+    known_repertoire: Repertoire, recorded: Path, tmp_path: Path
 ) -> None:
     """Without a fish in the provenance there is no steering map to measure."""
     known = plot_repertoire(some(known_repertoire, "swim_fast"), tmp_path)
     assert [path.name for path in known] == ["known_swim_fast.png", "known.png"]
-    swum = plot_repertoire(some(repertoires["fusilier"], "swim_fast"), tmp_path)
+    swum = plot_repertoire(some(read_repertoire(recorded), "swim_fast"), tmp_path)
     assert len(look(known[-1])) < len(look(swum[-1]))
 
 
-def test_a_folder_that_cannot_be_made_is_named(
-    repertoires: dict[str, Repertoire], tmp_path: Path
-) -> None:
+def test_a_folder_that_cannot_be_made_is_named(recorded: Path, tmp_path: Path) -> None:
     (tmp_path / "plots").write_text("in the way")
     with pytest.raises(UserError, match=r"plots.*: cannot write"):
-        plot_repertoire(some(repertoires["fusilier"], "swim_fast"), tmp_path / "plots")
+        plot_repertoire(some(read_repertoire(recorded), "swim_fast"), tmp_path / "plots")

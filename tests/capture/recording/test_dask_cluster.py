@@ -72,6 +72,7 @@ def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
         yield running
 
 
+@pytest.mark.nightly
 def test_a_worker_that_is_killed_midway_loses_nothing(
     dask: Cluster,
     repertoires: dict[str, Repertoire],
