@@ -120,7 +120,8 @@ def test_a_pair_dances_from_approach_to_spawning(species, male_cm, female_cm):
     assert np.linalg.norm(fishes.position[0] - fishes.position[1]) > apart + 0.5 * male_cm
 
 
-@pytest.mark.parametrize("seed", only([1], [1, 2]))
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [1, 2])
 def test_the_film_plays_by_itself(seed):
     # As in Tu §10.5: two males compete for a female; behind them two angelfish spawn.
     world = create_world(load_scenario("mating")[0], seed)
