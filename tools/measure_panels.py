@@ -20,6 +20,7 @@ from subsea.ui.dive import Dive
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.panels import PANELS
 from subsea.world.world import TICK_S
+from tools.measuring import picture_size
 
 SETTLE = 3  # frames after a panel was opened that are not counted
 COUNTED = 3  # frames of each choice in a round
@@ -32,19 +33,18 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
-    display = DisplayOptions(size=(width, height), quality="low")
+    display = DisplayOptions(size=picture_size(options.size), quality="low")
     with closing(Dive(DiveOptions(options.scenario, display=display))) as dive:
         show(measured(dive, options.rounds))
 
 
 def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, float]]]:
-    """Seconds of the overlay, by one thread and by all, and of frames, by choice of panels."""
+    """Measure seconds of the overlay, by one thread and by all, and of frames, for each choice."""
     choices = {"closed": None, "the bar": set[str]()}
     choices |= {name: {name} for name in PANELS} | {"all of them": set(PANELS)}
     dive.inspector.chosen = 0
     over = timed(dive)
-    found: dict[str, list[tuple[float, float, float]]] = {name: [] for name in choices}
+    times: dict[str, list[tuple[float, float, float]]] = {name: [] for name in choices}
     for _ in range(rounds):
         for name, shown in choices.items():
             if dive.inspector.open != (shown is not None):
@@ -57,8 +57,8 @@ def measured(dive: Dive, rounds: int) -> dict[str, list[tuple[float, float, floa
                 dive.picture._context.finish()
                 whole = time.process_time() - start
                 if number >= SETTLE:
-                    found[name].append((*over(), whole))
-    return found
+                    times[name].append((*over(), whole))
+    return times
 
 
 def timed(dive: Dive) -> Callable[[], tuple[float, float]]:
@@ -78,19 +78,15 @@ def timed(dive: Dive) -> Callable[[], tuple[float, float]]:
     return lambda: last
 
 
-def show(found: dict[str, list[tuple[float, float, float]]]) -> None:
-    """Print the table."""
-    closed = np.array(found["closed"])
+def show(times: dict[str, list[tuple[float, float, float]]]) -> None:
+    """Print the table: for panels the difference to a closed inspector."""
+    closed = 1000.0 * np.array(times["closed"])
     print(f"{'ms':24s}{'calling thread':>16s}{'all threads':>14s}{'the frame':>12s}")
-    for name, times in found.items():
-        those = 1000.0 * np.array(times)
-        more = np.median(those[:, 2] - 1000.0 * closed[:, 2])
-        own, all_of = np.median(those[:, :2] - 1000.0 * np.median(closed[:, :2], axis=0), axis=0)
-        if name == "closed":
-            own, all_of, more = np.median(those, axis=0)
-            print(f"{name:24s}{own:16.2f}{all_of:14.2f}{more:12.1f}")
-        else:
-            print(f"{name:24s}{own:+16.2f}{all_of:+14.2f}{more:+12.1f}")
+    print(f"{'closed':24s}{'{:16.2f}{:14.2f}{:12.1f}'.format(*np.median(closed, axis=0))}")
+    for name in [*times][1:]:
+        more = 1000.0 * np.array(times[name]) - [*np.median(closed[:, :2], axis=0), 0.0]
+        more[:, 2] -= closed[:, 2]  # of the frame in the same round
+        print(f"{name:24s}{'{:+16.2f}{:+14.2f}{:+12.1f}'.format(*np.median(more, axis=0))}")
 
 
 if __name__ == "__main__":

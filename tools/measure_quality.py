@@ -12,8 +12,6 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
-from fastest import fastest_ms
-
 from subsea.dive.start import headless, start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import Packet, make_scene, pack
@@ -21,6 +19,7 @@ from subsea.rendering.output.quality import LADDER, PRESETS, Quality
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
 from subsea.world.step import step
+from tools.measuring import fastest_ms, picture_size
 
 PARTS = {  # of the renderer, and the methods that draw them
     "stone": ("_rocks", "draw"), "corals": ("_coral", "draw"), "sand": ("_seabed", "draw"),
@@ -35,7 +34,7 @@ REPEATS = 5
 
 
 def variants() -> dict[str, Quality]:
-    """The presets, and low with one field at a time as high has it, or on a smaller canvas."""
+    """Make the presets, and low with one field at a time as high has it, or a smaller canvas."""
     low, high = PRESETS["low"], asdict(PRESETS["high"])
     named = dict(PRESETS)
     for field, value in asdict(low).items():
@@ -49,16 +48,16 @@ def variants() -> dict[str, Quality]:
 def packets(
     scenario: str, size: tuple[int, int], qualities: dict[str, Quality]
 ) -> tuple[Any, dict[str, list[Packet]]]:
-    """The scene, and for each quality the packets of three moments."""
+    """Make the scene, and for each quality the packets of three moments."""
     world, tour = start_world(scenario), Tour()
-    found: dict[str, list[Packet]] = {name: [] for name in qualities}
+    shown: dict[str, list[Packet]] = {name: [] for name in qualities}
     for tick in range(1, AT_TICKS[-1] + 1):
         step(world, tour.helm(world))
         if tick in AT_TICKS:
             views = views_for("mono", size, cockpit(world.state.submarine, 1.0))
             for name, quality in qualities.items():
-                found[name].append(pack(world, views, 1.0, options=quality.packing))
-    return make_scene(world), found
+                shown[name].append(pack(world, views, 1.0, options=quality.packing))
+    return make_scene(world), shown
 
 
 def main() -> None:
@@ -67,15 +66,14 @@ def main() -> None:
     parser.add_argument("scenario", nargs="?", default="peaceful")
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
-    qualities = variants()
-    scene, found = packets(options.scenario, (width, height), qualities)
+    size, qualities = picture_size(options.size), variants()
+    scene, shown = packets(options.scenario, size, qualities)
     with headless() as context:
-        renderer = Renderer(context, scene, display_rig("mono", (width, height)), PRESETS["low"])
+        renderer = Renderer(context, scene, display_rig("mono", size), PRESETS["low"])
 
         def cost(name: str) -> float:
             def draw() -> None:
-                for packet in found[name]:
+                for packet in shown[name]:
                     renderer.draw(packet)
                     context.finish()
 
@@ -90,7 +88,7 @@ def main() -> None:
             print(f"{name:24s}{ms:8.1f}{ms - low:+8.1f}{ms / low:7.2f} ×{triangles}")
         renderer.adapt(PRESETS["low"])
         stages(context, renderer, low, cost)
-        parts(context, renderer, found["low"])
+        parts(context, renderer, shown["low"])
         renderer.release()
 
 
@@ -114,7 +112,7 @@ def stages(context: Any, renderer: Renderer, whole: float, cost: Callable[[str],
         print(f"{name:24s}{ms:8.1f}{ms / whole:15.0%}")
 
 
-def parts(context: Any, renderer: Any, found: list[Packet]) -> None:
+def parts(context: Any, renderer: Any, shown: list[Packet]) -> None:
     """Print the cost of each part of a picture at low, finished before the next begins."""
     spent: dict[str, float] = {}
 
@@ -135,11 +133,11 @@ def parts(context: Any, renderer: Any, found: list[Packet]) -> None:
     least: dict[str, float] = {}
     for _ in range(1 + REPEATS):
         spent.clear()
-        for packet in found:
+        for packet in shown:
             renderer.draw(packet)
         least = {name: min(took, least.get(name, took)) for name, took in spent.items()}
     for name, took in sorted(least.items(), key=lambda part: -part[1]):
-        print(f"{name:24s}{1000.0 * took / len(found):8.1f}")
+        print(f"{name:24s}{1000.0 * took / len(shown):8.1f}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,4 @@
-"""The same world on any number of threads, bit for bit.
-
-`tools/check_threads.py` does the same with all fishes of every scenario for 300 ticks.
-"""
+"""The same world on any number of threads, bit for bit."""
 
 import pytest
 
