@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
 SOURCES = [
     path
-    for folder in ("subsea", "capture", "tools", "docs", "benchmarks", "tests")
+    for folder in ("subsea", "capture", "tools", "docs", "tests")
     for path in sorted((ROOT / folder).rglob("*.py"))
     if path != Path(__file__) and "node_modules" not in path.parts
 ]

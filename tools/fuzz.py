@@ -22,6 +22,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,7 +38,7 @@ from subsea.dive.settings import default_text, read_settings
 from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
-from subsea.fish.species import load_species
+from subsea.fish.species import Species, load_species
 from subsea.lab.profiling.comparison import read_reports
 from subsea.lab.simulate import simulate
 from subsea.lab.sweep import read_result
@@ -57,9 +58,9 @@ from subsea.studio.photograph import Photograph, read_photograph
 from subsea.studio.side_view import centred_matrix, make_fish_meshes
 from subsea.world import snapshot
 from subsea.world.build import create_world
-
-sys.path.insert(0, str(Path(__file__).parent))
-import theatre_samples as theatres
+from subsea.world.world import World
+from tools import fuzzing
+from tools import theatre_samples as theatres
 
 TEXT = (".toml", ".json", ".obj", ".csv", ".simcad", ".ol", ".skyskan", ".ndisplay")
 SECONDS = 10  # for one file
@@ -73,8 +74,11 @@ EXTREME_VALUES = [
     *(b"nan", b"inf", b"-1", b"0", b"1e308", b"9" * 40, b"9" * 5000, b"1e400"),
     *(b"1979-05-27", b'"text"', b"[]", b"{}", b"true", b"1.5"),
 ]
-
-
+ODD_LINES = [
+    *(b'nonsense = "\\u0000"\n', b"[a.b.c]\n", b"\xff\xfe\n", b'"two\\nlines" = 1\n'),
+    *(b'x = "' + b"a" * 100_000 + b'"\n', b"k" * 100_000 + b" = 1\n"),
+    *(b"a." * 20_000 + b"a = 1\n", b"x = " + b"{a=" * 50_000 + b"\n"),
+]
 FORK = multiprocessing.get_context("fork")
 
 
@@ -87,27 +91,61 @@ class Kind(NamedTuple):
 
 
 def shipped(folder: str, suffix: str) -> Callable[[Path], list[bytes]]:
-    """The shipped files in a folder."""
+    """Take the shipped files in a folder."""
     paths = sorted(resource_path(folder).glob(f"*{suffix}"))
     return lambda unused: [path.read_bytes() for path in paths]
 
 
+def read_once(sample: bytes, path: Path, read: Callable[[Path], object]) -> list[bytes]:
+    """Read a sample, so that kernels are compiled."""
+    path.write_bytes(sample)
+    read(path)
+    return [sample]
+
+
+@cache
+def small_sea() -> World:
+    """Make a world of five fishes."""
+    return create_world(load_scenario("preying")[0], fish=5)
+
+
+@cache
+def clownfish() -> tuple[Species, Photograph]:
+    """Load a species, and make the picture of one."""
+    photograph = Photograph(Path("fish.png"), np.zeros((120, 160, 3), np.uint8), None)
+    return load_species("clownfish"), photograph
+
+
+def skin_meshes(folder: Path) -> list[bytes]:
+    """Make meshes over a photograph."""
+    species, photograph = clownfish()
+    meshes = make_fish_meshes(species.surface, centred_matrix(160, 120, species.surface))
+    save_mesh(folder / "mesh.json", photograph, meshes)
+    return [(folder / "mesh.json").read_bytes()]
+
+
+def read_skin_meshes(path: Path) -> object:
+    """Read meshes as `--mesh` does."""
+    species, photograph = clownfish()
+    return load_mesh(path, photograph, species)
+
+
 def records(folder: Path) -> list[bytes]:
-    """A short record of a simulation."""
+    """Make a short record of a simulation."""
     path = folder / "sample.h5"
     simulate(4, path, "preying", 5, 1)
     return [path.read_bytes()]
 
 
 def runs(unused: Path) -> list[bytes]:
-    """The result of a run of a sweep."""
+    """Make the result of a run of a sweep."""
     return [
         msgspec.json.encode({"inputs": RUN, "measures": {"seconds": 1.5, "mating.share": None}})
     ]
 
 
 def reports(unused: Path) -> list[bytes]:
-    """A report of a benchmark."""
+    """Make reports of a benchmark."""
     report = {
         "fish": 60, "version": "0.2.0", "frame_ms": {"p50": 2.0}, "stages_ms": {"draw": 1.0},
         "renderer": "any", "size": [640, 480], "display": "mono", "scenario": "peaceful",
@@ -116,156 +154,99 @@ def reports(unused: Path) -> list[bytes]:
     return [msgspec.json.encode(report), msgspec.json.encode({"ladder": [report, report]})]
 
 
-def floats(unused: Path) -> list[bytes]:
-    """A portable float map."""
+def float_maps(unused: Path) -> list[bytes]:
+    """Make a portable float map."""
     return [b"PF\n6 4\n-1.0\n" + np.ones((4, 6, 3), np.float32).tobytes()]
 
 
 def archives(folder: Path) -> list[bytes]:
-    """A projector of a calibration program."""
-    Image.effect_noise((16, 12), 60.0).save(folder / "alpha.png")
-    xml = (
-        '<MPCDI profile="2d"><display><buffer id="b">\n'
-        '<region id="r" Xresolution="64" Yresolution="48" x="0" y="0" xsize="1" ysize="1"/>\n'
-        '</buffer></display>\n<files><fileset region="r">\n'
-        "<geometryWarpFile><path>warp.pfm</path></geometryWarpFile>\n<alphaMap>"
-        "<path>alpha.png</path><gammaEmbedded>2.2</gammaEmbedded></alphaMap>\n</fileset></files></MPCDI>\n"
-    )
-    x, y = np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12))
-    warp = b"PF\n16 12\n-1.0\n" + np.dstack([x, y, 0 * x]).astype("<f4").tobytes()
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("mpcdi.xml", xml)
-        archive.writestr("warp.pfm", warp)
-        archive.write(folder / "alpha.png", "alpha.png")
-    return sound(packed.getvalue(), folder / "sample.mpcdi", read_mpcdi)
+    """Make a projector of a calibration program."""
+    return read_once(theatres.mpcdi(), folder / "sample.mpcdi", read_mpcdi)
 
 
 def squares(folder: Path) -> list[bytes]:
-    """A mesh of four corners."""
+    """Make a mesh of four corners."""
     corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
     faces = "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"
-    return sound(f"{corners}{faces}".encode(), folder / "sample.obj", read_warp)
+    return read_once(f"{corners}{faces}".encode(), folder / "sample.obj", read_warp)
 
 
-def meshes(name: str, *made: bytes) -> Callable[[Path], list[bytes]]:
-    """Meshes of another calibration program."""
-    return lambda folder: [one for data in made for one in sound(data, folder / name, read_warp)]
+def warp_kind(suffix: str, *samples: bytes) -> Kind:
+    """Describe the meshes of another calibration program."""
+    return Kind(
+        suffix,
+        lambda folder: [
+            read
+            for sample in samples
+            for read in read_once(sample, folder / f"sample{suffix}", read_warp)
+        ],
+        read_warp,
+    )
 
 
 def configurations(folder: Path) -> list[bytes]:
-    """SGCT configurations with every projection, and the meshes that they name."""
+    """Make SGCT configurations with every projection, and the meshes that they name."""
     (folder / "mesh.sgc").write_bytes(theatres.sgc())
     for face in ("bottom", "left", "right", "top"):
-        squares(folder)
-        (folder / "sample.obj").rename(folder / f"{face}.obj")
-    (folder / "mesh.pfm").write_bytes(floats(folder)[0])
-    made = [theatres.text(theatres.sgct([view])) for view in theatres.viewports()]
-    return made + [theatres.text(theatres.sgct(theatres.viewports()))]
+        (folder / f"{face}.obj").write_bytes(squares(folder)[0])
+    (folder / "mesh.pfm").write_bytes(float_maps(folder)[0])
+    views = theatres.viewports()
+    return [theatres.text(theatres.sgct(chosen)) for chosen in (*([view] for view in views), views)]
 
 
 def read_theatre(path: Path) -> object:
-    """The channels of a theatre, and an error for each faulty one."""
+    """Read the channels of a theatre, and an error for each faulty one."""
     theatre, source = load_theatre(str(path))
     return usable_channels(theatre, source)
 
 
 def read_warp(path: Path) -> object:
-    """A warp for a small projector."""
+    """Read a warp for a small projector."""
     return read_any_warp(path, (64, 48))
 
 
 def read_float_map(path: Path) -> object:
-    """The numbers of a float map."""
+    """Read the numbers of a float map."""
     return parse_pfm(read_input(path), str(path))
 
 
-def sound(sample: bytes, path: Path, read: Callable[[Path], object]) -> list[bytes]:
-    """A sample that was read once, so that kernels are compiled."""
-    path.write_bytes(sample)
-    read(path)
-    return [sample]
-
-
-class Snapshots:
-    """A world and its snapshot."""
-
-    def __init__(self) -> None:
-        """No world yet."""
-        self.world: Any = None
-
-    def samples(self, unused: Path) -> list[bytes]:
-        """The snapshot of a small sea."""
-        self.world = create_world(load_scenario("preying")[0], fish=5)
-        return [snapshot.take(self.world)]
-
-    def read(self, path: Path) -> None:
-        """Restore the world."""
-        snapshot.restore(self.world, path.read_bytes())
-
-
 def node_messages(unused: Path) -> list[bytes]:
-    """Messages of nodes of a cluster."""
+    """Make messages of nodes of a cluster."""
     who = messages.Identity("0.2.0", {"scenario": "A bay", "seed": "1", "subsea/fish": "#0f"})
     sent = [messages.Hello("left", who), messages.PictureDrawn(7), messages.Diverged(40)]
-    sent.append(messages.StatePart(40, 20, bytes(20)))
-    return [messages.encode(one) for one in sent]
+    return [messages.encode(message) for message in (*sent, messages.StatePart(40, 20, bytes(20)))]
 
 
 def master_messages(unused: Path) -> list[bytes]:
-    """Messages of the master of a cluster."""
+    """Make messages of the master of a cluster."""
     picture = messages.Picture(7, 40, 0.5, [(0.1, -0.2, 0.3, 0.0, False)], [(*(1.0,) * 8, True)])
     state = messages.WorldState("d", 7, bytes(40))
     sent = [state, picture, messages.Swap(7), messages.Refused("no"), messages.Resume(9)]
-    sent.append(messages.OpenSea("two", 3))
-    return [messages.encode(one) for one in sent]
-
-
-SEA = Snapshots()
+    return [messages.encode(message) for message in (*sent, messages.OpenSea("two", 3))]
 
 
 def photographs(folder: Path) -> list[bytes]:
-    """Pictures of cameras and paint programs in several formats."""
-    picture = Image.effect_noise((160, 120), 60.0)
-    about = Image.Exif()
-    about[ExifTags.Base.Orientation] = 6
-    picture.save(folder / "picture", "JPEG", exif=about)
-    out = [(folder / "picture").read_bytes()]
+    """Make pictures of cameras and paint programs in several formats."""
+    noise = Image.effect_noise((160, 120), 60.0)
+    turned = Image.Exif()
+    turned[ExifTags.Base.Orientation] = 6
     fine = Image.fromarray(np.arange(160 * 120, dtype=np.uint16).reshape(120, 160))
-    fine.save(folder / "picture", "PNG")
-    out.append((folder / "picture").read_bytes())
     modes = {"JPEG": "RGB", "PNG": "RGBA", "TIFF": "CMYK", "WEBP": "RGB", "GIF": "P"}
-    for name, mode in modes.items():
-        picture.convert("RGB").convert(mode).save(folder / "picture", name)
-        out.append((folder / "picture").read_bytes())
-    return out
+    pictures = [(noise, "JPEG", {"exif": turned}), (fine, "PNG", {})]
+    pictures += [(noise.convert("RGB").convert(mode), name, {}) for name, mode in modes.items()]
+    samples = []
+    for picture, name, more in pictures:
+        packed = io.BytesIO()
+        picture.save(packed, name, **more)
+        samples.append(packed.getvalue())
+    return samples
 
 
 def sheets(folder: Path) -> list[bytes]:
-    """The texture of a species."""
+    """Make the texture of a species."""
     color_sheet.write(folder / "sheet.png", np.zeros((640, 1024, 4), np.uint8))
     return [(folder / "sheet.png").read_bytes()]
 
-
-class Skin:
-    """Meshes over a photograph."""
-
-    species = load_species("clownfish")
-    photograph = Photograph(Path("fish.png"), np.zeros((120, 160, 3), np.uint8), None)
-
-    def samples(self, folder: Path) -> list[bytes]:
-        """A saved mesh."""
-        plan = self.species.surface
-        meshes = make_fish_meshes(plan, centred_matrix(160, 120, plan))
-        save_mesh(folder / "mesh.json", self.photograph, meshes)
-        return [(folder / "mesh.json").read_bytes()]
-
-    def read(self, path: Path) -> object:
-        """Read a mesh as `--mesh` does."""
-        return load_mesh(path, self.photograph, self.species)
-
-
-SKIN = Skin()
 
 SHOW = b"""title = "a show"
 fade_s = 2
@@ -302,15 +283,19 @@ KINDS = {
     "theatre": Kind(".toml", shipped("assets/theatres", ".toml"), lambda p: load_theatre(str(p))),
     "show": Kind(".toml", lambda unused: [SHOW], load_show),
     "settings": Kind(".toml", lambda unused: [default_text().encode()], read_settings),
-    "snapshot": Kind(".bin", SEA.samples, SEA.read),
+    "snapshot": Kind(
+        ".bin",
+        lambda unused: [snapshot.take(small_sea())],
+        lambda p: snapshot.restore(small_sea(), p.read_bytes()),
+    ),
     "from-node": Kind(".bin", node_messages, lambda p: messages.from_node(p.read_bytes())),
     "from-master": Kind(".bin", master_messages, lambda p: messages.from_master(p.read_bytes())),
     "report": Kind(".json", reports, read_reports),
     "run": Kind(".json", runs, lambda p: read_result(p, RUN)),
     "photograph": Kind(".png", photographs, read_photograph),
     "sheet": Kind(".png", sheets, color_sheet.read),
-    "meshes": Kind(".json", SKIN.samples, SKIN.read),
-    "float-map": Kind(".pfm", floats, read_float_map),
+    "meshes": Kind(".json", skin_meshes, read_skin_meshes),
+    "float-map": Kind(".pfm", float_maps, read_float_map),
     "archive": Kind(".mpcdi", archives, read_mpcdi),
     "warp": Kind(".obj", squares, read_warp),
     "mesh": Kind(".obj", squares, read_mesh),
@@ -318,16 +303,12 @@ KINDS = {
     "ndisplay": Kind(
         ".ndisplay", lambda unused: [theatres.text(theatres.ndisplay())], read_theatre
     ),
-    "sciss": Kind(
-        ".sgc",
-        meshes("a.sgc", theatres.sgc(1), theatres.sgc(2), theatres.sgc(2, False)),
-        read_warp,
-    ),
-    "domeprojection": Kind(".csv", meshes("a.csv", theatres.csv()), read_warp),
-    "simcad": Kind(".simcad", meshes("a.simcad", theatres.simcad()), read_warp),
-    "scalable": Kind(".ol", meshes("a.ol", theatres.ol(), theatres.ol(99)), read_warp),
-    "skyskan": Kind(".skyskan", meshes("a.skyskan", theatres.skyskan()), read_warp),
-    "vioso": Kind(".vwf", meshes("a.vwf", theatres.vwf(2), theatres.vwf(bits=64)), read_warp),
+    "sciss": warp_kind(".sgc", theatres.sgc(1), theatres.sgc(2), theatres.sgc(2, False)),
+    "domeprojection": warp_kind(".csv", theatres.csv()),
+    "simcad": warp_kind(".simcad", theatres.simcad()),
+    "scalable": warp_kind(".ol", theatres.ol(), theatres.ol(99)),
+    "skyskan": warp_kind(".skyskan", theatres.skyskan()),
+    "vioso": warp_kind(".vwf", theatres.vwf(2), theatres.vwf(bits=64)),
 }
 
 
@@ -338,8 +319,7 @@ def damage(sample: bytes, suffix: str, rng: random.Random) -> bytes:
     """Damage a sample by one to four accidents typical of its kind."""
     accidents = [truncate, flip_bits, zero_range]
     if suffix in TEXT:
-        accidents += [*3 * [replace_number], delete_line, duplicate_line]
-        accidents += [insert_odd_line, nest_brackets]
+        accidents += [*3 * [replace_number], *3 * [damage_lines], nest_brackets]
     if suffix == ".h5":
         accidents += 3 * [corrupt_hdf5]
     if suffix == ".mpcdi":
@@ -380,36 +360,17 @@ def replace_number(data: bytes, rng: random.Random) -> bytes:
     return data[: one.start()] + rng.choice(EXTREME_VALUES) + data[one.end() :]
 
 
-def delete_line(data: bytes, rng: random.Random) -> bytes:
-    """Delete a line."""
-    lines = data.splitlines(keepends=True)
-    if lines:
-        del lines[rng.randrange(len(lines))]
-    return b"".join(lines)
-
-
-def duplicate_line(data: bytes, rng: random.Random) -> bytes:
-    """Repeat a line elsewhere."""
-    lines = data.splitlines(keepends=True)
-    if lines:
-        lines.insert(rng.randrange(len(lines)), rng.choice(lines))
-    return b"".join(lines)
-
-
-def insert_odd_line(data: bytes, rng: random.Random) -> bytes:
-    """Insert an odd line."""
-    odd = [
-        b'nonsense = "\\u0000"\n',
-        b"[a.b.c]\n",
-        b"\xff\xfe\n",
-        b'x = "' + b"a" * 100_000 + b'"\n',
-        b"k" * 100_000 + b" = 1\n",
-        b'"two\\nlines" = 1\n',
-        b"a." * 20_000 + b"a = 1\n",
-        b"x = " + b"{a=" * 50_000 + b"\n",
-    ]
-    lines = data.splitlines(keepends=True)
-    lines.insert(rng.randint(0, len(lines)), rng.choice(odd))
+def damage_lines(data: bytes, rng: random.Random) -> bytes:
+    """Delete a line, repeat it elsewhere, or insert an odd one."""
+    lines = data.splitlines(keepends=True) or [b""]
+    chosen = rng.randrange(len(lines))
+    match rng.randrange(3):
+        case 0:
+            del lines[chosen]
+        case 1:
+            lines.insert(chosen, rng.choice(lines))
+        case _:
+            lines.insert(rng.randint(0, len(lines)), rng.choice(ODD_LINES))
     return b"".join(lines)
 
 
@@ -646,20 +607,15 @@ def _time_limit() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def main() -> int:
-    """Run from the command line; returns the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("kinds", metavar="KIND", nargs="*", help=f"of {', '.join(KINDS)} (all)")
-    parser.add_argument("--rounds", type=int, default=1000, help="files of each kind (1000)")
-    parser.add_argument("--seed", type=int, default=0)
+def add_keep(parser: argparse.ArgumentParser) -> None:
+    """Add --keep."""
     parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"), metavar="DIR")
-    options = parser.parse_args()
-    if wrong := set(options.kinds) - KINDS.keys():
-        parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
-    given = options.rounds, options.seed, options.keep
-    findings = [fuzz(name, KINDS[name], *given) for name in options.kinds or KINDS]
-    return 1 if any(findings) else 0
+
+
+def fuzz_chosen(name: str, options: argparse.Namespace) -> int:
+    """Damage files of a kind as the options say."""
+    return fuzz(name, KINDS[name], options.rounds, options.seed, options.keep)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(fuzzing.main(__doc__, KINDS, 1000, fuzz_chosen, add_keep))

@@ -46,11 +46,12 @@ from subsea.cli.main import parsers
 from subsea.lab.simulate import simulate
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Scenario
+from tools import fuzzing
+from tools.fuzzing import CODES
 
 ROOT = Path(__file__).parents[1]
 SECONDS = 150
 PATIENCE_S = 25  # with a command that shows its progress
-CODES = 0, 1, 2, 75, 130
 ODD_VALUES = [
     *("--", "-", "", " ", "nan", "-1", "1e400", "9" * 5000, "²", "a" * 255, "a" * 300, "é"),
     *("\udcff\udcfe", "x\ny", "/dev/null", "a=b", "a.b=1", "0x10", "%s", "{}", "~"),
@@ -414,17 +415,16 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
     """Start `rounds` commands of a kind; print and count the findings."""
     findings, ends = 0, Counter[str]()
     for number in range(rounds):
-        rng = random.Random(f"{name} {seed} {number}")
-        case = KINDS[name](rng)
+        case = KINDS[name](fuzzing.random_of(name, seed, number))
         with tempfile.TemporaryDirectory() as folder:
             make_folder(Path(folder), record)
             end = end_of(case, Path(folder))
         ends["still working" if end.code is None else str(end.code)] += 1
         if what := finding(case, end):
             findings += 1
-            short = ascii([word[:80] for word in case.words])
-            rest = f"{case.redirection} {case.environment or ''}{' deleted' * case.deleted}"
-            print(f"{name}, round {number}: {what!a}\n    {short} {rest}", flush=True)
+            words = ascii([word[:80] for word in case.words])
+            around = f"{case.redirection} {case.environment or ''}{' deleted' * case.deleted}"
+            print(f"{name}, round {number}: {what!a}\n    {words} {around}", flush=True)
     print(
         f"{name}: {rounds} commands, {findings} findings, ends {dict(sorted(ends.items()))}",
         flush=True,
@@ -434,25 +434,18 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
 
 def main() -> int:
     """Run from the command line; returns the exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("kinds", metavar="KIND", nargs="*", help=f"of {', '.join(KINDS)} (all)")
-    parser.add_argument("--rounds", type=int, default=50, help="commands of each kind (50)")
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    if wrong := set(options.kinds) - KINDS.keys():
-        parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
     for package in (subsea, capture):
         prefix = f"{package.__name__}."
-        for one in pkgutil.walk_packages(package.__path__, prefix, onerror=lambda name: None):
-            if not one.name.endswith("__main__"):
+        for module in pkgutil.walk_packages(package.__path__, prefix, onerror=lambda name: None):
+            if not module.name.endswith("__main__"):
                 with suppress(ImportError, UserError):  # a missing extra
-                    import_module(one.name)
+                    import_module(module.name)
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "run.h5"
         simulate(2, record, "peaceful", 2, 1)
-        given = options.rounds, options.seed, record
-        findings = [fuzz(name, *given) for name in options.kinds or KINDS]
-    return 1 if any(findings) else 0
+        return fuzzing.main(
+            __doc__, KINDS, 50, lambda name, given: fuzz(name, given.rounds, given.seed, record)
+        )
 
 
 if __name__ == "__main__":

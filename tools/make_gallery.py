@@ -8,12 +8,11 @@
 import argparse
 import hashlib
 import html
-import json
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from PIL import Image
 
@@ -45,7 +44,6 @@ from subsea.scenario.load import load_scenario  # noqa: E402
 POSES = 40  # of a species in the USD package of a scene
 PICTURE = (960, 540)
 QUALITY = 82  # of JPEG
-MANIFEST = "manifest.json"
 STYLE = """
 :root { color-scheme: light dark; font: 1rem/1.5 system-ui, sans-serif; }
 body { max-width: 72rem; margin: 0 auto; padding: 1rem; }
@@ -56,6 +54,26 @@ h3 { margin: 0.4rem 0 0; }
 p { margin: 0.3rem 0; }
 a { padding: 0.2rem 0; }
 a:focus-visible { outline: 0.2rem solid; }
+"""
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Fishes and reefs of subsea</title>
+<style>{style}</style>
+</head>
+<body>
+<main>
+<h1>Fishes and reefs of subsea</h1>
+<p>Models with their motion, for Blender, Unity, Unreal, Godot and web pages. Lengths are metres, y
+is up, a fish heads along +z.</p>
+{models}
+<h2>May I sell it?</h2>
+<p>Yes. {holder}. <a href="LICENSE.txt">{licence}</a></p>
+</main>
+</body>
+</html>
 """
 
 
@@ -85,7 +103,7 @@ class Item(NamedTuple):
 
 
 def items(only: list[str]) -> list[Item]:
-    """All models, or those with the names `only`."""
+    """List all models, or those with the names `only`."""
     species = [
         Item(name, one.name, f"{one.size_cm[0]:g} to {one.size_cm[1]:g} cm long", None)
         for name in shipped_species()
@@ -102,7 +120,7 @@ def items(only: list[str]) -> list[Item]:
 
 
 def stamp(item: Item, detail: int) -> str:
-    """A hash of all that a model is made from: while it is the same, the model is up to date."""
+    """Hash all that a model is made from."""
     sha = hashlib.sha256(source_stamp(Path(__file__).resolve()).encode())
     sources = [ROOT / "docs" / "make_pictures.py"]
     if item.scene is None:
@@ -162,27 +180,15 @@ def save(picture: Image.Image, path: Path) -> None:
 
 
 def files_of(name: str) -> list[str]:
-    """The files of a model."""
+    """Name the files of a model."""
     return [f"{name}.glb", f"{name}.usdz", f"{name}.jpg"]
 
 
-def is_current(folder: Path, entry: dict[str, Any] | None, now: str) -> bool:
-    """True if the files of an entry of the manifest are there and made from the same."""
-    if entry is None or entry["stamp"] != now:
-        return False
-    return all(
-        (folder / name).is_file() and (folder / name).stat().st_size == size
-        for name, size in entry["files"].items()
-    )
-
-
-def read_manifest(folder: Path) -> dict[str, Any]:
-    """The models that earlier runs have made; a damaged file counts as none."""
-    try:
-        content = json.loads((folder / MANIFEST).read_bytes())
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
+def is_current(folder: Path, name: str, wanted: str) -> bool:
+    """Check that the files of a model are there, and were made from what the stamp says."""
+    stamp_file = folder / f".{name}.stamp"
+    there = all((folder / file).is_file() for file in files_of(name))
+    return there and stamp_file.is_file() and stamp_file.read_text(encoding="utf-8") == wanted
 
 
 def write_text(path: Path, text: str) -> None:
@@ -192,32 +198,14 @@ def write_text(path: Path, text: str) -> None:
 
 
 def index_page(folder: Path, made: list[Item]) -> str:
-    """The page of all models that are there."""
+    """Write the page of all models that are there."""
     scenes = [item for item in made if item.scene is not None]
     species = [item for item in made if item.scene is None]
-    lines = [
-        "<!doctype html>",
-        '<html lang="en">',
-        "<head>",
-        '<meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        "<title>Fishes and reefs of subsea</title>",
-        f"<style>{STYLE}</style>",
-        "</head>",
-        "<body>",
-        "<main>",
-        "<h1>Fishes and reefs of subsea</h1>",
-        "<p>Models with their motion, for Blender, Unity, Unreal, Godot and web pages. Lengths are "
-        "metres, y is up, a fish heads along +z.</p>",
-        *_section("Species", species, folder),
-        *_section("Scenes", scenes, folder),
-        "<h2>May I sell it?</h2>",
-        f'<p>Yes. {html.escape(HOLDER)}. <a href="LICENSE.txt">{html.escape(SENTENCE)}</a></p>',
-        "</main>",
-        "</body>",
-        "</html>",
-    ]
-    return "\n".join(lines) + "\n"
+    parts = [*_section("Species", species, folder), *_section("Scenes", scenes, folder)]
+    licence = html.escape(SENTENCE)
+    return PAGE.format(
+        style=STYLE, models="\n".join(parts), holder=html.escape(HOLDER), licence=licence
+    )
 
 
 def _section(title: str, chosen: list[Item], folder: Path) -> Iterator[str]:
@@ -251,13 +239,9 @@ def build(folder: Path, only: list[str], detail: int) -> int:
     require("usd", "the gallery")
     folder.mkdir(parents=True, exist_ok=True)
     check_folder(folder)
-    chosen, manifest = items(only), read_manifest(folder)
+    chosen = items(only)
     stamps = {item.name: stamp(item, detail) for item in chosen}
-    missing = [
-        item
-        for item in chosen
-        if not is_current(folder, manifest.get(item.name), stamps[item.name])
-    ]
+    missing = [item for item in chosen if not is_current(folder, item.name, stamps[item.name])]
     say(f"{len(missing)} of {len(chosen)} models to make, the others are up to date")
     with progress(len(chosen), "model", len(chosen) - len(missing)) as done:
         for item in missing:
@@ -266,14 +250,11 @@ def build(folder: Path, only: list[str], detail: int) -> int:
                 make_species(folder, item.name, detail)
             else:
                 make_scene(folder, item.scene, detail)
-            sizes = {name: (folder / name).stat().st_size for name in files_of(item.name)}
-            manifest[item.name] = {"stamp": stamps[item.name], "files": sizes}
-            write_text(folder / MANIFEST, json.dumps(manifest, indent=1) + "\n")
+            write_text(folder / f".{item.name}.stamp", stamps[item.name])
             done()
     write_text(folder / "LICENSE.txt", (ROOT / "LICENSE").read_text(encoding="utf-8"))
-    there = [item for item in items([]) if item.name in manifest]
     there = [
-        item for item in there if all((folder / name).is_file() for name in files_of(item.name))
+        item for item in items([]) if all((folder / file).is_file() for file in files_of(item.name))
     ]
     write_text(folder / "index.html", index_page(folder, there))
     return len(missing)

@@ -27,6 +27,8 @@ from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
+from tools.fuzzing import resident_mb
+
 SCREEN = 800, 600
 SIZE = 480, 320  # of the window at the start
 BEGUN = 15  # pictures; Esc would end a dive that is still loading
@@ -164,7 +166,7 @@ def play(
                     dive.process.wait()
                     found = [f"no picture for {STILL_S:.0f} s"]
                 found += _error_lines(dive)
-                memory += _memory_mb(dive)
+                memory += resident_mb(dive.process.pid)
             if dive.process.poll() is None and not found:
                 found = _end_by_ctrl_c(dive)
             elif not found and dive.process.returncode:
@@ -227,14 +229,6 @@ def _pictures(dive: Dive) -> int:
         return int(dive.pulse.read_text() or 0)
     except OSError:
         return 0
-
-
-def _memory_mb(dive: Dive) -> list[float]:
-    try:
-        status = Path(f"/proc/{dive.process.pid}/status").read_text()
-    except OSError:
-        return []
-    return [int(kb) / 1024 for kb in re.findall(r"^VmRSS:\s*(\d+)", status, re.MULTILINE)]
 
 
 @contextmanager

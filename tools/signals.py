@@ -21,44 +21,33 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from monkey import virtual_display
+from tools.fuzzing import CODES
+from tools.monkey import virtual_display
 
 HERE = Path(__file__).resolve().parent.parent
 LIMIT_S = 60.0  # from the signal to the end
-CODES = 0, 1, 2, 75, 130
 FAULTS = "Traceback", "Exception ignored", "KeyboardInterrupt", "Fatal Python error"
 
 # For a folder with a record `run.h5`.
 COMMANDS = {
-    "film": ["subsea", "film", "OUT.mp4", "--seconds", "0.5", "--size", "96x64"],
-    "eyes": ["subsea", "film", "OUT", "--eyes", "0", "--seconds", "0.5", "--size", "64x64"],
-    "simulate": ["subsea", "simulate", "--seconds", "4", "--out", "OUT.h5"],
-    "study": ["subsea", "study", "run.h5", "--out", "OUT", "--json", "OUT.json"],
-    "inspect": ["capture", "inspect", "fusilier"],
-    "export": ["capture", "export", "fusilier", "--to", "gltf", "--out", "OUT"],
-    "scene": [
-        "subsea",
-        "export",
-        "peaceful",
-        "--to",
-        "usd",
-        "--out",
-        "OUT.usdc",
-        "--seconds",
-        "0.5",
-    ]
-    + ["--with", "sand", "--fish", "8"],
-    "dive": ["subsea", "dive", "--seconds", "3", "--quality", "low", "--size", "96x64"],
-    "benchmark": ["subsea", "benchmark", "--frames", "20", "--size", "96x64", "--json", "OUT.json"],
-    "doctor": ["subsea", "doctor"],
-    "list": ["subsea", "list", "scenarios"],
-    "settings": ["subsea", "settings", "--write", "--force"],
+    "film": "subsea film OUT.mp4 --seconds 0.5 --size 96x64",
+    "eyes": "subsea film OUT --eyes 0 --seconds 0.5 --size 64x64",
+    "simulate": "subsea simulate --seconds 4 --out OUT.h5",
+    "study": "subsea study run.h5 --out OUT --json OUT.json",
+    "inspect": "capture inspect fusilier",
+    "export": "capture export fusilier --to gltf --out OUT",
+    "scene": "subsea export peaceful --to usd --out OUT.usdc --seconds 0.5 --with sand --fish 8",
+    "dive": "subsea dive --seconds 3 --quality low --size 96x64",
+    "benchmark": "subsea benchmark --frames 20 --size 96x64 --json OUT.json",
+    "doctor": "subsea doctor",
+    "list": "subsea list scenarios",
+    "settings": "subsea settings --write --force",
 }
 
 
 def start(name: str, number: int, folder: Path) -> "subprocess.Popen[str]":
     """Start a command in a folder, with results of this number."""
-    words = [word.replace("OUT", f"{name}{number}") for word in COMMANDS[name]]
+    words = COMMANDS[name].replace("OUT", f"{name}{number}").split()
     return subprocess.Popen(
         [sys.executable, "-m", *words], cwd=folder, env=os.environ | {"PYTHONPATH": str(HERE)},
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -130,7 +119,7 @@ def main() -> int:
         os.environ["DISPLAY"] = display
         folder = Path(place)
         os.environ |= {f"XDG_{name}_HOME": place for name in ("CONFIG", "DATA")}
-        COMMANDS["record"] = ["subsea", "simulate", "--seconds", "20", "--out", "run.h5"]
+        COMMANDS["record"] = "subsea simulate --seconds 20 --out run.h5"
         uninterrupted_s("record", folder)
         for name in options.names:
             seconds = uninterrupted_s(name, folder)

@@ -3,11 +3,14 @@
 Every mesh shows `bend` of a place: it is affine, so that any mesh of it is exact.
 """
 
+import io
 import json
 import struct
+import zipfile
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 COLUMNS, ROWS = 7, 5
 VIEW = {"heading": 20.0, "pitch": 10.0, "roll": 0.0, "left": -30.0, "right": 40.0, "down": -20.0}
@@ -138,6 +141,26 @@ def vwf(maps: int = 1, bits: int = 24, size: tuple[int, int] = (16, 12)) -> byte
         blocks += (head + bytes(96) + f"beamer {number}".encode()).ljust(380, b"\0") + records
         blocks += bitmap(size, bits)
     return b"vwf1" + struct.pack("<3I", 2 * maps, 16, 0) + blocks
+
+
+def mpcdi() -> bytes:
+    """An archive of MPCDI with one projector, a warp and an alpha map."""
+    xml = (
+        '<MPCDI profile="2d"><display><buffer id="b">\n'
+        '<region id="r" Xresolution="64" Yresolution="48" x="0" y="0" xsize="1" ysize="1"/>\n'
+        '</buffer></display>\n<files><fileset region="r">\n'
+        "<geometryWarpFile><path>warp.pfm</path></geometryWarpFile>\n<alphaMap>"
+        "<path>alpha.png</path><gammaEmbedded>2.2</gammaEmbedded></alphaMap>\n</fileset></files></MPCDI>\n"
+    )
+    x, y = np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12))
+    alpha, packed = io.BytesIO(), io.BytesIO()
+    Image.effect_noise((16, 12), 60.0).save(alpha, "PNG")
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("mpcdi.xml", xml)
+        warp = np.dstack([x, y, 0 * x]).astype("<f4").tobytes()
+        archive.writestr("warp.pfm", b"PF\n16 12\n-1.0\n" + warp)
+        archive.writestr("alpha.png", alpha.getvalue())
+    return packed.getvalue()
 
 
 def bitmap(size: tuple[int, int], bits: int) -> bytes:

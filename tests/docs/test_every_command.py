@@ -568,7 +568,7 @@ def test_the_tutorials_make_all_files_that_they_promise(workshop):
     assert 'name = "Reef jewel"' in (own / "species/reef_jewel.toml").read_text()
 
 
-SCRIPTS = "docs", "tools", "benchmarks"  # folders
+SCRIPTS = "docs", "tools"  # folders
 
 
 def test_every_option_that_a_page_names_is_one():
