@@ -30,6 +30,8 @@ for kernel in gc.get_objects():
             for types in kernel.overloads:
                 print("called", function.__module__, function.__name__, *types)
 """
+# These are compiled with the kernels that call them; tests/test_shipped_wheel.py finds others.
+CALLEES = ("ends", "ends_world", "plus", "ray_meets_rock", "rotate", "store")
 WARM_UP = "for job in JOBS.values(): job()"
 DIVE = """
 assert main(["simulate", "--scenario", "preying", "--ticks", "3", "--out", "sea.h5"]) == 0
@@ -70,7 +72,8 @@ def _called(tmp_path: Path, program: str) -> set[str]:
         text=True, check=False, env=os.environ | {"XDG_CACHE_HOME": str(tmp_path)},
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    return {line for line in run.stdout.splitlines() if line.startswith("called ")}
+    called = {line for line in run.stdout.splitlines() if line.startswith("called ")}
+    return {line for line in called if line.split()[2] not in CALLEES}
 
 
 def test_a_dive_calls_no_kernel_that_is_not_compiled_in_advance(tmp_path):
