@@ -18,8 +18,12 @@ from subsea.cli.main import main as subsea
 from subsea.dive.start import headless
 from subsea.rendering.output.target import ResolvePass
 from subsea.stage.setup import TheatreSetup, set_up_theatre
-from subsea.stage.theatre.blend import Projector, light_shares
-from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
+from subsea.stage.theatre.channels import (
+    Projector,
+    ProjectorChannel,
+    light_shares,
+    usable_channels,
+)
 from subsea.stage.theatre.room_picture import room_picture
 from subsea.stage.theatre.screens import Curved, places_on
 from subsea.stage.theatre.test_pattern import lineup, pattern

@@ -10,11 +10,11 @@ from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.files import check_file, replacing
 from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
-from subsea.stage.theatre.compose import compose_theatre, line_up, mesh_name
 from subsea.stage.theatre.layouts import layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measures import KINDS, MEASURES, ask, chosen
+from subsea.stage.theatre.theatre_writer import compose_layout, line_up, mesh_name
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def write_theatre(
     )
     command = f"subsea theatre --new {kind} {options}{' --computers' * wanted.computers}"
     size = int(measures["across"]), int(measures["down"])
-    text = compose_theatre(plan, out.stem, size, wanted.computers, command)
+    text = compose_layout(plan, out.stem, size, wanted.computers, command)
     for path, nodes in meshes.items():
         with replacing(path) as part:
             part.write_text(nodes_text(nodes), encoding="utf-8")

@@ -1,11 +1,8 @@
 """The page and the HTTP interface of the console. The only module that speaks HTTP.
 
-Accept connections, few at a time, and end those that do nothing.
-
-All words of the console's page, by the names that it gives them.
-
-`{{name}}` in `assets/console/index.html` stands for one; its script asks for the others. They are
-English and are translated for the browser that asks.
+Connections are accepted a few at a time, and ended if they do nothing. The words of the page are
+English and are translated for the browser that asks: `{{name}}` in `assets/console/index.html`
+stands for a word of PAGE, and the script of the page asks for those of SCRIPT.
 """
 
 import asyncio
@@ -16,6 +13,7 @@ import json
 import logging
 import re
 import socket
+import time
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
@@ -29,7 +27,7 @@ from aiohttp import web
 from subsea.base.errors import UserError
 from subsea.base.language import first_known, translated
 from subsea.base.system import resource_path
-from subsea.stage.console.board import RETRY, Board, RateLimit
+from subsea.stage.console.board import RETRY, Board
 from subsea.stage.console.commands import described, from_json
 from subsea.stage.console.options import ConsoleOptions
 
@@ -121,7 +119,6 @@ SCRIPT = {
 MAX_BODY = 4096  # bytes
 MAX_LINE, MAX_HEADERS = 4096, 64  # bytes of a line of a request; lines
 ANSWER_S = 8.0  # longest time for a request
-BODY_S = 3.0  # in which its body must come
 APPLIED_S = 3.0  # longest time to wait until the dive has applied a command
 KNOWN_A_S, STRANGERS_A_S = 60.0, 10.0  # requests a second of all clients together
 JPEG_QUALITY = 70
@@ -145,6 +142,27 @@ HEADERS = {
 OPEN = {"/", "/login", "/words", "/health", *ASSETS}  # paths that need no token
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+class RateLimit:
+    """Refuses requests that come faster than a rate."""
+
+    def __init__(
+        self, per_s: float, burst: int, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """`burst` requests may come at once, then `per_s` in a second. `clock` gives s."""
+        self._per_s, self._burst, self._clock = per_s, float(burst), clock
+        self._left, self._last_s = float(burst), clock()
+
+    def allow(self) -> bool:
+        """Count one more request; False: refuse it."""
+        now = self._clock()
+        self._left = min(self._left + (now - self._last_s) * self._per_s, self._burst)
+        self._last_s = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
 
 
 class HttpConsole:
@@ -206,13 +224,10 @@ class HttpConsole:
 
     async def _checked(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         known = self._is_known(request)
-        wait = (self._known if known else self._strangers).delay()
-        if wait is None:
+        if not (self._known if known else self._strangers).allow():
             refused = fault(429, "too many requests")
             refused.headers["Retry-After"] = "2"
             return refused
-        if wait:
-            await asyncio.sleep(wait)
         if not self._is_own_host(request):
             return fault(421, "this is not the name or address of the console")
         if not is_own_origin(request):
@@ -269,7 +284,7 @@ class HttpConsole:
     async def _login(self, request: web.Request) -> web.Response:
         """Take the token of `{"token": …}`; the answer sets a cookie."""
         try:
-            given = msgspec.json.decode(await body_of(request), type=dict[str, str]).get("token")
+            given = msgspec.json.decode(await request.read(), type=dict[str, str]).get("token")
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             return fault(422, 'expected {"token": TEXT}')
         if self._options.token and not same(given or "", self._options.token):
@@ -317,7 +332,7 @@ class HttpConsole:
     async def _command(self, request: web.Request) -> web.Response:
         """Give a command to the dive and wait for its result."""
         try:
-            command = from_json(await body_of(request))
+            command = from_json(await request.read())
         except UserError as reason:
             return fault(422, str(reason))
         try:
@@ -363,12 +378,6 @@ def is_own_origin(request: web.Request) -> bool:
         return request.method == "GET" and request.path == "/"
     origin = request.headers.get("Origin")
     return origin is None or origin.lower() == f"{request.scheme}://{request.host}".lower()
-
-
-async def body_of(request: web.Request) -> bytes:
-    """The body of a request, which must be small and come soon."""
-    async with asyncio.timeout(BODY_S):
-        return await request.read()
 
 
 def jpeg_of(picture: Any) -> bytes:

@@ -11,8 +11,15 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.stage.theatre.lenses import Lens, on_cylinder, on_sphere, placed, warp_nodes
-from subsea.stage.theatre.mirror_mesh import mirror_setup
+from subsea.stage.theatre.lenses import (
+    Lens,
+    mirror_setup,
+    on_cylinder,
+    on_sphere,
+    placed,
+    warp_nodes,
+)
+from subsea.stage.theatre.measured_mesh import heading_pitch_roll
 from subsea.stage.theatre.screens import (
     STEEPEST,
     Curved,
@@ -267,16 +274,12 @@ def _view(seen: Array, pitch: float, count: int) -> Angles:
 
 def _turned(angles: Angles, axes: Array, radius: float) -> Angles:
     """The view with its edges and these axes (3, 3), as a theatre file has them."""
-    right, _, ahead = axes
-    pitch = math.asin(min(max(float(ahead[1]), -1.0), 1.0))
-    heading = math.atan2(ahead[0], ahead[2]) if abs(ahead[1]) < 1.0 - 1e-9 else 0.0
-    level, above, _ = axes_of(heading, pitch)
-    roll = math.atan2(-float(right @ above), float(right @ level))
+    heading, pitch, roll = heading_pitch_roll(axes)
     return Angles(
         left_deg=_rounded(angles.left_deg), right_deg=_rounded(angles.right_deg),
         down_deg=_rounded(angles.down_deg), up_deg=_rounded(angles.up_deg),
-        heading_deg=_rounded(math.degrees(heading)), pitch_deg=_rounded(math.degrees(pitch)),
-        roll_deg=_rounded(math.degrees(roll)), distance_cm=radius,
+        heading_deg=_rounded(heading), pitch_deg=_rounded(pitch), roll_deg=_rounded(roll),
+        distance_cm=radius,
     )  # fmt: skip
 
 

@@ -1,6 +1,4 @@
-"""The content of a warp file of any format.
-
-Direction and field of a planar view, as calibration programs store it.
+"""The content of a warp file of any format, and the views and directions that it is about.
 
 Angles are degrees: heading to the right, then pitch up, then roll clockwise. Other programs have
 right-handed axes, x right, y up, z astern; here z is ahead (`flipped`).
@@ -47,7 +45,12 @@ def flipped(vectors: Array) -> Array:
 
 def turned(rotation: Array) -> tuple[float, float, float]:
     """Heading, pitch and roll of a view turned by a right-handed rotation (3, 3), z astern."""
-    right, _, ahead = flipped(np.asarray(rotation, np.float64).T * [[1.0], [1.0], [-1.0]])
+    return heading_pitch_roll(flipped(np.asarray(rotation, np.float64).T * [[1.0], [1.0], [-1.0]]))
+
+
+def heading_pitch_roll(axes: Array) -> tuple[float, float, float]:
+    """Find the angles of a view with axes right, up, ahead (3, 3)."""
+    right, _, ahead = axes
     pitch = np.arcsin(np.clip(ahead[1], -1.0, 1.0))
     if abs(ahead[1]) > 1.0 - 1e-9:  # up or down: heading and roll are one turn
         return float(np.degrees(np.arctan2(-right[2], right[0]))), float(np.degrees(pitch)), 0.0
@@ -55,6 +58,18 @@ def turned(rotation: Array) -> tuple[float, float, float]:
     level = np.array([np.cos(heading), 0.0, -np.sin(heading)])
     roll = np.arctan2(-right @ np.cross(ahead, level), right @ level)
     return float(np.degrees(heading)), float(np.degrees(pitch)), float(np.degrees(roll))
+
+
+def dome_shares(rays: Array, tilt_deg: float) -> Array:
+    """Find the places (n, 2) of rays (n, 3) in a dome's square; `surround.directions` backwards."""
+    tilt = np.radians(tilt_deg)
+    middle = np.array([0.0, np.cos(tilt), np.sin(tilt)])
+    behind = np.array([0.0, np.sin(tilt), -np.cos(tilt)])
+    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    aside = np.column_stack([unit[:, 0], unit @ behind])
+    length = np.linalg.norm(aside, axis=1)
+    away = np.arctan2(length, unit @ middle) / (np.pi / 2)
+    return np.asarray(0.5 + 0.5 * aside * (away / np.maximum(length, 1e-12))[:, None])
 
 
 def quaternion_rotation(quaternion: Array) -> Array:

@@ -17,6 +17,7 @@ from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
     ViewAngles,
+    dome_shares,
     flipped,
     grid_triangles,
     quaternion_rotation,
@@ -46,7 +47,6 @@ from subsea.stage.theatre.sgct_file import (
 from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, MAIN, Window
 from subsea.stage.theatre.warp import mesh, validated
 from subsea.view.rig import Rect
-from subsea.view.surround import Surround
 
 SIZE = (640, 480)  # of a window without one
 MAX_EYES_CM = 20.0
@@ -480,19 +480,6 @@ def _unfolded(vertices: Array, triangles: Ints) -> Ints:
     for a, b, c in (places, sources):
         turn *= np.sign((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
     return np.asarray(triangles[turn * np.sign(turn.sum()) >= 0])
-
-
-def dome_shares(rays: Array, tilt_deg: float, dome_deg: float = 180.0) -> Array:
-    """Places (n, 2) of rays (n, 3) in a dome's square; `surround.directions` backwards."""
-    tilt = np.radians(tilt_deg)
-    middle = np.array([0.0, np.cos(tilt), np.sin(tilt)])
-    behind = np.array([0.0, np.sin(tilt), -np.cos(tilt)])
-    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
-    aside = np.column_stack([unit[:, 0], unit @ behind])
-    away = np.arctan2(np.linalg.norm(aside, axis=1), unit @ middle)
-    length = np.maximum(np.linalg.norm(aside, axis=1), 1e-12)
-    reach = away / np.radians(Surround(dome_deg=dome_deg).dome_deg / 2)
-    return np.asarray(0.5 + 0.5 * aside * (reach / length)[:, None])
 
 
 def float_map(path: Path, textured: bool) -> MeasuredMesh:

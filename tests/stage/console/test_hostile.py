@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.stage.console import http
-from subsea.stage.console import http as connections
 from tests.stage.console.conftest import TOKEN, Console, local
 
 
@@ -48,10 +47,9 @@ def ended_within(client, seconds):
 @pytest.fixture
 def hasty(monkeypatch):
     """Times of seconds become fractions."""
-    monkeypatch.setattr(connections, "IDLE_S", 1.0)
-    monkeypatch.setattr(connections, "SWEEP_S", 0.1)
-    monkeypatch.setattr(connections, "HANDSHAKE_S", 0.5)
-    monkeypatch.setattr(http, "BODY_S", 0.3)
+    monkeypatch.setattr(http, "IDLE_S", 1.0)
+    monkeypatch.setattr(http, "SWEEP_S", 0.1)
+    monkeypatch.setattr(http, "HANDSHAKE_S", 0.5)
 
 
 def trickle(client, data, gap_s=0.1):
@@ -80,7 +78,8 @@ def test_silent_and_slow_clients_are_ended_while_others_are_served(hasty, consol
         one.close()
 
 
-def test_a_body_that_does_not_come_is_not_waited_for(hasty, console):
+def test_a_body_that_does_not_come_is_not_waited_for(monkeypatch, console):
+    monkeypatch.setattr(http, "ANSWER_S", 1.0)
     with connect(console) as client:
         client.sendall(
             f"POST /api/commands HTTP/1.1\r\nHost: {console.host}\r\n"
@@ -158,7 +157,7 @@ def test_any_bytes_leave_the_console_working():
 
 
 def test_more_clients_than_allowed_are_turned_away(monkeypatch, console):
-    monkeypatch.setattr(connections, "CLIENTS", 5)
+    monkeypatch.setattr(http, "CLIENTS", 5)
     held = [connect(console) for _ in range(5)]
     for one in held:
         one.sendall(request(console))
@@ -178,40 +177,12 @@ def test_more_clients_than_allowed_are_turned_away(monkeypatch, console):
         time.sleep(0.1)
 
 
-def test_a_flood_of_requests_is_slowed_and_then_refused(monkeypatch, console):
-    monkeypatch.setattr(http, "KNOWN_A_S", 60.0)
-    counts = {200: 0, 429: 0}
-    end = time.monotonic() + 3.0
-
-    def flood():
-        with connect(console) as client:
-            client.settimeout(5.0)
-            while time.monotonic() < end:
-                client.sendall(request(console))
-                data = client.recv(1 << 16)
-                if not data:
-                    return
-                counts[int(data.split()[1])] += 1
-
-    threads = [threading.Thread(target=flood) for _ in range(40)]
+def test_guesses_of_the_token_are_few_for_strangers_only(guarded):
     begun = time.monotonic()
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    spent = time.monotonic() - begun
-    assert counts[200] <= 60 + 60 * (spent + 2.5)
-    assert console.ask("/api/state")[0] in (200, 429)
-
-
-def test_guesses_of_the_token_are_slowed_for_strangers_only(guarded):
-    begun = time.monotonic()
-    seen = [guarded.ask("/login", {"token": "guess" * 10})[0] for _ in range(30)]
-    assert set(seen) <= {401, 429}
-    assert time.monotonic() - begun > 0.9  # 20 at once, then 10 a second
-    begun = time.monotonic()
+    seen = [guarded.ask("/login", {"token": "guess" * 10})[0] for _ in range(60)]
+    assert set(seen) == {401, 429}
+    assert seen.count(401) <= 21 + 10 * (time.monotonic() - begun)
     assert guarded.ask("/api/state", Authorization=f"Bearer {TOKEN}")[0] == 200
-    assert time.monotonic() - begun < 2.0
 
 
 def test_handshakes_that_do_not_end_are_ended(hasty, secure):

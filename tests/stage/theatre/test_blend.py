@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.theatre.blend import Projector, blend_mask, light_shares, overlap_count
+from subsea.stage.theatre.channels import Projector, blend_mask, light_shares, overlap_count
 from subsea.stage.theatre.screens import places_on, points_on, screen_of
 from subsea.stage.theatre.theatre_file import Cylinder, Plane
 

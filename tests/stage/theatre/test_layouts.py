@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
-from subsea.stage.theatre.blend import Projector, light_shares, overlap_count
+from subsea.stage.theatre.channels import Projector, light_shares, overlap_count
 from subsea.stage.theatre.layouts import layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.measures import chosen

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.theatre.lenses import nodes_text
+from subsea.stage.theatre.lenses import MIRROR_NODES, mirror_setup, nodes_text, traced
+from subsea.stage.theatre.measured_mesh import dome_shares
 from subsea.stage.theatre.mesh_formats import parse_bourke
-from subsea.stage.theatre.mirror_mesh import NODES, fisheye, mirror_setup, traced
 from subsea.stage.theatre.warp import sources_at
 from subsea.view.surround import Surround, directions
 
@@ -70,7 +70,7 @@ def test_between_nodes_the_mesh_is_right_within_a_quarter_of_a_degree():
     own = np.stack([x * setup.lens.half[0], y * setup.lens.half[1], np.ones_like(x)], axis=1)
     ways = own / np.linalg.norm(own, axis=1, keepdims=True) @ setup.lens.axes
     _, _, points = traced(setup.lens.place, ways, setup.centre, MIRROR, RADIUS)
-    expected = fisheye(points, 0.0)
+    expected = dome_shares(points, 0.0)
     inside = np.hypot(*(expected - 0.5).T) < 0.49
     assert inside.sum() > 200
     shown = sources_at(warp, places[inside])
@@ -81,7 +81,7 @@ def test_between_nodes_the_mesh_is_right_within_a_quarter_of_a_degree():
 
 def test_the_mesh_is_a_grid_whose_light_covers_nearly_all_of_the_dome():
     setup = mirror_setup(RADIUS, MIRROR, 1.5, SIZE[0] / SIZE[1])
-    assert setup.nodes.shape == (NODES[1], NODES[0], 5)
+    assert setup.nodes.shape == (MIRROR_NODES[1], MIRROR_NODES[0], 5)
     ways = np.random.default_rng(1).normal(size=(3000, 3))
     ways = ways[ways[:, 1] > 0] / np.linalg.norm(ways[ways[:, 1] > 0], axis=1, keepdims=True)
     warp = parse_bourke(nodes_text(setup.nodes).encode(), SIZE, "test").warp

@@ -9,8 +9,8 @@ from PIL import Image
 from subsea.base.errors import UserError
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.measured_mesh import dome_shares
 from subsea.stage.theatre.screens import points_on, screen_of
-from subsea.stage.theatre.sgct import dome_shares
 from subsea.stage.theatre.theatre_file import Angles, Plane
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import sources_at
