@@ -144,10 +144,11 @@ class End(NamedTuple):
     lines: list[str]  # of standard error
 
 
+@cache
 def options_of(program: str, command: str) -> list[argparse.Action]:
-    """The options of a command."""
+    """List the options of a command."""
     commands = (parsers() if program == "subsea" else capture_parsers())[1]
-    return [one for one in commands.choices[command]._actions if one.option_strings]
+    return [action for action in commands.choices[command]._actions if action.option_strings]
 
 
 @cache

@@ -16,24 +16,21 @@ from tempfile import TemporaryDirectory
 import meshopt
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres  # noqa: E402
-from subsea.export.clips import Clip, Model, make_clips, transform_points  # noqa: E402
-from subsea.export.dive_scene import record_scene  # noqa: E402
-from subsea.export.glb import COMPRESSIONS, packing_of  # noqa: E402
-from subsea.export.gltf import write_gltf  # noqa: E402
-from subsea.export.gltf_scene import WRITER as GLTF  # noqa: E402
-from subsea.export.recording import SceneFilmOptions  # noqa: E402
-from subsea.export.scene import Scene, SceneOptions  # noqa: E402
-from subsea.export.skinning import Skeleton, fit_skeleton  # noqa: E402
-from subsea.export.usd import write_usd  # noqa: E402
-from subsea.export.vat import encode, write_vat  # noqa: E402
-from subsea.fish.species import shipped_species  # noqa: E402
-from subsea.geometry.rotation import matrix  # noqa: E402
-from subsea.scenario.load import load_scenario  # noqa: E402
-from tests.support.gltf_reader import Reader  # noqa: E402
+from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
+from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.dive_scene import record_scene
+from subsea.export.glb import COMPRESSIONS, packing_of
+from subsea.export.gltf import write_gltf
+from subsea.export.gltf_scene import WRITER as GLTF
+from subsea.export.recording import SceneFilmOptions
+from subsea.export.scene import Scene, SceneOptions
+from subsea.export.skinning import Skeleton, fit_skeleton
+from subsea.export.usd import write_usd
+from subsea.export.vat import encode, write_vat
+from subsea.fish.species import shipped_species
+from subsea.geometry.rotation import matrix
+from subsea.scenario.load import load_scenario
+from tests.support.gltf_reader import Reader
 
 SCENE_S = 3.0  # length of a scene
 FISHES = 5  # every fifth fish of a scene is read
@@ -41,7 +38,7 @@ EVERY = 4  # of the clips with morph targets are read
 
 
 def opened(file: Path) -> Reader:
-    """A reader of a file, with its compressed arrays."""
+    """Open a file with its compressed arrays."""
     reader = Reader(file)
     buffers = reader.content["buffers"]
     whole = bytearray(buffers[1]["byteLength"] if len(buffers) > 1 else 0)
@@ -58,7 +55,7 @@ def opened(file: Path) -> Reader:
 
 
 def errors(file: Path, model: Model, clips: list[Clip]) -> tuple[float, float]:
-    """Root mean square and largest error of a glTF file."""
+    """Compute the root mean square and largest error of a glTF file."""
     reader = opened(file)
     square, most, count = 0.0, 0.0, 0
     for clip in clips:
@@ -71,7 +68,7 @@ def errors(file: Path, model: Model, clips: list[Clip]) -> tuple[float, float]:
 
 
 def texture_errors(model: Model, clips: list[Clip]) -> tuple[float, float]:
-    """The same of a vertex animation texture."""
+    """Compute both errors of a vertex animation texture."""
     texture = encode(model, clips, False)
     share = texture.texels[: len(texture.texels) // 2] / 65535.0
     ways = texture.low + share * (texture.high - texture.low)
@@ -81,12 +78,12 @@ def texture_errors(model: Model, clips: list[Clip]) -> tuple[float, float]:
 
 
 def size(files: list[Path]) -> str:
-    """The megabytes of files."""
+    """Add up the megabytes of files."""
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 
 
 def skeleton_row(folder: Path, model: Model, clips: list[Clip], rig: Skeleton) -> str:
-    """A row of the table of skeletons."""
+    """Make a row of the table of skeletons."""
     cells = [f"{len(rig.joints)}", f"{sum(len(clip.points) for clip in clips)}"]
     for kind in COMPRESSIONS:
         file = write_gltf(folder, model, clips, False, rig, packing_of(kind))
@@ -96,7 +93,7 @@ def skeleton_row(folder: Path, model: Model, clips: list[Clip], rig: Skeleton) -
 
 
 def exact_row(folder: Path, model: Model, clips: list[Clip]) -> str:
-    """A row of the table of exact formats."""
+    """Make a row of the table of exact formats."""
     cells = []
     for kind in COMPRESSIONS:
         file = write_gltf(folder, model, clips, False, None, packing_of(kind))
@@ -109,7 +106,7 @@ def exact_row(folder: Path, model: Model, clips: list[Clip]) -> str:
 
 
 def scene_errors(file: Path, scene: Scene) -> tuple[float, float]:
-    """Root mean square and largest error of fishes of a scene."""
+    """Compute the root mean square and largest error of fishes of a scene."""
     reader = opened(file)
     moment = reader.worlds(scene.name, np.arange(scene.frames) / scene.fps)
     names = [node.get("name") for node in reader.content["nodes"]]
