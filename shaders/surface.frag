@@ -3,7 +3,7 @@
 #include "optics.glsl"
 #include "show.glsl"
 
-uniform sampler2D u_ripples;  // slopes along x and y, their mean square
+uniform sampler2D u_waves;  // slopes along x and y, their mean square
 uniform float u_floor;
 
 in vec3 v_world;
@@ -23,7 +23,7 @@ const vec3 ZENITH = vec3(0.16, 0.48, 0.90), HORIZON = vec3(0.80, 1.15, 1.30);
 
 // Adds waves of some deviation of slope; the third component gathers the variance not resolved.
 void add(inout vec3 waves, vec2 at, float deviation, mat2 turn) {
-    vec3 texel = texture(u_ripples, turn * at).rgb;
+    vec3 texel = texture(u_waves, turn * at).rgb;
     waves.xy += deviation * texel.xy * turn;
     waves.z += deviation * deviation * max(texel.z - dot(texel.xy, texel.xy), 0.0);
 }

@@ -55,7 +55,7 @@ def _scenery() -> None:
     # Not above: what compiles without drawing imports no OpenGL.
     from subsea.rendering.fish.soft_shadows import COLUMNS as SHADOW_COLUMNS
     from subsea.rendering.fish.soft_shadows import Sand, cast
-    from subsea.rendering.gl.static_batch import bounding_spheres, gather, levels_in_sight
+    from subsea.rendering.gl.static_batch import bounding_spheres, levels_in_sight
     from subsea.rendering.reef.rocks import overgrown
     from subsea.rendering.reef.seaweed import FRONDS_AT, fronds_of
     from subsea.rendering.sea.ground_map import with_growths
@@ -75,7 +75,6 @@ def _scenery() -> None:
     levels_in_sight(
         (spheres[:, :3].copy(), spheres[:, 3].copy()), packet.views, 1.0, 1.0, np.ones(2), before
     )
-    gather(np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64))
     everything = np.ones((1, len(packet.leaves)), np.bool_)
     fronds_of(packet.leaves, everything, 0, len(packet.leaves), FRONDS_AT[0])
     (view,) = packet.views

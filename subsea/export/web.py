@@ -38,9 +38,8 @@ from subsea.export.scene import Scene, SceneExtent, SceneOptions, SceneWriter
 from subsea.fish.species import load_species
 from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
-from subsea.rendering.output.daylight import light_uniforms
 from subsea.rendering.output.target import gain
-from subsea.rendering.output.uniforms import TIDE_S
+from subsea.rendering.output.uniforms import TIDE_S, light_uniforms
 from subsea.scenario.schema import Grade, Water
 
 WORDS = {

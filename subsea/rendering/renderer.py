@@ -17,21 +17,21 @@ from subsea.base.errors import UserError
 from subsea.frame.packet import Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.fish.soft_shadows import SoftShadowRenderer
-from subsea.rendering.gl.context import GpuTimer
+from subsea.rendering.gl.context import GpuOwner, GpuTimer
 from subsea.rendering.gl.id_buffer import IdBuffer, IdMaps
-from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.static_batch import box_around
-from subsea.rendering.gl.textures import near_and_far, noise, repeating
-from subsea.rendering.output.cabin import TheatreVesselRenderer
+from subsea.rendering.gl.textures import near_and_far, noise, repeating, upload
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.output.target import OWN, Into, RenderTarget, ResolvePass, scaled
 from subsea.rendering.output.uniforms import uniforms_of
-from subsea.rendering.output.views import LineRenderer
+from subsea.rendering.output.vessel import TheatreVesselRenderer
+from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.coral import CoralRenderer, bake
 from subsea.rendering.reef.rocks import RockRenderer, overgrown
 from subsea.rendering.reef.seaweed import SeaweedRenderer
 from subsea.rendering.sea.hook import HookRenderer
-from subsea.rendering.sea.particles import BubbleRenderer, ParticleRenderer
+from subsea.rendering.sea.particles import BubbleRenderer, LineRenderer, ParticleRenderer
 from subsea.rendering.sea.seabed import SeabedRenderer, surroundings
 from subsea.rendering.sea.sunlight import LightShaftRenderer, SunShadows
 from subsea.rendering.sea.water import WaterRenderer
@@ -83,9 +83,9 @@ class Renderer(GpuOwner):
             self._noise = self.own(repeating(context, noise, 2))
             self._shafts = self.own(LightShaftRenderer(context, quality))
             check()
-            self._water = self.own(WaterRenderer(context, scene))
+            self._water = self.own(WaterRenderer(context, scene, quality))
             check()
-            self._seabed = self.own(SeabedRenderer(context, scene, ground.result()))
+            self._seabed = self.own(SeabedRenderer(context, scene, ground.result(), quality))
             check()
             self._rocks = self.own(RockRenderer(context, scene, stone.result(), quality))
             self._shadows = self.own(SoftShadowRenderer(context, scene))
@@ -97,9 +97,9 @@ class Renderer(GpuOwner):
             self._seaweed = self.own(SeaweedRenderer(context, quality))
             check()
             self._fishes = self.own(FishRenderer(context, scene, quality=quality))
-        batches = [*self._rocks.batches, *self._coral.batches]
-        self._sun = self.own(SunShadows(context, scene.water.hour, box_around(batches)))
-        self._hook = self.own(HookRenderer(context))
+        box = box_around([self._rocks, self._coral])
+        self._sun = self.own(SunShadows(context, scene.water.hour, box))
+        self._hook = self.own(HookRenderer(context, quality))
         check()
         self._bubbles = self.own(BubbleRenderer(context, scene, quality))
         self._particles = self.own(ParticleRenderer(context, scene, quality))
@@ -139,8 +139,8 @@ class Renderer(GpuOwner):
             self._make_target(self.rig, quality)
         self.quality = quality
         for part in (
-            self._particles, self._rocks, self._coral, self._seaweed, self._bubbles, self._fishes,
-            self._shafts, self._sun, self._seabed, self._water, self._resolve,
+            self._particles, self._seaweed, self._shafts, self._sun, self._seabed, self._water,
+            self._resolve,
         ):  # fmt: skip
             part.adapt(quality)
         if self._second:
@@ -151,15 +151,15 @@ class Renderer(GpuOwner):
 
         Call it for packets that are not drawn, so that later pictures do not depend on that.
         """
-        self._rocks.choose(packet, self.quality.detail)
-        self._coral.choose(packet, self.quality.detail, self.quality.growth)
-        self._seabed.choose(packet, self.quality.detail)
+        shown = self._coral.shown(self.quality.growth)
+        for batch, chosen in ((self._rocks, None), (self._coral, shown), (self._seabed, None)):
+            batch.choose(packet.views, packet.time_s, self.quality.detail, chosen)
 
     @contextmanager
     def apart(self, rig: CameraRig) -> Iterator[None]:
         """Draw for another rig, with other `pictures`, independent of those before and after."""
         before, second = self.rig, self._second
-        batches = [*self._rocks.batches, *self._coral.batches, *self._seabed.batches]
+        batches = self._rocks, self._coral, self._seabed
         self._make_target(rig, self.quality)
         if second is None:
             second = ResolvePass(self._context, rig.patches, grade=self._scene.grade)
@@ -202,8 +202,8 @@ class Renderer(GpuOwner):
         if self.quality.shadows:
             self._shadows.upload(packet, not self.quality.fish_map)
         self.upload_s = time.perf_counter() - start
-        self._caustics.use(1)
-        self._noise.use(2)
+        self._caustics.use(TEXTURE_UNITS["u_caustics"])
+        self._noise.use(TEXTURE_UNITS["u_noise"])
         self.triangles = 0
         context.enable(context.PROGRAM_POINT_SIZE)
         context.depth_func = "<="  # water lies on the far plane
@@ -222,9 +222,9 @@ class Renderer(GpuOwner):
             context.disable(context.BLEND)
             context.enable(context.DEPTH_TEST)
             context.wireframe = self.wireframe
+            context.enable(context.CULL_FACE)
             with stage("stone"):
                 self.triangles += self._rocks.draw(number, uniforms)
-            context.enable(context.CULL_FACE)
             with stage("corals"):
                 self.triangles += self._coral.draw(number, uniforms)
             context.disable(context.CULL_FACE)
@@ -262,10 +262,15 @@ class Renderer(GpuOwner):
         self.draw_s = context.extra.seconds - seconds
 
     def _cast(self, packet: Packet) -> dict[str, Any]:
-        """Draw the maps of shadows; returns their uniforms."""
+        """Draw the maps of shadows; returns their uniforms, and that of close-ups."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
         fishes = partial(self._fishes.cast, len(packet.instances))
-        return self._sun.draw([self._rocks.cast, self._coral.cast], fishes, eye)
+        standing = (
+            partial(self._rocks.cast, level=rocks.CAST_LEVEL),
+            partial(self._coral.cast, level=coral.CAST_LEVEL),
+        )
+        maps = self._sun.draw(standing, fishes, eye)
+        return maps | ({"u_close_up": True} if self.quality.close_up else {})
 
     def show(self, canvas: Bytes, into: Into = OWN) -> None:
         """Show a pattern (h, w, 3) of the canvas size, top row first, without tone mapping."""
@@ -290,7 +295,7 @@ class Renderer(GpuOwner):
             self._ids = self.own(IdBuffer(context, size))
         self._ids.framebuffer.use()
         self._ids.framebuffer.clear()
-        self._noise.use(2)
+        self._noise.use(TEXTURE_UNITS["u_noise"])
         context.enable(context.PROGRAM_POINT_SIZE | context.DEPTH_TEST)
         context.disable(context.BLEND)
         context.depth_func = "<="
@@ -299,8 +304,8 @@ class Renderer(GpuOwner):
                 continue
             uniforms = uniforms_of(packet, view, self._scene.water)
             context.viewport = context.scissor = view.viewport
-            self._rocks.draw(number, uniforms, as_ids=True)
             context.enable(context.CULL_FACE)
+            self._rocks.draw(number, uniforms, as_ids=True)
             self._coral.draw(number, uniforms, as_ids=True)
             context.disable(context.CULL_FACE)
             self._seabed.draw(number, uniforms, as_ids=True)
@@ -331,11 +336,7 @@ class Renderer(GpuOwner):
 
     def _upload(self, picture: Bytes) -> Any:
         """Upload a picture (h, w, 3), top row first; the caller releases the texture."""
-        height, width = picture.shape[:2]
-        data = np.ascontiguousarray(picture[::-1]).tobytes()
-        texture = self._context.texture((width, height), 3, data, alignment=1)
-        texture.repeat_x = texture.repeat_y = False
-        return texture
+        return upload(self._context, picture[::-1])
 
     def read_pixels(self, output: int = 0, page: int = 0) -> Bytes:
         """The last of the renderer's own `pictures`: (h, w, 3), top row first."""

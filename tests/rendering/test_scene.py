@@ -9,7 +9,6 @@ from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.fish.species import species_names
 from subsea.frame.packet import KIND, make_scene, pack
-from subsea.rendering.gl import static_batch
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Shoal
@@ -58,19 +57,6 @@ def test_the_peaceful_bay(context, bay, same_picture):
         same_picture(f"peaceful-{quality}", renderer.read_pixels())
     assert context.error == "GL_NO_ERROR"
     renderer.release()
-
-
-def test_the_bay_is_the_same_without_indirect_drawing(context, bay, monkeypatch):
-    packet, pictures = pack(bay, sights(bay, size=(160, 90)), 1.0), []
-    for extension in (static_batch.INDIRECT, "no extension"):
-        monkeypatch.setattr(static_batch, "INDIRECT", extension)
-        renderer = Renderer(context, make_scene(bay), display_rig("mono", (160, 90)))
-        renderer.draw(packet)
-        pictures.append((renderer.read_pixels(), renderer.triangles, renderer.draw_calls))
-        renderer.release()
-    with_commands, without = pictures
-    assert (with_commands[0] == without[0]).all()
-    assert with_commands[1:] == without[1:]
 
 
 @pytest.mark.parametrize(("sea", "species"), [("bay", 5), ("crowd", 10)])

@@ -29,20 +29,23 @@ from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
 from subsea.rendering.fish.speck import COARSEST, Speck, places, speck
+from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.id_buffer import FISH, object_id
-from subsea.rendering.gl.owner import GpuOwner, replace_data
-from subsea.rendering.gl.programs import variant_array
-from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
-from subsea.rendering.gl.textures import cached_texture, mipmapped
+from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.shaders import (
+    BLOCKS,
+    TEXTURE_UNITS,
+    required_defines,
+    set_uniforms,
+)
+from subsea.rendering.gl.textures import cached_texture, mipmapped, table
 from subsea.rendering.output.quality import PRESETS, Quality
 
-SKINS_UNIT, VERTICES_UNIT, PLACES_UNIT = 3, 9, 10  # of textures
 FINE = 2  # levels whose fins are drawn after all bodies
 # Defines of program variants, see `shaders/fishes.frag` and `shaders/show.glsl`.
 SPECK, OWN_IDS, CAST = ("SPECK",), ("OWN_IDS",), ("CAST",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
-LOOKS_BINDING = 0  # of the uniform block
 
 # Texels around each skin that repeat its border: one texel at the coarsest mipmap.
 GUTTER = 2**COARSEST
@@ -66,17 +69,8 @@ class FishRenderer(GpuOwner):
     ) -> None:
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
-        self.adapt(quality)
         self._context = context
-        kinds = len(scene.species)
-        self._kinds = kinds
-        # Separate programs for distant and for fading fishes, because discarding pixels is slow.
-        self._programs: dict[tuple[str, ...], Any] = {}
-        self._content: dict[bool, tuple[Any, ...]] = {}  # of specks, and of other levels
-        rows, points = scene.control_points.shape[:2]
-        table = np.zeros((rows, points, 4), "f4")
-        table[..., :3] = scene.control_points
-        self._table = self.own(_table(context, table))
+        self._table = self.own(table(context, _texels(scene.control_points)))
         self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
         self._skins = self.own(_atlas(context, scene.species, skins))
         looks = _looks(scene.species, scene.recorded_length_cm)
@@ -84,29 +78,31 @@ class FishRenderer(GpuOwner):
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
         vertices, triangles, self._first = joined(self._meshes)
         self._vertices = self.own(
-            _table(context, cached(level_vertices, scene.species, self._meshes))
+            table(context, cached(level_vertices, scene.species, self._meshes))
         )
         self._shape = shape = speck()
-        self._places = self.own(_table(context, speck_places(scene.species, shape)))
-        buffers = self.own_buffers(context, vertices, triangles)
-        self._content[False] = [(buffers[0], VERTEX_FORMAT, *VERTEX_ATTRIBUTES)], buffers[1]
+        self._places = self.own(table(context, speck_places(scene.species, shape)))
         self._speck_triangles = len(shape.triangles)
         listed = np.concatenate([shape.triangles, NO_TRIANGLE]).astype("i4")
-        buffers = self.own_buffers(context, shape.vertices, listed)
-        layout = fish_speck.VERTEX_FORMAT, *fish_speck.VERTEX_ATTRIBUTES
-        self._content[True] = [(buffers[0], *layout)], buffers[1]
-        # By program: its vertex array; location, format and offset of each attribute of instances.
-        self._arrays: dict[Any, tuple[Any, list[tuple[int, str, int]]]] = {}
+        # The programs of fishes and of specks, with their vertex arrays.
+        self._forms = []
+        for name, columns, indices, layout in (
+            ("fishes", vertices, triangles, (VERTEX_FORMAT, *VERTEX_ATTRIBUTES)),
+            ("fish_speck", shape.vertices, listed, fish_speck.LAYOUT),
+        ):
+            constants = {"SPECIES": len(scene.species), "COARSEST": COARSEST}
+            first = _defines(SPECK if name == "fish_speck" else (), quality.defines)
+            variants = self.own(ProgramVariants(context, name, None, first, **constants))
+            buffers = self.own_buffers(context, columns, indices)
+            self._forms.append((variants, variants.array([(buffers[0], *layout)], buffers[1])))
+        # By vertex array: location, format and offset of each attribute of instances.
+        self._attributes: dict[Any, list[tuple[int, str, int]]] = {}
         # Drivers that build programs at their first draw do it with the first picture: the last
         # triangle of each array has no area.
-        near = self._near
-        plain = near, ("DISTANT",), (*near, "FADING"), ("DISTANT", "FADING")
-        self._cold = {self._made(wants): len(triangles) - 1 for wants in plain}
-        self._cold[self._made(SPECK)] = self._speck_triangles
-
-    def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from now on."""
-        self._near = quality.close_up_defines
+        # Separate programs for distant and for fading fishes, because discarding pixels is slow.
+        plain = (), ("DISTANT",), ("FADING",), ("DISTANT", "FADING")
+        self._cold = {self._made(own, quality.defines): len(triangles) - 1 for own in plain}
+        self._cold[self._made(SPECK, quality.defines)] = self._speck_triangles
 
     def upload(self, packet: Packet) -> None:
         """Upload the instances, and the control points of simulated fishes."""
@@ -115,9 +111,8 @@ class FishRenderer(GpuOwner):
         replace_data(self._instances, np.ascontiguousarray(records))
         rows, points = packet.live_points.shape[:2]
         if rows:
-            texels = np.zeros((rows, points, 4), "f4")
-            texels[..., :3] = packet.live_points
-            self._table.write(texels.tobytes(), viewport=(0, packet.live_row, points, rows))
+            place = 0, packet.live_row, points, rows
+            self._table.write(_texels(packet.live_points).tobytes(), viewport=place)
 
     def update(
         self, species: tuple[Species, ...], length_cm: tuple[float, ...],
@@ -139,25 +134,15 @@ class FishRenderer(GpuOwner):
         Coarse levels come first, each in one call, with fins of two sides. Of fine levels all
         bodies come before all fins, which are translucent but write depth.
         """
-        self._table.use(0)
-        self._skins.use(SKINS_UNIT)
-        self._vertices.use(VERTICES_UNIT)
-        self._places.use(PLACES_UNIT)
-        self._looks.bind_to_uniform_block(LOOKS_BINDING)
-        units = {
-            "u_table": 0,
-            "u_skins": SKINS_UNIT,
-            "u_vertices": VERTICES_UNIT,
-            "u_places": PLACES_UNIT,
-        }
+        self._bind()
         batches = packet.batches[number]
         defines = required_defines(uniforms, as_ids) + OWN_IDS * as_ids
-        values = units | uniforms | {"u_object_id": object_id(FISH)}
-        for compiled in {*self._cold, *(self._program(batch, defines) for batch in batches)}:
-            set_uniforms(compiled, **values)
+        values = uniforms | {"u_object_id": object_id(FISH)}
+        for array in {*self._cold, *(self._variant(batch, defines) for batch in batches)}:
+            set_uniforms(array.program, **values)
         while self._cold:
-            compiled, nothing = self._cold.popitem()
-            self._render(compiled, nothing, 1, 0, 1)
+            array, nothing = self._cold.popitem()
+            self._render(array, nothing, 1, 0, 1)
         total = 0
         fine = []
         self._context.enable(moderngl.CULL_FACE)
@@ -170,72 +155,71 @@ class FishRenderer(GpuOwner):
                 if batch.level < FINE and not batch.fading:
                     triangles = mesh.body
                     fine.append(batch)
-            self._render(self._program(batch, defines), first, triangles, batch.first, batch.count)
+            self._render(self._variant(batch, defines), first, triangles, batch.first, batch.count)
             total += triangles * batch.count
         self._context.disable(moderngl.CULL_FACE)
         if fine:  # consecutive batches with the same fins
             mesh, first = self._meshes[0], self._first[0] + self._meshes[0].body
             count = sum(batch.count for batch in fine)
-            near = self._made((() if as_ids else self._near) + defines)
-            self._render(near, first, mesh.fins, min(b.first for b in fine), count)
+            self._render(
+                self._made((), defines), first, mesh.fins, min(b.first for b in fine), count
+            )
             total += mesh.fins * count
         return total
 
     def cast(self, number: int, uniforms: dict[str, Any]) -> None:
         """Draw the first `number` instances as specks into the depth map in use."""
-        self._table.use(0)
-        self._places.use(PLACES_UNIT)
-        self._looks.bind_to_uniform_block(LOOKS_BINDING)
-        compiled = self._made(SPECK + CAST)
-        set_uniforms(compiled, u_table=0, u_places=PLACES_UNIT, u_without=-1.0, **uniforms)
-        self._render(compiled, 0, self._speck_triangles, 0, number)
+        self._bind()
+        array = self._made(SPECK, CAST)
+        set_uniforms(array.program, u_without=-1.0, **uniforms)
+        self._render(array, 0, self._speck_triangles, 0, number)
 
-    def _program(self, batch: Batch, defines: tuple[str, ...]) -> Any:
-        near = () if "OBJECT_IDS" in defines else self._near
-        own = ("DISTANT",) if batch.level >= FINE else near
-        own += ("FADING",) * batch.fading
-        if batch.level == len(DETAILS):
-            own = SPECK
-        return self._made(own + defines)
+    def _bind(self) -> None:
+        self._table.use(TEXTURE_UNITS["u_table"])
+        self._skins.use(TEXTURE_UNITS["u_skins"])
+        self._vertices.use(TEXTURE_UNITS["u_vertices"])
+        self._places.use(TEXTURE_UNITS["u_places"])
+        self._looks.bind_to_uniform_block(BLOCKS["Looks"])
 
-    def _made(self, defines: tuple[str, ...]) -> Any:
-        """The program with these defines, compiled with its vertex array when first needed."""
-        if defines not in self._programs:
-            is_speck = SPECK[0] in defines
-            values = dict.fromkeys(defines, 1) | {"SPECIES": self._kinds, "COARSEST": COARSEST}
-            name = "fish_speck" if is_speck else "fishes"
-            compiled = self.own(program(self._context, name, **values))
-            compiled["Looks"].binding = LOOKS_BINDING
-            self._programs[defines] = compiled
-            content = self._content[is_speck]
-            if CAST[0] in defines:  # light and its normals are of no use
-                content = [(content[0][0][0], "12x 3f4", "a_part")], content[1]
-            array = self.own(variant_array(self._context, compiled, *content))
-            formats = INSTANCE_FORMAT.split()
+    def _variant(self, batch: Batch, defines: tuple[str, ...]) -> Any:
+        own = ("DISTANT",) * (batch.level >= FINE) + ("FADING",) * batch.fading
+        return self._made(SPECK if batch.level == len(DETAILS) else own, defines)
+
+    def _made(self, own: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+        """Return the vertex array for these defines, made with its program when first needed."""
+        variants, array = self._forms[own == SPECK]
+        array = variants.variant(array, _defines(own, defines))
+        if array not in self._attributes:
+            formats, compiled = INSTANCE_FORMAT.split(), array.program
             offsets = accumulate((4 * int(kind[0]) for kind in formats), initial=0)
-            self._arrays[compiled] = (
-                array,
-                [
-                    (compiled[name].location, kind, offset)
-                    for name, kind, offset in zip(
-                        INSTANCE_ATTRIBUTES, formats, offsets, strict=False
-                    )
-                    if name in compiled
-                ],
-            )
-        return self._programs[defines]
+            self._attributes[array] = [
+                (compiled[name].location, kind, offset)
+                for name, kind, offset in zip(INSTANCE_ATTRIBUTES, formats, offsets, strict=False)
+                if name in compiled
+            ]
+        return array
 
-    def _render(self, compiled: Any, first: int, triangles: int, record: int, count: int) -> None:
+    def _render(self, array: Any, first: int, triangles: int, record: int, count: int) -> None:
         """Draw `triangles` from the `first` on, for `count` instances from `record` on.
 
         OpenGL 3.3 has no base instance, so the instance attributes are bound with an offset.
         """
-        array, attributes = self._arrays[compiled]
         stride = INSTANCE_COLUMNS * 4
-        for location, kind, offset in attributes:
+        for location, kind, offset in self._attributes[array]:
             at = record * stride + offset
             array.bind(location, "f", self._instances, kind, at, stride, 1)
         array.render(vertices=3 * triangles, first=3 * first, instances=count)
+
+
+def _defines(own: tuple[str, ...], defines: tuple[str, ...]) -> tuple[str, ...]:
+    """Join the defines of a level and of a picture; coarse levels lack details of close-ups."""
+    coarse = own == SPECK or "DISTANT" in own
+    return own + tuple(define for define in defines if not (coarse and define == "CLOSE_UP"))
+
+
+def _texels(points: Array) -> Array:
+    """Control points (rows, n, 3) as texels (rows, n, 4)."""
+    return np.pad(np.asarray(points, np.float32), ((0, 0), (0, 0), (0, 1)))
 
 
 def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:
@@ -323,14 +307,6 @@ def _side_by_side(skins: list[Bytes]) -> Bytes:
         place = picture[row * CELL[1] :, column * CELL[0] :][: CELL[1], : CELL[0]]
         place[:] = np.pad(skin, (around, around, (0, 0)), "edge")
     return picture
-
-
-def _table(context: Any, texels: Array) -> Any:
-    """A texture of texels (rows, columns, 4) that shaders fetch by index."""
-    rows, columns = texels.shape[:2]
-    texture = context.texture((columns, rows), 4, np.ascontiguousarray(texels, "f4"), dtype="f4")
-    texture.filter = (context.NEAREST, context.NEAREST)
-    return texture
 
 
 def look(

@@ -15,8 +15,10 @@ from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.fish.fishes import FishRenderer
-from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.textures import mipmapped
+from subsea.rendering.output.quality import Quality
 from subsea.rendering.output.target import RenderTarget, ResolvePass
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
@@ -36,6 +38,7 @@ DRAWN_CM = 20.0  # length as drawn, so that all fishes have the same light
 DEPTH_CM = 450.0  # for daylight as in the scenarios
 FINS = (0.5, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)  # at rest, as `frame.packet.FINS`
 SAMPLES = 4
+CLOSE_UP = Quality(close_up=True)
 LEVEL_CAUSTICS = 1 / 1.85  # light without waves, in the scale of `optics.glsl`
 
 
@@ -77,7 +80,7 @@ class FishPreview(GpuOwner):
             terrain_half_width_cm=1.0,
             water=WATER,
         )
-        self._fishes = self.own(FishRenderer(context, scene, [sheet]))
+        self._fishes = self.own(FishRenderer(context, scene, [sheet], CLOSE_UP))
         even = np.full((1, 1, 2), LEVEL_CAUSTICS, np.float16)
         self._light = self.own(mipmapped(context, even))
         self._resolve: ResolvePass | None = None
@@ -127,8 +130,9 @@ class FishPreview(GpuOwner):
         context.disable(context.CULL_FACE)
         context.depth_func = "<="
         context.blend_func = context.SRC_ALPHA, context.ONE_MINUS_SRC_ALPHA
-        self._light.use(1)
-        self._fishes.draw(packet, 0, uniforms_of(packet, view, WATER))
+        self._light.use(TEXTURE_UNITS["u_caustics"])
+        uniforms = uniforms_of(packet, view, WATER) | {"u_close_up": True}
+        self._fishes.draw(packet, 0, uniforms)
         assert self._resolve
         self._resolve.draw(self._target.resolved(), self._target.framebuffers[0, 0], size, 0)
         context.detect_framebuffer(0).use()

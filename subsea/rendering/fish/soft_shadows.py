@@ -11,7 +11,7 @@ from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
 from subsea.kernels import kernel
-from subsea.rendering.gl.owner import GpuOwner, replace_data
+from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.state import HULL_CM
 

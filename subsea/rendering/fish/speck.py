@@ -24,8 +24,7 @@ from subsea.fish.surface import (
 )
 from subsea.geometry.curves import greville
 
-VERTEX_FORMAT = "3f4 3f4"
-VERTEX_ATTRIBUTES = ("a_normal", "a_part")
+LAYOUT = "3f4 3f4", "a_normal", "a_part"
 
 RINGS = 3, 6, 9  # columns of the body with four vertices each
 ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # first and last column of the tail fin
@@ -47,7 +46,7 @@ class Speck(NamedTuple):
 
     @property
     def vertices(self) -> Array:
-        """(n, 6) float32, columns as VERTEX_FORMAT."""
+        """(n, 6) float32, columns as LAYOUT."""
         return np.column_stack([self.normals, self.points, self.roots, self.thin]).astype("f4")
 
 

@@ -1,20 +1,26 @@
-"""OpenGL contexts: headless through EGL, or on an existing window.
+"""OpenGL contexts, headless through EGL or on an existing window, and owners of their objects.
 
-Times that the GPU spends in the stages of a picture, by timer queries (OpenGL 3.3).
+A timer measures the stages of a picture on the GPU by timer queries (OpenGL 3.3).
 """
 
 import ctypes
 import os
+import shutil
 import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from contextlib import AbstractContextManager, nullcontext, suppress
+from pathlib import Path
+from typing import Any, TypeVar
 
 import moderngl
+import numpy as np
 
 from subsea.base.errors import UserError
-from subsea.rendering.gl.shaders import avoid_full_disk
-from subsea.rendering.gl.view_block import ViewBuffer
+from subsea.rendering.gl.shaders import ViewBuffer
+
+T = TypeVar("T")
+
+MIN_FREE_BYTES = 256 << 20  # of the disk, for Mesa's shader cache
 
 # Of a picture, in the order of drawing; several views add up.
 GPU_STAGES = (
@@ -74,11 +80,55 @@ class GpuTimer:
         return spent
 
 
+class GpuOwner:
+    """Base class of everything that holds OpenGL objects."""
+
+    def __init__(self) -> None:
+        self._owned: list[Any] = []
+
+    def own(self, made: T) -> T:
+        """Register `made`, anything with a method `release`, as owned, and return it."""
+        self._owned.append(made)
+        return made
+
+    def own_buffers(self, context: Any, *parts: Any) -> list[Any]:
+        """Upload arrays to buffers, one each."""
+        return [self.own(context.buffer(np.ascontiguousarray(part))) for part in parts]
+
+    def release(self) -> None:
+        """Release every owned object, the last one first."""
+        while self._owned:
+            self._owned.pop().release()
+
+
+def replace_data(buffer: Any, data: Any) -> None:
+    """Write a contiguous array to a buffer; draws in progress keep the old data."""
+    buffer.orphan(data.nbytes)
+    buffer.write(data)
+
+
 BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
 REQUIRED = 330  # OpenGL 3.3 core
 INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
 # Variables that select drivers.
 DRIVER_SETTINGS = ("LIBGL_", "MESA_", "GALLIUM_", "EGL_", "__EGL_", "__GLX_")
+
+
+def avoid_full_disk() -> None:
+    """Turn Mesa's shader cache off on an almost full disk; call this before a context is made.
+
+    Mesa maps the index of its cache into memory. If the disk has no room left when it writes there,
+    the system ends the process (SIGBUS).
+    """
+    folder = Path(
+        os.environ.get("MESA_SHADER_CACHE_DIR")
+        or os.environ.get("XDG_CACHE_HOME")
+        or Path.home() / ".cache"
+    ).absolute()
+    with suppress(OSError):
+        there = next(place for place in (folder, *folder.parents) if place.exists())
+        if shutil.disk_usage(there).free < MIN_FREE_BYTES:
+            os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
 
 
 def headless_context() -> Any:

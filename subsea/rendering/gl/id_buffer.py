@@ -13,7 +13,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
-from subsea.rendering.gl.owner import GpuOwner
+from subsea.rendering.gl.context import GpuOwner
 from subsea.view.rig import Rect
 
 # Kinds of things. An object id packs a kind and a number into one float32, exactly.

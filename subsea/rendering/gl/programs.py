@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 from subsea.base.arrays import Array
+from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.id_buffer import object_id
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.shaders import program, required_defines, set_uniforms
 
 
@@ -18,14 +18,17 @@ class ProgramVariants(GpuOwner):
         name: str,
         ids: int | Callable[[], Array] | None = None,
         first: tuple[str, ...] = (),
+        **constants: int,
     ) -> None:
         """Compile `shaders/NAME`; `ids` is a kind, or returns the object id of each vertex.
 
-        `first` are the defines of the variant that is compiled at once.
+        `first` are the defines of the variant that is compiled at once (`Quality.defines`), the
+        `constants` those of all variants.
         """
         super().__init__()
         self.context, self._name, self._ids, self._first = context, name, ids, first
-        compiled = self.own(program(context, name, **dict.fromkeys(first, 1)))
+        self._constants = constants
+        compiled = self.own(program(context, name, **dict.fromkeys(first, 1), **constants))
         self._programs: dict[tuple[str, ...], Any] = {first: compiled}
         self._contents: dict[Any, tuple[Any, Any]] = {}
         self._arrays: dict[Any, Any] = {}
@@ -44,17 +47,18 @@ class ProgramVariants(GpuOwner):
         `wants` are defines beside those that the uniforms require.
         """
         defines = wants + required_defines(uniforms, as_ids)
-        if defines != self._first:
-            array = self._twin(array, defines)
-            if isinstance(self._ids, int):
-                uniforms["u_object_id"] = object_id(self._ids)
+        array = self.variant(array, defines)
+        if isinstance(self._ids, int):
+            uniforms["u_object_id"] = object_id(self._ids)
         set_uniforms(array.program, **uniforms)
         return array
 
-    def _twin(self, array: Any, defines: tuple[str, ...]) -> Any:
-        per_vertex = callable(self._ids)
+    def variant(self, array: Any, defines: tuple[str, ...]) -> Any:
+        """Return `array`, or its twin for the program with these defines, compiled if needed."""
+        if defines == self._first:
+            return array
         if defines not in self._programs:
-            own = {"OWN_IDS": 1} if per_vertex else {}
+            own = self._constants | ({"OWN_IDS": 1} if callable(self._ids) else {})
             compiled = program(self.context, self._name, **dict.fromkeys(defines, 1), **own)
             self._programs[defines] = self.own(compiled)
         if (array, defines) not in self._arrays:

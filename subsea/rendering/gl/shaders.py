@@ -1,43 +1,47 @@
-"""Shader sources with `#include "file"`, once each, and line numbers that stay correct.
+"""Shader programs and their uniforms.
 
-The shader cache of the graphics driver.
+Sources have `#include "file"`, once each, and line numbers that stay correct. The uniforms of a
+view are in one buffer that all programs share, see `shaders/view.glsl`: set one by one in each
+program, they took a sixth of the renderer's own time.
 """
 
-import os
 import re
-import shutil
-from contextlib import suppress
-from pathlib import Path
+import struct
 from typing import Any
 
 from moderngl import Uniform
 
 from subsea.base.errors import UserError
 from subsea.base.system import resource_path
-from subsea.rendering.gl import view_block
-
-MIN_FREE_BYTES = 256 << 20
-
-
-def avoid_full_disk() -> None:
-    """Turn Mesa's shader cache off on an almost full disk; call this before a context is made.
-
-    Mesa maps the index of its cache into memory. If the disk has no room left when it writes there,
-    the system ends the process (SIGBUS).
-    """
-    folder = Path(
-        os.environ.get("MESA_SHADER_CACHE_DIR")
-        or os.environ.get("XDG_CACHE_HOME")
-        or Path.home() / ".cache"
-    ).absolute()
-    with suppress(OSError):
-        there = next(place for place in (folder, *folder.parents) if place.exists())
-        if shutil.disk_usage(there).free < MIN_FREE_BYTES:
-            os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
-
 
 VERSION = "#version 330 core\n"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+
+_SAMPLERS = (
+    "u_table", "u_caustics", "u_noise", "u_skins", "u_vertices", "u_places", "u_relief", "u_leaves",
+    "u_waves", "u_ground", "u_ripples", "u_litter", "u_tracks", "u_grain", "u_polyps", "u_sun_map",
+    "u_fish_map", "u_shafts", "u_mask", "u_bloom",
+)  # fmt: skip
+TEXTURE_UNITS = {name: unit for unit, name in enumerate(_SAMPLERS)}
+"""The texture unit of each sampler; any other sampler reads unit 0."""
+
+# Defines that select a variant of a program, by the uniforms that need the variant. There are
+# variants because a software renderer would walk every branch for every pixel.
+NEEDS = {
+    "CLOSE_UP": "u_close_up",  # details that show at arm's length
+    "LIT": "u_lamps",
+    "SUN_MAP": "u_sun_view",
+    "FISH_MAP": "u_fish_view",
+}
+
+BLOCKS = {"Looks": 0, "View": 1}  # bindings of uniform blocks
+# Each member of the view's buffer in the layout std140, with the gap behind it.
+_MEMBERS = {
+    "u_view": "16f", "u_projection": "16f", "u_view_projection": "16f", "u_inverse": "16f",
+    "u_eye": "3f", "u_time": "1f", "u_balance": "3f4x", "u_far": "3f4x", "u_broad": "3f4x",
+    "u_narrow": "3f4x",
+}  # fmt: skip
+_VIEW_BYTES = sum(map(struct.calcsize, _MEMBERS.values()))
 
 
 def program(context: Any, name: str, **constants: int) -> Any:
@@ -49,16 +53,10 @@ def program(context: Any, name: str, **constants: int) -> Any:
 
 
 def required_defines(uniforms: dict[str, Any], as_ids: bool = False) -> tuple[str, ...]:
-    """The defines that select a program variant.
-
-    OBJECT_IDS to draw object ids; LIT with lamps on; SUN_MAP and FISH_MAP with maps of shadows.
-
-    Separate variants, because a software renderer would walk every branch for every pixel.
-    """
+    """Return the defines of the program variant for these uniforms, or for object ids."""
     if as_ids:
         return ("OBJECT_IDS",)
-    needs = {"LIT": "u_lamps", "SUN_MAP": "u_sun_map", "FISH_MAP": "u_fish_map"}
-    return tuple(define for define, uniform in needs.items() if uniform in uniforms)
+    return tuple(define for define, uniform in NEEDS.items() if uniform in uniforms)
 
 
 def source(name: str, **constants: int) -> str:
@@ -90,19 +88,20 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
 def set_uniforms(target: Any, **values: Any) -> None:
     """Set the uniforms that the program uses and whose value has changed.
 
-    Those of the view are taken from `view`, the content of its block, or by their names. Must be
+    Those of the view are taken from `view`, the content of its buffer, or by their names. Must be
     the only way to set uniforms: `extra` of each caches its last value.
     """
     if target.extra is None:
         members = {name: target[name] for name in target}
-        own = {name: one for name, one in members.items() if isinstance(one, Uniform)}
-        target.extra = own, view_block.NAME in members
-        if view_block.NAME in members:
-            members[view_block.NAME].binding = view_block.BINDING
+        own = {name: member for name, member in members.items() if isinstance(member, Uniform)}
+        target.extra = own, "View" in members
+        for name in TEXTURE_UNITS.keys() & own.keys():
+            own[name].value = TEXTURE_UNITS[name]
+        for name in BLOCKS.keys() & members.keys():
+            members[name].binding = BLOCKS[name]
     own, sees = target.extra
     if sees:
-        content = values.get("view") or view_block.view_block(values)
-        target.ctx.extra.view.write(content)
+        target.ctx.extra.view.write(values.get("view") or view_block(values))
     for name, uniform in own.items():  # fewer than the values
         value = values.get(name)
         if value is not None and uniform.extra != value:
@@ -111,3 +110,32 @@ def set_uniforms(target: Any, **values: Any) -> None:
                 uniform.write(value)
             else:
                 uniform.value = value
+
+
+def view_block(values: dict[str, Any]) -> bytes:
+    """Pack the content of the view's buffer: matrices as bytes, vectors, the time."""
+    return b"".join(_packed(layout, values.get(name)) for name, layout in _MEMBERS.items())
+
+
+def _packed(layout: str, value: Any) -> bytes:
+    if value is None:
+        return bytes(struct.calcsize(layout))
+    if isinstance(value, bytes):
+        return value
+    return struct.pack(layout, *((value,) if isinstance(value, float) else value))
+
+
+class ViewBuffer:
+    """The buffer of a context, which holds the view that is drawn."""
+
+    def __init__(self, context: Any) -> None:
+        """Bind the buffer for all programs of the context."""
+        self._buffer = context.buffer(reserve=_VIEW_BYTES)
+        self._buffer.bind_to_uniform_block(BLOCKS["View"])
+        self._content = b""
+
+    def write(self, content: bytes) -> None:
+        """Write the content of a view, unless it is there."""
+        if content != self._content:
+            self._buffer.write(content)
+            self._content = content

@@ -1,32 +1,93 @@
 """Static geometry in one vertex buffer: each view draws the visible items in one call."""
 
+import ctypes
 from collections.abc import Callable, Sequence
 from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
-import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.kernels import kernel
-from subsea.rendering.gl.level_fades import (
-    OUT_OF_SIGHT,
-    LevelState,
-    empty_levels,
-    fade_groups,
-    next_levels,
-    under_way,
-)
-from subsea.rendering.gl.owner import GpuOwner, replace_data
+from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants, variant_array
+from subsea.rendering.gl.shaders import TEXTURE_UNITS
+from subsea.rendering.gl.textures import gl_function
 from subsea.view.camera import View
 from subsea.view.culling import ViewArrays, eye_distance, in_frustum, view_arrays
+from subsea.view.levels import FADE_S
+
+OUT_OF_SIGHT = -1  # instead of a level
+
+
+class LevelState(NamedTuple):
+    """The levels of k items in the last picture."""
+
+    level: Ints  # (k,), or OUT_OF_SIGHT
+    former: Ints  # (k,), the level before
+    since: Array  # (k,) s, time of the change; -inf: no fade
+    time_s: float  # of the picture
+
+
+def empty_levels(k: int) -> LevelState:
+    """The state before the first picture of k items."""
+    return LevelState(
+        np.full(k, OUT_OF_SIGHT), np.full(k, OUT_OF_SIGHT), np.full(k, -np.inf), -np.inf
+    )
+
+
+def next_levels(level: Ints, before: LevelState, time_s: float) -> LevelState:
+    """The state after a picture that wants these levels (k,) at `time_s`.
+
+    Only a step to the next level fades, in a picture that follows the last: items that come into
+    sight, and all items after a jump in time or while it stands still, have their levels at once.
+    No change begins during another.
+    """
+    if not 0.0 < time_s - before.time_s < FADE_S:
+        return empty_levels(len(level))._replace(level=level, time_s=time_s)
+    seen = (level != OUT_OF_SIGHT) & (before.level != OUT_OF_SIGHT)
+    under_way = seen & (time_s - before.since < FADE_S)
+    begins = seen & ~under_way & (np.abs(level - before.level) == 1)
+    return LevelState(
+        np.where(under_way, before.level, level),
+        np.where(begins, before.level, before.former),
+        np.where(begins, time_s, np.where(under_way, before.since, -np.inf)),
+        time_s,
+    )
+
+
+class FadeGroup(NamedTuple):
+    """Items that one call draws with one share of their pixels."""
+
+    items: Ints  # (n,), in the order of drawing
+    level: Ints  # (n,)
+    share: float  # as `fades.glsl` takes it; 0 draws all pixels
+
+
+def fade_groups(items: Ints, state: LevelState) -> list[FadeGroup]:
+    """Groups of `items` in sight: those at rest, then both levels of each change under way."""
+    since = state.since[items]
+    rest = items[since == -np.inf]
+    groups = [FadeGroup(rest, state.level[rest], 0.0)]
+    if len(rest) == len(items):
+        return groups
+    for start in np.unique(since[since > -np.inf]).tolist():
+        own = items[since == start]
+        done = min(max((state.time_s - start) / FADE_S, 0.01), 0.99)
+        groups.append(FadeGroup(own, state.level[own], done))
+        groups.append(FadeGroup(own, state.former[own], done - 1.0))
+    return groups
+
+
+def under_way(state: LevelState) -> Bools:
+    """True for each item (k,) that is drawn at two levels."""
+    return np.asarray(state.since > -np.inf)
+
 
 NEAR_PX, MIDDLE_PX = 360.0, 130.0  # default diameters from which the levels are used
 LEAST_PX = 3.0  # smaller items are not drawn
 HYSTERESIS = 0.12  # share by which a threshold is overstepped before the level changes
-INDIRECT = "GL_ARB_multi_draw_indirect"  # of OpenGL 4.3, and of many drivers of 3.3
-COMMAND_BYTES = 20
+TRIANGLES, UNSIGNED_INT = 0x0004, 0x1405  # OpenGL enums
 FADING = ("FADING",)  # variant of a program that draws a share of the pixels
 
 
@@ -56,10 +117,7 @@ class LazyMesh(NamedTuple):
 
 
 class StaticBatch(GpuOwner):
-    """The vertices and triangles of all items, and a command for each item that is drawn now.
-
-    Drivers without `INDIRECT` receive the indices of all triangles that are drawn now instead.
-    """
+    """The vertices and triangles of all items, of which one call draws those that are chosen."""
 
     def __init__(
         self,
@@ -78,6 +136,8 @@ class StaticBatch(GpuOwner):
         computed if None. The batch releases `programs`.
         """
         super().__init__()
+        self.textures: dict[str, Any] = {}  # by the names of their samplers
+        self.uniforms: dict[str, Any] = {}  # beside those of a view
         self._programs = self.own(programs)
         self._reach = reach_cm
         self._thresholds = np.asarray(thresholds_px, np.float64)
@@ -85,13 +145,15 @@ class StaticBatch(GpuOwner):
         # their triangles.
         flat = list({id(mesh): mesh for levels in items for mesh in levels}.values())
         lists = list({id(mesh.triangles): mesh.triangles for mesh in flat}.values())
-        self._triangles = np.concatenate([np.zeros((0, 3), np.int32), *lists]).astype("i4")
+        triangles = np.concatenate([np.zeros((0, 3), np.int32), *lists]).astype("i4")
         self._ranges = _ranges(items, len(thresholds_px) + 1, flat, lists)
         spheres = bounding_spheres(items) if spheres is None else spheres
         self._centres, self._radii = spheres[:, :3].copy(), spheres[:, 3].copy()
         self._state = empty_levels(len(items))
         self._seen = np.zeros((0, len(items)), np.bool_)
-        # Calls of each view: first command, or triangle; their number; triangles; share to draw.
+        self._draw_many = _multi_draw(programs.context)
+        self._chosen = np.zeros((0, 3), np.int64)  # rows of `_ranges`, in the order of drawing
+        # Calls of each view: first and end among the chosen; triangles; share to draw.
         self._calls: list[list[tuple[int, int, int, float]]] = []
         item = {id(mesh): k for k, levels in enumerate(items) for mesh in levels}
         self._owners = [item[id(mesh)] for mesh in flat], [mesh.number for mesh in flat]
@@ -104,12 +166,7 @@ class StaticBatch(GpuOwner):
         self._absent = np.isin(self._ranges[..., 2], [*self._waiting])  # (k, levels)
         self._stride = sum(int(part[0]) * int(part[2]) for part in layout.split())
         self._vertices = self.own(programs.context.buffer(reserve=self._stride * first[-1]))
-        self._indirect = INDIRECT in programs.context.extensions
-        if self._indirect:
-            self._indices = self.own(programs.context.buffer(self._triangles))
-            self._commands = self.own(programs.context.buffer(reserve=COMMAND_BYTES))
-        else:
-            self._indices = self.own(programs.context.buffer(reserve=12))
+        self._indices = self.own(programs.context.buffer(triangles))
         self._content = self._vertices, layout, *attributes.split()
         self._array = programs.array([self._content], self._indices)
 
@@ -152,18 +209,13 @@ class StaticBatch(GpuOwner):
         items, chosen = (np.concatenate([group[k] for group in every]) for k in (0, 1))
         if self._waiting:
             self._make(items, chosen)
-        ranges = self._ranges[items, chosen]
-        ends = np.append(0, np.cumsum(ranges[:, 1] - ranges[:, 0]))
-        if len(ranges) and self._indirect:
-            replace_data(self._commands, commands(ranges))
-        elif ends[-1]:
-            replace_data(self._indices, gather(self._triangles, ranges))
+        self._chosen = ranges = self._ranges[items, chosen]
+        ends = np.append(0, np.cumsum(ranges[:, 1] - ranges[:, 0])).tolist()
         bounds = [0, *accumulate(len(group.items) for group in every)]
-        calls = []
-        for first, end, group in zip(bounds[:-1], bounds[1:], every, strict=True):
-            triangles = int(ends[end] - ends[first])
-            drawn = (first, end - first) if self._indirect else (int(ends[first]), triangles)
-            calls.append((*drawn, triangles, group.share))
+        calls = [
+            (first, end, ends[end] - ends[first], group.share)
+            for (first, end), group in zip(pairwise(bounds), every, strict=True)
+        ]
         split = [0, *accumulate(map(len, groups))]
         self._calls = [calls[i:k] for i, k in pairwise(split)]
 
@@ -182,14 +234,9 @@ class StaticBatch(GpuOwner):
         if self._waiting:
             items = np.arange(len(self._centres))
             self._make(items, np.full(len(items), level))
-        triangles = gather(self._triangles, np.ascontiguousarray(self._ranges[:, level]))
-        if not len(triangles):
-            return
-        indices = compiled.ctx.buffer(triangles)
-        array = variant_array(compiled.ctx, compiled, [self._content], indices)
-        array.render(moderngl.TRIANGLES)
+        array = variant_array(compiled.ctx, compiled, [self._content], self._indices)
+        self._draw_many(array, self._ranges[:, level])
         array.release()
-        indices.release()
 
     def recall(self, state: LevelState | None = None) -> LevelState:
         """Set the levels that the next choice starts from, None: no item; returns the old."""
@@ -208,32 +255,23 @@ class StaticBatch(GpuOwner):
         """The item that each vertex (n,) belongs to."""
         return np.repeat(*self._owners)
 
-    def draw(
-        self,
-        number: int,
-        uniforms: dict[str, Any],
-        as_ids: bool = False,
-        wants: tuple[str, ...] = (),
-    ) -> int:
+    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
         """Draw the items in view `number`, or their object ids; returns the number of triangles.
 
-        `wants` are defines of the program. Items at rest take one call, those that fade two for
-        each moment at which a fade began.
+        Items at rest take one call, those that fade two for each moment at which a fade began.
         """
         if self._array is None:
             return 0
+        for name, texture in self.textures.items():
+            texture.use(TEXTURE_UNITS[name])
+        uniforms = uniforms | self.uniforms
         total = 0
-        for first, count, triangles, share in self._calls[number]:
+        for first, end, triangles, share in self._calls[number]:
             if not triangles:
                 continue
             fading = FADING if share else ()
-            array = self._programs.ready(
-                self._array, as_ids, wants + fading, **uniforms, u_fade=share
-            )
-            if self._indirect:
-                array.render_indirect(self._commands, moderngl.TRIANGLES, count, first)
-            else:
-                array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
+            array = self._programs.ready(self._array, as_ids, fading, **uniforms, u_fade=share)
+            self._draw_many(array, self._chosen[first:end])
             total += triangles
         return total
 
@@ -309,25 +347,29 @@ def _levels(
     return level
 
 
-def commands(ranges: Ints) -> Ints:
-    """Commands (k, 5) uint32 that draw each of the `ranges` (k, 3): glDrawElementsIndirect."""
-    out = np.empty((len(ranges), 5), np.uint32)
-    out[:, 0], out[:, 1] = 3 * (ranges[:, 1] - ranges[:, 0]), 1  # indices, instances
-    out[:, 2], out[:, 3], out[:, 4] = 3 * ranges[:, 0], ranges[:, 2], 0  # first index, first vertex
-    return out
+def _multi_draw(context: Any) -> Callable[[Any, Ints], None]:
+    """Return a function that draws `ranges` (k, 3) of a vertex array in one call.
 
+    moderngl wraps no call that draws several ranges with OpenGL 3.3.
+    """
+    kinds = ctypes.c_uint, ctypes.c_void_p, ctypes.c_uint, ctypes.c_void_p, ctypes.c_int
+    draw = gl_function(context, "glMultiDrawElementsBaseVertex", *kinds, ctypes.c_void_p)
+    use = gl_function(context, "glUseProgram", ctypes.c_uint)
+    bind = gl_function(context, "glBindVertexArray", ctypes.c_uint)
 
-@kernel
-def gather(triangles: Ints, ranges: Ints) -> Ints:
-    """The triangles (m, 3) of all `ranges` (k, 3), one after another."""
-    out = np.empty(((ranges[:, 1] - ranges[:, 0]).sum(), 3), np.int32)
-    place = 0
-    for k in range(len(ranges)):
-        for i in range(ranges[k, 0], ranges[k, 1]):
-            for corner in range(3):
-                out[place, corner] = triangles[i, corner] + ranges[k, 2]
-            place += 1
-    return out
+    def draw_many(array: Any, ranges: Ints) -> None:
+        counts = (3 * (ranges[:, 1] - ranges[:, 0])).astype(np.int32)
+        offsets = 12 * np.ascontiguousarray(ranges[:, 0])  # bytes: three indices of four
+        vertices = ranges[:, 2].astype(np.int32)
+        use(array.program.glo)
+        bind(array.glo)
+        with context.extra:
+            draw(
+                TRIANGLES, counts.ctypes.data, UNSIGNED_INT, offsets.ctypes.data, len(ranges),
+                vertices.ctypes.data,
+            )  # fmt: skip
+
+    return draw_many
 
 
 def bounding_spheres(items: Sequence[Sequence[StaticMesh | LazyMesh]]) -> Array:

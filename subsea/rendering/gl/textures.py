@@ -21,7 +21,7 @@ from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.disk_cache import cache_name, cached
 
 P = ParamSpec("P")
-Texels = NDArray[Any]  # half floats or bytes (h, w, c), bottom row first
+Texels = NDArray[Any]  # bytes, half or single floats (h, w, c), bottom row first
 
 # OpenGL enums; formats by the number of planes.
 TEXTURE_2D, MAX_LEVEL, UNSIGNED_BYTE, HALF_FLOAT = 0x0DE1, 0x813D, 0x1401, 0x140B
@@ -35,6 +35,20 @@ def mipmapped(context: Any, texels: Texels, last: int = ALL, srgb: bool = False)
     """Make a texture with mipmaps up to level `last`."""
     texture = _plain(context, texels, srgb)
     texture.build_mipmaps(max_level=last)
+    return texture
+
+
+def upload(context: Any, texels: Texels) -> Any:
+    """Make a texture whose edge extends outward, of texels (h, w, c), bottom row first."""
+    texture = _plain(context, texels)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def table(context: Any, values: Array) -> Any:
+    """Make a texture of `values` (rows, columns, 4) that shaders fetch by index."""
+    texture = _plain(context, values)
+    texture.filter = context.NEAREST, context.NEAREST
     return texture
 
 
@@ -77,11 +91,12 @@ def cached_texture(
     return texture
 
 
-def _plain(context: Any, texels: Texels, srgb: bool) -> Any:
-    height, width, planes = texels.shape
-    kind = "f1" if texels.dtype == np.uint8 else "f2"
-    data, own = np.ascontiguousarray(texels), _format(texels, srgb)
-    return context.texture((width, height), planes, data, dtype=kind, internal_format=own)
+def _plain(context: Any, texels: Texels, srgb: bool = False) -> Any:
+    (height, width, planes), kind = texels.shape, {1: "f1", 2: "f2", 4: "f4"}[texels.itemsize]
+    return context.texture(
+        (width, height), planes, np.ascontiguousarray(texels), dtype=kind, alignment=1,
+        internal_format=None if kind == "f4" else _format(texels, srgb),
+    )  # fmt: skip
 
 
 def _format(texels: Texels, srgb: bool) -> int:
@@ -266,13 +281,9 @@ class ImageTexture:
         most = context.info["GL_MAX_TEXTURE_SIZE"]
         while max(pixels.shape[:2]) > most:
             pixels = pixels[::2, ::2]
-        height, width, planes = pixels.shape
-        self._texture = context.texture(
-            (width, height), planes, np.ascontiguousarray(pixels).tobytes(), alignment=1
-        )
+        self._texture = upload(context, pixels)
         self._texture.build_mipmaps()
         self._texture.filter = context.LINEAR_MIPMAP_LINEAR, context.LINEAR
-        self._texture.repeat_x = self._texture.repeat_y = False
         self.glo: int = self._texture.glo
 
     def release(self) -> None:

@@ -47,9 +47,14 @@ class Quality:
     close_up: bool = True
 
     @property
-    def close_up_defines(self) -> tuple[str, ...]:
-        """The defines of programs that have a variant for close-ups."""
-        return ("CLOSE_UP",) * self.close_up
+    def defines(self) -> tuple[str, ...]:
+        """The defines of the program variants of a picture in daylight."""
+        chosen = {
+            "CLOSE_UP": self.close_up,
+            "SUN_MAP": self.sun_map,
+            "FISH_MAP": self.sun_map and self.fish_map,
+        }
+        return tuple(define for define, wanted in chosen.items() if wanted)
 
     @property
     def packing(self) -> PackOptions:

@@ -11,17 +11,95 @@ import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.rendering.gl.owner import GpuOwner
-from subsea.rendering.gl.shaders import program, set_uniforms
-from subsea.rendering.output.bloom import Bloom
+from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms, source
+from subsea.rendering.gl.textures import upload
 from subsea.rendering.output.quality import Quality
 from subsea.scenario.schema import UNGRADED, Grade
 from subsea.view.rig import CUBES, DisplayPatch, Projection, Rect, Warp, Weave
 from subsea.view.surround import ROWS, half_tangent
 
+BLOOM_ROWS = 200  # most rows of the blurred picture: the blur is a share of the height
+
+
+class Bloom(GpuOwner):
+    """Draws the bloom of a part of a canvas, small and blurred."""
+
+    def __init__(self, context: Any) -> None:
+        """Compile its passes."""
+        super().__init__()
+        self._context = context
+        self._bright, self._smaller, self._blur = (
+            self._pass(BRIGHT=bright, BLUR=blur) for bright, blur in ((1, 0), (0, 0), (0, 1))
+        )
+        self._held = self.own(GpuOwner())  # of the size below
+        self._size = (0, 0)
+        self._levels: list[tuple[Any, Any]] = []  # textures and their framebuffers
+
+    def draw(self, canvas: Any, part: Rect) -> Any:
+        """The bloom of a part of the canvas, in pixels: a texture, valid until the next."""
+        if self._size != part[2:]:
+            self._make(part[2:])
+        context = self._context
+        context.disable(context.DEPTH_TEST | context.BLEND | context.CULL_FACE)
+        canvas.filter = context.LINEAR, context.LINEAR
+        wide, high = canvas.size
+        x, y, width, height = part
+        before, shares = canvas, (x / wide, y / high, width / wide, height / high)
+        passed = self._bright
+        *levels, spare = self._levels
+        for level in levels:
+            # Between the first two texels of four and between the last two.
+            step = 1.0 / before.size[0], 1.0 / before.size[1]
+            before = self._draw(passed, before, level, shares, step)
+            passed, shares = self._smaller, (0.0, 0.0, 1.0, 1.0)
+        small = levels[-1]
+        across, down = 1.0 / before.size[0], 1.0 / before.size[1]
+        self._draw(self._blur, before, spare, shares, (across, 0.0))
+        return self._draw(self._blur, spare[0], small, shares, (0.0, down))
+
+    def _make(self, size: tuple[int, int]) -> None:
+        """Textures of a quarter of the size before, down to few rows, and another of the last."""
+        self._held.release()
+        self._size, self._levels = size, []
+        width, height = size
+        while not self._levels or height > BLOOM_ROWS:
+            width, height = max(width // 4, 1), max(height // 4, 1)
+            self._levels.append(self._level((width, height)))
+        self._levels.append(self._level((width, height)))
+
+    def _level(self, size: tuple[int, int]) -> tuple[Any, Any]:
+        texture = self._held.own(self._context.texture(size, 4, dtype="f2"))
+        texture.repeat_x = texture.repeat_y = False
+        return texture, self._held.own(self._context.framebuffer([texture]))
+
+    def _pass(self, **constants: int) -> tuple[Any, Any]:
+        compiled = self._context.program(
+            vertex_shader=source("present.vert"),
+            fragment_shader=source("bloom.frag", **constants),
+        )
+        return self.own(compiled), self.own(self._context.vertex_array(compiled, []))
+
+    def _draw(
+        self,
+        passed: tuple[Any, Any],
+        before: Any,
+        into: tuple[Any, Any],
+        shares: tuple[float, float, float, float],
+        step: tuple[float, float],
+    ) -> Any:
+        compiled, triangle = passed
+        texture, framebuffer = into
+        framebuffer.use()
+        self._context.viewport = (0, 0, *texture.size)
+        set_uniforms(compiled, u_source=shares, u_step=step)
+        before.use(0)
+        triangle.render(vertices=3)
+        return texture
+
+
 AMBER = np.array([1.0, 0.0, -1.0])  # logarithms of the factors on red, green and blue
 WARMEST = 0.35  # of these, by the greatest warmth
-MASK_UNIT, BLOOM_UNIT = 1, 2  # texture units, free again after the scene is drawn
 
 Into = Mapping[int, Any]  # framebuffers by output
 OWN: Into = {}  # all outputs are drawn into the renderer's own pictures
@@ -143,7 +221,7 @@ class ResolvePass(GpuOwner):
         context, patch = self._context, self.patches[number]
         bloom = self._bloom if linear and self._may_bloom(patch) else None
         if bloom is not None:
-            bloom.draw(canvas, scaled(patch.left, scale)).use(BLOOM_UNIT)
+            bloom.draw(canvas, scaled(patch.left, scale)).use(TEXTURE_UNITS["u_bloom"])
         into.use()
         context.viewport = patch.place
         context.disable(context.DEPTH_TEST | context.BLEND)
@@ -158,8 +236,6 @@ class ResolvePass(GpuOwner):
             u_apart=patch.apart,
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
-            u_mask=MASK_UNIT,
-            u_bloom=BLOOM_UNIT,
             u_gain=gain(self._grade),
             u_contrast=self._grade.contrast,
             u_saturation=self._grade.saturation,
@@ -169,7 +245,7 @@ class ResolvePass(GpuOwner):
         canvas.filter = NEAREST if exact else LINEAR
         canvas.use(0)
         if self._masks[number] is not None:
-            self._masks[number].use(MASK_UNIT)
+            self._masks[number].use(TEXTURE_UNITS["u_mask"])
         array.render(vertices=3 if patch.warp is None else -1)
 
     def _may_bloom(self, patch: DisplayPatch) -> bool:
@@ -209,11 +285,7 @@ class ResolvePass(GpuOwner):
         return vertices, triangles, {}
 
     def _mask(self, mask: Array) -> Any:
-        height, width = mask.shape[:2]
-        data = np.ascontiguousarray(mask[::-1], "f2").tobytes()
-        texture = self._held.own(self._context.texture((width, height), 4, data, dtype="f2"))
-        texture.repeat_x = texture.repeat_y = False
-        return texture
+        return self._held.own(upload(self._context, mask[::-1].astype("f2")))
 
 
 def _shown(patch: DisplayPatch) -> tuple[float, float]:

@@ -1,16 +1,160 @@
 """Uniforms that all shaders share: eye, water, time, lamps."""
 
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
+from subsea.base.arrays import Array
 from subsea.frame.packet import Packet
-from subsea.rendering.gl.view_block import view_block
-from subsea.rendering.output.daylight import light_uniforms
-from subsea.scenario.schema import Water
+from subsea.habitat.stone import sun_at
+from subsea.rendering.gl.shaders import view_block
+from subsea.scenario.schema import LUMINANCE, Water, attenuation
 from subsea.view.camera import View
 
-SHAFTS_UNIT = 15  # texture unit that all shaders read
+CONTRAST_LEFT = 0.02  # at the visibility of a scenario
+# Daylight at noon at the surface. The sun's is that of a surface that faces it.
+SUNLIGHT, SKYLIGHT = np.array([5.3, 4.2, 3.6]), np.array([0.50, 0.76, 0.95])
+SANDLIGHT = np.array([0.32, 0.36, 0.36])  # reflected upward by sand
+AIR = np.array([0.10, 0.17, 0.32])  # optical depth of the air, sun in the zenith
+MOST_AIR = 9.0  # air mass at the horizon
+DUSK = np.array([0.22, 0.24, 0.34])  # of the sky's light, when the sun is at the horizon
+# Water without a type: attenuation downward in 1/cm, and shares of the extinction along the view.
+PLAIN_DOWN, PLAIN_ALONG = np.array([0.0020, 0.00080, 0.00042]), np.array([1.25, 1.0, 0.84])
+ABSORBED = 0.5  # share of different losses along the view that the eye does not make up for
+LEAST_ALONG = 0.4  # share of the extinction of green light that any colour has
+# The eye adapts to the light around it: share of the loss that it makes up for, in the colour that
+# water absorbs least and most. It adapts less the deeper it is.
+ADAPTED_LEAST, ADAPTED_MOST = 0.45, 1.10
+ADAPTS_TO_CM = 1000.0  # depth at which half of it is made up for
+LEVEL_CM = 350.0  # depth at which the colour of distant water is seen level as it is given
+# The pupil: exponent of the eye's light over that at LEVEL_CM at noon, and its limits.
+PUPIL, NARROW, WIDE = 0.55, 0.75, 2.2
+FAR = 0.75  # of distant water, of the colour that is given
+VIOLET = np.array([1.7, 0.92, 1.0])  # of the deep, which an eye sees below blue water
+RISE, SINK = 0.53, 0.60  # how much more and less there is of the colour that water takes most
+# Light scattered forward around the sun: a broad glow and a narrow one.
+BROAD, NEAR_SUN = np.array([0.02, 0.08, 0.11]), np.array([0.22, 0.45, 0.50])
+PLAIN_FAR = np.array([0.007, 0.080, 0.190])  # distant water that those belong to
+
+
+@dataclass(frozen=True)
+class Daylight:
+    """The light of a scenario, without the eye; colours are linear RGB."""
+
+    sun: Array  # (3,) unit vector toward the sun, below the surface
+    sunlight: Array  # below the surface, of a surface that faces the sun
+    skylight: Array
+    sandlight: Array
+    down: Array  # attenuation of daylight with depth, 1/cm
+    along: Array  # extinction along a view ray, 1/cm
+    far: Array  # radiance of distant water, seen level from LEVEL_CM
+    glow: Array  # (2, 3) broad and narrow, about the sun
+
+    @cached_property
+    def adapted(self) -> Array:
+        """Share of the loss of each colour that the eye makes up for."""
+        return ADAPTED_LEAST + (ADAPTED_MOST - ADAPTED_LEAST) * self.taken
+
+    @cached_property
+    def level(self) -> Array:
+        """Daylight (3,) at LEVEL_CM over that at the surface, balanced."""
+        return self.at(LEVEL_CM)
+
+    @cached_property
+    def steady(self) -> dict[str, tuple[float, ...]]:
+        """The uniforms that do not depend on the eye."""
+        x, _, z = self.sun
+        across = np.array([z, 0.0, -x]) / np.hypot(x, z)
+        colours = {
+            "u_sun": self.sun,
+            "u_across": across,
+            "u_aside": np.cross(self.sun, across),
+            "u_sunlight": self.sunlight,
+            "u_skylight": self.skylight,
+            "u_sandlight": self.sandlight,
+            "u_down": self.down,
+            "u_along": self.along,
+            "u_rise": np.exp(RISE * self.taken**0.75),
+            "u_sink": VIOLET * np.exp(-SINK * np.sqrt(self.taken)),
+        }
+        return {name: tuple(value.tolist()) for name, value in colours.items()}
+
+    @cached_property
+    def taken(self) -> Array:
+        """Rank of each colour by its loss in water, 0 for the least to 1."""
+        return np.asarray((self.down - self.down.min()) / np.ptp(self.down))
+
+    def balance(self, depth: float) -> Array:
+        """Factor (3,) on all light by the white balance of an eye at a depth, cm."""
+        return np.asarray(np.exp(self.down * self.adapted * depth / (1.0 + depth / ADAPTS_TO_CM)))
+
+    def at(self, depth: float) -> Array:
+        """Daylight (3,) at an eye at a depth over that at the surface, balanced."""
+        return np.asarray(np.exp(-self.down * depth) * self.balance(depth))
+
+    def pupil(self, depth: float) -> float:
+        """Factor on all light by the pupil of an eye at a depth, cm; 1 in plain water at noon."""
+        bright = LUMINANCE @ ((self.sun[2] * self.sunlight + self.skylight) * self.at(depth))
+        return float(np.clip((_usual() / bright) ** PUPIL, NARROW, WIDE))
+
+
+@lru_cache(maxsize=16)
+def daylight(water: Water) -> Daylight:
+    """The light in a scenario's water."""
+    sun, sine = sun_at(water.hour)
+    noon, top = sun_at(12.0)
+    # The path through the air, and the share of the flat light that enters the water.
+    air = np.minimum(1.0 / np.maximum([sine, top], 1.0 / MOST_AIR), MOST_AIR)
+    entering = max(sine, 0.02) / sun[2] / (top / noon[2])
+    sunlight = SUNLIGHT * entering * np.exp(-AIR * (air[0] - air[1]))
+    skylight = SKYLIGHT * (DUSK + (1.0 - DUSK) * min(sine / top, 1.0))
+    now, then = sun[2] * sunlight + skylight, noon[2] * SUNLIGHT + SKYLIGHT
+    green = -np.log(CONTRAST_LEFT) / water.visibility_cm
+    far, glow = np.array(water.far), np.array([BROAD, NEAR_SUN])
+    if water.type is None:
+        down, along = PLAIN_DOWN, green * PLAIN_ALONG
+    else:
+        down = np.array(attenuation(water.type))
+        # All colours are scattered alike; what is absorbed differs.
+        along = np.maximum(green + ABSORBED * (down - down[1]), LEAST_ALONG * green)
+        hue = np.sqrt(far / PLAIN_FAR)
+        glow = glow * np.clip(hue / hue[1], 0.3, 3.0)
+    return Daylight(
+        np.array(sun), sunlight, skylight, SANDLIGHT * now / then, down, along, far * now / then,
+        glow * sunlight / SUNLIGHT,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def _usual() -> float:
+    """Luminance about an eye in plain water at LEVEL_CM at noon."""
+    sun = np.array(sun_at(12.0)[0])
+    plain = Daylight(
+        sun, SUNLIGHT, SKYLIGHT, SANDLIGHT, PLAIN_DOWN, PLAIN_ALONG, PLAIN_FAR, np.zeros((2, 3))
+    )
+    return float(LUMINANCE @ ((sun[2] * SUNLIGHT + SKYLIGHT) * plain.at(LEVEL_CM)))
+
+
+def light_uniforms(water: Water, eye: Array | tuple[float, ...]) -> dict[str, Any]:
+    """The uniforms of `optics.glsl` that depend on water, hour and the height of the eye.
+
+    They depend on nothing else of a view, so that all screens of a theatre match.
+    """
+    light = daylight(water)
+    depth = max(-float(eye[2]), 0.0)
+    balance = light.balance(depth) * light.pupil(depth)
+    here = np.exp(-light.down * depth) * balance / light.level
+    return light.steady | {
+        "u_balance": tuple(balance.tolist()),
+        "u_far": tuple((FAR * light.far * here).tolist()),
+        "u_broad": tuple((light.glow[0] * here).tolist()),
+        "u_narrow": tuple((light.glow[1] * here).tolist()),
+        "u_extinction": float(light.along[1]),
+    }
+
+
 # Period of the shaders' time; waves and snow jump when it ends. Their float32 resolves 1 ms up to
 # here, but only 8 ms after a day, and waves would jerk.
 TIDE_S = 4 * 3600.0
@@ -31,9 +175,6 @@ def uniforms_of(packet: Packet, view: View, water: Water) -> dict[str, Any]:
             "u_size": (float(view.viewport[2]), float(view.viewport[3])),
             "u_without": float(view.without),
             "u_time": packet.time_s % TIDE_S,
-            "u_caustics": 1,
-            "u_noise": 2,
-            "u_shafts": SHAFTS_UNIT,
         }
         | light_uniforms(water, view.eye)
         | _lamps(packet)

@@ -8,13 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Bools
 from subsea.base.disk_cache import cached
-from subsea.frame.packet import Packet
 from subsea.habitat.reef import KINDS, MOUND
 from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.id_buffer import CORAL, object_id
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import LazyMesh, StaticBatch, bounding_spheres
 from subsea.rendering.gl.textures import (
@@ -205,7 +203,6 @@ def budded(seed: int) -> Texels:
     return in_bytes(polyps(seed), -POLYP_SPAN, POLYP_SPAN)
 
 
-GRAIN_UNIT, POLYPS_UNIT = 8, 9  # texture units
 TILE_CM = 32.0  # of the grain
 MOST_SWAY_CM = 10.0  # as `coral.vert`
 FINEST_CM = 12.0  # radius below which growths have no finest level
@@ -220,7 +217,7 @@ ATTRIBUTES = "a_position a_normal a_colour a_grain a_along"
 COLUMNS = 7
 
 
-class CoralRenderer(GpuOwner):
+class CoralRenderer(StaticBatch):
     """Draws the growths in sight."""
 
     def __init__(
@@ -232,44 +229,21 @@ class CoralRenderer(GpuOwner):
         quality: Quality,
     ) -> None:
         """Upload the `growths` of `bake`; `reach_cm` is the visibility."""
-        super().__init__()
-        self.adapt(quality)
-        # Mounds are always drawn: other growths stand on them.
-        self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
-        self._grain = self.own(repeating(context, grained, 6))
-        self._polyps = self.own(repeating(context, budded, 7))
         programs = ProgramVariants(
-            context, "coral", lambda: object_id(CORAL, self._batch.owners), self._wants
+            context, "coral", lambda: object_id(CORAL, self.owners), quality.defines
         )
         balls = cached(spheres, reef)
-        self._batch = self.own(
-            StaticBatch(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
-        )
+        super().__init__(programs, LAYOUT, ATTRIBUTES, growths, reach_cm, THRESHOLDS_PX, balls)
+        # Mounds are always drawn: other growths stand on them.
+        self._own = np.where(reef.kind == MOUND, 0.0, reef.own)
+        self.textures = {
+            "u_grain": self.own(repeating(context, grained, 6)),
+            "u_polyps": self.own(repeating(context, budded, 7)),
+        }
 
-    @property
-    def batches(self) -> tuple[StaticBatch, ...]:
-        """State that depends on earlier packets."""
-        return (self._batch,)
-
-    def choose(self, packet: Packet, detail: float = 1.0, growth: float = 1.0) -> None:
-        """Choose what the views of a packet draw; `growth` is the share of growths to draw."""
-        self._batch.choose(packet.views, packet.time_s, detail, self._own <= growth)
-
-    def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from now on."""
-        self._wants = quality.close_up_defines
-
-    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
-        """Draw the chosen growths or their object ids; returns the number of triangles."""
-        self._grain.use(GRAIN_UNIT)
-        self._polyps.use(POLYPS_UNIT)
-        units = {"u_grain": GRAIN_UNIT, "u_polyps": POLYPS_UNIT}
-        wants = () if as_ids else self._wants
-        return self._batch.draw(number, uniforms | units, as_ids, wants)
-
-    def cast(self, compiled: Any) -> None:
-        """Draw all growths with a program that reads positions alone."""
-        self._batch.cast(compiled, CAST_LEVEL)
+    def shown(self, growth: float) -> Bools:
+        """Return True for each growth that is drawn if `growth` is the share of them to draw."""
+        return np.asarray(self._own <= growth)
 
 
 def bake(reef: Reef) -> list[list[LazyMesh]]:

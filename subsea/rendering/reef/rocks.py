@@ -11,11 +11,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.frame.packet import Packet, RenderScene
+from subsea.frame.packet import RenderScene
 from subsea.geometry.noise import fractal
 from subsea.geometry.solids import from_pillar, from_rock
 from subsea.geometry.vector import Vector, vector
@@ -33,7 +32,6 @@ from subsea.habitat.formations import (
 from subsea.habitat.stone import SUN, Shade, box_of, openness, passes, shade_of, sun_at
 from subsea.kernels import kernel
 from subsea.rendering.gl.id_buffer import PILLAR, ROCK, object_id
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
 from subsea.rendering.gl.textures import Texels, in_bytes, relief, repeating
@@ -228,9 +226,8 @@ def _dress(blocks: Array, place: Array, normal: Array, out: Array) -> None:
         out[i, 12] = fractal(bx / 46.0, y / 46.0, z / 46.0 - 13.0, 3)
 
 
-RELIEF_UNIT = 4  # texture unit
 RELIEF_SPAN = np.array([1.6, 32.0, 32.0, 1.0])  # largest magnitude of its layers
-CAST_LEVEL = 1  # of shadows
+CAST_LEVEL = 1  # of shadows on the map of the sun
 SKY_TAKEN, SUN_TAKEN = 0.6, 0.45  # at the foot of a growth
 LEVELS_PX = (900.0, 230.0)  # diameters of a piece from which its levels are used
 
@@ -304,56 +301,21 @@ def roughness(seed: int) -> Texels:
     return in_bytes(relief(seed), -RELIEF_SPAN, RELIEF_SPAN)
 
 
-class RockRenderer(GpuOwner):
+class RockRenderer(StaticBatch):
     """Draws the pieces of formations in sight."""
 
     def __init__(
         self, context: Any, scene: RenderScene, stone: list[list[StaticMesh]], quality: Quality
     ) -> None:
         """`stone` are the `pieces` of the scene."""
-        super().__init__()
-        self._context = context
-        self.adapt(quality)
-        self._batch: StaticBatch | None = None
-        if not stone:
-            return
 
         def ids() -> Array:
             places = [mesh.vertices[:, :3] for levels in stone for mesh in levels]
             return object_ids(scene.pillars, scene.rocks, np.concatenate(places).astype(np.float64))
 
-        self._relief = self.own(repeating(context, roughness, 5))
         layout = "3f4 3f4 4f4 3f4", "a_position a_normal a_light a_cover"
-        programs = ProgramVariants(context, "solid", ids, self._wants)
+        programs = ProgramVariants(context, "solid", ids, quality.defines)
         reach_cm = IN_SIGHT * scene.water.visibility_cm
-        self._batch = self.own(StaticBatch(programs, *layout, stone, reach_cm, LEVELS_PX))
-
-    @property
-    def batches(self) -> tuple[StaticBatch, ...]:
-        """State that depends on earlier packets."""
-        return (self._batch,) if self._batch else ()
-
-    def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from now on."""
-        self._wants = quality.close_up_defines
-
-    def choose(self, packet: Packet, detail: float = 1.0) -> None:
-        """Choose what the views of a packet draw."""
-        if self._batch:
-            self._batch.choose(packet.views, packet.time_s, detail)
-
-    def cast(self, compiled: Any) -> None:
-        """Draw all pieces with a program that reads positions alone."""
-        if self._batch:
-            self._batch.cast(compiled, CAST_LEVEL)
-
-    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
-        """Draw the chosen pieces or their object ids; returns the number of triangles."""
-        if self._batch is None:
-            return 0
-        self._relief.use(RELIEF_UNIT)
-        self._context.enable(moderngl.CULL_FACE)
-        wants = () if as_ids else self._wants
-        total = self._batch.draw(number, uniforms | {"u_relief": RELIEF_UNIT}, as_ids, wants)
-        self._context.disable(moderngl.CULL_FACE)
-        return total
+        super().__init__(programs, *layout, stone, reach_cm, LEVELS_PX)
+        if stone:
+            self.textures["u_relief"] = self.own(repeating(context, roughness, 5))

@@ -9,12 +9,12 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.frame.in_sight import LEAF_TEXELS
 from subsea.frame.packet import Packet
 from subsea.kernels import kernel
+from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.id_buffer import SEAWEED
-from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.output.quality import Quality
 
-LEAVES_UNIT = 5  # texture unit
 LUSH, FINE, COARSE = (19, 5), (13, 3), (7, 2)  # vertices along and across a leaf
 
 # Numbers of the fronds drawn on a chain of each kind: near and far for close-ups, near and far
@@ -53,7 +53,7 @@ class SeaweedRenderer(GpuOwner):
         super().__init__()
         self._context = context
         self.adapt(quality)
-        self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED, self._wants))
+        self._programs = self.own(ProgramVariants(context, "seaweed", SEAWEED, quality.defines))
         self._ribbons = []
         for size in (LUSH, FINE, COARSE):
             mesh = ribbon(*size)
@@ -74,7 +74,6 @@ class SeaweedRenderer(GpuOwner):
 
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from now on."""
-        self._wants = quality.close_up_defines
         self._lush = quality.close_up
 
     def upload(self, packet: Packet) -> None:
@@ -101,13 +100,12 @@ class SeaweedRenderer(GpuOwner):
         self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
     ) -> int:
         """Draw the fronds of a view or their object ids; returns the number of triangles."""
-        self._leaves.use(LEAVES_UNIT)
+        self._leaves.use(TEXTURE_UNITS["u_leaves"])
         total = 0
         for (array, triangles, fronds), starts in zip(self._ribbons, self._starts, strict=True):
             first, end = starts[number : number + 2]
             if end > first:
-                wants = () if as_ids else self._wants
-                array = self._programs.ready(array, as_ids, wants, u_leaves=LEAVES_UNIT, **uniforms)
+                array = self._programs.ready(array, as_ids, **uniforms)
                 at = array.program["a_frond"].location
                 array.bind(at, "f", fronds, "3f4", 12 * first, 12, 1)
                 array.render(moderngl.TRIANGLES, instances=end - first)

@@ -3,9 +3,8 @@
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import moderngl
 import numpy as np
 
 from subsea.base.arrays import Array, Bytes
@@ -117,15 +116,6 @@ def _stand(light: Bytes, growths: Array, corner: Array, texel: float, sun: Vecto
                 sunny = 1.0 - SUN_TAKEN * share * share * (3.0 - 2.0 * share)
                 light[row, column, 0] = int(light[row, column, 0] * sunny + 0.5)
                 light[row, column, 1] = int(light[row, column, 1] * sky + 0.5)
-
-
-def upload(context: Any, light: Bytes) -> Any:
-    """The map as a texture."""
-    rows, columns = light.shape[:2]
-    texture = context.texture((columns, rows), 4, np.ascontiguousarray(light).tobytes())
-    texture.filter = moderngl.LINEAR, moderngl.LINEAR
-    texture.repeat_x = texture.repeat_y = False
-    return texture
 
 
 @kernel

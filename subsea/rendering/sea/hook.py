@@ -7,9 +7,10 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.frame.packet import Packet
+from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.id_buffer import HOOK
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.output.quality import Quality
 
 METAL, BAIT, LINE = range(3)
 SIDES = 10
@@ -22,11 +23,11 @@ TOP_CM = 80.0  # height of the upper end of the line above the surface
 class HookRenderer(GpuOwner):
     """Draws the hook of a packet."""
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Any, quality: Quality) -> None:
         super().__init__()
         mesh = shape()
         self._count = len(mesh[1])
-        self._programs = self.own(ProgramVariants(context, "hook", HOOK))
+        self._programs = self.own(ProgramVariants(context, "hook", HOOK, quality.defines))
         vertices, triangles = self.own_buffers(context, mesh[0].astype("f4"), mesh[1].astype("i4"))
         names = "a_middle", "a_normal", "a_radius", "a_kind"
         self._array = self._programs.array([(vertices, "3f4 3f4 1f4 1f4", *names)], triangles)

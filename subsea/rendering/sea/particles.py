@@ -1,7 +1,4 @@
-"""Plankton, and marine snow about the eye that shows the speed of the submarine.
-
-Air bubbles rising from vents in the seabed to the surface (Tu §8.2).
-"""
+"""What is blended over a view last: plankton and marine snow, air bubbles, lines of diagrams."""
 
 from typing import Any
 
@@ -14,11 +11,13 @@ from subsea.frame.packet import Packet, RenderScene
 from subsea.geometry.vector import dot, minus, norm, plus, times, vector
 from subsea.habitat.plankton import departures
 from subsea.kernels import kernel
+from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.id_buffer import BUBBLES
-from subsea.rendering.gl.owner import GpuOwner, replace_data
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.shaders import program, set_uniforms
 from subsea.rendering.output.quality import PRESETS, Quality
 from subsea.rendering.sea.seabed import drawn_height
+from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT
 
 SNOW = max(preset.snow for preset in PRESETS.values())  # most specks in the box about the eye
@@ -29,7 +28,7 @@ PLANKTON_LOOK = {"u_diameter": 0.85, "u_colour": (0.75, 0.72, 0.62), "u_reach": 
 
 
 class ParticleRenderer(GpuOwner):
-    """Draws points."""
+    """Draws plankton, and marine snow about the eye that shows the speed of the submarine."""
 
     def __init__(self, context: Any, scene: RenderScene, quality: Quality) -> None:
         super().__init__()
@@ -38,7 +37,7 @@ class ParticleRenderer(GpuOwner):
         snow = self.own(context.buffer(places.tobytes()))
         self._places = self.own(context.buffer(reserve=12))
         self._seen = self.own(context.buffer(reserve=4))
-        self._programs = self.own(ProgramVariants(context, "particles", None, self._wants))
+        self._programs = self.own(ProgramVariants(context, "particles", None, quality.defines))
         self._snow = self._programs.array([(snow, "3f4", "a_position")])
         self._plankton = self._programs.array([(self._places, "3f4", "a_position")], self._seen)
         self._current = scene.water.current_cm_s
@@ -47,7 +46,6 @@ class ParticleRenderer(GpuOwner):
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from now on, with at most SNOW specks."""
         self._specks = min(quality.snow, SNOW)
-        self._wants = quality.close_up_defines
 
     def upload(self, packet: Packet) -> None:
         """Upload the plankton of a packet."""
@@ -66,13 +64,13 @@ class ParticleRenderer(GpuOwner):
             "u_drift": (*current, -SNOW_SINKS_CM_S),
             "u_passing": packet.passing_cm_s,
         }
-        ready, wants = self._programs.ready, self._wants
-        snow = ready(self._snow, False, wants, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM)
+        ready = self._programs.ready
+        snow = ready(self._snow, False, **uniforms, **SNOW_LOOK, u_box=SNOW_BOX_CM)
         snow.render(moderngl.POINTS, vertices=self._specks)
         first, end = self._starts[number : number + 2]
         if end > first:
             looks = uniforms | PLANKTON_LOOK
-            plankton = ready(self._plankton, False, wants, **looks, u_box=0.0)
+            plankton = ready(self._plankton, False, **looks, u_box=0.0)
             plankton.render(moderngl.POINTS, vertices=end - first, first=first)
         return 0
 
@@ -81,11 +79,10 @@ STREAM_CM = 60.0  # half width of a stream without current
 
 
 class BubbleRenderer(GpuOwner):
-    """Draws the bubbles of the vents in sight; the shader moves them by the time alone."""
+    """Draws the bubbles of the vents in sight (Tu §8.2); the shader moves them by time alone."""
 
     def __init__(self, context: Any, scene: RenderScene, quality: Quality) -> None:
         super().__init__()
-        self.adapt(quality)
         x, y = scene.vents[:, 0], scene.vents[:, 1]
         feet = drawn_height(scene.terrain, scene.terrain_half_width_cm, x, y)
         self._current = scene.water.current_cm_s
@@ -97,14 +94,10 @@ class BubbleRenderer(GpuOwner):
         self._streams = self._ends()
         self._held: list[bool] = []  # True for the vents whose slots are in the buffer
         self._count = 0  # of these slots
-        self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES, self._wants))
+        self._programs = self.own(ProgramVariants(context, "bubbles", BUBBLES, quality.defines))
         total = sum(len(slot) for slot in self._slots)
         self._buffer = self.own(context.buffer(reserve=max(32 * total, 32)))
         self._array = self._programs.array([(self._buffer, "4f4 4f4 /i", "a_vent", "a_slot")])
-
-    def adapt(self, quality: Quality) -> None:
-        """Draw in this quality from now on."""
-        self._wants = quality.close_up_defines
 
     def draw(
         self, packet: Packet, number: int, uniforms: dict[str, Any], as_ids: bool = False
@@ -125,9 +118,7 @@ class BubbleRenderer(GpuOwner):
             records = np.concatenate([self._slots[k] for k, one in enumerate(seen) if one])
             replace_data(self._buffer, records)
             self._count = len(records)
-        array = self._programs.ready(
-            self._array, as_ids, self._wants, **uniforms, u_current=self._current
-        )
+        array = self._programs.ready(self._array, as_ids, **uniforms, u_current=self._current)
         array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
         return 2 * self._count
 
@@ -178,3 +169,40 @@ def in_sight(streams: Array, planes: Array, eye: Array, reach: float) -> Bools:
             away = max(dot(plane, low), dot(plane, high)) + planes[p, 3]
             out[k] = out[k] and away > -STREAM_CM
     return out
+
+
+THINNEST_PX, SHARE = 1.3, 1 / 480  # least width, and share of the picture's height
+COLUMNS = 11  # of an instance: both ends, colour, lift
+
+
+class LineRenderer(GpuOwner):
+    """Draws the lines of a packet, one instance each, as quads that solids hide.
+
+    They are on the canvas, so that every kind of output shows them. The shader inverts the tone
+    curve, so that a line has the colour asked for.
+    """
+
+    def __init__(self, context: Any) -> None:
+        super().__init__()
+        self._program = self.own(program(context, "lines"))
+        self._buffer = self.own(context.buffer(reserve=4 * COLUMNS))
+        names = "a_from", "a_to", "a_colour", "a_lift"
+        content = [(self._buffer, "3f4 3f4 4f4 1f4 /i", *names)]
+        self._array = self.own(context.vertex_array(self._program, content))
+
+    def upload(self, packet: Packet) -> None:
+        """Upload the lines of a packet."""
+        ends, colours, lift = packet.lines
+        if len(ends):
+            records = np.concatenate([ends.reshape(-1, 6), colours, lift[:, None]], axis=1)
+            replace_data(self._buffer, np.ascontiguousarray(records, "f4"))
+
+    def draw(self, packet: Packet, number: int, view: View, uniforms: dict[str, Any]) -> int:
+        """Blend all lines over a view; returns the number of triangles."""
+        count = len(packet.lines.ends)
+        if not count or (packet.lined is not None and number >= packet.lined):
+            return 0
+        width = max(SHARE * view.viewport[3], THINNEST_PX)
+        set_uniforms(self._program, **uniforms, u_width=width)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
+        return 2 * count

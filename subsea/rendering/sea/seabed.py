@@ -6,19 +6,147 @@ from typing import Any
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.frame.packet import Packet, RenderScene
+from subsea.frame.packet import RenderScene
 from subsea.habitat.formations import formations
 from subsea.habitat.reef import KINDS, MOUND
 from subsea.habitat.stone import sun_at
 from subsea.rendering.gl.id_buffer import SEABED
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.static_batch import StaticBatch, StaticMesh
-from subsea.rendering.gl.textures import repeating
+from subsea.rendering.gl.textures import (
+    Texels,
+    in_bytes,
+    nearest_of_cells,
+    repeating,
+    tileable_noise,
+    upload,
+)
 from subsea.rendering.output.quality import Quality
-from subsea.rendering.sea import ground_map, sand
+from subsea.rendering.sea import ground_map
 from subsea.state import Reef
 from subsea.view.culling import IN_SIGHT
+
+SIZE, FINE_SIZE = 384, 512
+RIPPLES = 12  # mean number of ripples across a texture
+CHIP_CELLS = 26  # chips of litter across a texture
+SHELLS = 0.3  # share of chips that are whole shells
+RIBS = 11  # of a shell, on half a turn about its hinge
+TRAILS, STEPS = 11, 210  # on a texture of tracks; steps of two texels that each is long
+WIDE = 3.2  # half width of a trail, texels
+
+# Ranges of the bytes of the textures.
+SPAN = np.array([3.0, 3.0, 3.0, 4.0])
+TRACK_SPAN = np.array([9.0, 9.0, 2.0, 1.0])
+LITTER_LOW, LITTER_HIGH = np.array([-3.5, -3.5, 0.0, 0.0]), np.array([3.5, 3.5, 1.0, 1.0])
+
+
+def ripples(seed: int, size: int = SIZE) -> list[Array]:
+    """Ripple marks with crests along y: slopes along x and y, height, grain; deviation 1.
+
+    Band-limited noise wanders, forks and ends as ripples do; its phase is skewed, so that one side
+    is steep, as from a current along x.
+    """
+    rng = np.random.default_rng([seed, 0x21])
+    k = np.fft.fftfreq(size) * size
+    along, across = k[None, :], k[:, None]
+    # Both signs: one alone would be no wave but a phase.
+    spectrum = np.exp(-(((along - RIPPLES) / 2.0) ** 2) - (across / 3.3) ** 2).astype(complex)
+    spectrum *= np.exp(2j * np.pi * rng.uniform(size=(size, size)))
+    wave = np.fft.ifft2(spectrum)
+    strength, phase = np.abs(wave), np.angle(wave)
+    strength = np.clip(strength / np.median(strength), 0.25, 1.3)
+    skewed = phase + 0.55 * np.cos(phase)
+    height = strength * (np.sin(skewed) + 0.22 * np.sin(2 * skewed - 0.6))
+    height += 0.10 * tileable_noise(seed + 1, size, 1.6)
+    grain = tileable_noise(seed + 2, size, 0.45)
+    return [*_slopes(height), _even(height), grain]
+
+
+def litter(seed: int) -> list[Array]:
+    """Chips of shell and coral: slopes along x and y, tone, and frequency (0 between chips)."""
+    x, y, which = nearest_of_cells(seed, FINE_SIZE, CHIP_CELLS)
+    rng = np.random.default_rng([seed, 0x11])
+    tone, common, turn, long, wide = rng.uniform(size=(5, CHIP_CELLS * CHIP_CELLS))[:, which]
+    # Chips at random angles, some long, with irregular outlines.
+    rough = [0.09 * tileable_noise(seed + k, FINE_SIZE, 1.5) for k in (1, 2)]
+    c, s = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
+    u = (c * x + s * y + rough[0]) * (1.0 + 1.4 * long)
+    v = c * y - s * x + rough[1]
+    away = np.maximum(np.hypot(u, v), 0.8 * (np.abs(u) + np.abs(v)))
+    size = 0.16 + 0.32 * wide**1.5
+    inside = np.clip((size - away) / 0.05, 0.0, 1.0)
+    bulge = inside * (1.0 + 1.2 * (tone - 0.5) * (u + v))
+    # Shells are fans with ribs about a hinge.
+    shell = np.modf(17.0 * common)[0] < SHELLS
+    u, v = c * x + s * y + 0.6 * size, c * y - s * x
+    far, turn = np.hypot(u, v), np.arctan2(v, u)
+    fan = np.clip((1.25 * size * np.cos(0.75 * turn) - far) / 0.04, 0.0, 1.0)
+    fan *= np.abs(turn) < 1.4
+    ribbed = fan * (1.15 - 0.6 * far / size) * (1.0 + 0.16 * np.cos(2 * RIBS * turn))
+    inside, bulge = np.where(shell, fan, inside), np.where(shell, ribbed, bulge)
+    tone = np.where(shell, 0.6 + 0.4 * tone, tone)
+    return [*_slopes(bulge), tone, common * inside]
+
+
+def tracks(seed: int) -> list[Array]:
+    """Trails of snails, worms and crabs: slopes along x and y, deviation 1, height, and 0.
+
+    Snails plough a furrow between two walls, worms leave a ridge, crabs two rows of holes.
+    """
+    rng = np.random.default_rng([seed, 0x7A])
+    height = np.zeros((FINE_SIZE, FINE_SIZE))
+    reach = int(4 * WIDE)
+    box = np.arange(-reach, reach + 1)
+    for trail in range(TRAILS):
+        along, start, *bends = np.arange(STEPS), *rng.uniform(0.0, 2 * np.pi, 4)
+        turn = start + 0.9 * np.sin(along / 31.0 + bends[0]) + 0.5 * np.sin(along / 13.0 + bends[1])
+        turn += 0.012 * (bends[2] - np.pi) * along
+        way = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        path = rng.uniform(0.0, FINE_SIZE, 2) + np.cumsum(2.0 * way, axis=0)
+        distance = np.full_like(height, np.inf)
+        crab, wide = trail % 3 == 2, WIDE * rng.uniform(0.6, 1.1)
+        if crab:
+            left = np.where(along // 2 % 2 == 0, 1.0, -1.0)[:, None]
+            path = (path + left * 1.5 * wide * way[:, ::-1] * (-1.0, 1.0))[::2]
+        for column, row in path:
+            i, j = int(row), int(column)
+            away = np.hypot((i + box - row)[:, None], (j + box - column)[None, :])
+            at = np.ix_((i + box) % FINE_SIZE, (j + box) % FINE_SIZE)
+            distance[at] = np.minimum(distance[at], away)
+        d = distance / wide
+        wall = 0.6 * np.exp(-(((d - 1.5) / 0.5) ** 2))
+        profile = np.exp(-(d**2)) if trail % 3 == 1 else wall - np.exp(-(d**2))
+        if crab:
+            profile = 0.5 * wall - 0.9 * np.exp(-((d / 0.7) ** 2))
+        height += np.where(np.abs(profile) > np.abs(height), profile - height, 0.0)
+    return [*_slopes(height), height, np.zeros_like(height)]
+
+
+def rippled(seed: int) -> Texels:
+    """Ripple marks as a texture."""
+    return in_bytes(ripples(seed), -SPAN, SPAN)
+
+
+def tracked(seed: int) -> Texels:
+    """Tracks as a texture."""
+    return in_bytes(tracks(seed), -TRACK_SPAN, TRACK_SPAN)
+
+
+def littered(seed: int) -> Texels:
+    """Litter as a texture."""
+    return in_bytes(litter(seed), LITTER_LOW, LITTER_HIGH)
+
+
+def _slopes(height: Array) -> tuple[Array, Array]:
+    """Slopes along x and y with a joint deviation of 1."""
+    x, y = (np.roll(height, -1, axis) - np.roll(height, 1, axis) for axis in (1, 0))
+    size = float(np.sqrt((x**2 + y**2).mean()))
+    return x / size, y / size
+
+
+def _even(values: Array) -> Array:
+    return np.asarray((values - values.mean()) / values.std())
+
 
 CELLS = 12  # of a side of a tile; coarser levels use every second and fourth
 LEVELS_PX = (640.0, 210.0)  # diameters of a tile from which its levels are used
@@ -27,64 +155,40 @@ SKIRT_CM = 9.0  # hides gaps between tiles of different levels
 ON_SAND_CM = 3.0  # height of the foot of a growth, up to which it stands on the sand
 # Radius on which a growth stands, over its own.
 FOOT, FEET = 0.7, {"mound": 1.0, "brain": 0.9, "table": 0.35, "fan": 0.2, "rubble": 0.6}
-GROUND_UNIT, RIPPLES_UNIT, LITTER_UNIT, TRACKS_UNIT = 8, 9, 10, 11  # texture units
 
 
-class SeabedRenderer(GpuOwner):
+class SeabedRenderer(StaticBatch):
     """Draws the tiles in sight."""
 
-    def __init__(self, context: Any, scene: RenderScene, ground: ground_map.GroundMap) -> None:
+    def __init__(
+        self, context: Any, scene: RenderScene, ground: ground_map.GroundMap, quality: Quality
+    ) -> None:
         """Cut `scene.terrain` (SMC §6.2) into tiles; `ground` is its `surroundings`."""
-        super().__init__()
-        programs = ProgramVariants(context, "seabed", SEABED)
+        programs = ProgramVariants(context, "seabed", SEABED, quality.defines)
         items = tiles(*surface(scene.terrain, scene.terrain_half_width_cm))
         reach_cm = IN_SIGHT * scene.water.visibility_cm
-        self._batch = self.own(
-            StaticBatch(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
-        )
-        self._textures = {
-            GROUND_UNIT: self.own(ground_map.upload(context, ground.light)),
-            RIPPLES_UNIT: self.own(repeating(context, sand.rippled, 3)),
-            LITTER_UNIT: self.own(repeating(context, sand.littered, 4)),
-            TRACKS_UNIT: self.own(repeating(context, sand.tracked, 8)),
+        super().__init__(programs, "3f4 2f4", "a_position a_slope", items, reach_cm, LEVELS_PX)
+        self.textures = {
+            "u_ground": self.own(upload(context, ground.light)),
+            "u_ripples": self.own(repeating(context, rippled, 3)),
+            "u_litter": self.own(repeating(context, littered, 4)),
+            "u_tracks": self.own(repeating(context, tracked, 8)),
         }
-        self._wants: tuple[str, ...] = ()
-        self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
-        self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
-        self._shown = -1  # number of growths whose light the map takes
-        self._uniforms = {
-            "u_ground": GROUND_UNIT,
-            "u_ripples": RIPPLES_UNIT,
-            "u_litter": LITTER_UNIT,
-            "u_tracks": TRACKS_UNIT,
+        self.uniforms = {
             "u_map": (*ground.corner, *ground.size),
             "u_flow": flow_of(scene.water.current_cm_s),
         }
-
-    @property
-    def batches(self) -> tuple[StaticBatch, ...]:
-        """State that depends on earlier packets."""
-        return (self._batch,)
+        self._ground, self._sun = ground, sun_at(scene.water.hour)[0]
+        self._standing, self._own = standing(scene.reef, scene.terrain, scene.terrain_half_width_cm)
+        self._growing = -1  # number of growths whose light the map takes
 
     def adapt(self, quality: Quality) -> None:
         """Draw in this quality from now on: sand is darker about the growths that are drawn."""
-        self._wants = quality.close_up_defines
         shown = self._standing[self._own <= quality.growth]
-        if len(shown) != self._shown:
+        if len(shown) != self._growing:
             light = ground_map.with_growths(self._ground, shown, self._sun)
-            self._textures[GROUND_UNIT].write(light.tobytes())
-            self._shown = len(shown)
-
-    def choose(self, packet: Packet, detail: float = 1.0) -> None:
-        """Choose what the views of a packet draw."""
-        self._batch.choose(packet.views, packet.time_s, detail)
-
-    def draw(self, number: int, uniforms: dict[str, Any], as_ids: bool = False) -> int:
-        """Draw the chosen tiles or their object ids; returns the number of triangles."""
-        for unit, texture in self._textures.items():
-            texture.use(unit)
-        wants = () if as_ids else self._wants
-        return int(self._batch.draw(number, uniforms | self._uniforms, as_ids, wants))
+            self.textures["u_ground"].write(light.tobytes())
+            self._growing = len(shown)
 
 
 def surroundings(

@@ -6,7 +6,7 @@ Every shader that includes `optics.glsl` reads them (`shadows.glsl`). They belon
 to a view, so shadows hold across screens.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import moderngl
@@ -14,12 +14,10 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.habitat.stone import sun_at
-from subsea.rendering.gl.owner import GpuOwner
-from subsea.rendering.gl.shaders import program, set_uniforms
+from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.shaders import TEXTURE_UNITS, program, set_uniforms
 from subsea.rendering.output.quality import Quality
-from subsea.rendering.output.uniforms import SHAFTS_UNIT
 
-SUN_UNIT, FISH_UNIT = 13, 14  # texture units
 REACH_CM = 650.0  # of the map of fishes, from the eye
 DEEP_CM = 6000.0  # half the depth of that map
 MARGIN_CM = 40.0  # about all that stands
@@ -83,7 +81,7 @@ class SunShadows(GpuOwner):
         ]
 
     def draw(
-        self, casts: list[Cast], fishes: Callable[[dict[str, Any]], object], eye: Array
+        self, casts: Iterable[Cast], fishes: Callable[[dict[str, Any]], object], eye: Array
     ) -> dict[str, Any]:
         """Uniforms of the maps about an eye; empty without maps.
 
@@ -102,16 +100,16 @@ class SunShadows(GpuOwner):
             set_uniforms(self._program, u_view_projection=_bytes(matrix))
             for cast in casts:
                 cast(self._program)
-            self._standing = {"u_sun_map": SUN_UNIT, "u_sun_view": _bytes(TO_UNIT @ matrix)}
+            self._standing = {"u_sun_view": _bytes(TO_UNIT @ matrix)}
         uniforms = dict(self._standing)
         if len(self._textures) > 1:
             matrix = map_of(self._axes, eye, np.array([REACH_CM, REACH_CM, DEEP_CM]))
             self._begin(1)
             fishes({"u_view": _bytes(np.eye(4)), "u_projection": _bytes(matrix)})
-            uniforms |= {"u_fish_map": FISH_UNIT, "u_fish_view": _bytes(TO_UNIT @ matrix)}
+            uniforms["u_fish_view"] = _bytes(TO_UNIT @ matrix)
         context.polygon_offset = 0.0, 0.0
-        for unit, texture in zip((SUN_UNIT, FISH_UNIT), self._textures, strict=False):
-            texture.use(unit)
+        for name, texture in zip(("u_sun_map", "u_fish_map"), self._textures, strict=False):
+            texture.use(TEXTURE_UNITS[name])
         return uniforms
 
     def _begin(self, number: int) -> None:
@@ -165,4 +163,4 @@ class LightShaftRenderer(GpuOwner):
             self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
             set_uniforms(self._program, **uniforms, u_samples=self._samples)
             self._array.render(vertices=3)
-        self._map.use(SHAFTS_UNIT)
+        self._map.use(TEXTURE_UNITS["u_shafts"])

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.frame.packet import RenderScene
+from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.id_buffer import SURFACE
-from subsea.rendering.gl.owner import GpuOwner
 from subsea.rendering.gl.programs import ProgramVariants
+from subsea.rendering.gl.shaders import TEXTURE_UNITS
 from subsea.rendering.gl.textures import Texels, halves, repeating, ripples
 from subsea.rendering.output.quality import Quality
 from subsea.view.camera import FAR_CM, View
@@ -21,29 +22,26 @@ HALF_TANGENTS = (16 / 9 * tan(VERTICAL_FOV / 2), tan(VERTICAL_FOV / 2))  # of th
 STEPS = (8, 9)  # narrower views have fewer cells, rounded to these numbers of steps
 FINE_FROM = 8  # samples of a light shaft from which the grid is fine
 RINGS, SECTORS = 16, 48  # of the surface, a disc
-RIPPLES_UNIT = 7  # texture unit
 
 
 class WaterRenderer(GpuOwner):
     """Draws the background on a grid, and the surface on a disc."""
 
-    def __init__(self, context: Any, scene: RenderScene) -> None:
+    def __init__(self, context: Any, scene: RenderScene, quality: Quality) -> None:
         super().__init__()
         self._context = context
-        self._background = self.own(ProgramVariants(context, "water"))
+        self._background = self.own(ProgramVariants(context, "water", None, quality.defines))
         self._grids: dict[tuple[int, int], Any] = {}  # arrays by numbers of cells
-        self._cells = COARSE
-        self._wants: tuple[str, ...] = ()
-        self._surface = self.own(ProgramVariants(context, "surface", SURFACE))
+        self.adapt(quality)
+        self._surface = self.own(ProgramVariants(context, "surface", SURFACE, quality.defines))
         self._floor = float(np.mean(scene.terrain))
-        self._ripples = self.own(repeating(context, rippled, 3))
+        self._waves = self.own(repeating(context, rippled, 3))
         places, triangles = self.own_buffers(context, *disc(RINGS, SECTORS))
         self._disc = self._surface.array([(places, "2f4", "a_place")], triangles)
 
     def adapt(self, quality: Quality) -> None:
-        """Use a grid as fine as the light shafts of this quality, and its surface."""
+        """Use a grid as fine as the light shafts of this quality."""
         self._cells = FINE if quality.shafts >= FINE_FROM else COARSE
-        self._wants = quality.close_up_defines
 
     def draw(self, view: View, uniforms: dict[str, Any]) -> int:
         """Fill the pixels that nothing covers; returns the number of triangles."""
@@ -60,10 +58,8 @@ class WaterRenderer(GpuOwner):
         """Draw the surface or its object id if in view; returns the number of triangles."""
         if highest(view) < 0.0:
             return 0
-        self._ripples.use(RIPPLES_UNIT)
-        own = {"u_ripples": RIPPLES_UNIT, "u_floor": self._floor}
-        wants = () if as_ids else self._wants
-        ready = self._surface.ready(self._disc, as_ids, wants, **uniforms, **own)
+        self._waves.use(TEXTURE_UNITS["u_waves"])
+        ready = self._surface.ready(self._disc, as_ids, **uniforms, u_floor=self._floor)
         ready.render(moderngl.TRIANGLES)
         return int(self._disc.vertices) // 3
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from subsea.rendering.gl import shaders as shader_cache
+from subsea.rendering.gl import context as shader_cache
 from subsea.rendering.gl.context import headless_context
 
 OFF = "MESA_SHADER_CACHE_DISABLE"

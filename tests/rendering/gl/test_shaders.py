@@ -13,7 +13,7 @@ from subsea.habitat import seaweed
 from subsea.rendering.gl import shaders
 from subsea.rendering.reef import coral, rocks
 from subsea.rendering.reef.seaweed import FRONDS, KELP_BLADES, KELP_CANOPY, KELP_STIPES
-from subsea.rendering.sea import sand
+from subsea.rendering.sea import seabed
 from subsea.scenario import schema
 
 
@@ -87,9 +87,9 @@ def test_textures_are_read_with_the_spans_with_which_they_were_written():
     np.testing.assert_allclose(relief, 2.0 * rocks.RELIEF_SPAN * (1.0, 0.05, 0.05, 1.0))
     for scale, low in numbers("seabed.frag", r"# \* texture\(u_ripples, .*\) - # ;"):
         assert scale == 2.0 * low
-        np.testing.assert_array_equal(sand.SPAN[:3], low)  # grain is drawn paler than its range
+        np.testing.assert_array_equal(seabed.SPAN[:3], low)  # grain is drawn paler than its range
     (litter,) = numbers("seabed.frag", r"# \* bits\.xy - #")
-    low, high = sand.LITTER_LOW[:2], sand.LITTER_HIGH[:2]
+    low, high = seabed.LITTER_LOW[:2], seabed.LITTER_HIGH[:2]
     np.testing.assert_array_equal([high - low, -low], np.repeat(litter[:, None], 2, axis=1))
 
 

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.base.system import resource_path
-from subsea.rendering.gl import static_batch
 from subsea.rendering.gl.shaders import set_uniforms
 from subsea.rendering.gl.static_batch import (
     HYSTERESIS,
@@ -110,12 +109,9 @@ class OneProgram:
         pass
 
 
-@pytest.fixture(params=["commands", "triangles"])
-def drawn(context, request, monkeypatch):
+@pytest.fixture
+def drawn(context):
     """Draw items in the first of some views; white pixels and the number of triangles."""
-    if request.param == "triangles":
-        monkeypatch.setattr(static_batch, "INDIRECT", "no extension")
-    assert (static_batch.INDIRECT in context.extensions) == (request.param == "commands")
     fades = resource_path("shaders/fades.glsl").read_text(encoding="utf-8")
     program = context.program(
         vertex_shader="#version 330\n" + VERTEX,

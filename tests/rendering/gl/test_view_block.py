@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.base.system import resource_path
-from subsea.rendering.gl import view_block
+from subsea.rendering.gl import shaders
 from subsea.rendering.gl.shaders import set_uniforms
 
 MATRICES = ("u_view", "u_projection", "u_view_projection", "u_inverse")
@@ -55,7 +55,7 @@ def test_each_member_is_read_from_its_place(read):
 def test_a_packed_view_is_the_same_and_replaces_the_last(read):
     for seed in (2, 3, 2):
         values, expected = _values(seed)
-        packed = view_block.view_block(values)
+        packed = shaders.view_block(values)
         np.testing.assert_allclose(read(view=packed), expected, rtol=1e-5, atol=1e-5)
 
 

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from subsea.rendering.output.bloom import ROWS, Bloom
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.output.target import ResolvePass
+from subsea.rendering.output.target import BLOOM_ROWS, Bloom, ResolvePass
 from subsea.view.display_rigs import display_rig
 
 SIZE = WIDE, HIGH = 640, 320
@@ -68,7 +67,7 @@ def test_only_the_part_of_the_canvas_counts(bloom_of):
 def test_it_is_small_whatever_the_size_of_the_picture(context, size, rows):
     bloom, canvas = Bloom(context), context.texture(size, 4, dtype="f2")
     found = bloom.draw(canvas, (0, 0, *size))
-    assert found.size[1] == rows <= ROWS
+    assert found.size[1] == rows <= BLOOM_ROWS
     bloom.release()
     canvas.release()
 

@@ -3,15 +3,9 @@
 import numpy as np
 import pytest
 
-from subsea.rendering.output.cabin import (
-    FLOOR_CM,
-    RADIUS_CM,
-    RAIL_CM,
-    Cabin,
-    clip_matrix,
-    vessel,
-)
-from subsea.view.head import HeadEye, Pose, head_eyes, headset_rig
+from subsea.rendering.output.vessel import clip_matrix
+from subsea.stage.headset.cabin import FLOOR_CM, RADIUS_CM, RAIL_CM, Cabin, vessel
+from subsea.stage.headset.head import HeadEye, Pose, head_eyes, headset_rig
 from subsea.view.rig import CameraPose, views
 from subsea.view.theatre_vessel import PANEL
 from tests.support.headset import NOT_TURNED, turned
@@ -35,7 +29,7 @@ def drawn(context):
     def draw(which, vignette=0.0, dark=0.0, colour=0.0):
         target = cabin.eye(texture.glo, (SIZE, SIZE))
         target.clear(colour, colour, colour, 1.0)
-        cabin.draw(target, which, LIGHT, vignette, dark)
+        cabin.draw_over(target, which, LIGHT, vignette, dark)
         data = np.frombuffer(target.read(components=3), np.uint8)
         return data.reshape(SIZE, SIZE, 3)[::-1].astype(int)
 

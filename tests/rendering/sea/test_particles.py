@@ -5,7 +5,7 @@ import pytest
 
 from subsea.habitat.stone import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
-from subsea.rendering.output.daylight import light_uniforms
+from subsea.rendering.output.uniforms import light_uniforms
 from subsea.rendering.sea.particles import PLANKTON_LOOK, SNOW_BOX_CM, SNOW_LOOK
 from subsea.scenario.schema import Water
 from subsea.view.display_rigs import views_for

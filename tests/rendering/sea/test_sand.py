@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.rendering.sea.sand import (
+from subsea.rendering.sea.seabed import (
     LITTER_HIGH,
     LITTER_LOW,
     RIPPLES,
     SPAN,
     TRACK_SPAN,
+    flow_of,
     litter,
     ripples,
     tracks,
 )
-from subsea.rendering.sea.seabed import flow_of
 
 
 @pytest.mark.parametrize("make", [ripples, litter, tracks])

@@ -8,9 +8,8 @@ import pytest
 from subsea.habitat.stone import SUN
 from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.gl.textures import near_and_far, repeating
-from subsea.rendering.output.daylight import WIDE, daylight, light_uniforms
 from subsea.rendering.output.quality import PRESETS
-from subsea.rendering.output.uniforms import uniforms_of
+from subsea.rendering.output.uniforms import WIDE, daylight, light_uniforms, uniforms_of
 from subsea.rendering.sea.water import disc, grid
 from subsea.scenario.schema import JERLOV, Water, attenuation
 
