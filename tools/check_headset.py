@@ -24,8 +24,8 @@ import numpy as np
 
 from subsea.base.errors import UserError
 from subsea.stage.headset.controllers import HeadsetFrame, HeadsetLostError
+from subsea.stage.headset.head import home_of, rotation_of
 from subsea.stage.headset.openxr import OpenXrHeadset, open_headset
-from subsea.view.head import home_of, rotation_of
 
 PATIENCE_S = 20.0  # until the session has the focus
 BETWEEN_HANDS = 30  # frames

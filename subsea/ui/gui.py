@@ -1,49 +1,15 @@
-"""Dear ImGui in the pilot's window: frames, input and drawing.
-
-The pulses that a diver feels in both hands: knocks of the hull, and a shark that passes.
-
-Events of the keyboard that wait for the next frame of ImGui.
-"""
+"""Dear ImGui in the pilot's window: frames, input and drawing."""
 
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import glfw
-import numpy as np
 from imgui_bundle import imgui
 
-from subsea.base.arrays import Array
 from subsea.base.language import japanese_font, latin_font
 from subsea.dive.settings import MODIFIER_KEYS, key_name
-from subsea.state import PREDATOR
-from subsea.view.rig import CameraPose
 from subsea.view.text_viewports import WHOLE, TextViewport
-from subsea.world.world import TICK_S, World
-
-PUSH_CM, FULL_PUSH_CM = 0.5, 4.0  # by which a solid moves the hull in a tick: felt; strongest
-NEAR_CM = 250.0  # distance of a shark that is felt
-SHARK_LENGTH_CM = 80.0  # of the smallest hunter that is felt
-STRONGEST_PASS = 0.35
-
-
-def hand_pulses(world: World, pilot: CameraPose) -> Array:
-    """Strengths (2,) of the pulses in the left and right hand over the last tick, in [0, 1]."""
-    submarine, fishes = world.state.submarine, world.state.fishes
-    moved = submarine.position - submarine.previous_position
-    push = float(np.linalg.norm(moved - TICK_S * submarine.velocity))
-    knock = min(push / FULL_PUSH_CM, 1.0) if push > PUSH_CM else 0.0
-    strengths = np.full(2, knock)
-    big = fishes.alive & (world.state.minds.kind == PREDATOR) & (fishes.length > SHARK_LENGTH_CM)
-    for i in np.flatnonzero(big):
-        away = fishes.position[i] - pilot.eye
-        near = STRONGEST_PASS * max(1.0 - float(np.linalg.norm(away)) / NEAR_CM, 0.0)
-        side = int(away @ np.cross(pilot.forward, pilot.up) > 0.0)
-        strengths[side] = max(strengths[side], near)
-    return strengths
-
 
 MODIFIERS = (
     (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
@@ -51,48 +17,6 @@ MODIFIERS = (
     (glfw.MOD_ALT, imgui.Key.mod_alt),
     (glfw.MOD_SUPER, imgui.Key.mod_super),
 )
-
-
-class KeyEvent(NamedTuple):
-    """An event of the keyboard."""
-
-    feed: Callable[[], object]  # passes it to ImGui
-    presses: bool = False  # a key other than a modifier goes down
-    modifies: bool = False  # a modifier goes up or down
-
-
-class KeyQueue:
-    """Keys and characters in their order.
-
-    A frame has one state of the modifiers: Ctrl+Z that begins and ends within a frame would be Z.
-    """
-
-    def __init__(self) -> None:
-        """Attach to the present context of ImGui."""
-        self._io = imgui.get_io()
-        self._events: deque[KeyEvent] = deque()
-        self._held: set[imgui.Key] = set()  # modifiers, after these events
-
-    def press(self, name: imgui.Key, down: bool) -> None:
-        """Queue a key that goes up or down."""
-        modifies = any(name == modifier for _, modifier in MODIFIERS)
-        if modifies and down == (name in self._held):
-            return
-        self._held ^= {name} if modifies else set()
-        feed = partial(self._io.add_key_event, name, down)
-        self._events.append(KeyEvent(feed, down and not modifies, modifies))
-
-    def type(self, character: int) -> None:
-        """Queue a character."""
-        self._events.append(KeyEvent(partial(self._io.add_input_character, character)))
-
-    def feed(self) -> None:
-        """Pass events to ImGui, up to a modifier after another key has gone down."""
-        pressed = False
-        while self._events and not (pressed and self._events[0].modifies):
-            event = self._events.popleft()
-            pressed |= event.presses
-            event.feed()
 
 
 Rgb = tuple[float, float, float]
@@ -163,7 +87,6 @@ class Gui:
         self._unsure = 0  # frames until it is known whether the last click was on a text field
         self._context = imgui.create_context()
         self._io = imgui.get_io()
-        self._keys = KeyQueue()
         self._io.set_ini_filename(None)
         self._io.config_error_recovery_enable_debug_log = False  # see `ui/picture.py`
         self._io.config_error_recovery_enable_tooltip = False
@@ -203,7 +126,6 @@ class Gui:
             pixels[0] / points[0], pixels[1] / points[1]
         )
         self._draw_pointer(self.open and len(viewports) > 1)
-        self._keys.feed()
         imgui.new_frame()
         self._unsure = max(self._unsure - 1, 0)
         tall = min(
@@ -308,13 +230,13 @@ class Gui:
             return True
         if self.open or not down:
             for bit, name in MODIFIERS:
-                self._keys.press(name, bool(modifiers & bit))
+                self._io.add_key_event(name, bool(modifiers & bit))
             # ImGui expects the modifiers of an event before it.
             for name, keys in PRESSED.items():
                 if key in keys:
-                    self._keys.press(name, down)
+                    self._io.add_key_event(name, down)
             if key in KEYS:
-                self._keys.press(KEYS[key], down)
+                self._io.add_key_event(KEYS[key], down)
         return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
 
     def moved(self, name: str, amount: float) -> bool:
@@ -328,7 +250,7 @@ class Gui:
         """A character was typed."""
         self.heard += 1
         if self.open:
-            self._keys.type(character)
+            self._io.add_input_character(character)
 
     def release_all(self) -> None:
         """Release all inputs: the window lost the keyboard, or panels were closed."""
@@ -336,7 +258,7 @@ class Gui:
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
         for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
-            self._keys.press(name, False)
+            self._io.add_key_event(name, False)
 
     def close(self) -> None:
         """Release resources; the window's context must still be current."""

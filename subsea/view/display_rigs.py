@@ -41,7 +41,7 @@ SURROUNDS = {
 }
 LEVEL = ("equirectangular", "dome")  # displays with a level horizon
 DISPLAYS = ("mono", *LAYOUTS, *SURROUNDS)
-HEADSET = "headset"  # only in a dive: its rig is that of the headset (`view.head`)
+HEADSET = "headset"  # only in a dive: its rig is that of the headset (`stage.headset.head`)
 
 AHEAD = np.eye(3)  # axes of an eye that looks as the observer does
 VERTICAL_FOV = np.radians(55.0)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from subsea.stage.headset.controllers import Hand, HeadsetFrame, HeadsetLostError
-from subsea.view.head import HeadEye, Pose
+from subsea.stage.headset.head import HeadEye, Pose
 
 NOT_TURNED = np.array([0.0, 0.0, 0.0, 1.0])
 # As of real headsets: more to the outside than to the nose, more down than up.
@@ -52,7 +52,7 @@ class FakeHeadset:
     @property
     def eyes(self) -> tuple[HeadEye, ...]:
         """Left and right."""
-        from subsea.view.head import rotation_of
+        from subsea.stage.headset.head import rotation_of
 
         right = rotation_of(self.orientation)[:, 0]
         poses = [

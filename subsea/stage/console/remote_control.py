@@ -1,5 +1,6 @@
 """The presenter's remote control of a dive: applies commands, publishes state and pictures."""
 
+import ctypes
 import time
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -7,6 +8,7 @@ from typing import Any, Protocol
 import msgspec
 import numpy as np
 
+from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, printable, unknown
 from subsea.base.progress import say
 from subsea.dive.captions import FaultLog, FaultState
@@ -14,7 +16,8 @@ from subsea.dive.directed_camera import is_directed
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
 from subsea.dive.tick_source import NodeStatus
-from subsea.rendering.output.views import SmallPicture
+from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.textures import gl_function
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish
@@ -36,6 +39,49 @@ MOST_A_FRAME = 4  # commands
 STALL_S = 1.0  # a picture that takes longer is a fault
 NEAREST = "nearest"
 SHARED = "several computers show this dive, which nothing but the pilot's input may change"
+# OpenGL enums
+READ_FRAMEBUFFER, DRAW_FRAMEBUFFER, COLOR_BIT, LINEAR = 0x8CA8, 0x8CA9, 0x4000, 0x2601
+
+
+class SmallPicture(GpuOwner):
+    """Shrinks the screen of a context on the GPU, and reads the copy a frame later."""
+
+    def __init__(self, context: Any, width: int) -> None:
+        """Copies are `width` pixels wide at most, and as high as the window's shape says."""
+        super().__init__()
+        self._context, self._width = context, width
+        self._size = (0, 0)
+        self._copied = False
+        self._blit = gl_function(
+            context, "glBlitFramebuffer", *[ctypes.c_int] * 8, ctypes.c_uint, ctypes.c_uint
+        )
+        self._bind = gl_function(context, "glBindFramebuffer", ctypes.c_uint, ctypes.c_uint)
+
+    def copy(self, window: tuple[int, int]) -> None:
+        """Begin to copy the screen, whose size is that of the `window` in pixels."""
+        context, width = self._context, min(self._width, window[0])
+        size = width, max(round(width * window[1] / window[0]), 1)
+        if size != self._size:
+            self.release()
+            self._size = size
+            texture = self.own(context.texture(size, 4))
+            self._small = self.own(context.framebuffer([texture]))
+            self._buffer = self.own(context.buffer(reserve=4 * size[0] * size[1]))
+        self._bind(READ_FRAMEBUFFER, context.screen.glo)
+        self._bind(DRAW_FRAMEBUFFER, self._small.glo)
+        self._blit(0, 0, *window, 0, 0, *size, COLOR_BIT, LINEAR)
+        self._small.read_into(self._buffer, components=4)
+        context.screen.use()
+        context.error  # clear it: moderngl asks for an attachment that windows lack  # noqa: B018
+        self._copied = True
+
+    def read(self) -> Bytes | None:
+        """The copy (h, w, 4) that was begun last, top row first, once; None if there is none."""
+        if not self._copied:
+            return None
+        self._copied = False
+        width, height = self._size
+        return np.frombuffer(self._buffer.read(), np.uint8).reshape(height, width, 4)[::-1]
 
 
 class RemoteDive(DiveContext, Protocol):

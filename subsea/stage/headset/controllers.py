@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from subsea.base.errors import UserError
-from subsea.view.head import HeadEye, Pose
+from subsea.stage.headset.head import HeadEye, Pose
 
 HANDS = "/user/hand/left", "/user/hand/right"
 HAND_INTERACTION = "XR_EXT_hand_interaction"

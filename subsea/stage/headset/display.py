@@ -11,25 +11,29 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
-from subsea.rendering.output.cabin import Cabin
+from subsea.stage.headset.cabin import Cabin
 from subsea.stage.headset.controllers import Hand, Headset, HeadsetFrame, HeadsetLostError
-from subsea.stage.headset.openxr import open_headset
-from subsea.ui.gamepad import GamepadState
-from subsea.ui.gui import Gui, hand_pulses
-from subsea.ui.window_set import WindowSet
-from subsea.view.display_rigs import cockpit
-from subsea.view.head import (
+from subsea.stage.headset.head import (
     AT_ORIGIN,
     AT_REST,
     HeadEye,
     Home,
+    Mirror,
     head_eyes,
     headset_rig,
     home_of,
+    mirror_of,
+    mirror_patch,
+    mirror_view,
     on_observer,
     snapped,
 )
-from subsea.view.mirror import Mirror, mirror_of, mirror_patch, mirror_view
+from subsea.stage.headset.openxr import open_headset
+from subsea.state import PREDATOR
+from subsea.ui.gamepad import GamepadState
+from subsea.ui.gui import Gui
+from subsea.ui.window_set import WindowSet
+from subsea.view.display_rigs import cockpit
 from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
 from subsea.view.text_viewports import WHOLE, TextViewport
 from subsea.view.theatre_vessel import PANEL
@@ -40,6 +44,10 @@ LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 GOES_ON = "the dive goes on in the window"
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
+PUSH_CM, FULL_PUSH_CM = 0.5, 4.0  # by which a solid moves the hull in a tick: felt; strongest
+NEAR_CM = 250.0  # distance of a shark that is felt
+SHARK_LENGTH_CM = 80.0  # of the smallest hunter that is felt
+STRONGEST_PASS = 0.35
 FULL_TURN, FULL_CLIMB = 0.7, 0.6  # rad by which a hand points aside, or up, for the most
 
 
@@ -172,7 +180,7 @@ class HeadsetDisplay:
         if self._frame is None:
             return
         for (_, target), eye in zip(self.targets.items(), self.moved(rig).eyes, strict=False):
-            self._cabin.draw(target, eye, light, vignette, self._dark)
+            self._cabin.draw_over(target, eye, light, vignette, self._dark)
         now = time.perf_counter()
         if self._frame.visible:
             self._dark = max(self._dark - (now - self._last) / FADE_S, 0.0)
@@ -289,3 +297,19 @@ class LostHeadset:
             return False
         self._looked_s = 0.0
         return True
+
+
+def hand_pulses(world: World, pilot: CameraPose) -> Array:
+    """Strengths (2,) of the pulses in the left and right hand over the last tick, in [0, 1]."""
+    submarine, fishes = world.state.submarine, world.state.fishes
+    moved = submarine.position - submarine.previous_position
+    push = float(np.linalg.norm(moved - TICK_S * submarine.velocity))
+    knock = min(push / FULL_PUSH_CM, 1.0) if push > PUSH_CM else 0.0
+    strengths = np.full(2, knock)
+    big = fishes.alive & (world.state.minds.kind == PREDATOR) & (fishes.length > SHARK_LENGTH_CM)
+    for i in np.flatnonzero(big):
+        away = fishes.position[i] - pilot.eye
+        near = STRONGEST_PASS * max(1.0 - float(np.linalg.norm(away)) / NEAR_CM, 0.0)
+        side = int(away @ np.cross(pilot.forward, pilot.up) > 0.0)
+        strengths[side] = max(strengths[side], near)
+    return strengths

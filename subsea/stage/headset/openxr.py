@@ -20,7 +20,7 @@ from subsea.stage.headset.controllers import (
     HeadsetLostError,
     pose_of,
 )
-from subsea.view.head import AT_REST, HeadEye, Pose
+from subsea.stage.headset.head import AT_REST, HeadEye, Pose
 
 OPENGL = "XR_KHR_opengl_enable"
 NO_RUNTIME = (

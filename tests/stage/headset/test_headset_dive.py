@@ -10,8 +10,8 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.headset import display as headset_display
 from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
+from subsea.stage.headset.head import Pose
 from subsea.ui.dive import Dive
-from subsea.view.head import Pose
 from tests.support.headset import NOT_TURNED, FakeHeadset, turned
 
 SIZE = (320, 240)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.view.head import (
+from subsea.stage.headset.head import (
     AT_ORIGIN,
     HeadEye,
     Home,

@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 
 from subsea.dive.picking import canvas_place
-from subsea.view.head import HeadEye, Pose, head_eyes, headset_rig
-from subsea.view.mirror import STEADY_S, mirror_of, mirror_patch, mirror_view
+from subsea.stage.headset.head import (
+    STEADY_S,
+    HeadEye,
+    Pose,
+    head_eyes,
+    headset_rig,
+    mirror_of,
+    mirror_patch,
+    mirror_view,
+)
 from subsea.view.rig import pose_from_angles, views
 from tests.support.headset import DOWN, IN, NOT_TURNED, OUT, UP, turned
 

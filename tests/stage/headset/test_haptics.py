@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.dive.start import start_world
+from subsea.stage.headset.display import NEAR_CM, STRONGEST_PASS, hand_pulses
 from subsea.state import PREDATOR
-from subsea.ui.gui import NEAR_CM, STRONGEST_PASS, hand_pulses
 from subsea.view.display_rigs import cockpit
 
 
