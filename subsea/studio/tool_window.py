@@ -14,8 +14,9 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import glfw
 from imgui_bundle import imgui
@@ -23,15 +24,15 @@ from imgui_bundle import imgui
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.progress import say
-from subsea.ui.first_picture import BackgroundTasks
+from subsea.studio.questions import Answers, Question
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour
 from subsea.ui.open_windows import open_windows
 from subsea.ui.picture import recovering_errors
-from subsea.ui.questions import Answers, Question
 from subsea.ui.undo import History
 from subsea.ui.window import GlWindow
 
 T = TypeVar("T")
+Result = TypeVar("Result")
 Rect = tuple[float, float, float, float]  # left, top, width, height
 
 SIZE = 1280, 800  # of the window when it opens
@@ -54,6 +55,61 @@ BACKGROUND = 0.012, 0.040, 0.058
 PANEL, TITLE = (0.030, 0.095, 0.130), (0.045, 0.150, 0.200)
 ERROR = (1.0, 0.55, 0.42)
 DISCARD = "Throw it away"
+THREADS = 2  # for work in the background
+
+
+class Task(NamedTuple):
+    """Work in progress."""
+
+    future: Future[Any]
+    finish: Callable[[], object]  # hands the result over; raises what the work raised
+    label: str  # what is being done, in a few words; "" to show nothing
+
+
+class BackgroundTasks:
+    """At most two tasks at a time; `wake` is called, in another thread, when one has ended."""
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        self._pool, self._wake = ThreadPoolExecutor(THREADS, "background"), wake
+        self._tasks: list[Task] = []
+
+    def submit(
+        self,
+        work: Callable[[], Result],
+        done: Callable[[Result], object],
+        label: str,
+        failed: Callable[[], object],
+    ) -> None:
+        """Run `work` in another thread; its task calls `done` with the result, or `failed`."""
+        future = self._pool.submit(work)
+
+        def finish() -> None:
+            if future.exception() is not None:
+                failed()
+            done(future.result())
+
+        self._tasks.append(Task(future, finish, label))
+        future.add_done_callback(lambda _: self._wake())
+
+    def ended(self) -> list[Task]:
+        """Remove the tasks that have ended, and return them to be finished."""
+        ended = [task for task in self._tasks if task.future.done()]
+        self._tasks = [task for task in self._tasks if task not in ended]
+        return ended
+
+    @property
+    def busy(self) -> bool:
+        """True if a task has not been finished."""
+        return bool(self._tasks)
+
+    @property
+    def label(self) -> str:
+        """State of the first task with a label."""
+        return next((task.label for task in self._tasks if task.label), "")
+
+    def close(self) -> None:
+        """Cancel what has not begun; do not wait for the rest."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
 
 class Tool(Protocol):

@@ -19,8 +19,7 @@ from subsea.dive.settings import (
     is_action,
     is_command,
 )
-from subsea.rendering.gl.context import opengl_remedy
-from subsea.rendering.gl.shaders import avoid_full_disk
+from subsea.rendering.gl.context import avoid_full_disk, opengl_remedy
 from subsea.ui.gui import Gui
 from subsea.ui.monitors import INSTALL, Monitor, Screen, monitors, reason
 from subsea.view.stereo import OTHER_STEREO

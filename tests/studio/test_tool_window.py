@@ -14,10 +14,10 @@ from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
 from subsea.rendering.gl.textures import ImageTexture
+from subsea.studio.questions import NameDialog
 from subsea.studio.tool_window import ToolWindow, run_tool
 from subsea.studio.viewport2d import Viewport2D
 from subsea.ui.gui import INK, MARK
-from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 SIZE = 640, 480

@@ -10,8 +10,7 @@ from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
 from subsea.ui.dive import Dive
-from subsea.ui.inspector import Inspector
-from subsea.ui.panel_layout import places_path
+from subsea.ui.inspector import Inspector, places_path
 from subsea.ui.panels import PANELS
 from tests.support.windows import dive_options
 

@@ -4,8 +4,10 @@ from itertools import combinations
 
 import pytest
 
-from subsea.ui.inspector import ABREAST, BAR, MARGIN
-from subsea.ui.panel_layout import (
+from subsea.ui.inspector import (
+    ABREAST,
+    BAR,
+    MARGIN,
     SIZES,
     TITLE,
     best_place,

@@ -22,9 +22,9 @@ from subsea.studio.checks import displaced_cm3
 from subsea.studio.draft import EditState, KeyPath, SpeciesDraft, value_at, with_value
 from subsea.studio.handles import FINS, PAIRED_FINS, DragHandle, View, drag_handle, handles
 from subsea.studio.outline import with_fin, with_length, with_mass
+from subsea.studio.preview_panel import PreviewPanel
 from subsea.studio.tool_window import ToolWindow
 from subsea.ui.gui import CLAMP, GLASS, QUIET, button, wrapped_text
-from subsea.ui.panel_layout import PreviewPanel
 
 MODE_WIDTH = 3.9  # of a button of a swimming mode, text heights
 

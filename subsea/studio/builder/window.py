@@ -39,9 +39,9 @@ from subsea.studio.draft import (
 )
 from subsea.studio.handles import drag_handle, handles
 from subsea.studio.outline import remove_point
+from subsea.studio.preview_panel import PreviewPanel
+from subsea.studio.questions import NameDialog
 from subsea.studio.tool_window import ToolWindow, run_tool
-from subsea.ui.panel_layout import PreviewPanel
-from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 TITLE = "subsea build"

@@ -10,10 +10,10 @@ from subsea.fish.species import species_names
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio import mesh_edit
 from subsea.studio.deformable_mesh import BODY, DORSAL, VENTRAL
+from subsea.studio.preview_panel import PreviewPanel
 from subsea.studio.skin_editor.document import MeshSliders, SkinDocument
 from subsea.studio.skin_editor.photo_canvas import MODES, PhotoCanvas
 from subsea.ui.gui import CLAMP, button
-from subsea.ui.panel_layout import PreviewPanel
 
 PARTS = {
     "All": (BODY, DORSAL, VENTRAL),

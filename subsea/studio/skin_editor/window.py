@@ -25,14 +25,14 @@ from subsea.studio.dress import check_mesh, check_sheet, load_mesh, save_mesh
 from subsea.studio.fitting import FishFit, find_fish
 from subsea.studio.mesh_edit import MeshSnapshot
 from subsea.studio.photograph import Photograph, read_photograph
+from subsea.studio.preview_panel import PreviewPanel
+from subsea.studio.questions import NameDialog
 from subsea.studio.side_view import side_view
 from subsea.studio.skin_editor import panels
 from subsea.studio.skin_editor.document import SkinDocument, lift_from
 from subsea.studio.skin_editor.panels import MeshActions, PreviewOptions
 from subsea.studio.skin_editor.photo_canvas import MODES, PhotoCanvas
 from subsea.studio.tool_window import ToolWindow, run_tool
-from subsea.ui.panel_layout import PreviewPanel
-from subsea.ui.questions import NameDialog
 from subsea.ui.undo import History
 
 DEFAULT_SPECIES = "clownfish"

@@ -6,11 +6,9 @@ from subsea.ui.context import PanelContext
 from subsea.ui.panels import (
     behavior,
     control,
-    habits,
     initialisation,
     physics,
     placement,
-    time,
 )
 from subsea.ui.panels import fish_picker as fish_view
 
@@ -21,9 +19,9 @@ PANELS: dict[str, Panel] = {
     "Placement": placement.panel,
     "Physics": physics.panel,
     "Behavior": behavior.panel,
-    "Habits": habits.panel,
+    "Habits": behavior.habits_panel,
     "Control": control.panel,
     "Fish view": fish_view.panel,
-    "Time": time.panel,
+    "Time": control.time_panel,
 }
 """Panels by their names on the bar, in its order."""

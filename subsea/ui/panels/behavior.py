@@ -1,19 +1,21 @@
-"""Behavior (Tu fig. 9.4): mental state and temperament of the chosen fish, and constants."""
+"""Behavior (Tu fig. 9.4) and habits: mental state, temperament, sex and likings of a fish."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
-from subsea.behavior.mental_state import apply_individual
+from subsea.behavior.mental_state import HABITS, apply_individual
 from subsea.behavior.table import INTENTIONS
 from subsea.dive.minds_text import SPAN, Chart, focus
 from subsea.scenario.schema import IndividualTable
-from subsea.state import COURTSHIP, HUNGER, LIBIDO, MENTAL_STATES, Nature
+from subsea.state import COURTSHIP, HUNGER, KINDS, LIBIDO, MENTAL_STATES, Nature
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, button, colour
+from subsea.ui.panels.fields import Slider, radio_row
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S, World
 
@@ -23,40 +25,29 @@ WARM = (0.98, 0.70, 0.45)  # warnings
 LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
-class StateSlider(NamedTuple):
-    """A slider for a value."""
-
-    name: str
-    label: str
-    low: float
-    high: float
-    form: str
-    flags: int = CLAMP
-
-
 TEMPER = (
-    StateSlider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
-    StateSlider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
-    StateSlider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
-    StateSlider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
+    Slider("appetite", "meals that fill it", 1.0, 60.0, "%.0f"),
+    Slider("digestion", "digestion, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    Slider("libido_rate", "libido grows, 1/s", 0.0005, 0.2, "%.4f", LOGARITHMIC),
+    Slider("dread_cm", "dreads from, cm", 0.0, 1000.0, "%.0f"),
 )
 """Parameters of the mental state of one fish: keys of `Individual` (Tu §7.4)."""
 COLUMNS = {"dread_cm": "dread"}  # names in `state.Minds`, where they differ
 
 NATURE = (
-    StateSlider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
-    StateSlider("smell_cm", "smells as far as, cm", 20.0, 2000.0, "%.0f"),
-    StateSlider("standard_cm", "size of what it sees so far, cm", 2.0, 100.0, "%.0f"),
-    StateSlider("hunger_stimulus", "food in sight makes hungry by", 0.0, 1.0, "%.2f"),
-    StateSlider("libido_stimulus", "a mate in sight tempts by", 0.0, 1.0, "%.2f"),
-    StateSlider("alarmed", "is alarmed by fear of", 0.0, 0.99, "%.2f"),
-    StateSlider("panicked", "flees from fear of", 0.01, 1.0, "%.2f"),
-    StateSlider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
-    StateSlider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
-    StateSlider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
-    StateSlider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
-    StateSlider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
-    StateSlider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
+    Slider("vision_cm", "sees as far as, cm", 20.0, 2000.0, "%.0f"),
+    Slider("smell_cm", "smells as far as, cm", 20.0, 2000.0, "%.0f"),
+    Slider("standard_cm", "size of what it sees so far, cm", 2.0, 100.0, "%.0f"),
+    Slider("hunger_stimulus", "food in sight makes hungry by", 0.0, 1.0, "%.2f"),
+    Slider("libido_stimulus", "a mate in sight tempts by", 0.0, 1.0, "%.2f"),
+    Slider("alarmed", "is alarmed by fear of", 0.0, 0.99, "%.2f"),
+    Slider("panicked", "flees from fear of", 0.01, 1.0, "%.2f"),
+    Slider("keen", "eats and mates for", 0.0, 1.0, "%.2f"),
+    Slider("devotion_cm", "leaves a target for a nearer one, cm", 0.0, 500.0, "%.0f"),
+    Slider("fatigue_s", "is tired of it after, s", 1.0, 600.0, "%.0f", LOGARITHMIC),
+    Slider("timidity", "keeps clear by, times the usual", 0.1, 5.0, "%.2f"),
+    Slider("submarine_cm", "dreads the submarine from, cm", 0.0, 1000.0, "%.0f"),
+    Slider("curiosity_cm", "is curious from, cm", 0.0, 2000.0, "%.0f"),
 )
 """Constants of all fishes: members of `state.Nature`."""
 
@@ -175,14 +166,13 @@ def _temper(context: PanelContext, fish: int) -> None:
     set_to: dict[str, float] = {}
     for row in (HUNGER, LIBIDO):
         name = MENTAL_STATES[row]
-        value = float(minds.mental[fish, row])
-        moved, value = imgui.slider_float(name, value, 0.0, 1.0, "%.2f", CLAMP)
+        level = float(minds.mental[fish, row])
+        moved, level = imgui.slider_float(name, level, 0.0, 1.0, "%.2f", CLAMP)
         if moved:
-            set_to[name] = minds.mental[fish, row] = value  # shown until the fish updates it
+            set_to[name] = minds.mental[fish, row] = level  # shown until the fish updates it
     for slider in TEMPER:
         values = getattr(minds, COLUMNS.get(slider.name, slider.name))
-        moved, value = _slider(slider, float(values[fish]))
-        if moved:
+        if (value := slider.draw(float(values[fish]))) is not None:
             set_to[slider.name] = value
     if set_to:
         one = msgspec.structs.replace(IndividualTable(fish=fish), **set_to)
@@ -196,8 +186,7 @@ def _nature(context: PanelContext) -> None:
     world = context.dive.world
     imgui.push_item_width(0.4 * WIDE * imgui.get_font_size())
     for slider in NATURE:
-        moved, value = _slider(slider, getattr(world.nature, slider.name))
-        if moved:
+        if (value := slider.draw(getattr(world.nature, slider.name))) is not None:
             world.nature = ordered(world.nature, slider.name, value)
             context.changed()
     imgui.pop_item_width()
@@ -205,14 +194,6 @@ def _nature(context: PanelContext) -> None:
     if button("As in the scenario", world.nature != before):
         world.nature = before
         context.changed()
-
-
-def _slider(slider: StateSlider, value: float) -> tuple[bool, float]:
-    """Draw a slider; return whether it moved, and its value as precisely as shown."""
-    moved, value = imgui.slider_float(
-        slider.label, value, slider.low, slider.high, slider.form, slider.flags
-    )
-    return moved, float(slider.form % value)
 
 
 def ordered(nature: Nature, name: str, value: float) -> Nature:
@@ -227,3 +208,74 @@ def ordered(nature: Nature, name: str, value: float) -> Nature:
     if name == "panicked":
         return nature._replace(alarmed=min(nature.alarmed, round(value - 0.01, 2)))
     return nature
+
+
+PAIRS = ((0, 1, "light"), (2, 3, "temperature"))  # pairs of columns of `minds.likes`
+INDENT = 7.0  # of choices, in heights of letters
+
+
+@dataclass
+class HabitsScope:
+    """True if habits are set for one fish or all of its species."""
+
+    all_of_species: bool = False
+
+
+def habits_panel(context: PanelContext) -> None:
+    """Draw the panel of habits (Tu fig. 9.5): sex, kind and likings of a fish or its species."""
+    fish = choose_fish(context)
+    if fish is None:
+        return
+    world = context.dive.world
+    minds, scope = world.state.minds, context.state(HabitsScope)
+    name = world.species[world.state.fishes.species[fish]].name
+    _row("of")
+    extents = ("this fish alone", False), (f"all of {name}", True)
+    if (every := radio_row(extents, scope.all_of_species)) is not None:
+        scope.all_of_species = every
+    imgui.separator()
+    _row("sex")
+    sexes = ("female", False), ("male", True)
+    if (male := radio_row(sexes, bool(minds.male[fish]))) is not None:
+        _set_habits(context, fish, male=male)
+    _row("kind")
+    if (kind := radio_row(zip(KINDS, KINDS, strict=True), KINDS[minds.kind[fish]])) is not None:
+        _set_habits(context, fish, kind=kind)
+    _row("company")
+    changed, schools = imgui.checkbox("likes schooling", bool(minds.schools[fish]))
+    if changed:
+        _set_habits(context, fish, schooling=schools)
+    for one, other, what in PAIRS:
+        _row(what)
+        for column in (one, other):
+            changed, liked = imgui.checkbox(HABITS[column], bool(minds.likes[fish, column]))
+            if changed:
+                likes = minds.likes[fish].copy()
+                likes[column] = liked
+                names = [name for name, on in zip(HABITS, likes, strict=True) if on]
+                _set_habits(context, fish, likes=names)
+            imgui.same_line()
+        if minds.likes[fish, one] == minds.likes[fish, other]:
+            imgui.text_disabled("doesn't care")
+        else:
+            imgui.new_line()
+
+
+def _row(name: str) -> None:
+    """Begin a row of choices with its name."""
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled(name)
+    imgui.same_line(INDENT * imgui.get_font_size())
+
+
+def _set_habits(context: PanelContext, fish: int, **habits: Any) -> None:
+    """Set habits of a fish, or of all living fishes of its species."""
+    world = context.dive.world
+    fishes, minds = world.state.fishes, world.state.minds
+    chosen = np.array([fish])
+    if context.state(HabitsScope).all_of_species:
+        chosen = np.flatnonzero((fishes.species == fishes.species[fish]) & fishes.alive)
+    for number in chosen.tolist():
+        table = IndividualTable(fish=number, **habits)
+        apply_individual(fishes, minds, table, world.state.tick * TICK_S)
+    context.changed()

@@ -1,11 +1,14 @@
-"""Control (Tu fig. 9.6): diagrams, pictures, the camera, and timing."""
+"""Control (Tu fig. 9.6): diagrams, pictures, the camera, timing, and the time of the world."""
 
 import glfw
 import numpy as np
 from imgui_bundle import imgui
 
+from subsea.dive.timeline import RATES
 from subsea.frame.diagrams import DIAGRAMS
 from subsea.ui.context import PanelContext
+from subsea.ui.gui import CLAMP
+from subsea.ui.panels.fields import radio_row
 from subsea.view.camera import View
 from subsea.world.world import TICK_S
 
@@ -102,3 +105,39 @@ def waypoint(view: View, time_s: float) -> str:
     ahead = eye - AHEAD_CM * view.view[2, :3].astype(np.float64)
     position, target = (", ".join(f"{value:.1f}" for value in place) for place in (eye, ahead))
     return f"{{ time_s = {time_s:.1f}, position_cm = [{position}], look_at_cm = [{target}] }},\n"
+
+
+BACK_WIDE = 24.0  # of the slider, in heights of letters
+RATE_NAMES = {0.25: "×¼", 0.5: "×½"}
+
+
+def time_panel(context: PanelContext) -> None:
+    """Draw the panel of time: pause, single ticks, rates, and rewind over the last minute."""
+    time, line = context.dive.timeline, imgui.get_font_size()
+    if time is None:
+        imgui.text_disabled("Another computer makes the time of this dive.")
+        return
+    if imgui.button("go on" if time.paused else "pause", (5.0 * line, 0.0)):
+        time.pause()
+    imgui.same_line()
+    if imgui.button("one tick"):
+        time.single()
+    imgui.same_line(0.0, 1.5 * line)
+    rates = ((RATE_NAMES.get(rate, f"×{rate:g}"), rate) for rate in RATES)
+    if (rate := radio_row(rates, time.rate)) is not None:
+        time.run_at(rate)
+    imgui.set_next_item_width(BACK_WIDE * line)
+    back = (time.tick - time.latest) * TICK_S
+    reach = (time.earliest - time.latest) * TICK_S
+    moved, back = imgui.slider_float("##back", back, min(reach, -TICK_S), 0.0, "%.1f s", CLAMP)
+    if moved:
+        time.stand_at(time.latest + round(back / TICK_S))
+    imgui.text(f"tick {time.tick}, {minutes(time.tick)}")
+    imgui.same_line()
+    imgui.text_disabled(f"of {minutes(time.latest)}; back to {minutes(time.earliest)}")
+
+
+def minutes(tick: int) -> str:
+    """The time of a tick, in minutes and seconds."""
+    seconds = tick * TICK_S
+    return f"{int(seconds // 60)}:{seconds % 60:04.1f}"

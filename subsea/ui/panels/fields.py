@@ -1,5 +1,6 @@
-"""Input fields for scenario tables, with the limits of the file format."""
+"""Fields of panels: rows of choices, sliders, and tables of a scenario with their limits."""
 
+from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple, TypeVar
 
@@ -9,10 +10,43 @@ from msgspec import inspect
 
 from subsea.ui.gui import CLAMP
 
-T = TypeVar("T", bound=msgspec.Struct)
+T = TypeVar("T")
+Table = TypeVar("Table", bound=msgspec.Struct)
 
 WIDE = 11.0  # of a field, in heights of letters
 UNITS = {"cm": "cm", "deg": "°", "s": "s", "cm_s": "cm/s", "per_s": "1/s"}
+
+
+class Slider(NamedTuple):
+    """A slider for a value."""
+
+    name: str  # of the value
+    label: str
+    low: float
+    high: float
+    form: str
+    flags: int = CLAMP
+    meaning: str = ""  # shown when the pointer rests on it
+
+    def draw(self, value: float) -> float | None:
+        """Draw it; return the value that it was moved to, as precisely as shown, or None."""
+        moved, value = imgui.slider_float(
+            self.label, value, self.low, self.high, self.form, self.flags
+        )
+        if self.meaning:
+            imgui.set_item_tooltip(self.meaning)
+        return float(self.form % value) if moved else None
+
+
+def radio_row(choices: Iterable[tuple[str, T]], chosen: T) -> T | None:
+    """Draw a row of choices, one of them `chosen`; return the one that was clicked, or None."""
+    clicked = None
+    for text, value in choices:
+        if imgui.radio_button(text, value == chosen):
+            clicked = value
+        imgui.same_line()
+    imgui.new_line()
+    return clicked
 
 
 class Edit(NamedTuple):
@@ -22,15 +56,13 @@ class Edit(NamedTuple):
     settled: bool  # the input is complete
 
 
-def table(struct: T, hidden: tuple[str, ...] = ()) -> tuple[T, bool]:
-    """Draw a field for each key of a table but the `hidden` ones.
+def table(struct: Table) -> tuple[Table, bool]:
+    """Draw a field for each key of a table.
 
     Returns the table, and whether an input is complete: it changes before that in a drag.
     """
     settled = False
     for field in _fields(type(struct)):
-        if field.name in hidden:
-            continue
         was = getattr(struct, field.name)
         edit = _any(label(field.name), was, field.type)
         settled |= edit.settled

@@ -11,6 +11,7 @@ from subsea.dive.options import RETINA_COLOURS
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP
+from subsea.ui.panels.fields import radio_row
 from subsea.view.retina import Gaze
 from subsea.world.world import World
 
@@ -70,12 +71,12 @@ def panel(context: PanelContext) -> None:
     dive, fish = context.dive, choose_fish(context)
     ride = dive.picture.ride
     imgui.begin_disabled(fish is None)
-    for name, behind in PLACES:
+    for number, (name, behind) in enumerate(PLACES):
         now = (ride.behind if ride else None) == behind
+        if number:
+            imgui.same_line()
         if imgui.radio_button(name, now) and not now:
             _see_from(context, fish, behind)
-        imgui.same_line()
-    imgui.new_line()
     imgui.end_disabled()
     if ride is not None and fish is not None and ride.by.fish != fish:
         _see_from(context, fish, ride.behind)  # another one was chosen
@@ -109,11 +110,9 @@ def _eyes(context: PanelContext) -> None:
         ride.gaze = Gaze()
     imgui.separator()
     _, dive.picture.eyes_shown = imgui.checkbox("pictures of both eyes", dive.picture.eyes_shown)
-    for look in RETINA_COLOURS:
-        if imgui.radio_button(look, dive.picture.colours == look):
-            dive.picture.colours = look
-        imgui.same_line()
-    imgui.new_line()
+    looks = zip(RETINA_COLOURS, RETINA_COLOURS, strict=True)
+    if (look := radio_row(looks, dive.picture.colours)) is not None:
+        dive.picture.colours = look
     imgui.separator()
     changed, dive.see_brightness = imgui.checkbox(
         "goes by the light in its eyes", dive.see_brightness

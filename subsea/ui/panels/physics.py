@@ -13,6 +13,7 @@ from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
 from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP, MARK, QUIET, button, colour
+from subsea.ui.panels.fields import Slider
 from subsea.ui.panels.fish_picker import choose_fish
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters
@@ -21,14 +22,17 @@ SOME_CM_S = 6.0  # default of a current that is switched on
 LOG = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 
-FACTORS = {
-    "unit_mass": (0.1, 10.0, "factor on the mass of every node"),
-    "viscosity": (0.01, 100.0, "factor on the viscosity of every spring"),
-    "stiffness": (0.01, 100.0, "factor on the spring constants"),
-    "water_viscosity": (0.01, 100.0, "factor on what the water does"),
-    "time_step": (0.05, 50.0, "factor on the solver's 5.5 ms"),
-}
-"""Range and meaning of the factors of `state.Physics`."""
+FACTORS = tuple(
+    Slider(name, name.replace("_", " "), low, high, "%.3g", LOG, meaning)
+    for name, low, high, meaning in (
+        ("unit_mass", 0.1, 10.0, "factor on the mass of every node"),
+        ("viscosity", 0.01, 100.0, "factor on the viscosity of every spring"),
+        ("stiffness", 0.01, 100.0, "factor on the spring constants"),
+        ("water_viscosity", 0.01, 100.0, "factor on what the water does"),
+        ("time_step", 0.05, 50.0, "factor on the solver's 5.5 ms"),
+    )
+)
+"""Sliders for the factors of `state.Physics`."""
 
 
 @dataclass
@@ -89,13 +93,10 @@ def simulate(context: PanelContext, most: int) -> bool:
 def _factors(context: PanelContext) -> None:
     world, line = context.dive.world, imgui.get_font_size()
     before = physics = world.physics
-    for name, (low, high, meaning) in FACTORS.items():
+    for slider in FACTORS:
         imgui.set_next_item_width(WIDE * line)
-        value, label = getattr(physics, name), name.replace("_", " ")
-        moved, value = imgui.slider_float(label, value, low, high, "%.3g", LOG)
-        imgui.set_item_tooltip(meaning)
-        if moved:
-            factor: dict[str, Any] = {name: float(f"{value:.3g}")}
+        if (value := slider.draw(getattr(physics, slider.name))) is not None:
+            factor: dict[str, Any] = {slider.name: value}
             physics = physics._replace(**factor)
     imgui.set_next_item_width(WIDE * line)
     moved, number = imgui.slider_int("iterations", physics.iterations, 1, 60)
