@@ -117,7 +117,7 @@ class LazyMesh(NamedTuple):
 
 
 class StaticBatch(GpuOwner):
-    """The vertices and triangles of all items, of which one call draws those that are chosen."""
+    """Holds the vertices and triangles of all items; one call draws the chosen items."""
 
     def __init__(
         self,

@@ -1,6 +1,6 @@
 """The vessel around an observer in a headset: hoops, a floor, and a panel with text.
 
-What rests around the observer is a frame of rest against motion sickness.
+The vessel is a frame of rest against motion sickness.
 """
 
 from typing import Any
