@@ -11,12 +11,12 @@ from functools import partial
 
 from picture_files import FOLDER, output_folder, save
 from PIL import Image
-from subsea.studio.questions import NameDialog
 
 from subsea.studio.builder.window import builder_for
 from subsea.studio.draft import SpeciesDraft, with_value
 from subsea.studio.handles import drag_handle
 from subsea.studio.outline import with_mass
+from subsea.studio.questions import NameDialog
 from subsea.studio.tool_window import ToolWindow
 
 SIZE = 1280, 800

@@ -1,4 +1,5 @@
 """Teleoperation: a fish follows commands within its repertoire and avoids obstacles."""
+
 import numpy as np
 import pytest
 
