@@ -16,7 +16,7 @@ from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.console.options import ConsoleOptions, ListenAddress
-from subsea.stage.console.remote_control import open_console
+from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
 from tools.browser import browser
 
@@ -26,11 +26,12 @@ SIZE, PAGE = (640, 360), (1180, 820)
 def main() -> None:
     """Draw a dive until its console was photographed."""
     display = DisplayOptions(size=SIZE, quality="medium")
-    with closing(Dive(DiveOptions("rendezvous", seed=1, display=display))) as dive:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = int(free.getsockname()[1])
-        open_console(dive, ConsoleOptions(ListenAddress(ip_address("127.0.0.1"), port)))
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = int(free.getsockname()[1])
+    console = ConsolePart(ConsoleOptions(ListenAddress(ip_address("127.0.0.1"), port)))
+    options = DiveOptions("rendezvous", seed=1, display=display, parts=[console])
+    with closing(Dive(options)) as dive:
         dive.overlay.hide_help()
         with TemporaryDirectory() as folder:
             path = Path(folder) / "page.png"

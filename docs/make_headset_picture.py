@@ -10,6 +10,7 @@ from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.headset import display as headset_display
+from subsea.stage.parts import HeadsetPart
 from subsea.ui.dive import Dive
 from tests.support.headset import FakeHeadset, turned
 from tools.monkey import virtual_display
@@ -33,7 +34,8 @@ def main() -> None:
     with virtual_display() as name:
         os.environ["DISPLAY"] = name
         display = DisplayOptions("headset", WINDOW, quality="high")
-        with closing(Dive(DiveOptions("peaceful", seed=1, display=display))) as dive:
+        options = DiveOptions("peaceful", seed=1, display=display, parts=[HeadsetPart()])
+        with closing(Dive(options)) as dive:
             dive.overlay.hide_help()
             made[0].orientation = turned(-DOWN_DEG, (1.0, 0.0, 0.0))
             for _ in range(round(START_S / 0.1)):

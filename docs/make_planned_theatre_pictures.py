@@ -26,8 +26,8 @@ from subsea.stage.theatre.channels import (
 )
 from subsea.stage.theatre.room_picture import room_picture
 from subsea.stage.theatre.screens import Curved, places_on
-from subsea.stage.theatre.test_pattern import lineup, pattern
 from subsea.view.surround import Surround, directions
+from subsea.view.test_pattern import lineup, pattern
 
 GAMMA = 2.2
 SHRINK = 4

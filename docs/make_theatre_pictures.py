@@ -12,9 +12,9 @@ from subsea.dive.tour import Tour
 from subsea.frame.packet import PackOptions, pack
 from subsea.rendering.output.quality import PRESETS
 from subsea.stage.setup import set_up_theatre
-from subsea.stage.theatre.test_pattern import lineup
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import views
+from subsea.view.test_pattern import lineup
 from subsea.world.step import step
 from subsea.world.world import TICK_S
 

@@ -7,8 +7,9 @@ from tempfile import TemporaryDirectory
 
 from picture_files import output_folder, save, window_image
 
-from subsea.dive.options import DisplayOptions, DiveOptions, TheatreOptions
-from subsea.stage.setup import theatre_windows
+from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.dive.part import planned
+from subsea.stage.parts import TheatrePart
 from subsea.ui.dive import Dive
 from tools.monkey import virtual_display
 
@@ -37,9 +38,9 @@ def main() -> None:
         os.environ["DISPLAY"] = name
         path = Path(scratch) / "dome.toml"
         path.write_text(THEATRE)
-        options = DiveOptions("peaceful", seed=1, display=display)
-        installation, make_ticks = theatre_windows(TheatreOptions(str(path)), display)
-        with closing(Dive(options, installation, make_ticks)) as dive:
+        parts = [TheatrePart(str(path))]
+        options = planned(DiveOptions("peaceful", seed=1, display=display, parts=parts))
+        with closing(Dive(options)) as dive:
             dive.overlay.hide_help()
             for _ in range(round(START_S / 0.1)):
                 dive.frame(0.1)

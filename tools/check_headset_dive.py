@@ -22,6 +22,7 @@ from PIL import Image
 
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.headset.openxr import OpenXrHeadset
+from subsea.stage.parts import HeadsetPart
 from subsea.ui.dive import Dive
 
 WINDOW = 640, 360
@@ -39,7 +40,9 @@ def main() -> int:
     options.folder.mkdir(parents=True, exist_ok=True)
     display = DisplayOptions("headset", WINDOW, quality="low")
     start = time.perf_counter()
-    with closing(Dive(DiveOptions(options.scenario, seed=1, display=display))) as dive:
+    with closing(
+        Dive(DiveOptions(options.scenario, seed=1, display=display, parts=[HeadsetPart()]))
+    ) as dive:
         head = dive.picture.head
         if head is None:
             return 1

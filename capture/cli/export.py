@@ -19,6 +19,9 @@ KINDS = {
 }
 
 
+GROUP = "use elsewhere"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -10,6 +10,9 @@ from subsea.base.errors import UserError
 MAX_JOBS = 64
 
 
+GROUP = "learn to swim"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -5,14 +5,14 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from capture.cli import export, inspect, learn, mesh, plot, record, validate
+from capture.cli import inspect, learn, plot, record, validate
 from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
+from subsea.base.registry import CAPTURE_COMMANDS, load_all
 
-GROUPS = {
-    "record and measure": (record, inspect, plot, validate),
-    "learn to swim": (learn,),
-    "use elsewhere": (export, mesh),
-}
+GROUPS = "record and measure", "learn to swim", "use elsewhere"
+OWN = {
+    "inspect": inspect, "learn": learn, "plot": plot, "record": record, "validate": validate,
+}  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -39,4 +39,4 @@ def _run(arguments: Sequence[str]) -> int:
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
     """The parser of ``subsea-capture`` and its commands."""
     parser = make_parser("subsea-capture", "Record the motion of simulated fishes, and measure it.")
-    return parser, add_groups(parser, GROUPS)
+    return parser, add_groups(parser, GROUPS, dict(load_all(CAPTURE_COMMANDS)) | OWN)

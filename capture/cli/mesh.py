@@ -9,6 +9,8 @@ from subsea.base.errors import unknown
 from subsea.base.file_kinds import MESH, check_results
 from subsea.base.files import check_folder
 
+GROUP = "use elsewhere"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

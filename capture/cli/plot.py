@@ -8,6 +8,8 @@ from subsea.base.command_line import add_command, add_force
 from subsea.base.file_kinds import PICTURE, check_results
 from subsea.base.files import check_folder
 
+GROUP = "record and measure"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

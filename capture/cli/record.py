@@ -14,6 +14,9 @@ from subsea.base.system import resource_path
 MAX_JOBS = 64
 
 
+GROUP = "record and measure"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -10,6 +10,9 @@ from subsea.base.report_files import add_report_options
 NAME = "subsea-capture validate"
 
 
+GROUP = "record and measure"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -7,12 +7,15 @@ value, with places of arrays.
 """
 
 import zlib
+from collections.abc import Sequence
 from typing import Annotated, Any, get_args, get_origin
 
 import msgspec
 import numpy as np
 from msgspec import msgpack
 from numpy.typing import NDArray
+
+from subsea.base.progress import count_noun
 
 Array = NDArray[np.floating[Any]]
 Ints = NDArray[np.integer[Any]]
@@ -104,3 +107,23 @@ def _checked(kind: Any, array: Any) -> Any:
         if element is not Any and not np.issubdtype(array.dtype, get_origin(element) or element):
             raise ValueError(f"elements are {array.dtype}")
     return array
+
+
+SUMMARY = ("mean", "p50", "p95", "p99", "max")
+
+
+def summarize_ms(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
+    """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY.
+
+    Percentiles are interpolated linearly.
+    """
+    ms = 1000.0 * np.asarray(durations_s, np.float64)
+    p50, p95, p99 = np.percentile(ms, [50, 95, 99])
+    return dict(zip(SUMMARY, map(float, (ms.mean(), p50, p95, p99, ms.max())), strict=True))
+
+
+def describe_durations(durations_s: Sequence[float]) -> str:
+    """Number of frames and statistics of their times, in one line."""
+    figures = summarize_ms(durations_s)
+    named = ", ".join(f"{name} {figures[name]:.1f}" for name in ("mean", "p50", "p95", "max"))
+    return f"{count_noun(len(durations_s), 'frame', 'frames')}; frame time in ms: {named}"

@@ -222,24 +222,26 @@ def make_parser(name: str, description: str) -> Parser:
     return parser
 
 
-def add_groups(parser: Parser, groups: Mapping[str, Sequence[Any]]) -> Any:
-    """Add the commands of modules, which have a function `add`; the help lists them by group.
+def add_groups(parser: Parser, titles: Sequence[str], modules: Mapping[str, Any]) -> Any:
+    """Add the commands of modules, which have a function `add` and a GROUP.
 
+    The help lists them by group: the `titles` in their order, then those of other packages.
     Returns what argparse's ``add_subparsers`` returns, with the parsers of all commands.
     """
     commands = parser.add_subparsers(
         dest="command", metavar="COMMAND", prog=parser.prog, help=argparse.SUPPRESS
     )
-    lines: list[str] = []
-    for title, modules in groups.items():
-        lines += [f"{title}:"]
-        for module in modules:
-            module.add(commands)
-            name, command = list(commands.choices.items())[-1]
-            lines += [f"  {name:<{NAME_WIDTH}}{command.get_default('summary')}"]
-        lines += [""]
-    lines += [f"`{parser.prog} COMMAND --help` shows the options and examples of a command."]
-    parser.epilog = "\n".join(lines)
+    groups: dict[str, list[str]] = {title: [] for title in titles}
+    for _, module in sorted(modules.items()):
+        module.add(commands)
+        name, command = list(commands.choices.items())[-1]
+        line = f"  {name:<{NAME_WIDTH}}{command.get_default('summary')}"
+        groups.setdefault(module.GROUP, []).append(line)
+    for title, lines in groups.items():
+        if lines:
+            parser.epilog = "\n".join([*filter(None, [parser.epilog]), f"{title}:", *lines, ""])
+    about = f"`{parser.prog} COMMAND --help` shows the options and examples of a command."
+    parser.epilog = f"{parser.epilog}\n{about}"
     return commands
 
 

@@ -1,19 +1,9 @@
-"""Progress and remaining time of long work.
-
-Messages on the terminal.
-
-Statistics of frame times.
-"""
+"""Messages on the terminal; progress and remaining time of long work."""
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-from tqdm import tqdm
 
 from subsea.base.errors import printable
 
@@ -38,6 +28,8 @@ def progress(total: int, unit: str, done: int = 0) -> Iterator[Callable[[], obje
     Shows a bar on a terminal; elsewhere a line every `REPORT_S`, to keep logs short.
     """
     if sys.stderr.isatty():
+        from tqdm import tqdm  # takes a while to load
+
         with tqdm(total=total, initial=done, unit=unit) as bar:
             yield bar.update
         return
@@ -61,23 +53,3 @@ def clock(seconds: float) -> str:
     minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
-
-
-SUMMARY = ("mean", "p50", "p95", "p99", "max")
-
-
-def summarize_ms(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
-    """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY.
-
-    Percentiles are interpolated linearly.
-    """
-    ms = 1000.0 * np.asarray(durations_s, np.float64)
-    p50, p95, p99 = np.percentile(ms, [50, 95, 99])
-    return dict(zip(SUMMARY, map(float, (ms.mean(), p50, p95, p99, ms.max())), strict=True))
-
-
-def describe_durations(durations_s: Sequence[float]) -> str:
-    """Number of frames and statistics of their times, in one line."""
-    figures = summarize_ms(durations_s)
-    named = ", ".join(f"{name} {figures[name]:.1f}" for name in ("mean", "p50", "p95", "max"))
-    return f"{count_noun(len(durations_s), 'frame', 'frames')}; frame time in ms: {named}"

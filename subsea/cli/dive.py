@@ -1,7 +1,6 @@
 """`subsea dive`: pilot the submarine in a window."""
 
 import argparse
-import dataclasses
 import gc
 import os
 import sys
@@ -13,10 +12,14 @@ from typing import TYPE_CHECKING, Any
 from subsea.base.command_line import add_command, number_reader
 from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
+from subsea.dive.part import part_kinds, planned, with_parts
 
 if TYPE_CHECKING:
     from subsea.dive.options import DiveOptions
     from subsea.dive.settings import Settings
+
+
+GROUP = "dive and film"  # in the help
 
 
 def add(commands: Any) -> None:
@@ -35,16 +38,6 @@ def add(commands: Any) -> None:
         ],
     )
     shared.add(parser, *shared.SCENARIO, "display", "theatre", "shrink")
-    parser.add_argument(
-        "--node",
-        metavar="NAME",
-        help="this computer's node of the theatre: docs/how-to/cluster.md",
-    )
-    parser.add_argument(
-        "--no-resume",
-        action="store_true",
-        help="on the master: start the dive from its beginning, even if nodes are in one",
-    )
     shared.add(parser, *shared.STEREO, *shared.SURROUND, "size")
     shared.add_quality(parser, "auto")
     shared.add(parser, "target-ms")
@@ -65,17 +58,6 @@ def add(commands: Any) -> None:
         metavar="MIN",
         help="minutes without input until a tour begins; 0: never",
     )
-    parser.add_argument(
-        "--kiosk",
-        action="store_true",
-        help="for exhibitions: full screen, only controls of visitors; Ctrl+Shift+Q quits",
-    )
-    parser.add_argument(
-        "--playlist",
-        type=Path,
-        metavar="FILE",
-        help="a show of several scenarios, by the clock or on cue: docs/how-to/show.md",
-    )
     shared.add(parser, "fish", "seed")
     parser.add_argument(
         "--seconds", type=number_reader(float, 0.1, 86400), metavar="S", help="quit after S seconds"
@@ -93,15 +75,6 @@ def add(commands: Any) -> None:
         metavar="FILE",
         help="settings file (default: see `subsea settings`)",
     )
-    parser.add_argument(
-        "--write-unit",
-        type=Path,
-        nargs="?",
-        const=Path(),
-        metavar="FILE",
-        help="check the other options and write a systemd unit for this dive instead: "
-        "docs/how-to/operating.md (default: of this user)",
-    )
     group = parser.add_argument_group("on a fish", "as by keys in a dive: docs/how-to/ride.md")
     shared.add(group, "follow")
     group.add_argument("--eyes", metavar="FISH", help="look through its eyes")
@@ -113,43 +86,8 @@ def add(commands: Any) -> None:
     )
     group.add_argument("--reins", action="store_true", help="steer the fish")
     shared.add(group, "see-brightness")
-    group = parser.add_argument_group(
-        "presenter's console", "a page for a tablet at the side: docs/how-to/console.md"
-    )
-    group.add_argument(
-        "--console",
-        nargs="?",
-        const="127.0.0.1:8880",
-        metavar="ADDRESS:PORT",
-        help="serve the page there (default: 127.0.0.1:8880, for this computer only)",
-    )
-    group.add_argument(
-        "--console-tls",
-        nargs=2,
-        type=Path,
-        metavar=("CERTIFICATE", "KEY"),
-        help="PEM files for an address that other computers reach",
-    )
-    group.add_argument(
-        "--console-token",
-        type=Path,
-        metavar="FILE",
-        help="file of the token that the page asks for (default: for other computers, one that is "
-        "generated in the folder of the settings)",
-    )
-    group.add_argument(
-        "--console-name",
-        action="append",
-        metavar="HOST",
-        help="a name in the network under which the page may be called",
-    )
-    group.add_argument(
-        "--console-osc",
-        nargs="?",
-        const="127.0.0.1:8881",
-        metavar="ADDRESS:PORT",
-        help="take commands by OSC there (default: 127.0.0.1:8881), beside the page",
-    )
+    for kind in part_kinds():
+        kind.add_options(parser)
     # Options that are not given come from the settings.
     parser.set_defaults(run=run, display=None, quality=None)
 
@@ -176,36 +114,19 @@ def run(options: Namespace) -> int:
     for line in messages:
         say(line)
     notes = [line.replace(f"{settings_path().parent}/", "") for line in messages]
-    _fill_from_settings(options, settings)
     if options.attract is not None:
         settings = replace(settings, attract=replace(settings.attract, after_min=options.attract))
-    if options.kiosk:
-        from subsea.dive.settings import kiosk_settings
-
-        settings, options.fullscreen = kiosk_settings(settings), options.theatre is None
-    chosen = _dive_options(options, settings)
-    if options.write_unit is not None:
-        from subsea.stage.service import write_unit
-
-        out = None if options.write_unit == Path() else options.write_unit
-        return write_unit(options.words, chosen, out)
-    if options.console is not None:
-        from subsea.base.system import require
-        from subsea.stage.console.options import console_options
-
-        require("console", "--console")
-        console, lines = console_options(
-            options.console, options.console_osc, options.console_token, options.console_tls,
-            tuple(options.console_name or ()),
-        )  # fmt: skip
-        for line in lines:
-            say(line)
-        chosen = dataclasses.replace(chosen, console=console)
+    _fill_from_settings(options, settings)
+    chosen = with_parts(options, _dive_options(options, settings))
+    for part in chosen.parts:
+        if (code := part.instead(chosen, options.words)) is not None:
+            return code
+    chosen = planned(chosen)
     with ExitStack() as undo:
         opening = None
         scenario = scenario_file(chosen.scenario)
         # Report a misspelt name before a window appears.
-        if scenario.is_file() and chosen.theatre is None and chosen.playlist is None:
+        if scenario.is_file() and not any(part.waits for part in chosen.parts):
             from subsea.ui.first_picture import FirstPicture, picture_name
             from subsea.ui.open_windows import open_windows
             from subsea.view.display_rigs import HEADSET
@@ -218,7 +139,7 @@ def run(options: Namespace) -> int:
                 about = (chosen.seed, chosen.fish, *shown, display.surround)
                 first = FirstPicture(picture_name(scenario, chosen.changes, about))
             opening = open_windows(
-                display.mode, display.size, display.fullscreen, settings, first=first
+                display.mode, display.size, display.fullscreen, chosen.settings, first=first
             )
             undo.callback(opening.close)
         fresh = "subsea.ui.dive_loop" not in sys.modules
@@ -243,9 +164,8 @@ def _fill_from_settings(options: Namespace, settings: "Settings") -> None:
 
 def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     """Group the options; a UserError for those that contradict each other."""
-    from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions, TheatreOptions
+    from subsea.dive.options import DisplayOptions, DiveOptions, StartOptions
     from subsea.dive.settings import settings_path
-    from subsea.view.display_rigs import HEADSET
 
     shared.check_target(options)
     if options.follow and options.eyes:
@@ -253,33 +173,7 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
     if not (options.follow or options.eyes):
         names = ("gaze", "look", "reins")
         shared.refuse(options, names, "dive: {} needs --eyes FISH or --follow FISH")
-    if options.console is None:
-        shared.refuse(
-            options,
-            ("console-tls", "console-token", "console-name", "console-osc"),
-            "dive: {} needs --console",
-        )
     shared.settle_size(options)
-    theatre = None
-    if options.theatre is not None and options.display == HEADSET:
-        raise UserError(f"--theatre has windows of its own: expected no --display {HEADSET}")
-    if options.theatre is not None:
-        theatre = TheatreOptions(
-            options.theatre, options.shrink, options.node, not options.no_resume
-        )
-    elif options.shrink != 1:
-        raise UserError("--shrink needs --theatre; give a smaller --size instead")
-    elif options.node is not None:
-        raise UserError("--node needs --theatre too")
-    if options.no_resume and options.node is None:
-        raise UserError("--no-resume needs --theatre and --node too")
-    if options.playlist is not None:
-        shared.refuse(options, ("tour", "follow", "eyes", "fish"), "--playlist goes without {}")
-        given = {word.partition("=")[0] for word in options.words}
-        for name in sorted(given & {"--scenario", "--set"}):
-            raise UserError(f"--playlist goes without {name}")
-        if options.display == HEADSET:
-            raise UserError(f"--playlist is for screens: expected no --display {HEADSET}")
     stereo, surround = shared.optics(options)
     return DiveOptions(
         scenario=options.scenario,
@@ -288,8 +182,6 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         fish=options.fish,
         seconds=options.seconds,
         tour=options.tour,
-        kiosk=options.kiosk,
-        playlist=options.playlist,
         see_brightness=options.see_brightness,
         display=DisplayOptions(
             mode=options.display,
@@ -302,7 +194,6 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
             diagrams=options.show,
             wireframe=options.wireframe,
         ),
-        theatre=theatre,
         start=StartOptions(
             follow=options.follow,
             eyes=options.eyes,
@@ -312,5 +203,5 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
             pace=options.pace,
         ),
         settings=settings,
-        settings_file=None if options.kiosk else options.settings or settings_path(),
+        settings_file=options.settings or settings_path(),
     )

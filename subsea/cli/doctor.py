@@ -26,8 +26,8 @@ DIVE = ("dive",)
 SEA = "dive", "film", "simulate"
 HEADSET_S = 10.0  # for a runtime that answers late: some of them start first
 DESCRIBE_HEADSET = """\
-from subsea.stage.headset.openxr import describe_headset
-print(*describe_headset(), sep="\\n")
+from subsea.base.registry import DEVICES, load_named
+print(*load_named(DEVICES, "headset", "device")(), sep="\\n")
 """
 
 
@@ -38,6 +38,9 @@ class Finding(NamedTuple):
     good: bool
     text: str
     needed_by: Sequence[str] = BASE  # the parts of BASE that do not work without it
+
+
+GROUP = "this machine"  # in the help
 
 
 def add(commands: Any) -> None:

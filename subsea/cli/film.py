@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 BLUR = "samples", "shutter", "aperture", "focus"  # options of the exposure
 
 
+GROUP = "dive and film"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

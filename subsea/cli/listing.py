@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from subsea.base.command_line import add_command
 from subsea.base.errors import UserError
+from subsea.base.registry import LISTS, load_named, registered
 
 SHIPPED, OWN = "shipped", "own"
 
@@ -21,8 +22,12 @@ class ListedFile(NamedTuple):
     fault: str | None = None
 
 
+GROUP = "scenarios and theatres"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
+    kinds = (*KINDS, *registered(LISTS))
     parser = add_command(
         commands,
         "list",
@@ -30,14 +35,14 @@ def add(commands: Any) -> None:
         "Prints name, origin (shipped or own) and title. A faulty file is listed with its error.",
         ["subsea list scenarios", "subsea list species --json"],
     )
-    parser.add_argument("what", choices=tuple(KINDS), metavar="WHAT", help=", ".join(KINDS))
+    parser.add_argument("what", choices=kinds, metavar="WHAT", help=", ".join(kinds))
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(run=run)
 
 
 def run(options: Namespace) -> int:
     """Print the list."""
-    entries, folder = KINDS[options.what]()
+    entries, folder = KINDS[options.what]() if options.what in KINDS else _others(options.what)
     if options.json:
         print(json.dumps([entry._asdict() for entry in entries], indent=1, ensure_ascii=False))
         return 0
@@ -71,13 +76,10 @@ def _species() -> tuple[list[ListedFile], Path | None]:
     ], own_species()
 
 
-def _theatres() -> tuple[list[ListedFile], Path | None]:
-    from subsea.base.system import resource_names
-    from subsea.stage.theatre.load import load_theatre
-    from subsea.stage.theatre.theatre_file import FOLDER
-
-    shipped = resource_names(FOLDER, ".toml")
-    return [*_entries(shipped, shipped, lambda name: load_theatre(name)[0].title)], None
+def _others(what: str) -> tuple[list[ListedFile], Path | None]:
+    """Shipped files of a kind that a wing or another package has."""
+    shipped, title_of = load_named(LISTS, what, "list")()
+    return [*_entries(shipped, shipped, title_of)], None
 
 
 def _entries(
@@ -101,4 +103,4 @@ def _hidden(folder: Path, shipped: list[str]) -> Iterator[ListedFile]:
             yield ListedFile(name, OWN, None, fault)
 
 
-KINDS = {"scenarios": _scenarios, "species": _species, "theatres": _theatres}
+KINDS = {"scenarios": _scenarios, "species": _species}

@@ -7,26 +7,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from subsea.base.command_line import add_groups, make_parser, parse_arguments, run_command
+from subsea.base.registry import COMMANDS, load_all
 from subsea.cli import dive, doctor, film, listing, settings
-from subsea.export import command as export
-from subsea.lab import benchmark_command as benchmark
-from subsea.lab import simulate_command as simulate
-from subsea.lab import soak_command as soak
-from subsea.lab import study_command as study
-from subsea.lab import sweep_command as sweep
-from subsea.stage import show_command as show
-from subsea.stage import theatre_command as theatre
-from subsea.stage.cluster import keys_command as keys
-from subsea.studio import build_command as build
-from subsea.studio import skin_command as skin
 
-GROUPS = {
-    "dive and film": (dive, film, export),
-    "simulate and study": (simulate, study, sweep, benchmark, soak),
-    "make fishes": (build, skin),
-    "scenarios and theatres": (listing, theatre, keys, show),
-    "this machine": (doctor, settings),
-}
+GROUPS = (
+    "dive and film", "simulate and study", "make fishes", "scenarios and theatres", "this machine",
+)  # fmt: skip
+OWN = {"dive": dive, "doctor": doctor, "film": film, "list": listing, "settings": settings}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,6 +40,7 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def parsers() -> tuple[argparse.ArgumentParser, Any]:
-    """Return the parser of `subsea` and its commands."""
+    """Return the parser of `subsea` and its commands: those of the house, and registered ones."""
     parser = make_parser("subsea", "A submarine among artificial fishes.")
-    return parser, add_groups(parser, GROUPS)
+    modules = dict(load_all(COMMANDS)) | OWN
+    return parser, add_groups(parser, GROUPS, modules)

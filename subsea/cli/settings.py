@@ -5,6 +5,8 @@ from typing import Any
 
 from subsea.base.command_line import add_command
 
+GROUP = "this machine"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

@@ -9,8 +9,8 @@ from subsea.dive.settings import DEFAULTS, Settings
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import ALL_ROUND, Surround
 
-if TYPE_CHECKING:  # loaded only for a console
-    from subsea.stage.console.options import ConsoleOptions
+if TYPE_CHECKING:
+    from subsea.dive.part import DivePart
 
 RetinaColours = Literal["colours", "identity", "range"]
 RETINA_COLOURS: tuple[RetinaColours, ...] = ("colours", "identity", "range")
@@ -29,16 +29,6 @@ class DisplayOptions:
     target_ms: float | None = None  # frame time that "auto" holds; None: by the renderer
     diagrams: Sequence[str] = ()  # names of `frame.diagrams.DIAGRAMS`
     wireframe: bool = False
-
-
-@dataclass(frozen=True)
-class TheatreOptions:
-    """The theatre that shows the dive."""
-
-    name: str
-    shrink: int = 1  # times fewer pixels a side
-    node: str | None = None  # name of this computer; None: it shows all windows
-    resumes: bool = True  # a master that is restarted goes on with the dive of its nodes
 
 
 @dataclass(frozen=True)
@@ -63,12 +53,10 @@ class DiveOptions:
     fish: int | None = None  # total number of fishes; None: the scenario's
     seconds: float | None = None  # the dive ends after; None: never
     tour: str | None = None  # begins at once; None: that of the settings, after their idle time
-    kiosk: bool = False
-    playlist: Path | None = None  # the file of a show, which chooses scenarios and tours
+    kiosk: bool = False  # only controls of visitors, and each visit begins anew
     see_brightness: bool = False  # a ridden fish reacts to the light in its eyes
     display: DisplayOptions = DisplayOptions()
-    theatre: TheatreOptions | None = None
     start: StartOptions = StartOptions()
     settings: Settings = DEFAULTS
     settings_file: Path | None = None  # which a visitor's changes go to
-    console: "ConsoleOptions | None" = None  # the presenter's
+    parts: "Sequence[DivePart]" = ()  # which wings add

@@ -13,10 +13,18 @@ from subsea.base.arrays import Array
 from subsea.frame.packet import Packet
 from subsea.rendering.gl.id_buffer import FISH, WATER
 from subsea.rendering.renderer import Renderer
-from subsea.stage.theatre.warp import sources_at
 from subsea.view.camera import View
 from subsea.view.display_rigs import SURROUNDS
-from subsea.view.rig import CUBES, CameraRig, DisplayPatch, Projection, Rect, front, seen_part
+from subsea.view.rig import (
+    CUBES,
+    CameraRig,
+    DisplayPatch,
+    Projection,
+    Rect,
+    front,
+    seen_part,
+    sources_at,
+)
 from subsea.view.surround import COLUMNS, ROWS, Surround, directions, half_tangent, on_faces
 
 NEAR_PX = 4  # search radius if no fish is under the pointer

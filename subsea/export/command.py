@@ -9,6 +9,8 @@ from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
 from subsea.export.glb import COMPRESSIONS, PLAIN
 
+GROUP = "dive and film"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

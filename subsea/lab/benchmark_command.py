@@ -11,6 +11,9 @@ from subsea.dive import arguments as shared
 STAGES_TO_LEAVE_OUT = ("culling", "lod", "sync")
 
 
+GROUP = "simulate and study"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -10,6 +10,9 @@ from subsea.dive import arguments as shared
 MAX_TICKS = 100_000_000
 
 
+GROUP = "simulate and study"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

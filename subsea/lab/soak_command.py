@@ -7,7 +7,10 @@ from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
+from subsea.base.registry import SOAKS, load_named
 from subsea.dive import arguments as shared
+
+GROUP = "simulate and study"  # in the help
 
 
 def add(commands: Any) -> None:
@@ -61,12 +64,12 @@ def add(commands: Any) -> None:
 def run(options: Namespace) -> int:
     """Soak; 1 if anything was found."""
     if options.kiosk:
-        from subsea.stage.kiosk_soak import soak_kiosk
-
         shared.refuse(options, ("json", "compare", "fish"), "soak: --kiosk goes without {}")
         if options.changes:
             raise UserError("soak: --kiosk goes without --set")
-        return soak_kiosk(options.scenario, options.minutes, options.seed, options.playlist)
+        soak_kiosk = load_named(SOAKS, "kiosk", "soak")
+        code: int = soak_kiosk(options.scenario, options.minutes, options.seed, options.playlist)
+        return code
     shared.refuse(options, ("playlist",), "soak: {} needs --kiosk")
     from subsea.base.file_kinds import check_result
     from subsea.lab.profiling.soak import REPORT, soak

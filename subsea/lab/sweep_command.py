@@ -18,6 +18,9 @@ def _seeds(text: str) -> tuple[int, ...]:
     return read_seeds(text)
 
 
+GROUP = "simulate and study"  # in the help
+
+
 def add(commands: Any) -> None:
     """Add the command."""
     parser = add_command(

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base import interrupts
+from subsea.base.arrays import describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import read_input, replacing
-from subsea.base.progress import count_noun, describe_durations, progress, say
+from subsea.base.progress import count_noun, progress, say
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.ride import (

@@ -23,10 +23,10 @@ import numpy as np
 
 from subsea import __version__
 from subsea.base import interrupts
-from subsea.base.arrays import Bytes
+from subsea.base.arrays import Bytes, describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import check_folder, file_hash, read_input, replacing
-from subsea.base.progress import count_noun, describe_durations, progress, say
+from subsea.base.progress import count_noun, progress, say
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import (
     check_tour,
@@ -59,9 +59,8 @@ from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish, with_total
 from subsea.sound.mixer import SoundLevels
 from subsea.sound.space import layout_of
-from subsea.stage.setup import chosen_rig, theatre_digest
 from subsea.submarine.vessel import course_of
-from subsea.view.display_rigs import cockpit
+from subsea.view.display_rigs import chosen_rig, cockpit, theatre_digest
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.levels import empty_lod_state
 from subsea.view.retina import AHEAD, FIELD_DEG, Gaze

@@ -16,11 +16,8 @@ from subsea.base.interrupts import INTERRUPTED
 from subsea.base.system import is_path
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
-from subsea.dive.tick_source import tick_source_maker
 from subsea.scenario.load import load_scenario
 from subsea.scenario.shoals import with_total
-from subsea.stage.setup import set_up_theatre
-from subsea.stage.show_file import faults, load_show
 
 EVERY_S = 1.0  # between two reports of pictures
 SOCKET = "NOTIFY_SOCKET"  # variable with the address; "@" begins an abstract one
@@ -109,15 +106,10 @@ def unit_path(node: str | None) -> Path:
 
 def check_dive(options: DiveOptions) -> None:
     """Raise a UserError if a dive with these options would end at its start."""
-    if options.playlist is not None:
-        for _, fault in faults(load_show(options.playlist), options.playlist):
-            raise fault
     scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
     check_tour(scenario, options.tour or options.settings.attract.tour)
-    if (theatre := options.theatre) is not None:
-        display = options.display
-        setup = set_up_theatre(theatre.name, display.mode, display.stereo, theatre.node)
-        tick_source_maker(setup.theatre, setup.path, theatre.node, {})
+    for part in options.parts:
+        part.check(options)
 
 
 def unit_text(words: Sequence[str], node: str | None = None) -> str:
@@ -138,14 +130,15 @@ def unit_text(words: Sequence[str], node: str | None = None) -> str:
     )
 
 
-def write_unit(words: Sequence[str], options: DiveOptions, out: Path | None = None) -> int:
+def write_unit(
+    words: Sequence[str], options: DiveOptions, node: str | None = None, out: Path | None = None
+) -> int:
     """Check a dive and write its unit to `out`, by default that of this user; exit code 0.
 
     `words` are the options of `subsea dive` as given, with the one that writes the unit. A unit
     that an operator wrote is not replaced.
     """
     check_dive(options)
-    node = None if options.theatre is None else options.theatre.node
     path = out or unit_path(node)
     kept = [word for word in words if not word.startswith(f"{OPTION}=")]
     if OPTION in kept:

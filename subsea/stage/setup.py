@@ -6,7 +6,7 @@ Set up a theatre: its working channels, their windows, and the rig.
 from collections.abc import Callable, Sequence
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -14,12 +14,13 @@ from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
 from subsea.base.progress import count_noun, say
 from subsea.base.toml_files import error_at
-from subsea.dive.options import DisplayOptions, TheatreOptions
+from subsea.dive.options import DisplayOptions
 from subsea.dive.pilot import Pilot
-from subsea.dive.tick_source import TickSource, tick_source_maker
+from subsea.dive.tick_source import TickSource
 from subsea.sound.space import Layout, loudspeakers
 from subsea.stage.cluster.link import cluster_faults
 from subsea.stage.cluster.messages import HASH
+from subsea.stage.cluster.ticks import tick_source_maker
 from subsea.stage.theatre.channels import ProjectorChannel, usable_channels
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.load import load_theatre
@@ -28,11 +29,12 @@ from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.stage.theatre.theatre_writer import write_theatre
 from subsea.stage.theatre.warp import describe_warp
 from subsea.ui.monitors import Installation, Screen
-from subsea.view.display_rigs import display_rig
 from subsea.view.rig import CameraRig
 from subsea.view.stereo import EYES, Stereo
-from subsea.view.surround import ALL_ROUND, Surround
 from subsea.world.world import World
+
+if TYPE_CHECKING:
+    from subsea.stage.parts import TheatrePart
 
 
 class TheatreSetup(NamedTuple):
@@ -94,25 +96,13 @@ def _loudspeakers(theatre: Theatre, node: str | None) -> Layout | None:
     )
 
 
-def chosen_rig(
-    display: str,
-    size: tuple[int, int],
-    stereo: Stereo = EYES,
-    surround: Surround = ALL_ROUND,
-    theatre: str | None = None,
-    shrink: int = 1,
+def named_rig(
+    name: str, display: str, stereo: Stereo, shrink: int
 ) -> tuple[CameraRig, tuple[str, ...]]:
-    """The rig of a theatre, or of a display mode if none is named; and names of its outputs.
-
-    `size` is that of the one picture of a display mode. A single output is called "".
-    """
-    if theatre is not None:
-        house = set_up_theatre(theatre, display, stereo, shrink=shrink)
-        names = tuple(window.name for window in house.windows)
-        return house.rig, names if len(names) > 1 else ("",)
-    if shrink != 1:
-        raise UserError("--shrink needs --theatre; give a smaller --size instead")
-    return display_rig(display, size, stereo, surround), ("",)
+    """The rig of a theatre, and the names of its outputs, for `view.display_rigs.chosen_rig`."""
+    house = set_up_theatre(name, display, stereo, shrink=shrink)
+    names = tuple(window.name for window in house.windows)
+    return house.rig, names if len(names) > 1 else ("",)
 
 
 def theatre_digest(name: str | None) -> str | None:
@@ -266,7 +256,7 @@ def _words(one: ProjectorChannel) -> str:
 
 
 def theatre_windows(
-    theatre: TheatreOptions, display: DisplayOptions, leads: bool = False
+    theatre: "TheatrePart", display: DisplayOptions, leads: bool = False
 ) -> tuple[Installation, Callable[[World, Pilot], TickSource]]:
     """The rig and windows of a theatre, and the maker of its tick source.
 

@@ -11,7 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import date
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 import msgspec
 import platformdirs
@@ -20,7 +20,6 @@ from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing
 from subsea.base.progress import count_noun, say
 from subsea.dive.captions import FADE_S, Caption, shown_s
-from subsea.dive.live_sound import LiveSound
 from subsea.dive.presented import Presented, with_show
 from subsea.scenario.schema import AUTOPILOT, Scenario
 from subsea.stage.show_file import (
@@ -48,6 +47,9 @@ from subsea.stage.show_file import (
 )
 from subsea.world import snapshot
 from subsea.world.world import World
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 Tell = Callable[[str], object]
 
@@ -340,31 +342,6 @@ SAVE_S = 15.0  # between two saved states
 REST_S = 0.1  # between two black pictures outside the opening hours
 
 
-class ItemTours(Protocol):
-    """The tours of a dive."""
-
-    def start_item(
-        self, tour: str | None, since_s: float, start: tuple[Scenario, Path, int | None] | None
-    ) -> None:
-        """Begin the tour of an item, or leave the helm to the pilot."""
-
-
-class ShownDive(Protocol):
-    """The parts of a dive that a show changes."""
-
-    world: World
-    sound: LiveSound
-
-    @property
-    def tours(self) -> ItemTours:
-        """The tours."""
-
-    def open_world(
-        self, scenario: Scenario, source: Path, seed: int | None = None, keep: bool = False
-    ) -> bool:
-        """Replace the world."""
-
-
 class ShowScreens:
     """The show of a dive. `player` has its state and takes cues."""
 
@@ -406,7 +383,7 @@ class ShowScreens:
         self._since_s = saved.progress.elapsed_s
         self._tell(f"the show goes on at item {saved.shown + 1}, second {self._since_s:.0f}")
 
-    def update(self, dive: ShownDive, elapsed_s: float) -> None:
+    def update(self, dive: "Dive", elapsed_s: float) -> None:
         """Go on, `elapsed_s` after the last picture."""
         player = self.player
         player.update(elapsed_s)
@@ -419,7 +396,7 @@ class ShowScreens:
             self._since_save_s = 0.0
             self._store.save(player.progress, player.shown, lambda: snapshot.take(dive.world))
 
-    def rest(self, dive: ShownDive) -> bool:
+    def rest(self, dive: "Dive") -> bool:
         """Wait, and be silent, outside the opening hours; True while the screens are blank."""
         closed, sound = self.player.closed, dive.sound
         if closed and self._muted is None:
@@ -445,7 +422,7 @@ class ShowScreens:
         """Wait until the state is saved."""
         self._store.close()
 
-    def _begin(self, dive: ShownDive, number: int) -> None:
+    def _begin(self, dive: "Dive", number: int) -> None:
         """Show an item; one that cannot be shown keeps the sea before it."""
         player, one = self.player, self.show.item[number]
         keeps = self._fresh or (one.scenario is None and player.shown is not None)

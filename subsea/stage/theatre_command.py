@@ -8,6 +8,8 @@ from subsea.base.command_line import add_command, add_force
 from subsea.base.errors import UserError
 from subsea.stage.theatre.measures import KINDS, MEASURES
 
+GROUP = "scenarios and theatres"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

@@ -6,6 +6,8 @@ from typing import Any
 
 from subsea.base.command_line import add_command
 
+GROUP = "make fishes"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

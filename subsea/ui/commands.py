@@ -102,8 +102,8 @@ class Commands:
             self._inspector.toggle()
 
     def _next_cue(self) -> None:
-        if self._dive.show is not None:
-            self._dive.show.player.next_cue()
+        for part in self._dive.parts:
+            part.cue()
 
     def _toggle_pattern(self) -> None:
         self._dive.picture.show_pattern(self._dive.overlay.help_hidden)

@@ -6,13 +6,13 @@ from typing import Any, Protocol, TypeVar
 
 from subsea.dive.captions import Caption
 from subsea.dive.live_sound import LiveSound
+from subsea.dive.part import DivePart
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import Command
 from subsea.dive.tick_source import TickSource
 from subsea.dive.timeline import Timeline
 from subsea.media.screenshots import ScreenCapture
 from subsea.scenario.schema import Scenario
-from subsea.stage.show_player import ShowScreens
 from subsea.ui.gui import Gui
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
@@ -39,7 +39,7 @@ class DiveContext(Protocol):
     window: GlWindow  # the pilot's
     pilot: Pilot
     tick_source: TickSource
-    show: ShowScreens | None  # None: no show is played
+    parts: list[DivePart]  # which wings add
     see_brightness: bool  # a ridden fish reacts to the light in its eyes
 
     @property

@@ -2,11 +2,10 @@
 
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
-from dataclasses import replace
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from subsea.base.errors import UserError
 from subsea.base.language import marked, set_language, translated
@@ -15,9 +14,10 @@ from subsea.dive.captions import Caption, FaultLog, caption_of, draw_caption
 from subsea.dive.directed_camera import endless_tour, is_cut
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
+from subsea.dive.part import GOES_ON, DivePart, LostDisplayError
 from subsea.dive.presented import NOTHING
 from subsea.dive.ride import Ride
-from subsea.dive.settings import Command, kiosk_settings
+from subsea.dive.settings import Command
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.jobs.background import CancelledByUserError
@@ -27,30 +27,22 @@ from subsea.scenario.schema import Scenario
 from subsea.scenario.shoals import with_total
 from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
-from subsea.stage.headset.controllers import HeadsetLostError
-from subsea.stage.headset.display import GOES_ON, HeadsetDisplay, LostHeadset, put_on
-from subsea.stage.kiosk import Kiosk
-from subsea.stage.show_player import ShowScreens
 from subsea.ui.commands import Commands
 from subsea.ui.first_picture import Loader
 from subsea.ui.help_overlay import help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
-from subsea.ui.monitors import Installation
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences, follow, help_of
 from subsea.ui.text_layer import TextLayer
-from subsea.view.display_rigs import HEADSET, cockpit
+from subsea.view.display_rigs import cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
 from subsea.world.world import World
-
-if TYPE_CHECKING:  # loaded only for a console
-    from subsea.stage.console.remote_control import RemoteControl
 
 
 class Dive:
@@ -59,36 +51,36 @@ class Dive:
     def __init__(
         self,
         options: DiveOptions,
-        installation: Installation | None = None,
-        make_ticks: TickSourceMaker = LocalTicks,
         opening: Opening | None = None,
         check: Callable[[], None] = lambda: None,
-        show: ShowScreens | None = None,
     ) -> None:
         """Open the windows before loading the world, so that something shows at once.
 
-        The rig and the windows are those of the `installation`, else one window. `check` is called
-        while loading, and may raise. If anything fails, all that was opened is closed again.
+        The parts of the options are planned (`dive.part.planned`). `opening` has the windows, if
+        they are open already. `check` is called while loading, and may raise. If anything fails,
+        all that was opened is closed again.
         """
         display, settings = options.display, options.settings
         scenario, self.source, _ = load_scenario(options.scenario, options.changes)
         self.scenario = with_total(scenario, options.fish)
         self.known = held(self.source)
-        if options.kiosk:
-            settings, display = kiosk_settings(settings), replace(display, fullscreen=True)
         set_language(settings.display.language)
         self.preferences = Preferences(settings, options.settings_file, partial(follow, self))
-        self.show = show
+        self.parts: list[DivePart] = [*options.parts]
+        self.kiosk = options.kiosk
         self.see_brightness = options.see_brightness
         self.tick_source: TickSource
         self.overlay: Overlay
-        self._make_ticks, self._check = make_ticks, check
+        installation, make_ticks = next(
+            filter(None, (part.installation(options) for part in self.parts)), (None, LocalTicks)
+        )
+        self._make_ticks: TickSourceMaker = make_ticks
+        self._check = check
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self.records_text = settings.pictures.instruments  # in pictures and films
         self._loading, self._loader = True, Loader(self._wait)
         self.pictures = 0  # of the sea, shown so far
         self.faults = FaultLog()
-        self.remote: RemoteControl | None = None  # the presenter's, if a console is open
         tour = options.tour or settings.attract.tour
         opening = opening or open_windows(
             display.mode, display.size, display.fullscreen, settings, installation
@@ -98,6 +90,7 @@ class Dive:
         self.window = self.window_set.front
         with ExitStack() as undo:
             undo.callback(opening.close)
+            undo.callback(self._close_parts)
             speakers = installation and installation.loudspeakers
             self.sound = LiveSound(
                 settings.sound, lambda text: self.overlay.note(text), self.faults.say, speakers
@@ -105,20 +98,17 @@ class Dive:
             undo.callback(self.sound.close)
             self.overlay = Overlay(help_content(settings.bindings, settings.mouse.steer))
             undo.callback(lambda: self.preferences.keep(self.note))
-            head = None
-            self._lost_headset = LostHeadset(options.kiosk and display.mode == HEADSET)
-            if display.mode == HEADSET:
-                try:
-                    head = self._put_on()
-                except UserError as fault:
-                    self.note(f"{fault}; {GOES_ON}")
+            head = next(filter(None, (part.worn(self) for part in self.parts)), None)
+            if head is not None:
+                self.sound.head = head.pose
             self.picture = ScenePicture(self.window_set, opening.rig, display, head)
             undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
             self.commands = Commands(self, self.menu, self.inspector)
             self.text = TextLayer(self, settings, self.menu, self.inspector)
-            self._kiosk = Kiosk(self.window_set.windows) if options.kiosk else None
+            for part in self.parts:
+                part.opened(self)
             start = self.scenario, self.source, options.seed
             self.world = self._loader.create(*start)
             self._wait(marked("starting OpenGL"))
@@ -128,14 +118,14 @@ class Dive:
             self._wait(None)
             self.overlay.help = help_of(self, settings)
             after_s = 60.0 * settings.attract.after_min
-            self.tours = IdleTours(self, tour, after_s, start, self._kiosk)
+            self.tours = IdleTours(self, tour, after_s, start, options.kiosk)
             if options.tour is not None:
                 self.tours.timer.begin()
             self._loading, self._first = False, None
-            if show is not None:
-                undo.callback(show.close)
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
+            for part in self.parts:
+                part.begin(self)
             self._undo = undo.pop_all()
 
     @property
@@ -228,20 +218,24 @@ class Dive:
         """One picture, `elapsed_s` after the last: events, due ticks, drawing, presenting."""
         try:
             self._frame(elapsed_s)
-        except HeadsetLostError as fault:
+            for part in self.parts:
+                part.shown(self)
+        except LostDisplayError as fault:
             self.picture.take_off()
             self.sound.head = at_rest
             self.note_fault(f"{fault}; {GOES_ON}")
 
-    def _put_on(self) -> HeadsetDisplay:
-        head = put_on(self.window_set, self.gui, self.note)
+    def end(self) -> None:
+        """End in order: nobody wants to see more."""
+        for part in self.parts:
+            part.end(self)
+
+    def put_on(self, head: Any) -> None:
+        """Go on in a display on the diver's head, which a part has found again."""
+        self.picture.put_on(head)
         self.sound.head = head.pose
-        return head
 
     def _frame(self, elapsed_s: float) -> None:
-        if self._lost_headset.due(elapsed_s, self.picture.head is not None):
-            with suppress(UserError):
-                self.picture.put_on(self._put_on())
         start = time.perf_counter()
         for command in self.window_set.poll():
             self.run_command(command)
@@ -251,14 +245,11 @@ class Dive:
             self.note(line)
         self.world.notices.clear()
         self.sound.check()
-        if self.remote is not None:
-            self.remote.update(elapsed_s)
-        if self.show is not None:
-            self.show.update(self, elapsed_s)
-            if self.show.rest(self):
-                self.pilot.was_active()  # nobody sees where they steer
-                self._present_black()
-                return
+        black = [part.before(self, elapsed_s) for part in self.parts]
+        if any(black):
+            self.pilot.was_active()  # nobody sees where they steer
+            self._present_black()
+            return
         self._set_overlays()
         self.tours.update(elapsed_s)
         if self.menu.open:
@@ -291,8 +282,8 @@ class Dive:
             self._record(elapsed_s)
         if (blank := self.tick_source.presented.blank) > 0.0:
             picture.blacken(blank)
-        if self.remote is not None:
-            self.remote.look()
+        for part in self.parts:
+            part.after(self)
         picture.end(self.text.vignette.opacity)
         picture.adapt_quality(time.perf_counter() - start)
         if alpha is not None:
@@ -323,9 +314,11 @@ class Dive:
 
     def _set_overlays(self) -> None:
         """Lay what presenter and show want over the sea; a node shows what its master does."""
-        if self.remote is not None or self.show is not None:
-            over = NOTHING if self.remote is None else self.remote.presented
-            self.tick_source.presented = over if self.show is None else self.show.under(over)
+        if self.parts and self.tick_source.has_pilot:
+            over = NOTHING
+            for part in self.parts:
+                over = part.over(over)
+            self.tick_source.presented = over
 
     def _present_black(self) -> None:
         self.picture.blacken(1.0)
@@ -334,9 +327,12 @@ class Dive:
 
     def close(self) -> None:
         """Close everything, in the reverse order of opening."""
-        if self.remote is not None:
-            self.remote.close()
+        self._close_parts()
         self._undo.close()
+
+    def _close_parts(self) -> None:
+        for part in self.parts:
+            part.close()
 
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
@@ -351,6 +347,8 @@ class Dive:
             if world.state.tick == 0:
                 self.picture.eye = cockpit(world.state.submarine, 1.0)
                 self._loader.wake(world)
+            for part in self.parts:
+                part.restore(world)
             self.tick_source = self._make_ticks(world, self.pilot)
             undo.callback(self._close_ticks)
             self._set_overlays()
@@ -385,13 +383,11 @@ class Dive:
     def _wait(self, message: str | None) -> None:
         """Handle events while loading and show a message; raise if the visitor leaves."""
         self._check()
-        if self.remote is not None:
-            self.remote.beat()
+        for part in self.parts:
+            part.beat()
         if "leave" in (commands := self.window_set.poll()):
             self.window.ask_to_close()
-        if not self.window_set.open or (
-            "menu" in commands and self._loading and self._kiosk is None
-        ):
+        if not self.window_set.open or ("menu" in commands and self._loading and not self.kiosk):
             raise CancelledByUserError
         if message is not None:
             say(message)

@@ -1,68 +1,52 @@
 """Start and end tours of an unattended dive, and draw over the picture."""
 
 import math
-from datetime import date
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
 from subsea.base.language import translated
-from subsea.base.progress import say
 from subsea.dive.directed_camera import check_tour, endless_tour, is_directed, is_over
 from subsea.dive.idle_timer import IdleTimer
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
-from subsea.stage.headset.display import HeadsetDisplay
-from subsea.stage.kiosk import Kiosk
-from subsea.stage.show_player import DiveCount
-from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, INK, colour, draw_shadowed_text
-from subsea.ui.inspector import Inspector
-from subsea.ui.menu import Menu
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 BREATH_S = 5.0  # period in which the invitation fades in and out
-
-
-class TouredDive(DiveContext, Protocol):
-    """A dive whose menu and panels can be closed."""
-
-    inspector: Inspector
-    menu: Menu
 
 
 class IdleTours:
     """Starts a tour when there is no input, and ends it at any input."""
 
     def __init__(
-        self, dive: TouredDive, name: str, after_s: float,
-        start: tuple[Scenario, Path, int | None], kiosk: Kiosk | None,
+        self, dive: "Dive", name: str, after_s: float,
+        start: tuple[Scenario, Path, int | None], anew: bool = False,
     ) -> None:  # fmt: skip
         """A tour called `name` begins `after_s` without input; 0: never.
 
-        In a `kiosk` it begins in the world of the `start`: a scenario, its file and the seed.
+        With `anew` it begins in the world of the `start`: a scenario, its file and the seed.
         """
         self.name = self.current = name  # of an idle dive, and of the last tour
         self.timer = IdleTimer(after_s, leaps=False)
-        self._dive, self._start, self._kiosk = dive, start, kiosk
-        self._worn: bool | None = None  # the headset, in a kiosk
-        self._dives = None if kiosk is None else DiveCount(say)
+        self._dive, self._start, self._anew = dive, start, anew
+        self.active = False  # there was input before this picture
+        self.visits = 0  # times that somebody began to steer
         self._visited = False  # somebody steers since the last tour
         # The autopilot and directions go on from where the submarine is: no need to fade to dark.
-        leaps = name not in (AUTOPILOT, DIRECTED) or kiosk is not None
+        leaps = name not in (AUTOPILOT, DIRECTED) or anew
         self.timer.leaps = leaps and not dive.shared
 
     def update(self, elapsed_s: float) -> None:
         """Begin or end a tour, `elapsed_s` after the last frame."""
         dive, ticks = self._dive, self._dive.tick_source
-        active = dive.pilot.was_active()
-        if active and not self._visited and self._dives is not None and ticks.has_pilot:
+        self.active = active = dive.pilot.was_active()
+        if active and not self._visited and ticks.has_pilot:
             self._visited = True
-            self._dives.add(date.today())
-        if self._kiosk is not None:
-            self._kiosk.update(active, elapsed_s)
-        if self._kiosk is not None and dive.picture.head is not None:
-            self._attend(dive.picture.head)
+            self.visits += 1
         # A visitor who works with panels, paused time or films is not interrupted.
         busy = dive.inspector.open and not dive.menu.open
         busy |= dive.picture.pattern or dive.shots.filming or not ticks.has_pilot
@@ -74,27 +58,14 @@ class IdleTours:
         elif what == "begin" or self._directions_over:
             self.begin()
 
-    def _attend(self, head: HeadsetDisplay) -> None:
-        """Begin a new dive when the headset is put on; wait while it is not worn."""
-        worn, dive = head.headset.worn, self._dive
-        if worn == self._worn:
-            return
-        self._worn = worn
-        if worn:
-            self.begin()
-            dive.tick_source.set_tour(None)
-            head.recentre()
-        if dive.timeline is not None:
-            dive.timeline.paused = not worn
-
     def begin(self) -> None:
-        """Close what is open, and begin the tour; in a kiosk, in the scenario of its start."""
+        """Close what is open, and begin the tour, in the scenario of the start if that is asked."""
         dive = self._dive
         self._visited = False
         self._close_panels()
-        if self._kiosk is not None:
+        if self._anew:
             dive.preferences.restore()
-        if self._kiosk is not None and not dive.shared:
+        if self._anew and not dive.shared:
             dive.picture.colours = "colours"
             dive.open_world(*self._start)
         dive.overlay.greet()  # the next visitor sees the help again
@@ -163,9 +134,9 @@ class IdleTours:
 
     @property
     def _directions_over(self) -> bool:
-        """True if an idle kiosk has shown all of its directions."""
+        """True if an idle dive that begins anew has shown all of its directions."""
         dive = self._dive
-        shows = self.timer.touring and self._kiosk is not None and not dive.shared
+        shows = self.timer.touring and self._anew and not dive.shared
         directed = self.name == DIRECTED and is_directed(dive.world.scenario)
         return shows and directed and is_over(dive.world)
 

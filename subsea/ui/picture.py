@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -40,7 +41,6 @@ from subsea.rendering.output.quality import (
     name_of,
 )
 from subsea.rendering.renderer import Renderer
-from subsea.stage.headset.display import HeadsetDisplay
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
@@ -79,14 +79,16 @@ class ScenePicture:
         window_set: WindowSet,
         fixed: CameraRig | None,
         display: DisplayOptions,
-        head: HeadsetDisplay | None = None,
+        head: Any = None,
     ) -> None:
         """Start without a world.
 
         The rig is the `fixed` one, or that of the `head`, else that of the display mode.
         """
         self.display = display.mode if head or display.mode != HEADSET else "mono"
-        self.head = head  # in a headset, which shows the dive too
+        self.head = (
+            head  # a display on the head, as `stage.headset.display.HeadsetDisplay`; or None
+        )
         self.quality = display.quality
         self.alpha = 1.0  # the shown point between the last two ticks
         self.eye: CameraPose
@@ -175,7 +177,7 @@ class ScenePicture:
         if self.head is not None:
             self.head.recentre()
 
-    def put_on(self, head: HeadsetDisplay) -> None:
+    def put_on(self, head: Any) -> None:
         """Go on in a headset."""
         self.head = head
         self._world.observers.append(head.feel)
@@ -387,7 +389,7 @@ class ScenePicture:
     def _draw_pattern(self) -> None:
         """Draw the test pattern, if shown, into the renderer's pictures, once."""
         if self.pattern:
-            from subsea.stage.theatre.test_pattern import lineup
+            from subsea.view.test_pattern import lineup  # needs Pillow
 
             self.renderer.show(lineup(self.rig))
 

@@ -1,11 +1,12 @@
 """Camera rigs of the display modes: mono, stereo and surround."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.errors import unknown
+from subsea.base.errors import UserError, unknown
+from subsea.base.registry import VIEWS, load_named
 from subsea.view.camera import NEAR_CM, View, off_axis
 from subsea.view.rig import (
     CameraPose,
@@ -97,6 +98,34 @@ def display_rig(
         (_eye(left, aspect, -half, stereo), _eye(right, aspect, half, stereo)),
         patches_of(layout, DisplayPatch(place, left, right)),
     )
+
+
+def chosen_rig(
+    display: str, size: tuple[int, int], stereo: Stereo = EYES, surround: Surround = ALL_ROUND,
+    theatre: str | None = None, shrink: int = 1,
+) -> tuple[CameraRig, tuple[str, ...]]:  # fmt: skip
+    """The rig of a theatre, or of a display mode if none is named; and names of its outputs.
+
+    `size` is that of the one picture of a display mode; width and height of a theatre's windows are
+    divided by `shrink`. A single output is called "".
+    """
+    if theatre is not None:
+        rig: CameraRig
+        rig, names = _theatres().named_rig(theatre, display, stereo, shrink)
+        return rig, names
+    if shrink != 1:
+        raise UserError("--shrink needs --theatre; give a smaller --size instead")
+    return display_rig(display, size, stereo, surround), ("",)
+
+
+def theatre_digest(theatre: str | None) -> str | None:
+    """A digest of all files of a theatre; None without one."""
+    digest: str | None = None if theatre is None else _theatres().theatre_digest(theatre)
+    return digest
+
+
+def _theatres() -> Any:
+    return load_named(VIEWS, "theatre", "kind of view")
 
 
 def views_for(

@@ -245,3 +245,32 @@ def _ahead(eye: Eye) -> float:
 def overlap(a: Rect, b: Rect) -> bool:
     """True if two rectangles share a pixel."""
     return all(a[k] < b[k] + b[k + 2] and b[k] < a[k] + a[k + 2] for k in (0, 1))
+
+
+LEAST_AREA = 1e-12  # of a triangle that lights nothing
+
+
+def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
+    """Sources (k, 2) at places (k, 2) for the left or right eye; NaN where dark."""
+    shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
+    return _carried(warp.vertices[:, :2], shown, warp.triangles, places)
+
+
+def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
+    """Carry points (k, 2) by the triangles from their corners in `start` to those in `end`."""
+    points = np.asarray(points, np.float64)
+    from_, to = (side.astype(np.float64)[triangles] for side in (start, end))  # (m, 3, 2)
+    a, across, up = from_[:, 0], from_[:, 1] - from_[:, 0], from_[:, 2] - from_[:, 0]
+    area = across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]
+    real = np.abs(area) > 2 * LEAST_AREA
+    a, across, up, area, to = a[real], across[real], up[real], area[real], to[real]
+    carried = np.full(points.shape, np.nan)
+    for number, point in enumerate(points):
+        x, y = (point - a).T
+        s = (x * up[:, 1] - y * up[:, 0]) / area
+        t = (across[:, 0] * y - across[:, 1] * x) / area
+        worst = np.minimum(np.minimum(s, t), 1 - s - t)
+        if len(worst) and worst[best := int(np.argmax(worst))] > -1e-6:
+            weights = np.array([1 - s[best] - t[best], s[best], t[best]])
+            carried[number] = weights @ to[best]
+    return carried

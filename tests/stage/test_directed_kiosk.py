@@ -6,6 +6,7 @@ import numpy as np
 
 from subsea.dive.captions import caption_of
 from subsea.dive.settings import AttractSettings, Settings
+from subsea.stage.parts import KioskPart
 from subsea.ui.dive import Dive
 from subsea.world.world import TICK_S
 from tests.support.scenes import scene
@@ -25,7 +26,7 @@ def test_the_scene_restarts_at_its_end_and_when_a_visitor_has_left(display, user
         Dive(
             dive_options(
                 scene(tmp_path, *CUES), (320, 240), "low",
-                settings=settings, kiosk=True, tour="directed",
+                settings=settings, parts=[KioskPart()], tour="directed",
             )
         )
     ) as exhibit:  # fmt: skip

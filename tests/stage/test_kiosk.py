@@ -8,6 +8,7 @@ import pytest
 
 from subsea.base.language import language
 from subsea.dive.settings import COMFORTS, AttractSettings, Settings
+from subsea.stage.parts import KioskPart
 from subsea.ui.dive import Dive
 from tests.support.windows import dive_options, press_close_button
 
@@ -18,7 +19,7 @@ AFTER_S = 4.0
 def exhibit(display, user, quiet, coarse):
     settings = Settings(attract=AttractSettings(after_min=0.0))
     with closing(
-        Dive(dive_options(quiet, (320, 240), coarse, settings=settings, kiosk=True))
+        Dive(dive_options(quiet, (320, 240), coarse, settings=settings, parts=[KioskPart()]))
     ) as running:
         user.glide(running, 0.5)
         yield running

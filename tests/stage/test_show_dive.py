@@ -2,19 +2,16 @@
 
 import json
 from contextlib import closing
-from dataclasses import replace
 from datetime import date
 
 import pytest
 
 from subsea.cli.main import main
 from subsea.dive.settings import AttractSettings, Settings
-from subsea.dive.tick_source import LocalTicks
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
-from subsea.stage.console.remote_control import open_console
-from subsea.stage.show_player import DiveCount, ShowScreens, state_folder
+from subsea.stage.parts import ConsolePart, KioskPart, ShowPart
+from subsea.stage.show_player import DiveCount, state_folder
 from subsea.ui.dive import Dive
-from subsea.ui.dive_loop import restoring
 from tests.stage.console.conftest import local
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels, dive_options
@@ -53,31 +50,30 @@ def playlist(tmp_path, monkeypatch):
     return path
 
 
-def opened(path, coarse, told, kiosk=False):
-    show = ShowScreens(path, told.append)
+def opened(path, coarse, told, *others):
+    show = ShowPart(path, told.append)
     settings = Settings(attract=AttractSettings(after_min=0.0))
-    options = dive_options(show.first_scenario, (320, 240), coarse, settings=settings, kiosk=kiosk)
-    options = replace(options, playlist=path)
-    return show, Dive(options, None, restoring(show, LocalTicks), show=show)
+    options = dive_options("any", (320, 240), coarse, settings=settings, parts=[*others, show])
+    return show.screens, Dive(options)
 
 
 def test_a_presenter_sees_the_show_and_leads_it(display, user, coarse, playlist):
-    _, dive = opened(playlist, coarse, [])
+    console = ConsolePart(local())
+    _, dive = opened(playlist, coarse, [], console)
     with closing(dive) as running:
-        open_console(running, local())
         user.glide(running, 1.0)
-        state = json.loads(running.remote._board.state)["show"]
+        state = json.loads(console.remote._board.state)["show"]
         assert (state["title"], state["item"], state["items"]) == ("a short one", 1, 5)
-        done = running.remote._board.put(NextItem())
+        done = console.remote._board.put(NextItem())
         user.until(running, lambda: running.source.name == "second.toml")
         assert done.result() == "on to the next item"
         # A node of a cluster would get the black between two items with the picture.
         assert running.tick_source.presented.blank > 0.0
-        running.remote._board.put(ShowCaption("Welcome"))
+        console.remote._board.put(ShowCaption("Welcome"))
         user.until(running, lambda: running.caption.words == "Welcome")
-        running.remote._board.put(BlankScreens(True))
+        console.remote._board.put(BlankScreens(True))
         user.until(running, lambda: running.tick_source.presented.blank == 1.0)
-        running.remote._board.put(BlankScreens(False))
+        console.remote._board.put(BlankScreens(False))
         user.until(running, lambda: running.tick_source.presented.blank == 0.0)
 
 
@@ -157,7 +153,7 @@ def test_a_damaged_state_is_one_line_and_the_show_begins(display, user, coarse, 
 
 def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
     playlist.write_text(SHOW.replace("[[item]]", "[hours]\n[[item]]", 1))  # no day is named
-    show, dive = opened(playlist, coarse, [], kiosk=True)
+    show, dive = opened(playlist, coarse, [], KioskPart())
     with closing(dive) as running:
         user.glide(running, 1.0)
         assert show.player.closed and display_pixels().max() == 0
@@ -170,7 +166,7 @@ def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
 
 def test_dives_of_visitors_are_counted_by_day(display, user, coarse, playlist):
 
-    _, dive = opened(playlist, coarse, [], kiosk=True)
+    _, dive = opened(playlist, coarse, [], KioskPart())
     with closing(dive) as running:
         user.glide(running, 1.0)
         for _ in range(3):  # one visitor

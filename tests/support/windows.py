@@ -17,7 +17,9 @@ from PIL import ImageGrab
 
 from subsea.base.system import resource_path
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.dive.part import DivePart, planned
 from subsea.dive.start import headless
+from subsea.dive.tick_source import LocalTicks
 from subsea.lab.profiling import benchmark
 from subsea.media import eye_frames, film
 from subsea.rendering.output.quality import PRESETS
@@ -29,9 +31,22 @@ FRAME_S = 0.1  # three ticks a picture: tests of windows are not about smoothnes
 def dive_options(
     scenario: object, size: tuple[int, int], quality: str = "auto", **rest: Any
 ) -> DiveOptions:
-    """The options of a dive in one small window, the same every time."""
+    """The planned options of a dive in one small window, the same every time."""
     display = DisplayOptions(size=size, quality=quality)
-    return DiveOptions(**{"scenario": str(scenario), "seed": 1, "display": display, **rest})
+    return planned(
+        DiveOptions(**{"scenario": str(scenario), "seed": 1, "display": display, **rest})
+    )
+
+
+class ShownOn(DivePart):
+    """A part that shows the dive in the windows of an installation."""
+
+    def __init__(self, installation: Any, make_ticks: Any = LocalTicks) -> None:
+        self._shown = installation, make_ticks
+
+    def installation(self, options: DiveOptions) -> Any:
+        """The windows and the source of ticks."""
+        return self._shown
 
 
 @pytest.fixture(scope="module")

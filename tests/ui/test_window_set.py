@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from subsea.frame.packet import pack
-from subsea.stage.theatre.test_pattern import lineup
 from subsea.ui import picture
 from subsea.ui.dive import Dive
 from subsea.ui.monitors import Installation, Screen
 from subsea.view.camera import NEAR_CM, off_axis
 from subsea.view.rig import CameraRig, DisplayPatch, Eye, views
-from tests.support.windows import FRAME_S, display_pixels, dive_options
+from subsea.view.test_pattern import lineup
+from tests.support.windows import FRAME_S, ShownOn, display_pixels, dive_options
 
 SIZE = (240, 180)
 NAMES = ("left", "front", "right")
@@ -52,8 +52,8 @@ SCREENS = tuple(Screen(name, SIZE, place) for name, place in zip(NAMES, PLACES, 
 
 @pytest.fixture(scope="module")
 def boat(display, user, quiet):
-    installation = Installation(THREE, SCREENS)
-    with closing(Dive(dive_options(quiet, SIZE, "low"), installation)) as running:
+    wall = ShownOn(Installation(THREE, SCREENS))
+    with closing(Dive(dive_options(quiet, SIZE, "low", parts=[wall]))) as running:
         user.glide(running, 0.3)
         yield running
 

@@ -45,8 +45,7 @@ from subsea.rendering.output.quality import (
 )
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT
-from subsea.stage.setup import chosen_rig
-from subsea.view.display_rigs import cockpit
+from subsea.view.display_rigs import chosen_rig, cockpit
 from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
 from subsea.view.rig import CameraRig, views
 from subsea.world.step import step

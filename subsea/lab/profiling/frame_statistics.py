@@ -19,10 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import subsea
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, summarize_ms
 from subsea.base.file_kinds import csv_file, json_file
 from subsea.base.files import replacing
-from subsea.base.progress import summarize_ms
 from subsea.base.system import cores
 from subsea.view.levels import LEVELS
 

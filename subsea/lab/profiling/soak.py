@@ -27,10 +27,8 @@ from subsea.frame.packet import pack
 from subsea.lab.profiling.comparison import read_json
 from subsea.lab.profiling.invariants import faults_in, starving, stuck, visited_now, widen
 from subsea.rendering.output.quality import PRESETS
-from subsea.stage.setup import chosen_rig
-from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.submarine.vessel import NEUTRAL, Helm
-from subsea.view.display_rigs import DISPLAYS, cockpit, display_rig
+from subsea.view.display_rigs import DISPLAYS, chosen_rig, cockpit, display_rig
 from subsea.view.rig import CameraRig, views
 from subsea.view.stereo import PAGED
 from subsea.world import snapshot
@@ -245,7 +243,7 @@ def act(world: World, given: RandomInput) -> None:
 
 def rigs() -> list[CameraRig]:
     """Rigs of every display mode without a special window, and of every theatre, shrunk."""
-    theatres = resource_names(FOLDER, ".toml")
+    theatres = resource_names("assets/theatres", ".toml")
     return [
         *(display_rig(display, SIZE) for display in DISPLAYS if display != PAGED),
         *(chosen_rig("mono", SIZE, theatre=name, shrink=SHRINK)[0] for name in theatres),

@@ -6,6 +6,8 @@ from typing import Any
 
 from subsea.base.command_line import add_command
 
+GROUP = "scenarios and theatres"  # in the help
+
 
 def add(commands: Any) -> None:
     """Add the command."""

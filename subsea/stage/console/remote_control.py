@@ -3,7 +3,7 @@
 import ctypes
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -11,27 +11,27 @@ import numpy as np
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, printable, unknown
 from subsea.base.progress import say
-from subsea.dive.captions import FaultLog, FaultState
+from subsea.dive.captions import FaultState
 from subsea.dive.directed_camera import is_directed
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
-from subsea.dive.tick_source import NodeStatus
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.textures import gl_function
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish
+from subsea.stage.cluster.ticks import LeaderTicks, NodeStatus
 from subsea.stage.console import commands
 from subsea.stage.console.board import Board
 from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
-from subsea.stage.show_player import ShowStatus
-from subsea.ui.context import DiveContext
-from subsea.ui.idle_tours import IdleTours
-from subsea.ui.menu import Menu, scenario_summaries
-from subsea.ui.window_set import WindowSet
+from subsea.stage.show_player import ShowScreens, ShowStatus
+from subsea.ui.menu import scenario_summaries
 from subsea.view.unproject import front_view
 from subsea.world.step import cue_direction
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 STATE_S, PICTURE_S = 0.4, 0.25  # between two publications
 PICTURE_WIDTH = 480  # pixels
@@ -82,16 +82,6 @@ class SmallPicture(GpuOwner):
         self._copied = False
         width, height = self._size
         return np.frombuffer(self._buffer.read(), np.uint8).reshape(height, width, 4)[::-1]
-
-
-class RemoteDive(DiveContext, Protocol):
-    """A dive with the windows, menu and tours that a presenter controls."""
-
-    window_set: WindowSet
-    menu: Menu
-    tours: IdleTours
-    faults: FaultLog
-    remote: "RemoteControl | None"
 
 
 class Option(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -149,9 +139,13 @@ class DiveState(msgspec.Struct, frozen=True, kw_only=True):
 class RemoteControl:
     """Applies commands of the board between two frames, and publishes the dive on it."""
 
-    def __init__(self, dive: RemoteDive, board: Board, server: ConsoleServer | None = None) -> None:
+    def __init__(
+        self, dive: "Dive", board: Board, server: ConsoleServer | None = None,
+        show: ShowScreens | None = None,
+    ) -> None:  # fmt: skip
+        """`server` serves the board; `show` is the one that the dive plays."""
         self.presented = NOTHING  # over the picture
-        self._dive, self._board, self._server = dive, board, server
+        self._dive, self._board, self._server, self._show = dive, board, server, show
         self._presentation = Presentation()
         self._small = SmallPicture(dive.window_set.context, PICTURE_WIDTH)
         self._scenarios = _scenarios()
@@ -262,9 +256,9 @@ class RemoteControl:
         return f"started {directions[number].name or f'cue {number}'}"
 
     def _next_item(self, _: commands.NextItem) -> str:
-        if self._dive.show is None:
+        if self._show is None:
             raise UserError("no show is played: begin the dive with --playlist FILE")
-        self._dive.show.player.next_cue()
+        self._show.player.next_cue()
         return "on to the next item"
 
     def _show_caption(self, command: commands.ShowCaption) -> str:
@@ -363,7 +357,8 @@ class RemoteControl:
         dive = self._dive
         world, picture, sound = dive.world, dive.picture, dive.sound.settings
         scenario, began = world.scenario, world.state.directions.began
-        steering, ride = dive.tick_source.steering, picture.ride
+        ticks, ride, show = dive.tick_source, picture.ride, self._show
+        steering = ticks.steering
         tours = [AUTOPILOT, *[DIRECTED] * is_directed(scenario)]
         if not dive.shared:
             tours += [one.name for one in scenario.tour]
@@ -381,7 +376,7 @@ class RemoteControl:
                 for k, one in enumerate(scenario.direction)
             ],
             next_cue=self._next_cue,
-            show=None if dive.show is None else dive.show.player.state(),
+            show=None if show is None else show.player.state(),
             caption=dive.caption.words,
             fish=None
             if ride is None
@@ -395,7 +390,7 @@ class RemoteControl:
             volume=0.0 if sound.mute else sound.volume,
             blank=self._presentation.blank,
             line_up=picture.pattern,
-            nodes=dive.tick_source.nodes(),
+            nodes=ticks.nodes() if isinstance(ticks, LeaderTicks) else [],
             several_computers=dive.shared,
             loading=loading,
             pictures_a_s=round(pictures_a_s, 1),
@@ -404,19 +399,21 @@ class RemoteControl:
         )
 
 
-def open_console(dive: RemoteDive, options: ConsoleOptions) -> None:
+def open_console(
+    dive: "Dive", options: ConsoleOptions, show: ShowScreens | None = None
+) -> RemoteControl | None:
     """Open the console of a dive; a fault, such as a port that is taken, is one line."""
     if not dive.tick_source.has_pilot:
         say("the console is on the master's computer, not on its nodes")
-        return
+        return None
     board = Board()
     try:
         server = ConsoleServer(options, board)
     except UserError as fault:
         dive.note(str(fault))
-        return
-    dive.remote = RemoteControl(dive, board, server)
+        return None
     say(f"the presenter's console: {options.url}")
+    return RemoteControl(dive, board, server, show)
 
 
 def _scenarios() -> list[Option]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from subsea.base.errors import UserError
+from subsea.dive.part import LostDisplayError
 from subsea.stage.headset.head import HeadEye, Pose
 
 HANDS = "/user/hand/left", "/user/hand/right"
@@ -92,7 +92,7 @@ PROFILES = {
 }
 
 
-class HeadsetLostError(UserError):
+class HeadsetLostError(LostDisplayError):
     """The runtime or the headset ended; the message says so in one line."""
 
 

@@ -41,7 +41,6 @@ from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 
 LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
-GOES_ON = "the dive goes on in the window"
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
 PUSH_CM, FULL_PUSH_CM = 0.5, 4.0  # by which a solid moves the hull in a tick: felt; strongest

@@ -9,7 +9,7 @@ import msgspec
 
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import read_input
-from subsea.base.system import named_or_file
+from subsea.base.system import named_or_file, resource_names
 from subsea.base.toml_files import error_at, load_toml
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.measured_mesh import angles_of
@@ -47,6 +47,11 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     for key, fault in _faults(theatre):
         raise error_at(path, key, fault) if key else UserError(fault, file=path)
     return theatre, path
+
+
+def theatre_titles() -> tuple[list[str], Callable[[str], str]]:
+    """The names of shipped theatres and a function for their titles, for `subsea list`."""
+    return resource_names(FOLDER, ".toml"), lambda name: load_theatre(name)[0].title
 
 
 def read_json(path: Path) -> ImportedTheatre:

@@ -10,10 +10,10 @@ from PIL import Image, ImageDraw, ImageFont
 from subsea.base.arrays import Array, Bytes
 from subsea.stage.theatre.channels import ProjectorChannel
 from subsea.stage.theatre.screens import points_on
-from subsea.stage.theatre.test_pattern import colour_of
 from subsea.stage.theatre.theatre_file import Room, Theatre
 from subsea.view.camera import axes_of
 from subsea.view.rig import Projection
+from subsea.view.test_pattern import colour_of
 
 SIZE = 1500, 620  # pixels
 FINER = 2  # times more pixels while drawing

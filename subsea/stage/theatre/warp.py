@@ -9,13 +9,12 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
 from subsea.kernels import kernel
-from subsea.view.rig import Warp
+from subsea.view.rig import LEAST_AREA, Warp
 
 TOLERANCE_PX = 0.2  # largest error of a mesh at the points of its grid
 SLACK = 1e-3  # by which other programs' rounding may exceed 0 and 1
 FOLDED = 1e-3  # share of a mesh that may be folded over: a wrinkle at the rim of a measurement
 FARTHEST = 1e6  # of any coordinate
-_AREA = 1e-12  # of a triangle that lights nothing
 _ONE_COLOUR = 1e-6  # share of a picture: a thousandth of its sides
 
 
@@ -89,7 +88,7 @@ def validated(warp: Warp, where: str) -> Warp:
             f"{bad} of {count} points of its mesh are nowhere near a picture", file=where
         )
     areas = np.abs(_areas(vertices[:, :2], triangles))
-    lit = areas > _AREA
+    lit = areas > LEAST_AREA
     if 2 * lit.sum() < len(lit):
         raise UserError(f"{(~lit).sum()} of {len(lit)} triangles have no area", file=where)
     vertices, triangles = _clipped(vertices, triangles[lit])
@@ -119,16 +118,10 @@ def subdivided(warp: Warp, across: int, up: int) -> Warp:
             for side in (1.0, -1.0):
                 depth = side * (vertices[:, column] - k / pieces)
                 vertices, half = _cut(vertices, triangles, depth)
-                halves.append(half[np.abs(_areas(vertices[:, :2], half)) > _AREA])
+                halves.append(half[np.abs(_areas(vertices[:, :2], half)) > LEAST_AREA])
             triangles = np.concatenate(halves)
     used, numbers = np.unique(triangles, return_inverse=True)
     return Warp(vertices[used], numbers.reshape(-1, 3).astype(np.int32))
-
-
-def sources_at(warp: Warp, places: Array, eye: int = 0) -> Array:
-    """Sources (k, 2) at places (k, 2) for the left or right eye; NaN where dark."""
-    shown = warp.vertices[:, 2 + 2 * eye : 4 + 2 * eye]
-    return _carried(warp.vertices[:, :2], shown, warp.triangles, places)
 
 
 def is_mirrored(warp: Warp) -> bool:
@@ -289,23 +282,3 @@ def _cut(vertices: Array, triangles: Ints, depth: Array) -> tuple[Array, Ints]:
             kept.append(np.stack([new[0], b, c], axis=1))
             kept.append(np.stack([new[0], c, new[1]], axis=1))
     return vertices, np.concatenate(kept).astype(np.int32)
-
-
-def _carried(start: Array, end: Array, triangles: Ints, points: Array) -> Array:
-    """Carry points (k, 2) by the triangles from their corners in `start` to those in `end`."""
-    points = np.asarray(points, np.float64)
-    from_, to = (side.astype(np.float64)[triangles] for side in (start, end))  # (m, 3, 2)
-    a, across, up = from_[:, 0], from_[:, 1] - from_[:, 0], from_[:, 2] - from_[:, 0]
-    area = across[:, 0] * up[:, 1] - across[:, 1] * up[:, 0]
-    real = np.abs(area) > 2 * _AREA
-    a, across, up, area, to = a[real], across[real], up[real], area[real], to[real]
-    carried = np.full(points.shape, np.nan)
-    for number, point in enumerate(points):
-        x, y = (point - a).T
-        s = (x * up[:, 1] - y * up[:, 0]) / area
-        t = (across[:, 0] * y - across[:, 1] * x) / area
-        worst = np.minimum(np.minimum(s, t), 1 - s - t)
-        if len(worst) and worst[best := int(np.argmax(worst))] > -1e-6:
-            weights = np.array([1 - s[best] - t[best], s[best], t[best]])
-            carried[number] = weights @ to[best]
-    return carried

@@ -19,10 +19,9 @@ from subsea.lab.profiling.soak import (
     random_input,
 )
 from subsea.scenario.load import load_scenario
-from subsea.stage.setup import chosen_rig
 from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.submarine.vessel import NEUTRAL, Helm
-from subsea.view.display_rigs import DISPLAYS, display_rig
+from subsea.view.display_rigs import DISPLAYS, chosen_rig, display_rig
 from subsea.world import snapshot
 from subsea.world.build import create_world
 

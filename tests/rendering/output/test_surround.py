@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from subsea.rendering.output.target import ResolvePass
-from subsea.stage.theatre.warp import mesh, sources_at
+from subsea.stage.theatre.warp import mesh
 from subsea.view.display_rigs import display_rig
-from subsea.view.rig import pose_from_angles
+from subsea.view.rig import pose_from_angles, sources_at
 from subsea.view.surround import ALL_ROUND, Surround, directions
 
 SIZES = {"equirectangular": (160, 80), "dome": (120, 100), "panorama": (160, 40)}

@@ -10,11 +10,11 @@ from subsea.stage.setup import shrink_theatre
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
-from subsea.stage.theatre.test_pattern import lineup
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import mesh
 from subsea.view.rig import CUBES, pose_from_angles, views
 from subsea.view.surround import Surround, directions
+from subsea.view.test_pattern import lineup
 
 EYE = np.array([0.0, -120.0, -200.0])
 GAMMA = 2.2

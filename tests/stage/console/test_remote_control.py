@@ -23,6 +23,7 @@ from subsea.stage.console.commands import (
     StopTour,
 )
 from subsea.stage.console.remote_control import open_console
+from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
 from tests.stage.console.conftest import Console, free_port, local
 from tests.support.scenes import BARE, scene
@@ -36,12 +37,16 @@ DIRECTIONS = (
 )
 
 
+def remote(running):
+    """The remote control of a dive with a console."""
+    return running.parts[0].remote
+
+
 @pytest.fixture(scope="module")
 def boat(display, user, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("sea"), *DIRECTIONS)
-    with closing(Dive(dive_options(file, SIZE, "low"))) as running:
-        open_console(running, local())
-        assert running.remote is not None
+    with closing(Dive(dive_options(file, SIZE, "low", parts=[ConsolePart(local())]))) as running:
+        assert remote(running) is not None
         user.glide(running, 0.2)
         yield running
 
@@ -51,7 +56,7 @@ def give(boat, user):
     """Give a command as the server does, and run frames until it is done."""
 
     def given(command):
-        done = boat.remote._board.put(command)
+        done = remote(boat)._board.put(command)
         user.until(boat, done.done)
         return done.result()
 
@@ -65,7 +70,7 @@ def give(boat, user):
 
 def shown(boat, user):
     """The board's picture of the window, after frames that want it: (h, w, 3)."""
-    board = boat.remote._board
+    board = remote(boat)._board
     board.want_picture()
     before = board.picture_number
     user.until(boat, lambda: board.picture_number >= before + 2)
@@ -81,7 +86,7 @@ def test_the_small_picture_is_that_of_the_window(boat, user, give):
 
 
 def test_no_picture_is_copied_while_nobody_looks(boat, user, monkeypatch):
-    board = boat.remote._board
+    board = remote(boat)._board
     monkeypatch.setattr(type(board), "picture_wanted", False)
     user.glide(boat, 0.5)
     before = board.picture_number
@@ -137,7 +142,7 @@ def test_fishes_are_followed_and_ridden(boat, give):
 def test_a_tour_begins_and_ends(boat, give):
     give(StartTour("auto"))
     assert boat.tick_source.steering.tour is not None and boat.tours.timer.touring
-    assert boat.remote._state(0.0, False).tour == "auto"
+    assert remote(boat)._state(0.0, False).tour == "auto"
     give(StopTour())
     assert boat.tick_source.steering.tour is None and not boat.tours.timer.touring
     with pytest.raises(UserError, match="unknown tour 'nowhere'"):
@@ -146,10 +151,10 @@ def test_a_tour_begins_and_ends(boat, give):
 
 def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
     log = boat.world.state.directions
-    assert boat.remote._state(0.0, False).next_cue == 0
+    assert remote(boat)._state(0.0, False).next_cue == 0
     give(StartCue())
     user.glide(boat, 0.2)
-    assert log.began[0] >= 0 and log.times[0] == 1 and boat.remote._next_cue == 1
+    assert log.began[0] >= 0 and log.times[0] == 1 and remote(boat)._next_cue == 1
     give(StartCue(1))
     user.glide(boat, 1.0)
     assert boat.caption.words == "Look there"
@@ -157,7 +162,7 @@ def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
         give(StartCue())
     with pytest.raises(UserError, match="cue 7: expected 0 to 1"):
         give(StartCue(7))
-    assert [one.begun for one in boat.remote._state(0.0, False).cues] == [True, True]
+    assert [one.begun for one in remote(boat)._state(0.0, False).cues] == [True, True]
     tick = boat.world.state.tick
     boat.timeline.go(0)
     assert log.began[0] < 0
@@ -203,7 +208,7 @@ def test_a_scenario_is_opened_behind_black_screens(boat, user, give):
         give(BlankScreens(True))
         user.glide(boat, 1.0)
         give(OpenScenario("another"))
-        assert boat.source.stem == "another" and boat.remote._state(0.0, False).cues == []
+        assert boat.source.stem == "another" and remote(boat)._state(0.0, False).cues == []
         user.glide(boat, 0.1)
         assert boat.tick_source.presented.blank == 1.0
         with pytest.raises(UserError, match="there are no directions"):
@@ -213,8 +218,8 @@ def test_a_scenario_is_opened_behind_black_screens(boat, user, give):
 
 
 def test_a_picture_that_stood_still_is_a_fault(boat, user):
-    boat.remote._opened = False
-    boat.remote.update(3.0)
+    remote(boat)._opened = False
+    remote(boat).update(3.0)
     assert boat.faults.state.text == "the picture stood still for 3.0 s"
     assert boat.faults.state.ago_s < 1.0
 
@@ -222,7 +227,7 @@ def test_a_picture_that_stood_still_is_a_fault(boat, user):
 def test_a_client_controls_the_dive_over_http(boat, user):
     """The server's thread answers while frames are drawn."""
     client = Console.__new__(Console)
-    client.port = boat.remote._server._options.http.port
+    client.port = remote(boat)._server._options.http.port
     client.host = f"127.0.0.1:{client.port}"
     answers = []
 
@@ -242,9 +247,7 @@ def test_a_client_controls_the_dive_over_http(boat, user):
 
 
 def test_a_port_that_is_taken_does_not_end_the_dive(boat, capsys):
-    options = boat.remote._server._options
-    before = boat.remote
-    open_console(boat, options)
-    assert boat.remote is before
+    options = remote(boat)._server._options
+    assert open_console(boat, options) is None
     assert f"{options.http}: cannot listen there" in boat.overlay.note_text
     assert free_port() != options.http.port

@@ -7,10 +7,12 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.dive.options import DisplayOptions, DiveOptions
+from subsea.dive.part import planned
 from subsea.stage.headset import display as headset_display
 from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
 from subsea.stage.headset.head import Pose
+from subsea.stage.parts import HeadsetPart, KioskPart
 from subsea.ui.dive import Dive
 from tests.support.headset import NOT_TURNED, FakeHeadset, turned
 
@@ -19,7 +21,8 @@ SIZE = (320, 240)
 
 def start(scenario, display="headset", kiosk=False):
     options = DisplayOptions(display, SIZE, quality="low")
-    return Dive(DiveOptions(str(scenario), seed=1, display=options, kiosk=kiosk))
+    parts = [*[HeadsetPart()] * (display == "headset"), *[KioskPart()] * kiosk]
+    return Dive(planned(DiveOptions(str(scenario), seed=1, display=options, parts=parts)))
 
 
 @contextmanager

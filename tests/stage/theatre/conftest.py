@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.stage.theatre.warp import mesh, sources_at
+from subsea.stage.theatre.warp import mesh
+from subsea.view.rig import sources_at
 
 GAMMA = 2.2
 RADIUS_CM, HALF_WIDTH, HALF_HEIGHT_CM = 275.0, np.radians(60.0), 125.0

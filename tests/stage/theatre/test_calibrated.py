@@ -8,8 +8,7 @@ from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_rig import theatre_rig
-from subsea.stage.theatre.warp import sources_at
-from subsea.view.rig import Projection, seen_by
+from subsea.view.rig import Projection, seen_by, sources_at
 from subsea.view.surround import MARGIN_PX
 
 NAMES = ("left", "middle", "right")

@@ -12,7 +12,8 @@ from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.measures import chosen
 from subsea.stage.theatre.mesh_formats import parse_bourke
 from subsea.stage.theatre.screens import frustum_of, places_on, points_on, screen_of
-from subsea.stage.theatre.warp import mesh, sources_at
+from subsea.stage.theatre.warp import mesh
+from subsea.view.rig import sources_at
 from tests.support.daily import examples
 
 FEW = settings(  # smaller examples are not clearer, and take minutes to find

@@ -8,7 +8,8 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.stage.theatre.mesh_formats import read_mesh, read_warp
 from subsea.stage.theatre.vioso import vioso_maps
-from subsea.stage.theatre.warp import is_mirrored, sources_at
+from subsea.stage.theatre.warp import is_mirrored
+from subsea.view.rig import sources_at
 from tools import theatre_samples as samples
 
 POINTS = np.random.default_rng(7).uniform(0.06, 0.94, (60, 2))

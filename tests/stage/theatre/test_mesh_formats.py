@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.mesh_formats import parse_bourke, parse_obj, read_warp
-from subsea.stage.theatre.warp import from_grid, sources_at, validated
+from subsea.stage.theatre.warp import from_grid, validated
+from subsea.view.rig import sources_at
 
 SIZE = (160, 120)
 QUAD = b"""# from a tool

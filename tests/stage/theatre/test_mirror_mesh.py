@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from subsea.stage.theatre.lenses import MIRROR_NODES, mirror_setup, nodes_text, traced
 from subsea.stage.theatre.measured_mesh import dome_shares
 from subsea.stage.theatre.mesh_formats import parse_bourke
-from subsea.stage.theatre.warp import sources_at
+from subsea.view.rig import sources_at
 from subsea.view.surround import Surround, directions
 
 SIZE = 1920, 1080

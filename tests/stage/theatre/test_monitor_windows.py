@@ -11,13 +11,13 @@ import numpy as np
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import USUAL
 from subsea.dive.tick_source import LocalTicks
-from subsea.stage.theatre.test_pattern import lineup
 from subsea.ui.dive import Dive
 from subsea.ui.help_overlay import NOT_SHARED, help_content
 from subsea.ui.monitors import Installation, Screen, monitors, on_display
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import display_rig
-from tests.support.windows import display_pixels, dive_options
+from subsea.view.test_pattern import lineup
+from tests.support.windows import ShownOn, display_pixels, dive_options
 
 THEATRE = """
 [[window]]
@@ -84,7 +84,8 @@ class Together(LocalTicks):
 def test_a_window_fills_its_monitor_and_stays_when_that_is_lost(display, quiet):
     size = (400, 300)
     installation = Installation(display_rig("mono", size), [Screen("all", size, monitor=1)])
-    with closing(Dive(dive_options(quiet, size), installation, Together)) as running:
+    shown = ShownOn(installation, Together)
+    with closing(Dive(dive_options(quiet, size, parts=[shown]))) as running:
         # Neither works in a shared dive or on a fixed window.
         assert running.overlay.help == help_content(USUAL, without=NOT_SHARED)
         assert running.window.fixed

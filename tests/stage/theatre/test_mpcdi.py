@@ -11,7 +11,7 @@ from PIL import Image
 from subsea.base.errors import UserError
 from subsea.stage.theatre.measured_mesh import ViewAngles
 from subsea.stage.theatre.mpcdi import MpcdiRegion, mask, read_mpcdi
-from subsea.stage.theatre.warp import sources_at
+from subsea.view.rig import sources_at
 
 FRUSTUM = """<frustum><yaw>38</yaw><pitch>-10</pitch><roll>0</roll><rightAngle>25</rightAngle>
 <leftAngle>-26</leftAngle><upAngle>20</upAngle><downAngle>-21</downAngle></frustum>"""

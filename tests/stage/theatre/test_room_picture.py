@@ -6,7 +6,7 @@ import pytest
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.room_picture import EYE, SIZE, room_picture
-from subsea.stage.theatre.test_pattern import colour_of
+from subsea.view.test_pattern import colour_of
 
 FILE = """
 eye_cm = [{eye}, 0, 0]

@@ -13,7 +13,7 @@ from subsea.stage.theatre.measured_mesh import dome_shares
 from subsea.stage.theatre.screens import points_on, screen_of
 from subsea.stage.theatre.theatre_file import Angles, Plane
 from subsea.stage.theatre.theatre_rig import theatre_rig
-from subsea.stage.theatre.warp import sources_at
+from subsea.view.rig import sources_at
 from subsea.view.surround import Surround, directions
 from tools import theatre_samples as samples
 

@@ -15,9 +15,8 @@ from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cylinder, Plane, Theatre, Window
 from subsea.stage.theatre.theatre_rig import MODES, shelves, theatre_rig, visible_channels
-from subsea.stage.theatre.warp import sources_at
 from subsea.view.camera import axes_of
-from subsea.view.rig import CUBES, Projection, pose_from_angles, views
+from subsea.view.rig import CUBES, Projection, pose_from_angles, sources_at, views
 from subsea.view.stereo import EYES, Stereo
 from subsea.view.surround import MARGIN_PX, directions
 

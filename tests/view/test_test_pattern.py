@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.stage.theatre.test_pattern import colour_of, pattern
+from subsea.view.test_pattern import colour_of, pattern
 
 SIZE = (400, 300)
 MIDDLE = (slice(90, 190), slice(130, 270))  # where the number is

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from subsea.stage.theatre.test_pattern import lineup, pattern
 from subsea.view.display_rigs import display_rig
 from subsea.view.rig import DisplayPatch
 from subsea.view.surround import MARGIN_PX
+from subsea.view.test_pattern import lineup, pattern
 
 SIZE = (160, 120)
 
