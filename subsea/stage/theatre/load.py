@@ -9,6 +9,7 @@ import msgspec
 
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import read_input
+from subsea.base.registry import THEATRE_FORMATS, load, registered
 from subsea.base.system import named_or_file, resource_names
 from subsea.base.toml_files import error_at, load_toml
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
@@ -35,10 +36,16 @@ FIELD = {"left_deg": -40, "right_deg": 40, "down_deg": -25, "up_deg": 25}
 def load_theatre(name: str) -> tuple[Theatre, Path]:
     """Load the theatre called `name`, or from the path `name`; return it with its file.
 
-    The suffix of a path tells which program's file it is (`READERS`). Raises a UserError; the
+    The suffix of a path tells which program's file it is (`READERS`,
+    or a registered format). Raises a UserError; the
     geometry of screens is checked when they are built.
     """
-    if reader := READERS.get(Path(name).suffix.lower()):
+    suffix = Path(name).suffix.lower()
+    others = registered(THEATRE_FORMATS)
+    reader = READERS.get(suffix)
+    if reader is None and suffix[1:] in others:
+        reader = load(others[suffix[1:]])
+    if reader is not None:
         path = Path(name)
         theatre: Theatre = reader(path)
     else:
