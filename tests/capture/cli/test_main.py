@@ -26,6 +26,7 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
     return err
 
 
+@pytest.mark.nightly
 def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) -> None:
     for folder in ("one", "two"):
         known_turn.cache_clear()
@@ -165,6 +166,7 @@ def test_inspect_shows_segments_and_measures(
     assert "FALLS SHORT" not in out
 
 
+@pytest.mark.nightly
 def test_a_fish_that_misses_a_target_is_code_1(
     copy: Path, quick: None, capsys: pytest.CaptureFixture[str]
 ) -> None:

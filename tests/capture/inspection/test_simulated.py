@@ -6,6 +6,7 @@ from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
 
+@pytest.mark.nightly
 def test_every_measure_keeps_its_limit(repertoire: Repertoire, species: Species) -> None:
     report = list(measure_simulated(motion_of(species), repertoire))
     # The cost depends on what else this machine does; everything else must hold anywhere.
