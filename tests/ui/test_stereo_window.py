@@ -35,7 +35,7 @@ def windows(display, user, quiet):
 
     for mode in ("mono", *SHOWN):
         with closing(
-            Dive(DiveOptions(quiet, seed=1, display=DisplayOptions(mode, SIZE)))
+            Dive(DiveOptions(quiet, seed=1, display=DisplayOptions(mode, SIZE, quality="low")))
         ) as running:
             running.overlay.show_help()
             running.frame(0.1)

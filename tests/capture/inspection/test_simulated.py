@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from capture.inspection.simulated import measure_simulated, replay
 from capture.recording.record import motion_of
