@@ -25,7 +25,7 @@ from subsea.export.web import WORDS as EXPORTED_PAGE
 from subsea.fish.species import load_species, shipped_species
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario
-from subsea.stage.console.http import PAGE, SCRIPT
+from subsea.stage.console.http import page_words, script_words
 from subsea.state.codes import MENTAL_STATES
 
 FOLDER = ROOT / "assets/locale"
@@ -92,8 +92,8 @@ def data() -> list[str]:
         *MENTAL_STATES,
         *RETINA_COLOURS,
         *CHOICES,
-        *PAGE.values(),
-        *SCRIPT.values(),
+        *page_words(),
+        *script_words(),
         *EXPORTED_PAGE.values(),
         *(load_species(name).name for name in shipped_species()),
         *(words for one in scenarios for words in (one.title, one.description)),

@@ -1,18 +1,18 @@
-// The presenter's console: shows the state of the dive and sends commands. No words stand here:
-// `/words` has them.
+// The presenter's console: shows the state of the dive and sends commands. `/words` has the
+// translations of all texts that `say` gets: as literals, so that they can be listed.
 "use strict";
 (() => {
   const STATE_MS = 500, PICTURE_MS = 350, RETRY_MS = 2000;
   const get = id => document.getElementById(id);
   let words = {}, state = null, shown = {}, inside = false, touched = 0;
 
-  const say = (name, values = {}) =>
-    (words[name] || name).replace(/\{(\w+)\}/g, (_, key) => String(values[key]));
+  const say = (text, values = {}) =>
+    (words[text] || text).replace(/\{(\w+)\}/g, (_, key) => String(values[key]));
   const readable = name => name.replaceAll("_", " ");
   function span(seconds) {
-    if (seconds < 90) return say("seconds", { n: Math.round(seconds) });
-    if (seconds < 5400) return say("minutes", { n: Math.round(seconds / 60) });
-    return say("hours", { n: (seconds / 3600).toFixed(1) });
+    if (seconds < 90) return say("{n} s", { n: Math.round(seconds) });
+    if (seconds < 5400) return say("{n} min", { n: Math.round(seconds / 60) });
+    return say("{n} h", { n: (seconds / 3600).toFixed(1) });
   }
   // Only changes are written, so that a screen reader is quiet and the focus stays.
   function write(id, text) {
@@ -45,7 +45,7 @@
       if (ok) touched = Date.now();
       await look();
     } catch {
-      complain(say("lost"));
+      complain(say("No connection to the dive; trying again"));
     }
   }
 
@@ -71,14 +71,17 @@
   }
 
   function draw() {
-    const tours = { auto: say("auto"), directed: say("directed") };
+    const tours = { auto: say("Autopilot"), directed: say("Directions") };
     const fish = state.fish && `${readable(state.fish.species)} ${state.fish.number}`;
     write("scene", state.title);
     write("now", [
-      state.blank && say("blanked"), state.line_up && say("patterned"),
-      state.tour ? say("touring", { name: tours[state.tour] || state.tour }) : say("no_tour"),
-      fish ? say(state.fish.behind ? "following" : "riding", { fish }) : say("at_helm"),
-      state.caption ? say("caption_now", { text: state.caption }) : say("no_caption"),
+      state.blank && say("The screens are blank."),
+      state.line_up && say("The line-up pattern is shown."),
+      state.tour ? say("On tour: {name}.", { name: tours[state.tour] || state.tour }) : say("No tour."),
+      !fish ? say("On the submarine.")
+        : state.fish.behind ? say("Following a fish: {fish}", { fish })
+        : say("Riding a fish: {fish}", { fish }),
+      state.caption ? say("Caption: {text}", { text: state.caption }) : say("No caption."),
     ].filter(Boolean).join(" "));
     get("blank").setAttribute("aria-pressed", state.blank);
     get("line-up").setAttribute("aria-pressed", state.line_up);
@@ -108,13 +111,14 @@
     if (!one) return;
     get("next-item").disabled = !one.open;
     write("show-now", one.open
-      ? say("item", { item: one.item, items: one.items, title: one.title, time: span(one.elapsed_s) })
-      : say("closed", { title: one.title }));
+      ? say("{title}: item {item} of {items} for {time}.",
+        { item: one.item, items: one.items, title: one.title, time: span(one.elapsed_s) })
+      : say("{title}: closed now.", { title: one.title }));
   }
 
   function drawCues() {
     get("no-cues").hidden = state.cues.length > 0;
-    write("no-cues", say("no_cues"));
+    write("no-cues", say("This scenario has no directions."));
     if (!changed("cues", state.cues.map(one => [one.number, one.name, one.caption]))) {
       state.cues.forEach((one, k) => {
         const mark = get("cues").children[k].querySelector(".begun");
@@ -124,7 +128,7 @@
       return;
     }
     get("cues").replaceChildren(...state.cues.map(one => {
-      const name = one.name || say("cue", { number: one.number });
+      const name = one.name || say("Cue {number}", { number: one.number });
       const row = document.createElement("li"), text = document.createElement("span");
       const begun = document.createElement("span"), start = document.createElement("button");
       text.className = "words";
@@ -133,7 +137,7 @@
       begun.textContent = one.begun ? say("begun") : "";
       start.type = "button";
       start.textContent = get("cues").dataset.start;
-      start.setAttribute("aria-label", say("start_cue", { name }));
+      start.setAttribute("aria-label", say("Start {name}", { name }));
       start.addEventListener("click", () => command("cue", { number: one.number }));
       row.append(text, begun, start);
       return row;
@@ -141,9 +145,10 @@
   }
 
   function drawHealth() {
-    write("rate", say("rate", { rate: state.pictures_a_s }));
-    write("fault", state.fault ? say("fault", { time: span(state.fault.ago_s), text: state.fault.text })
-      : say("no_fault", { time: span(state.up_s) }));
+    write("rate", say("{rate} pictures a second", { rate: state.pictures_a_s }));
+    write("fault", state.fault
+      ? say("Last fault {time} ago: {text}", { time: span(state.fault.ago_s), text: state.fault.text })
+      : say("No fault since the start, {time} ago.", { time: span(state.up_s) }));
     get("no-nodes").hidden = state.nodes.length > 0;
     document.querySelector(".scroll").hidden = state.nodes.length === 0;
     if (!changed("nodes", state.nodes)) return;
@@ -151,8 +156,9 @@
       const row = document.createElement("tr"), name = document.createElement("th");
       name.scope = "row";
       name.textContent = one.name;
-      const how = one.in_step ? "in_step" : one.connected ? "catching_up" : "away";
-      row.append(name, ...[say(how), one.last_ms.toFixed(1), one.mean_ms.toFixed(1),
+      const how = one.in_step ? say("in step")
+        : one.connected ? say("catching up") : say("not connected");
+      row.append(name, ...[how, one.last_ms.toFixed(1), one.mean_ms.toFixed(1),
         one.longest_ms.toFixed(1), one.late].map(value => {
         const cell = document.createElement("td");
         cell.textContent = value;
@@ -165,13 +171,14 @@
   async function look() {
     const answer = await fetch("/api/state", { credentials: "same-origin" });
     if (answer.status === 401) return show(false);
-    if (answer.status === 429) return write("status", say("limited"));
+    if (answer.status === 429) return write("status", say("Too many requests; trying again"));
     if (!answer.ok) throw new Error(answer.status);
     state = await answer.json();
     show(true);
     get("logout").hidden = document.body.dataset.token !== "yes";
     const stuck = answer.headers.get("Dive") === "stuck";
-    write("status", say(state.loading ? "loading" : stuck ? "stuck" : "connected"));
+    write("status", state.loading ? say("The dive is opening a scenario")
+      : stuck ? say("The dive draws no pictures") : say("Connected"));
     draw();
   }
   async function watch() {
@@ -179,7 +186,7 @@
     try {
       if (!document.hidden) await look();
     } catch {
-      write("status", say("lost"));
+      write("status", say("No connection to the dive; trying again"));
       pause = RETRY_MS;
     }
     setTimeout(watch, pause);
@@ -223,7 +230,7 @@
   }
   async function login(token) {
     const { ok } = await send("/login", { token: token.trim() });
-    complain(ok ? "" : say("wrong_token"));
+    complain(ok ? "" : say("This is not the token."));
     get("token").value = "";
     if (ok) {
       await look();

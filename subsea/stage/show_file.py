@@ -52,8 +52,8 @@ class OpeningHours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
 def minutes_of(text: str) -> int:
     """Minutes after midnight of a time such as ``10:30``; 24:00 is the end of a day."""
-    found = _TIME.fullmatch(text.strip())
-    minutes = 60 * int(found[1]) + int(found[2]) if found else DAY_MIN + 1
+    time = _TIME.fullmatch(text.strip())
+    minutes = 60 * int(time[1]) + int(time[2]) if time else DAY_MIN + 1
     if minutes > DAY_MIN:
         raise ValueError(f"{text!r}: expected a time of the day such as 10:30")
     return minutes
@@ -92,17 +92,17 @@ def clock_text(minutes: int) -> str:
 def _spans(texts: str | list[str]) -> tuple[Span, ...]:
     if texts == CLOSED:
         return ()
-    found: list[Span] = []
+    spans: list[Span] = []
     for text in [texts] if isinstance(texts, str) else texts:
         first, dash, last = text.partition("-")
         if not dash:
             raise ValueError(f"{text!r}: expected hours such as 10:00-17:30, or {CLOSED!r}")
         begin, end = minutes_of(first), minutes_of(last)
         end += DAY_MIN if end <= begin else 0  # past midnight
-        if found and begin < found[-1][1]:
+        if spans and begin < spans[-1][1]:
             raise ValueError(f"{text!r}: expected hours one after the other")
-        found.append((begin, end))
-    return tuple(found)
+        spans.append((begin, end))
+    return tuple(spans)
 
 
 AFTER, CUE = "after", "cue"
@@ -155,14 +155,14 @@ def load_show(path: Path) -> Show:
     show = load_toml(path, Show)
     if show.item[0].scenario is None:
         raise error_at(path, "item[0]", "`item[0]`: the first item needs a `scenario`")
-    for k, (one, after) in enumerate(zip(show.item, show.item[1:], strict=False)):
-        if one.for_s is None and after.start == AFTER:
+    for k, (item, after) in enumerate(zip(show.item, show.item[1:], strict=False)):
+        if item.for_s is None and after.start == AFTER:
             message = (
                 f"`item[{k}]`: expected `for_s`, as item {k + 2} starts after it; or a `start` of "
                 f"item {k + 2}"
             )
             raise error_at(path, f"item[{k}]", message)
-    starts = [one.minute for one in show.item]
+    starts = [item.minute for item in show.item]
     for k, minute in enumerate(starts):
         if minute is not None and minute in starts[:k]:
             raise error_at(path, f"item[{k}].start", f"two items start at {show.item[k].start}")
@@ -179,7 +179,7 @@ def scenario_name(show: Show, path: Path, number: int) -> str:
 
     A path is relative to the file of the show.
     """
-    name = next(one.scenario for one in reversed(show.item[: number + 1]) if one.scenario)
+    name = next(item.scenario for item in reversed(show.item[: number + 1]) if item.scenario)
     return str(path.parent / name) if is_path(name, ".toml") else name
 
 
@@ -196,14 +196,14 @@ def check_for_cluster(show: Show, path: Path) -> None:
 
     Nodes open scenarios by name, and a submarine that is under way cannot be put elsewhere.
     """
-    for k, one in enumerate(show.item):
-        if one.scenario is not None and is_path(one.scenario, ".toml"):
+    for k, item in enumerate(show.item):
+        if item.scenario is not None and is_path(item.scenario, ".toml"):
             message = (
-                f"{one.scenario!r} is a path, expected a name that all computers of a cluster know"
+                f"{item.scenario!r} is a path, expected a name that all computers of a cluster know"
             )
             raise error_at(path, f"item[{k}].scenario", f"`item[{k}].scenario`: {message}")
-        if one.tour not in (None, AUTOPILOT, DIRECTED):
-            message = f"{one.tour!r} begins elsewhere; in a cluster expected "
+        if item.tour not in (None, AUTOPILOT, DIRECTED):
+            message = f"{item.tour!r} begins elsewhere; in a cluster expected "
             message += f"{AUTOPILOT!r} or {DIRECTED!r}"
             raise error_at(path, f"item[{k}].tour", f"`item[{k}].tour`: {message}")
 
@@ -237,13 +237,6 @@ class Progress(msgspec.Struct, frozen=True, kw_only=True):
     utc_s: float
 
 
-class ItemStart(NamedTuple):
-    """A start by the clock."""
-
-    at: datetime
-    item: int
-
-
 def clock_now() -> ShowClock:
     """The clock of this computer."""
     now = datetime.now().astimezone()
@@ -255,7 +248,7 @@ def begin(show: Show, now: ShowClock) -> Progress:
     midnight = now.local.replace(hour=0, minute=0, second=0, microsecond=0)
     item, elapsed_s = 0, 0.0
     if due := _latest_start(show, midnight - timedelta(microseconds=1), now.local):
-        item, elapsed_s = due.item, (now.local - due.at).total_seconds()
+        item, elapsed_s = due[1], (now.local - due[0]).total_seconds()
     item, elapsed_s = _walk(show, item, elapsed_s)
     return Progress(item=item, elapsed_s=elapsed_s, seen=now.local, utc_s=now.utc_s)
 
@@ -272,7 +265,7 @@ def advance(
     seen = now.local if back else max(before.seen, now.local)
     due = None if back else _latest_start(show, before.seen, seen)
     if due:
-        item, passed = _walk(show, due.item, max((now.local - due.at).total_seconds(), 0.0))
+        item, passed = _walk(show, due[1], max((now.local - due[0]).total_seconds(), 0.0))
     elif cue and (following := next_item(show, before.item)) is not None:
         item, passed = following, 0.0
     else:
@@ -316,12 +309,12 @@ def waits_for(show: Show, progress: Progress) -> str:
 def timetable(show: Show) -> Iterator[tuple[str, int]]:
     """The start of each item, as far as a day's clock tells it: a time, "cue" or "after …"."""
     at: float | None = None  # minutes, known after an item of a fixed time
-    for number, one in enumerate(show.item):
+    for number, item in enumerate(show.item):
         before = show.item[number - 1] if number else None
-        if one.minute is not None:
-            at = float(one.minute)
-            text = clock_text(one.minute)
-        elif one.start == CUE:
+        if item.minute is not None:
+            at = float(item.minute)
+            text = clock_text(item.minute)
+        elif item.start == CUE:
             at, text = None, "on cue"
         elif at is not None and before is not None and before.for_s is not None:
             at += before.for_s / 60.0
@@ -333,8 +326,8 @@ def timetable(show: Show) -> Iterator[tuple[str, int]]:
 
 def _walk(show: Show, item: int, elapsed_s: float) -> tuple[int, float]:
     """Go on over items whose time is over, if the next one starts after them."""
-    cycle = sum(one.for_s or 0.0 for one in show.item)
-    if cycle and show.repeat and all(one.start == AFTER and one.for_s for one in show.item):
+    cycle = sum(each.for_s or 0.0 for each in show.item)
+    if cycle and show.repeat and all(each.start == AFTER and each.for_s for each in show.item):
         elapsed_s %= cycle
     for_s = show.item[item].for_s
     following = next_item(show, item)
@@ -346,16 +339,17 @@ def _walk(show: Show, item: int, elapsed_s: float) -> tuple[int, float]:
     return item, elapsed_s
 
 
-def _latest_start(show: Show, after: datetime, until: datetime) -> ItemStart | None:
-    """The last start by the clock after one local time and until another, at most a day back."""
-    found = None
-    after = max(after, until - DAY)
+def _latest_start(show: Show, after: datetime, until: datetime) -> tuple[datetime, int] | None:
+    """Find the last start by the clock after one local time and until another, and its item.
+
+    Starts more than a day back do not count.
+    """
     midnight = until.replace(hour=0, minute=0, second=0, microsecond=0)
-    for number, one in enumerate(show.item):
-        if one.minute is None:
-            continue
-        for day in (midnight - DAY, midnight):
-            at = day + timedelta(minutes=one.minute)
-            if after < at <= until and (found is None or at > found.at):
-                found = ItemStart(at, number)
-    return found
+    starts = [
+        (day + timedelta(minutes=item.minute), number)
+        for number, item in enumerate(show.item)
+        for day in (midnight - DAY, midnight)
+        if item.minute is not None
+    ]
+    since = max(after, until - DAY)
+    return max((start for start in starts if since < start[0] <= until), default=None)

@@ -163,8 +163,8 @@ class Follower:
             self._say(Diverged(picture.tick))
             self._dive, self._called_s = "", time.monotonic()
             return False
-        for one in ticks_of(picture):
-            step(self.world, one)
+        for steered in ticks_of(picture):
+            step(self.world, steered)
         self._number, self._alpha = picture.number, picture.alpha
         self.presented = picture.presented
         return True

@@ -49,12 +49,12 @@ def identity_of(world: World, view: Mapping[str, str] = NO_VIEW) -> Identity:
         for name in ("rotation", "translation", "nodes", "entry", "glide", "leave")
     }
     tables |= {name: getattr(library, name) for name in ("first", "length", "cyclic", "speed")}
-    sheets = [Path(one.skin.sheet) for one in world.species if one.skin.sheet]
+    sheets = [Path(kind.skin.sheet) for kind in world.species if kind.skin.sheet]
     parts = {
         "scenario": UNPRINTED.sub("?", world.scenario.title)[:MAX_PART],
         "contents of the scenario": hashed(msgspec.json.encode(world.scenario)),
         "seed": str(world.state.seed),
-        "species": hashed(msgspec.json.encode([_anywhere(one) for one in world.species])),
+        "species": hashed(msgspec.json.encode([_anywhere(kind) for kind in world.species])),
         "pictures of species": hashed(*(sheet.read_bytes() for sheet in sheets)),
         "repertoires": hashed(snapshot.checksum_of(tables).encode()),
         **view,
@@ -71,7 +71,7 @@ def _program() -> dict[str, str]:
     return {
         "numpy": np.__version__,
         "numba": numba.__version__,
-        **{name: hashed(one.encode()) for name, one in package_stamps(DIVE).items()},
+        **{name: hashed(stamp.encode()) for name, stamp in package_stamps(DIVE).items()},
         "shaders": hashed(*(path.read_bytes() for path in shaders)),
     }
 
@@ -79,8 +79,8 @@ def _program() -> dict[str, str]:
 def hashed(*contents: bytes) -> str:
     """The value of a part that a message can only call another."""
     whole = hashlib.blake2b(digest_size=SHORT)
-    for one in contents:
-        whole.update(hashlib.blake2b(one).digest())
+    for content in contents:
+        whole.update(hashlib.blake2b(content).digest())
     return HASH + whole.hexdigest()
 
 

@@ -221,12 +221,12 @@ class Master:
         if isinstance(ticks, Sequence):
             picture = picture_of(self._number, tick, alpha, ticks, check, lights, self.presented)
             self._send_all(picture)
-            for one in ticks_of(picture):
-                step(self.world, one)
+            for steered in ticks_of(picture):
+                step(self.world, steered)
             return
         made = []
-        for one in ticks:
-            [exact] = ticks_of(picture_of(self._number, tick, alpha, [one], check))
+        for steered in ticks:
+            [exact] = ticks_of(picture_of(self._number, tick, alpha, [steered], check))
             step(self.world, exact)
             made.append(exact)
         self._send_all(picture_of(self._number, tick, alpha, made, check, lights, self.presented))

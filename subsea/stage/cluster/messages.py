@@ -161,8 +161,8 @@ def picture_of(
     lights: bool = False, presented: Presented = NOTHING,
 ) -> Picture:  # fmt: skip
     """The message of a picture; its rails must come before its helms."""
-    rails = [_rail_row(one) for one in ticks if isinstance(one, Rail)]
-    helms = [_helm_row(one) for one in ticks if isinstance(one, Helm)]
+    rails = [_rail_row(steered) for steered in ticks if isinstance(steered, Rail)]
+    helms = [_helm_row(steered) for steered in ticks if isinstance(steered, Helm)]
     return Picture(number, tick, float(alpha), helms, rails, checksum, lights, presented)
 
 

@@ -1,8 +1,8 @@
 """The page and the HTTP interface of the console. The only module that speaks HTTP.
 
 Connections are accepted a few at a time, and ended if they do nothing. The words of the page are
-English and are translated for the browser that asks: `{{name}}` in `assets/console/index.html`
-stands for a word of PAGE, and the script of the page asks for those of SCRIPT.
+English and are translated for the browser that asks: those between {{ and }} in
+`assets/console/index.html`, and those that its script gives to `say`.
 """
 
 import asyncio
@@ -31,91 +31,6 @@ from subsea.stage.console.board import RETRY, Board
 from subsea.stage.console.commands import described, from_json
 from subsea.stage.console.options import ConsoleOptions
 
-PAGE = {
-    "title": "Presenter's console",
-    "skip": "Skip to the controls",
-    "login": "Log in",
-    "token": "Token",
-    "token_hint": "It is in the file that the dive named at its start.",
-    "enter": "Enter",
-    "log_out": "Log out",
-    "audience": "The audience sees",
-    "picture": "Live picture of the dive",
-    "show_picture": "Live picture",
-    "screens": "Screens",
-    "blank": "Blank",
-    "line_up": "Line-up pattern",
-    "scenario": "Scenario",
-    "open": "Open",
-    "tour": "Tour",
-    "start": "Start",
-    "stop": "Stop",
-    "playlist": "Programme",
-    "next_item": "Next item",
-    "cues": "Cues",
-    "next_cue": "Next cue",
-    "caption": "Caption",
-    "own_text": "Your text, 300 characters at most",
-    "show": "Show",
-    "clear": "Clear",
-    "fish": "Fish",
-    "which": "Which",
-    "nearest": "Nearest to the middle",
-    "follow": "Follow",
-    "ride": "Ride",
-    "helm": "Back to the submarine",
-    "picture_and_sound": "Picture and sound",
-    "quality": "Quality",
-    "volume": "Volume",
-    "nodes": "Computers",
-    "node": "Name",
-    "state": "State",
-    "last_ms": "Last wait, ms",
-    "mean_ms": "Mean wait, ms",
-    "longest_ms": "Longest wait, ms",
-    "late": "Late",
-    "no_nodes": "One computer shows this dive.",
-    "health": "Health",
-}
-"""Words in the page itself."""
-
-SCRIPT = {
-    "connected": "Connected",
-    "lost": "No connection to the dive; trying again",
-    "stuck": "The dive draws no pictures",
-    "loading": "The dive is opening a scenario",
-    "wrong_token": "This is not the token.",
-    "limited": "Too many requests; trying again",
-    "no_fault": "No fault since the start, {time} ago.",
-    "fault": "Last fault {time} ago: {text}",
-    "rate": "{rate} pictures a second",
-    "cue": "Cue {number}",
-    "start_cue": "Start {name}",
-    "begun": "begun",
-    "caption_now": "Caption: {text}",
-    "no_caption": "No caption.",
-    "touring": "On tour: {name}.",
-    "no_tour": "No tour.",
-    "item": "{title}: item {item} of {items} for {time}.",
-    "closed": "{title}: closed now.",
-    "no_cues": "This scenario has no directions.",
-    "following": "Following a fish: {fish}",
-    "riding": "Riding a fish: {fish}",
-    "at_helm": "On the submarine.",
-    "in_step": "in step",
-    "catching_up": "catching up",
-    "away": "not connected",
-    "blanked": "The screens are blank.",
-    "patterned": "The line-up pattern is shown.",
-    "seconds": "{n} s",
-    "minutes": "{n} min",
-    "hours": "{n} h",
-    "directed": "Directions",
-    "auto": "Autopilot",
-}
-"""Words that the script of the page fills in; {…} are its values."""
-
-
 MAX_BODY = 4096  # bytes
 MAX_LINE, MAX_HEADERS = 4096, 64  # bytes of a line of a request; lines
 ANSWER_S = 8.0  # longest time for a request
@@ -123,6 +38,7 @@ APPLIED_S = 3.0  # longest time to wait until the dive has applied a command
 KNOWN_A_S, STRANGERS_A_S = 60.0, 10.0  # requests a second of all clients together
 JPEG_QUALITY = 70
 COOKIE = "subsea-console"
+MARKED = r"\{\{(.+?)\}\}"
 ASSETS = {
     "/console.css": ("console.css", "text/css"),
     "/console.js": ("console.js", "text/javascript"),
@@ -177,7 +93,8 @@ class HttpConsole:
         self._names = {"localhost", socket.gethostname().lower(), *options.names}
         self._pages = {path: resource_path(f"assets/console/{name}").read_bytes()
                        for path, (name, _) in ASSETS.items()}  # fmt: skip
-        self._index = resource_path("assets/console/index.html").read_text("utf-8")
+        self._index = read_asset("index.html")
+        self._texts = script_words()
         self._jpeg, self._jpeg_number = b"", 0
         self.answered: dict[Any, float] = {}  # when each connection last had an answer
 
@@ -304,7 +221,7 @@ class HttpConsole:
 
     async def _words(self, request: web.Request) -> web.Response:
         code = language_of(request)
-        return web.json_response({name: translated(one, code) for name, one in SCRIPT.items()})
+        return web.json_response({text: translated(text, code) for text in self._texts})
 
     async def _state(self, request: web.Request) -> web.Response:
         alive = {"Dive": "alive" if self._board.alive else "stuck"}
@@ -354,11 +271,25 @@ def language_of(request: web.Request) -> str:
     return first_known(request.headers.get("Accept-Language", "").split(","))
 
 
+def read_asset(name: str) -> str:
+    """Read a file of the page."""
+    return resource_path(f"assets/console/{name}").read_text("utf-8")
+
+
+def page_words() -> list[str]:
+    """List the texts of the page."""
+    return re.findall(MARKED, read_asset("index.html"))
+
+
+def script_words() -> list[str]:
+    """List the texts of the script of the page."""
+    return re.findall(r'\bsay\("([^"]+)"', read_asset("console.js"))
+
+
 def filled(text: str, token: bool = False, code: str = "en") -> str:
-    """The page in a language, and whether it needs a `token`; a KeyError for an unknown word."""
-    words = {name: html.escape(translated(one, code)) for name, one in PAGE.items()}
-    words |= {"language": code, "needs_token": "yes" if token else "no"}
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: words[found[1]], text)
+    """Translate the page, and say whether it needs a `token`."""
+    text = text.replace("@language", code).replace("@needs_token", "yes" if token else "no")
+    return re.sub(MARKED, lambda marked: html.escape(translated(marked[1], code)), text)
 
 
 def fault(status: int, reason: str) -> web.Response:
@@ -417,8 +348,8 @@ class Connections:
                 await asyncio.sleep(0.5)
                 continue
             origin = address[0]
-            own = self._options.http.ip.is_loopback
-            crowded = Counter(self._sockets.values())[origin] >= OF_ONE and not own
+            local = self._options.http.ip.is_loopback
+            crowded = Counter(self._sockets.values())[origin] >= OF_ONE and not local
             if len(self._sockets) >= CLIENTS or crowded:
                 client.close()
                 continue

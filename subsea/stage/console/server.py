@@ -4,8 +4,9 @@ import asyncio
 import os
 import socket
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import closing, suppress
-from threading import Event, Thread
+from threading import Thread
 from typing import Any
 
 from subsea.base.errors import UserError
@@ -22,23 +23,25 @@ class ConsoleServer:
     def __init__(self, options: ConsoleOptions, board: Board) -> None:
         """Begin to listen; a UserError if that is impossible, as when a port is taken."""
         self._options, self._board = options, board
-        self._listening = Event()
-        self._began = False
         self._fault: str | None = None
-        self._stop: Callable[[], object] = lambda: None
-        sockets = _bound(options.http, socket.SOCK_STREAM, "--console")
+        http = _bound(options.http, socket.SOCK_STREAM, "--console")
+        osc = None
         try:
-            heard = None
             if options.osc is not None:
-                heard = _bound(options.osc, socket.SOCK_DGRAM, "--console-osc")
+                osc = _bound(options.osc, socket.SOCK_DGRAM, "--console-osc")
         except UserError:
-            sockets.close()
+            http.close()
             raise
-        self._thread = Thread(target=self._run, args=(sockets, heard), name="console", daemon=True)
+        begun: Future[Callable[[], object]] = Future()  # gives a function that stops the server
+        self._thread = Thread(
+            target=self._run, args=(http, osc, begun), name="console", daemon=True
+        )
         self._thread.start()
-        if not (self._listening.wait(BEGIN_S) and self._began):
-            self.close()
-            raise UserError(f"the console: {self._fault or 'cannot begin'}")
+        try:
+            self._stop = begun.result(BEGIN_S)
+        except Exception as fault:
+            begun.cancel()  # a server that begins too late ends again
+            raise UserError(f"the console: {str(fault) or 'cannot begin'}") from fault
 
     def check(self) -> str:
         """Why the server has ended by itself, once; empty if it has not."""
@@ -47,21 +50,23 @@ class ConsoleServer:
 
     def close(self) -> None:
         """Stop listening and end all connections."""
-        with suppress(RuntimeError):  # its loop has just ended
+        with suppress(RuntimeError):  # its loop has ended
             self._stop()
         self._thread.join(END_S)
 
-    def _run(self, http: socket.socket, osc: socket.socket | None) -> None:
+    def _run(self, http: socket.socket, osc: socket.socket | None, begun: Future[Any]) -> None:
         try:
             with closing(http), closing(osc or http):
-                asyncio.run(self._serve(http, osc))
+                asyncio.run(self._serve(http, osc, begun))
         except Exception as fault:  # whatever it is, the dive goes on
-            self._fault = str(fault) or type(fault).__name__
-        finally:
-            self._stop = lambda: None
-            self._listening.set()
+            if begun.done():
+                self._fault = str(fault) or type(fault).__name__
+            else:
+                begun.set_exception(fault)
 
-    async def _serve(self, http: socket.socket, osc: socket.socket | None) -> None:
+    async def _serve(
+        self, http: socket.socket, osc: socket.socket | None, begun: Future[Any]
+    ) -> None:
         from subsea.stage.console.http import Connections, HttpConsole
         from subsea.stage.console.osc import OscConsole
 
@@ -78,11 +83,8 @@ class ConsoleServer:
             transport, _ = await loop.create_datagram_endpoint(
                 lambda: OscConsole(self._board), sock=osc
             )
-        self._stop = lambda: loop.call_soon_threadsafe(stopped.set)
-        self._began = True
-        self._listening.set()
+        begun.set_result(lambda: loop.call_soon_threadsafe(stopped.set))
         await stopped.wait()
-        self._stop = lambda: None
         ended = accepting.done()
         accepting.cancel()
         if transport is not None:

@@ -85,12 +85,12 @@ def usable_channels(
 
     Raises the first error if no channel works.
     """
-    found: list[ProjectorChannel] = []
+    usable: list[ProjectorChannel] = []
     faults: list[UserError] = []
     for k, channel in enumerate(theatre.channel):
         key = f"channel[{k}]"
         try:
-            found.append(_check_free(_file_channel(theatre, channel, path.parent, key), found))
+            usable.append(_check_free(_file_channel(theatre, channel, path.parent, key), usable))
         except UserError as fault:
             faults.append(error_at(path, key, f"channel {channel.name!r}: {fault}"))
     for k, archive in enumerate(theatre.mpcdi):
@@ -105,13 +105,13 @@ def usable_channels(
             if archive.buffer not in (None, region.buffer):
                 continue
             try:
-                found.append(_check_free(_mpcdi_channel(theatre, archive, region, key), found))
+                usable.append(_check_free(_mpcdi_channel(theatre, archive, region, key), usable))
             except UserError as fault:
                 where = f"{archive.file}: region {region.name!r}"
                 faults.append(error_at(path, key, f"{where}: {fault}"))
-    if not found:
+    if not usable:
         raise faults[0] if faults else UserError("no channel is left", file=path)
-    return tuple(_with_masks(found)), tuple(faults)
+    return tuple(_with_masks(usable)), tuple(faults)
 
 
 def screen_mesh(lighted: ProjectorChannel) -> tuple[Array, Ints]:
@@ -135,9 +135,9 @@ def screen_grid(screen: Screen) -> Array:
     return np.stack([x, y], axis=-1)
 
 
-def _check_free(new: ProjectorChannel, found: Sequence[ProjectorChannel]) -> ProjectorChannel:
+def _check_free(new: ProjectorChannel, usable: Sequence[ProjectorChannel]) -> ProjectorChannel:
     """Return the new channel; a UserError if it overlaps another in its window."""
-    for other in found:
+    for other in usable:
         if other.window == new.window and overlap(other.place, new.place):
             raise UserError(f"lies on {other.name!r} in its window; expected places side by side")
     return new
@@ -176,12 +176,12 @@ def _mask_picture(path: Path, most: tuple[int, int]) -> Array:
 
 def _masked(mask: Array | None, picture: Array) -> Array:
     """A mask (h, w, 4) times the factors (h, w, 3) of a picture."""
-    found = np.zeros((*picture.shape[:2], 4), np.float32)
-    found[..., :3] = picture
+    factors = np.zeros((*picture.shape[:2], 4), np.float32)
+    factors[..., :3] = picture
     if mask is not None:
         height, width = picture.shape[:2]
-        found[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
-    return found
+        factors[..., :3] *= stretched(np.asarray(mask[..., :3], np.float32), width, height)
+    return factors
 
 
 def _mpcdi_channel(
@@ -201,13 +201,13 @@ def _mpcdi_channel(
     place = 0, 0, *theatre.window[number].size
     if region.frustum is not None:
         turn, edges = region.frustum[:3], region.frustum[3:]
-        own = Angles(
+        view = Angles(
             heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
             left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
         )  # fmt: skip
         if (far := _screen_distance(theatre, archive)) is not None:
-            own = msgspec.structs.replace(own, distance_cm=far)
-        lit = ScreenTable(angles=own, gamma=archive.gamma, black=archive.black)
+            view = msgspec.structs.replace(view, distance_cm=far)
+        lit = ScreenTable(angles=view, gamma=archive.gamma, black=archive.black)
         lighted = _channel_on(theatre, lit, region.name, number, place, None)
     elif not any(getattr(archive, kind) for kind in SCREENS):
         raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
@@ -268,35 +268,39 @@ def _channel_on(
     return replace(common, screen=screen, distance_cm=distance_to(screen))
 
 
-def _with_masks(found: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
+def _with_masks(usable: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
     """The channels, those to blend with their masks."""
-    together = [one for one in found if one.blend and one.screen is not None]
-    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
-    for one in found:
-        if not one.blend or one.screen is None or len(together) < 2:
-            yield one
+    together = [channel for channel in usable if channel.blend and channel.screen is not None]
+    lamps = [
+        Projector(channel.screen, channel.gamma, channel.black)
+        for channel in together
+        if channel.screen
+    ]
+    for channel in usable:
+        if not channel.blend or channel.screen is None or len(together) < 2:
+            yield channel
             continue
-        size = max(one.place[2] // COARSER, 1), max(one.place[3] // COARSER, 1)
+        size = max(channel.place[2] // COARSER, 1), max(channel.place[3] // COARSER, 1)
         x, y = (np.arange(n) + 0.5 for n in size)
         places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
-        if one.warp is not None:
-            shown = one.warp.vertices[:, 2:4].T.astype(np.float64)
+        if channel.warp is not None:
+            shown = channel.warp.vertices[:, 2:4].T.astype(np.float64)
             places = np.stack(
-                [rasterized(one.warp, values, size).ravel() for values in shown], axis=1
+                [rasterized(channel.warp, values, size).ravel() for values in shown], axis=1
             )
-        mask = blend_mask(lamps, together.index(one), places).reshape(size[1], size[0], 4)
-        if one.mask is not None:  # the mesh's own brightness
-            mask = mask * _resized(one.mask, size)
-        yield replace(one, mask=mask.astype(np.float32))
+        mask = blend_mask(lamps, together.index(channel), places).reshape(size[1], size[0], 4)
+        if channel.mask is not None:  # the mesh's own brightness
+            mask = mask * _resized(channel.mask, size)
+        yield replace(channel, mask=mask.astype(np.float32))
 
 
 def _resized(mask: Array, size: tuple[int, int]) -> Array:
     """A mask at another size, by its nearest values; the last column becomes 1."""
     rows = (np.arange(size[1]) * mask.shape[0]) // size[1]
     columns = (np.arange(size[0]) * mask.shape[1]) // size[0]
-    found = mask[rows][:, columns].copy()
-    found[..., 3] = 1.0
-    return found
+    resized = mask[rows][:, columns].copy()
+    resized[..., 3] = 1.0
+    return resized
 
 
 class Projector(NamedTuple):
@@ -310,9 +314,11 @@ class Projector(NamedTuple):
 def light_shares(projectors: Sequence[Projector], number: int, places: Array) -> Array:
     """The share (n,) of the light that projector `number` gives to places (n, 2) of its screen."""
     points = points_on(projectors[number].screen, places)
-    seen = [places_on(one.screen, points) for one in projectors]
+    seen = [places_on(projector.screen, points) for projector in projectors]
     seen[number] = places
-    weights = np.stack([_blend_weight(projectors, k, own) for k, own in enumerate(seen)])
+    weights = np.stack(
+        [_blend_weight(projectors, k, places_there) for k, places_there in enumerate(seen)]
+    )
     total = weights.sum(axis=0)
     return np.where(total > 0.0, weights[number] / np.where(total > 0.0, total, 1.0), 1.0)
 
@@ -321,7 +327,9 @@ def overlap_count(projectors: Sequence[Projector], number: int, places: Array) -
     """The number (n,) of projectors that light places (n, 2) of projector `number`'s screen."""
     points = points_on(projectors[number].screen, places)
     return np.sum(
-        [_within(places_on(one.screen, points)) for one in projectors], axis=0, dtype=np.int_
+        [_within(places_on(projector.screen, points)) for projector in projectors],
+        axis=0,
+        dtype=np.int_,
     )
 
 
@@ -331,14 +339,14 @@ def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> A
     The projector gets value · factor + offset. Where fewer projectors shine than elsewhere, their
     black is raised to that of the places where most do.
     """
-    one = projectors[number]
+    projector = projectors[number]
     light = light_shares(projectors, number, places)
     here = overlap_count(projectors, number, places)
     most = max(_most_overlap(projectors), int(here.max(initial=1)))
-    lifted = one.black * (most - here) / np.maximum(here, 1)
-    added = lifted ** (1.0 / one.gamma)
+    lifted = projector.black * (most - here) / np.maximum(here, 1)
+    added = lifted ** (1.0 / projector.gamma)
     # Exact for black and white; with a raised black level grey is slightly too dark.
-    factor = (light * (1.0 - lifted) + lifted) ** (1.0 / one.gamma) - added
+    factor = (light * (1.0 - lifted) + lifted) ** (1.0 / projector.gamma) - added
     return np.column_stack([factor, factor, factor, added])
 
 
@@ -355,13 +363,14 @@ def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -
 
 def _blended_edges(projectors: Sequence[Projector], number: int) -> tuple[bool, ...]:
     """True for each edge (left, right, lower, upper) that lies within another's picture."""
-    one = projectors[number].screen
+    screen = projectors[number].screen
     zero, whole = np.zeros_like(EDGE), np.ones_like(EDGE)
     edges = (zero, EDGE), (whole, EDGE), (EDGE, zero), (EDGE, whole)
     others = [other.screen for k, other in enumerate(projectors) if k != number]
-    points = [points_on(one, np.column_stack(edge)) for edge in edges]
+    points = [points_on(screen, np.column_stack(edge)) for edge in edges]
     return tuple(
-        any(bool(_within(places_on(other, own), -1e-3).any()) for other in others) for own in points
+        any(bool(_within(places_on(other, edge_points), -1e-3).any()) for other in others)
+        for edge_points in points
     )
 
 

@@ -212,8 +212,8 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     overlap, turned = measures["overlap"] / 100.0, _tilted(np.eye(3), measures["tilt"])
     channels = []
     for name, (heading, angles) in zip(names_of(count), _patches(count, overlap), strict=True):
-        own = axes_of(heading, math.radians(angles.pitch_deg)) @ turned
-        table = _turned(angles, own, radius)
+        axes = axes_of(heading, math.radians(angles.pitch_deg)) @ turned
+        table = _turned(angles, axes, radius)
         screen = screen_of(table, np.zeros(3), 1.0)
         border = points_on(screen, _BORDER)
         border *= radius / np.linalg.norm(border, axis=1, keepdims=True)
@@ -239,7 +239,7 @@ def _patches(count: int, overlap: float) -> list[tuple[float, Angles]]:
     weights = np.cos((np.arange(rings) + 0.5) * step)
     numbers = np.maximum(np.round((count - 1) * weights / weights.sum()).astype(int), 3)
     numbers[0] += count - 1 - numbers.sum()
-    found = []
+    patches = []
     for ring, number in enumerate(numbers.tolist()):
         low = max(ring * step - shared / 2.0, 0.0)
         high = min((ring + 1) * step + shared / 2.0, math.pi / 2.0)
@@ -250,10 +250,10 @@ def _patches(count: int, overlap: float) -> list[tuple[float, Angles]]:
             level = np.cos(rise)
             ways = np.stack([np.sin(turn) * level, np.sin(rise), np.cos(turn) * level], axis=-1)
             view = _view(ways.reshape(-1, 3) @ axes_of(0.0, pitch).T, pitch, count)
-            found.append((2.0 * math.pi * (k + 0.5 * (ring % 2)) / number, view))
+            patches.append((2.0 * math.pi * (k + 0.5 * (ring % 2)) / number, view))
     reach = math.degrees(math.pi / 2.0 - rings * step + shared / 2.0)
     zenith = Angles(left_deg=-reach, right_deg=reach, down_deg=-reach, up_deg=reach, pitch_deg=90.0)
-    return [*found, (0.0, zenith)]
+    return [*patches, (0.0, zenith)]
 
 
 def _view(seen: Array, pitch: float, count: int) -> Angles:

@@ -101,10 +101,12 @@ def chosen(kind: str, given: Mapping[str, float | None]) -> dict[str, float]:
         raise unknown("kind of theatre", kind, list(KINDS))
     for question in MEASURES:
         if given.get(question.name) is not None and kind not in question.defaults:
-            fitting = ", ".join(one.option for one in MEASURES if kind in one.defaults)
+            fitting = ", ".join(measure.option for measure in MEASURES if kind in measure.defaults)
             raise UserError(f"{question.option} is not for a {kind}, expected {fitting}")
-    found = {one.name: one.defaults[kind] for one in MEASURES if kind in one.defaults}
-    return found | {name: value for name, value in given.items() if value is not None}
+    measures = {
+        measure.name: measure.defaults[kind] for measure in MEASURES if kind in measure.defaults
+    }
+    return measures | {name: value for name, value in given.items() if value is not None}
 
 
 def ask(
@@ -121,11 +123,11 @@ def ask(
         if kind:
             tell(str(unknown("kind of theatre", kind, list(KINDS))))
         kind = read(f"kind of theatre ({', '.join(KINDS)}) [wall]: ").strip() or "wall"
-    found = chosen(kind, given)
+    measures = chosen(kind, given)
     for question in MEASURES:
         if kind in question.defaults and given.get(question.name) is None:
-            found[question.name] = _answer(question, question.defaults[kind], read, tell)
-    return kind, found
+            measures[question.name] = _answer(question, question.defaults[kind], read, tell)
+    return kind, measures
 
 
 def _answer(

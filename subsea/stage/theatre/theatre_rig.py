@@ -35,36 +35,38 @@ def theatre_rig(
     """
     if display not in MODES:
         raise UserError(f"--display {display}: the displays of a theatre are {', '.join(MODES)}")
-    shown = {number: one for number, one in enumerate(channels) if one.window in windows}
+    shown = {
+        number: channel for number, channel in enumerate(channels) if channel.window in windows
+    }
     if not shown:
         raise UserError("no channel of this theatre is left to show")
     both = _offsets(theatre, channels, display, stereo)
     half = float(both[-1][0])
-    sizes = [size for one in shown.values() for size in _pictures(one, display)]
+    sizes = [size for channel in shown.values() for size in _pictures(channel, display)]
     corners, canvas = shelves(sizes)
     drawn = iter([(*corner, *size) for corner, size in zip(corners, sizes, strict=True)])
     eyes: list[Eye] = []
     patches: list[DisplayPatch] = []
-    for number, one in shown.items():
+    for number, channel in shown.items():
         rects = [next(drawn) for _ in both]
-        offsets = _own_offsets(theatre, one, both, stereo)
-        if one.shape in CUBES:
+        offsets = _own_offsets(theatre, channel, both, stereo)
+        if channel.shape in CUBES:
             for rect, offset in zip(rects, offsets, strict=True):
-                eyes += _cube_eyes(one, rect, offset)
+                eyes += _cube_eyes(channel, rect, offset)
         else:
-            frusta = [_frustum(one, offset) for offset in offsets]
+            frusta = [_frustum(channel, offset) for offset in offsets]
             for rect, offset, frustum in zip(rects, offsets, frusta, strict=True):
                 projection = _with_margin(frustum, rect)
                 eyes.append(Eye(rect, offset, frustum.axes, projection))
             rects = [inner(rect) for rect in rects]
         patch = DisplayPatch(
-            one.place, rects[0], rects[-1], shape=one.shape, wide=one.surround.wide, mask=one.mask,
-            output=windows.index(one.window), channel=number,
+            channel.place, rects[0], rects[-1], shape=channel.shape, wide=channel.surround.wide,
+            mask=channel.mask, output=windows.index(channel.window), channel=number,
         )  # fmt: skip
-        if one.shape in CUBES:
-            patch = patch._replace(apart=half / one.distance_cm, warp=one.warp)
-        elif not isinstance(one.screen, Flat) or one.warp is not None:
-            patch = patch._replace(shape=Projection.WARPED, warp=_warp(one, offsets, frusta))
+        if channel.shape in CUBES:
+            patch = patch._replace(apart=half / channel.distance_cm, warp=channel.warp)
+        elif not isinstance(channel.screen, Flat) or channel.warp is not None:
+            patch = patch._replace(shape=Projection.WARPED, warp=_warp(channel, offsets, frusta))
         patches += (patch,) if display == "mono" else patches_of(LAYOUTS[display], patch)
     outputs = tuple(theatre.window[number].size for number in windows)
     return CameraRig(
@@ -83,21 +85,21 @@ def visible_channels(
     kept: list[ProjectorChannel] = []
     faults: list[UserError] = []
     offsets = _offsets(theatre, channels, display, stereo)
-    for one in channels:
+    for channel in channels:
         try:
-            for offset in _own_offsets(theatre, one, offsets, stereo):
-                if one.shape not in CUBES:
-                    _frustum(one, offset)
-                elif np.linalg.norm(offset) >= one.distance_cm:
-                    message = f"channel {one.name!r}: the eye is outside of its screen"
-                    raise UserError(message, key=one.key)
+            for offset in _own_offsets(theatre, channel, offsets, stereo):
+                if channel.shape not in CUBES:
+                    _frustum(channel, offset)
+                elif np.linalg.norm(offset) >= channel.distance_cm:
+                    message = f"channel {channel.name!r}: the eye is outside of its screen"
+                    raise UserError(message, key=channel.key)
         except UserError as fault:
             faults.append(fault)
         else:
-            kept.append(one)
+            kept.append(channel)
     if faults and kept:  # the eyes may be farther apart for those that are left
-        found, more = visible_channels(theatre, kept, display, stereo)
-        return found, (*faults, *more)
+        visible, more = visible_channels(theatre, kept, display, stereo)
+        return visible, (*faults, *more)
     return tuple(kept), tuple(faults)
 
 
@@ -121,7 +123,7 @@ def _vessel(theatre: Theatre, channels: Sequence[ProjectorChannel]) -> TheatreVe
     if table is None:
         return None
     return TheatreVessel(
-        max(min(one.distance_cm for one in channels), 2.0 * NEAR_CM),
+        max(min(channel.distance_cm for channel in channels), 2.0 * NEAR_CM),
         float(np.radians(table.spring_deg)),
         float(np.radians(table.rim_deg)),
         float(np.radians(table.tilt_deg)),
@@ -137,7 +139,7 @@ def _offsets(
         return [np.zeros(3)]
     real = stereo.separation_cm
     apart = theatre.scale * (theatre.eye_distance_cm if real is None else real)
-    nearest = min(one.distance_cm for one in channels)
+    nearest = min(channel.distance_cm for channel in channels)
     # Screens are at their real distance, so the parallax never exceeds the eye separation.
     eyes = stereo._replace(separation_cm=apart, screen_cm=nearest, screen_width_cm=None)
     half = eyes.eyes(1.0) / 2.0 * (-1 if stereo.swapped else 1)
@@ -145,24 +147,24 @@ def _offsets(
 
 
 def _own_offsets(
-    theatre: Theatre, one: ProjectorChannel, offsets: list[Array], stereo: Stereo
+    theatre: Theatre, channel: ProjectorChannel, offsets: list[Array], stereo: Stereo
 ) -> list[Array]:
     """The offsets of a channel's pictures: those of its one eye if it is for one."""
-    if one.eye is None:
+    if channel.eye is None:
         return offsets
-    left, right = _offsets(theatre, [one], "side-by-side", stereo)
-    return [left if one.eye == "left" else right] * len(offsets)
+    left, right = _offsets(theatre, [channel], "side-by-side", stereo)
+    return [left if channel.eye == "left" else right] * len(offsets)
 
 
-def _pictures(one: ProjectorChannel, display: str) -> list[tuple[int, int]]:
+def _pictures(channel: ProjectorChannel, display: str) -> list[tuple[int, int]]:
     """Pixels of a channel's pictures on the canvas, one for each eye, with their margins."""
     layout = None if display == "mono" else LAYOUTS[display]
-    if one.shape in CUBES:  # whose faces are never squeezed
-        face = face_size(_display(one), one.place[2:], one.surround)
+    if channel.shape in CUBES:  # whose faces are never squeezed
+        face = face_size(_display(channel), channel.place[2:], channel.surround)
         return [(COLUMNS * face, ROWS * face)] * (1 if layout is None else 2)
-    width, height = one.place[2:]
-    if one.screen is not None and not isinstance(one.screen, Flat):
-        across, up = _finer_by(one)
+    width, height = channel.place[2:]
+    if channel.screen is not None and not isinstance(channel.screen, Flat):
+        across, up = _finer_by(channel)
         width, height = round(across * width), round(up * height)
     whole: Rect = (0, 0, width, height)
     parts = (whole,) if layout is None else halves(whole, layout.beside)
@@ -182,45 +184,45 @@ def _with_margin(frustum: Frustum, rect: Rect) -> Array:
     return off_axis(*(NEAR_CM * edge for edge in (left - x, right + x, bottom - y, top + y)))
 
 
-def _finer_by(one: ProjectorChannel) -> tuple[float, float]:
+def _finer_by(channel: ProjectorChannel) -> tuple[float, float]:
     """Factors on the pixels of a curved screen's planar view, so that it is nowhere coarser."""
-    assert one.screen is not None
-    places, middle = screen_grid(one.screen), np.zeros(3)
-    points = points_on(one.screen, places.reshape(-1, 2))
-    seen = seen_at(_frustum(one, middle), middle, points).reshape(places.shape)
-    found = []
+    assert channel.screen is not None
+    places, middle = screen_grid(channel.screen), np.zeros(3)
+    points = points_on(channel.screen, places.reshape(-1, 2))
+    seen = seen_at(_frustum(channel, middle), middle, points).reshape(places.shape)
+    factors = []
     for axis, column in ((1, 0), (0, 1)):
         ratio = np.diff(places, axis=axis)[..., column] / np.diff(seen, axis=axis)[..., column]
-        found.append(float(np.clip(ratio.max(), 1.0, FINEST)))
-    return found[0], found[1]
+        factors.append(float(np.clip(ratio.max(), 1.0, FINEST)))
+    return factors[0], factors[1]
 
 
-def _frustum(one: ProjectorChannel, offset: Array) -> Frustum:
+def _frustum(channel: ProjectorChannel, offset: Array) -> Frustum:
     """The frustum of an eye that takes in a channel's screen."""
-    assert one.screen is not None
-    points = points_on(one.screen, screen_grid(one.screen).reshape(-1, 2))
+    assert channel.screen is not None
+    points = points_on(channel.screen, screen_grid(channel.screen).reshape(-1, 2))
     try:
-        return frustum_of(one.screen, offset, points)
+        return frustum_of(channel.screen, offset, points)
     except UserError as fault:
-        raise UserError(f"channel {one.name!r}: {fault}", key=one.key) from fault
+        raise UserError(f"channel {channel.name!r}: {fault}", key=channel.key) from fault
 
 
-def _warp(one: ProjectorChannel, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:
+def _warp(channel: ProjectorChannel, offsets: Sequence[Array], frusta: Sequence[Frustum]) -> Warp:
     """The mesh of a channel with texture coordinates in each eye's picture."""
-    assert one.screen is not None
-    columns, triangles = screen_mesh(one)
-    points = points_on(one.screen, columns[:, 2:])
+    assert channel.screen is not None
+    columns, triangles = screen_mesh(channel)
+    points = points_on(channel.screen, columns[:, 2:])
     seen = [seen_at(f, offset, points) for f, offset in zip(frusta, offsets, strict=True)]
     return Warp(np.hstack([columns[:, :2], seen[0], seen[-1]]).astype(np.float32), triangles)
 
 
-def _cube_eyes(one: ProjectorChannel, rect: Rect, offset: Array) -> tuple[Eye, ...]:
+def _cube_eyes(channel: ProjectorChannel, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel with a surround projection."""
-    display, size = _display(one), one.place[2:]
-    shown = visible_parts(display, size, one.surround, float(offset[0]) / one.distance_cm)
-    return cube(rect[:2], face_size(display, size, one.surround), shown, offset)
+    display, size = _display(channel), channel.place[2:]
+    shown = visible_parts(display, size, channel.surround, float(offset[0]) / channel.distance_cm)
+    return cube(rect[:2], face_size(display, size, channel.surround), shown, offset)
 
 
-def _display(one: ProjectorChannel) -> str:
+def _display(channel: ProjectorChannel) -> str:
     """The display mode with the same projection."""
-    return next(name for name, shape in SURROUNDS.items() if shape == one.shape)
+    return next(name for name, shape in SURROUNDS.items() if shape == channel.shape)

@@ -68,7 +68,9 @@ def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) 
             changes = {"warp": placed(warp), "mask": placed(channel.mask)}
             channel = msgspec.structs.replace(channel, **changes)
         channels.append(channel)
-    archives = [msgspec.structs.replace(one, file=placed(one.file)) for one in theatre.mpcdi]
+    archives = [
+        msgspec.structs.replace(archive, file=placed(archive.file)) for archive in theatre.mpcdi
+    ]
     moved = msgspec.structs.replace(theatre, channel=channels, mpcdi=archives)
     for key, mesh in made.items():
         _write(names[key], compose_obj(mesh.warp).encode())
