@@ -220,18 +220,18 @@ class Workshop:
 
     def first_of_their_kinds(self, steps):
         """Choose the steps with the first command of a kind, and those that make its files."""
-        chosen, files = [], set()
+        chosen, read = [], ""
         for step in steps:
             if not isinstance(step, Command) or (kind := kind_of(step.text)) not in self.kinds:
                 chosen.append(step)
             if isinstance(step, Command) and not step.inline:
                 self.kinds.add(kind)
         for step in reversed(steps):
-            mine = set(re.findall(r"[\w/-]+\.\w+", step.text))
-            if step not in chosen and mine & files:
+            made = re.findall(r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text)
+            if step not in chosen and any(name in read for name in made):
                 chosen.append(step)
             if step in chosen:
-                files |= mine
+                read += step.text
         return chosen
 
     def take(self, step, only_read=False):
@@ -335,7 +335,7 @@ def kind_of(text):
     """The program and command of a text, and what tells its output: suffixes and formats."""
     words = text.removeprefix(".venv/bin/").split()
     suffixes = re.findall(r"\w(\.\w{2,4})(?= |$)", text)
-    formats = re.findall(r"--(?:to|as|json|csv|paper|auto|validate|new)\b(?: \w+)?", text)
+    formats = re.findall(r"--(?:to|as|json|csv|paper|auto|validate|new|eyes)\b(?: \w+)?", text)
     return (*words[:2], *sorted({*suffixes, *formats}))
 
 

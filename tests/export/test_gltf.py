@@ -192,6 +192,7 @@ def test_weights_are_optimal() -> None:
         assert few @ gram @ few <= np.median(pairs)
 
 
+@pytest.mark.nightly
 def test_from_the_command_line_to_trimesh(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

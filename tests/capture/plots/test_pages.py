@@ -37,6 +37,7 @@ def test_every_segment_and_the_repertoire_get_a_page(recorded: Path, tmp_path: P
         assert 0.03 < (page < 250).mean() < 0.5  # neither empty nor blotted
 
 
+@pytest.mark.nightly
 def test_motion_without_plans_is_plotted_without_simulation(
     known_repertoire: Repertoire, recorded: Path, tmp_path: Path
 ) -> None:
