@@ -9,7 +9,7 @@ from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
-from subsea.export.glb import COMPRESSIONS, PLAIN
+from subsea.export import COMPRESSIONS, PLAIN
 
 KINDS = {
     ".glb": GLTF,

@@ -12,8 +12,6 @@ import os
 from importlib.util import find_spec
 from pathlib import Path
 
-import platformdirs
-
 from subsea.base.errors import UserError, unknown
 
 CHECKOUT = Path(__file__).parents[2] / "pyproject.toml"  # missing in an installed package
@@ -76,6 +74,8 @@ def resource_path(relative: str) -> Path:
 
 def own_path(relative: str) -> Path:
     """The path of a folder of the user, such as ``scenarios``, which may be missing."""
+    import platformdirs  # a missing package is reported in a line
+
     return platformdirs.user_data_path("subsea", appauthor=False) / relative
 
 

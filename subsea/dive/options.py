@@ -53,7 +53,7 @@ class DiveOptions:
     fish: int | None = None  # total number of fishes; None: the scenario's
     seconds: float | None = None  # the dive ends after; None: never
     tour: str | None = None  # begins at once; None: that of the settings, after their idle time
-    kiosk: bool = False  # only controls of visitors, and each visit begins anew
+    kiosk: bool = False  # only controls of visitors, and each visit starts over
     see_brightness: bool = False  # a ridden fish reacts to the light in its eyes
     display: DisplayOptions = DisplayOptions()
     start: StartOptions = StartOptions()

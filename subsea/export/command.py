@@ -7,7 +7,7 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
-from subsea.export.glb import COMPRESSIONS, PLAIN
+from subsea.export import COMPRESSIONS, PLAIN
 
 GROUP = "dive and film"  # in the help
 

@@ -20,12 +20,9 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.system import require
+from subsea.export import COMPRESSIONS, MESHOPT, PLAIN
 from subsea.export.clips import ROUGHNESS
 from subsea.export.licence import copyright_line
-
-PLAIN, QUANTISED, MESHOPT = "none", "quantised", "meshopt"
-COMPRESSIONS = (PLAIN, QUANTISED, MESHOPT)
-
 
 QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
 SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: of ±1, and of 1

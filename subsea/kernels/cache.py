@@ -91,7 +91,7 @@ def shipped_target() -> Target | None:
 
 
 def shipped_code() -> str:
-    """A hash of the code of which all kernels are shipped; empty if of no use in this process."""
+    """A hash of the code whose kernels are all shipped; empty if of no use in this process."""
     return _manifest()[1]
 
 

@@ -170,7 +170,7 @@ def _misfits(scenario: Scenario) -> Findings:
 
 
 class _Sea(NamedTuple):
-    """What directions refer to."""
+    """Collect the names that directions refer to."""
 
     shoals: Shoals
     hook: bool

@@ -24,20 +24,20 @@ class IdleTours:
 
     def __init__(
         self, dive: "Dive", name: str, after_s: float,
-        start: tuple[Scenario, Path, int | None], anew: bool = False,
+        start: tuple[Scenario, Path, int | None], starts_over: bool = False,
     ) -> None:  # fmt: skip
         """A tour called `name` begins `after_s` without input; 0: never.
 
-        With `anew` it begins in the world of the `start`: a scenario, its file and the seed.
+        If it `starts_over`, it begins in the world of the `start`: scenario, file and seed.
         """
         self.name = self.current = name  # of an idle dive, and of the last tour
         self.timer = IdleTimer(after_s, leaps=False)
-        self._dive, self._start, self._anew = dive, start, anew
+        self._dive, self._start, self._starts_over = dive, start, starts_over
         self.active = False  # there was input before this picture
         self.visits = 0  # times that somebody began to steer
         self._visited = False  # somebody steers since the last tour
         # The autopilot and directions go on from where the submarine is: no need to fade to dark.
-        leaps = name not in (AUTOPILOT, DIRECTED) or anew
+        leaps = name not in (AUTOPILOT, DIRECTED) or starts_over
         self.timer.leaps = leaps and not dive.shared
 
     def update(self, elapsed_s: float) -> None:
@@ -63,9 +63,9 @@ class IdleTours:
         dive = self._dive
         self._visited = False
         self._close_panels()
-        if self._anew:
+        if self._starts_over:
             dive.preferences.restore()
-        if self._anew and not dive.shared:
+        if self._starts_over and not dive.shared:
             dive.picture.colours = "colours"
             dive.open_world(*self._start)
         dive.overlay.greet()  # the next visitor sees the help again
@@ -134,9 +134,9 @@ class IdleTours:
 
     @property
     def _directions_over(self) -> bool:
-        """True if an idle dive that begins anew has shown all of its directions."""
+        """True if an idle dive that starts over has shown all of its directions."""
         dive = self._dive
-        shows = self.timer.touring and self._anew and not dive.shared
+        shows = self.timer.touring and self._starts_over and not dive.shared
         directed = self.name == DIRECTED and is_directed(dive.world.scenario)
         return shows and directed and is_over(dive.world)
 
