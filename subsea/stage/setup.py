@@ -105,10 +105,8 @@ def named_rig(
     return house.rig, names if len(names) > 1 else ("",)
 
 
-def theatre_digest(name: str | None) -> str | None:
-    """A digest of a theatre file and the calibration files that it names; None without one."""
-    if name is None:
-        return None
+def theatre_digest(name: str) -> str:
+    """A digest of a theatre file and of the calibration files that it names."""
     theatre, path = load_theatre(name)
     made = theatre.meshes if isinstance(theatre, ImportedTheatre) else {}
     files = [file for one in theatre.channel for file in (one.warp, one.mask) if file is not None]
@@ -126,10 +124,10 @@ def theatre_digest(name: str | None) -> str | None:
     return whole.hexdigest()
 
 
-def view_parts(name: str | None, display: str, stereo: Stereo) -> dict[str, str]:
+def view_parts(name: str, display: str, stereo: Stereo) -> dict[str, str]:
     """Theatre and display as parts of an `Identity`: all but which eye is which."""
     return {
-        "theatre files": HASH + (theatre_digest(name) or "")[:10],
+        "theatre files": HASH + theatre_digest(name)[:10],
         "--display": display,
         "--eye-distance": str(stereo.separation_cm),
         "--comfort": str(stereo.comfort_deg),

@@ -11,7 +11,6 @@ from subsea.cli import main
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.link import cluster_faults, credentials
 from subsea.stage.setup import (
-    chosen_rig,
     describe,
     set_up_theatre,
     shrink_theatre,
@@ -19,6 +18,8 @@ from subsea.stage.setup import (
 )
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Theatre, Window
+from subsea.view.display_rigs import chosen_rig
+from subsea.view.display_rigs import theatre_digest as digest_of
 from subsea.view.stereo import Stereo
 from tools import theatre_samples
 
@@ -112,7 +113,8 @@ def test_the_digest_depends_on_calibration_files(tmp_path, change):
     with (tmp_path / change).open("ab") as file:
         file.write(b" ")
     assert theatre_digest(str(path)) != both
-    assert theatre_digest(None) is None
+    assert digest_of(None) is None
+    assert digest_of(str(path)) == theatre_digest(str(path))
 
 
 @given(

@@ -12,10 +12,10 @@ from subsea.stage.theatre.warp import (
     is_mirrored,
     mesh,
     rasterized,
-    sources_at,
     subdivided,
     validated,
 )
+from subsea.view.rig import sources_at
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TWO = np.array([[0, 1, 2], [0, 2, 3]])
