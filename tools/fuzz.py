@@ -19,6 +19,7 @@ import sys
 import tempfile
 import traceback
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -412,6 +413,13 @@ def _corrupt_in_process(path: Path, rng: random.Random) -> None:
     os._exit(0)
 
 
+def zip_bomb() -> bytes:
+    """2.5 MB that deflate to more than the available memory."""
+    packing = zlib.compressobj(9)
+    parts = [packing.compress(bytes(2**22)) + packing.flush(zlib.Z_FULL_FLUSH) for _ in range(2)]
+    return parts[0] + parts[1] * (MEMORY // 2**22 + 128)
+
+
 def corrupt_zip(data: bytes, rng: random.Random) -> bytes:
     """Damage or move one file in a zip archive."""
     packed = io.BytesIO()
@@ -435,7 +443,7 @@ def _corrupt_object(file: Any, name: str, rng: random.Random) -> None:
     """Corrupt one object of a file."""
     here = file[name]
     shape = getattr(here, "shape", None) or (3,)
-    way = rng.randrange(9)
+    way = rng.randrange(14)
     if way == 0 and here.attrs:
         key = rng.choice(list(here.attrs))
         here.attrs[key] = rng.choice([np.nan, -1, "text", np.zeros(3), np.bytes_(b"\xff"), 1e300])
@@ -445,19 +453,33 @@ def _corrupt_object(file: Any, name: str, rng: random.Random) -> None:
         return
     del file[name]
     if way == 2:
-        file.create_dataset(name, (2**40,), "f8", chunks=(1024,))
+        file[name] = h5py.ExternalLink("/etc/passwd", "/")
     elif way == 3:
-        file.create_dataset(name, (3,), h5py.ref_dtype)
+        file[name] = h5py.SoftLink(f"/{name}")
     elif way == 4:
-        file.create_dataset(name, (3,), h5py.string_dtype())
+        file.create_dataset(name, (2**40,), "f8", chunks=(1024,))
     elif way == 5:
+        file.create_dataset(name, (3,), h5py.ref_dtype)
+    elif way == 6:
+        file.create_dataset(name, (3,), h5py.string_dtype())
+    elif way == 7:
         file.create_group(name)
-    elif way == 6:  # a chunk much larger than the data
+    elif way == 8:  # a cycle
+        file[name] = file["/"]
+    elif way == 9:  # a virtual dataset
+        source = rng.choice(["/etc/passwd", "."])
+        layout = h5py.VirtualLayout(shape, "f8")
+        layout[...] = h5py.VirtualSource(source, name, shape)
+        file.create_virtual_dataset(name, layout)
+    elif way == 10:  # a chunk much larger than the data
         huge = (2**16, 2**13, *shape[2:])[: len(shape)]
         file.create_dataset(
             name, shape, "f8", maxshape=(None,) * len(shape), chunks=huge, compression="gzip"
         )
-    elif way == 7:
+    elif way == 11:  # a chunk that unpacks to far more
+        made = file.create_dataset(name, shape, "f4", chunks=shape, compression="gzip")
+        made.id.write_direct_chunk((0,) * len(shape), zip_bomb())
+    elif way == 12:
         file.create_dataset(name, shape, h5py.enum_dtype({"a": 1}))
     else:
         file.create_dataset(name, shape, rng.choice(["f2", "i8", "c16", "S7", "f4,i2"]))

@@ -9,6 +9,7 @@ import io
 import math
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -105,9 +106,12 @@ def run_command(program: str, run: Callable[[], int]) -> int:
     user can fix, 75 for one that may also pass by itself (one line on standard error), or 130 after
     Ctrl-C or SIGTERM.
     """
-    with tolerant_output() as check:
+    with tolerant_output() as check, warnings.catch_warnings():
+        # An unreadable setting: otherwise numba warns in ten lines.
+        warnings.filterwarnings("error", "Environment variable 'NUMBA_", RuntimeWarning)
         try:
             try:
+                _check_cpu_features()
                 with raised_interrupts(program):
                     code = run()
             except SystemExit:  # after --help or --version
@@ -128,8 +132,27 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             return TRANSIENT if _is_full_disk(fault) else 2
 
 
+def _check_cpu_features() -> None:
+    """Refuse a setting of numba at which its compiler aborts the process."""
+    setting = os.environ.get("NUMBA_CPU_FEATURES", "")
+    if not all(part.startswith(("+", "-")) for part in setting.split(",") if part):
+        raise UserError(
+            f"numba does not start with NUMBA_CPU_FEATURES={setting} (expected + or - before each "
+            "feature, such as +avx2,-avx512f)"
+        )
+
+
 def _reason(fault: Exception) -> str | None:
     """The words for a fault of the environment; None for one of the program."""
+    for package in ("numba", "tqdm"):
+        prefix = f"{package}_".upper()
+        settings = [
+            f"{name}={value}" for name, value in os.environ.items() if name.startswith(prefix)
+        ]
+        begun = any(module.startswith(f"{package}.") for module in sys.modules)
+        if settings and begun and package not in sys.modules:  # its import failed
+            first = str(fault).partition("\n")[0].rstrip(".")
+            return f"{package} does not start with {', '.join(settings)} ({first})"
     if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
             return None
@@ -175,6 +198,14 @@ class Parser(argparse.ArgumentParser):
             name = "/".join(action.option_strings) or str(action.metavar or action.dest)
             hint = nearest(str(value), choices) or f"; there are: {', '.join(choices)}"
             raise argparse.ArgumentError(None, f"{name} {value!r}: unknown choice{hint}")
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        # argparse drops the value of `--OPTION=--`; before Python 3.13 it even goes on without one.
+        if action.option_strings and arg_strings == ["--"]:
+            value = self._get_value(action, "--")
+            self._check_value(action, value)
+            return value
+        return super()._get_values(action, arg_strings)
 
     def error(self, message: str) -> NoReturn:
         """Raise a UserError with the name of the command."""

@@ -67,6 +67,8 @@ def _is_private(group: int) -> bool:
 
 
 MIB = 1 << 20
+# Do not wait for the writer of a pipe; on Windows, do not change line ends.
+FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
 def check_input(path: Path) -> int:
@@ -79,16 +81,36 @@ def check_input(path: Path) -> int:
 
 
 def open_input(path: Path) -> BufferedReader:
-    """Open a regular file for reading; a UserError for anything else."""
+    """Open a regular file for reading; a UserError for anything else, also for files of /proc."""
     try:
-        mode = path.stat().st_mode  # to open a pipe would wait for its writer
-        if stat.S_ISDIR(mode):
-            raise IsADirectoryError
-        if not stat.S_ISREG(mode):
-            raise UserError("not a regular file", file=path)
-        return path.open("rb")
+        _check_kind(path, path.stat())  # opening a device could have an effect
+        file = os.fdopen(os.open(path, FLAGS), "rb")
+        try:
+            # By now the name may mean another file.
+            _check_kind(path, status := os.fstat(file.fileno()))
+            if status.st_size == 0 and not _is_empty(file.fileno()):
+                raise UserError("not a regular file", file=path)
+        except BaseException:
+            file.close()
+            raise
     except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
         raise unreadable(path, fault) from fault
+    return file
+
+
+def _check_kind(path: Path, status: os.stat_result) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise unreadable(path, IsADirectoryError())
+    if not stat.S_ISREG(status.st_mode):
+        raise UserError("not a regular file", file=path)
+
+
+def _is_empty(number: int) -> bool:
+    """False for a file of the kernel, such as /proc/kmsg, which claims to be empty and may wait."""
+    try:
+        return not os.read(number, 1)
+    except BlockingIOError:
+        return False
 
 
 def read_input(path: Path, most: int = 16 * MIB) -> bytes:

@@ -16,6 +16,9 @@ from subsea.base.files import check_input, replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire has a few megabytes; more is a damaged header
 MAX_ATTRIBUTE_BYTES = 2**20
+MAX_INFLATION = 1032  # times the size of deflated data
+SHUFFLE, DEFLATE = h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE
+PACKINGS = ((), (DEFLATE,), (SHUFFLE, DEFLATE))  # of the library's many filters
 Kind = Literal["f", "i", "u", "b"]
 KINDS = {"f": "floating-point", "i": "whole", "u": "unsigned whole", "b": "true or false"}
 NOUNS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
@@ -257,14 +260,16 @@ def array(
 ) -> NDArray[Any]:
     """Check and read the dataset `name` of finite numbers of the given kind.
 
-    `shape` gives each length, None for any length of at least `least`. Refuses other types or
-    shapes, and implausible sizes.
+    `shape` gives each length, None for any length of at least `least`. Refuses links that lead out
+    of the file or the group, other types or shapes, and implausible sizes.
     """
     place = f"{where}/{name}"
-    dataset = group.get(name)
-    expected = "×".join("n" if n is None else str(n) for n in shape)
-    if dataset is None:
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
         raise UserError("missing, expected a dataset", file=place)
+    dataset = group[name]
+    if isinstance(dataset, h5py.Dataset) and (dataset.is_virtual or dataset.external):
+        raise UserError("its numbers are in other files, expected them in this", file=place)
+    expected = "×".join("n" if n is None else str(n) for n in shape)
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind != kind:
         raise UserError(f"expected {expected} {KINDS[kind]} numbers", file=place)
     fits = len(dataset.shape) == len(shape) and all(
@@ -274,23 +279,57 @@ def array(
     if not fits:
         found = "×".join(map(str, dataset.shape))
         raise UserError(f"shape {found}, expected {expected}", file=place)
-    # The library allocates whole chunks, even if a dataset fills only a corner of one.
-    claimed = max(dataset.size, math.prod(dataset.chunks or ()))
-    if claimed * dataset.dtype.itemsize > most_bytes:
-        raise UserError(f"claims an implausible {claimed} numbers", file=place)
+    if dataset.size * dataset.dtype.itemsize > most_bytes:
+        raise UserError(f"claims an implausible {dataset.size} numbers", file=place)
+    if not _unpacks_within(dataset, most_bytes):
+        raise UserError("packed in an unusual way, expected plain gzip at most", file=place)
     values = np.asarray(dataset[()])
     if not np.isfinite(values).all():
         raise UserError("contains numbers that are not finite", file=place)
     return values
 
 
+def _unpacks_within(dataset: Any, most_bytes: int) -> bool:
+    """True if the chunks of a dataset unpack without more memory than they claim.
+
+    The library inflates chunks to any size, and allocates whole chunks even if a dataset fills only
+    a corner of them.
+    """
+    if dataset.chunks is None:
+        return True
+    claimed = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    made = dataset.id.get_create_plist()
+    packing = tuple(made.get_filter(k)[0] for k in range(made.get_nfilters()))
+    if claimed > most_bytes or packing not in PACKINGS:
+        return False
+    if not packing or dataset.id.get_storage_size() * MAX_INFLATION <= most_bytes:
+        return True
+    large: list[Any] = []
+    skips = 1 << packing.index(DEFLATE)  # chunks that it would enlarge are stored without it
+    dataset.id.chunk_iter(
+        lambda piece: (
+            large.append(piece.chunk_offset)
+            if piece.size * MAX_INFLATION > most_bytes and not piece.filter_mask & skips
+            else None
+        )
+    )
+    for place in large:
+        inflating = zlib.decompressobj()
+        inflating.decompress(dataset.id.read_direct_chunk(place)[1], claimed)
+        if inflating.unconsumed_tail:
+            return False
+    return True
+
+
 def has_member(group: Any, name: str) -> bool:
-    """Return whether `group` has a member of that name."""
-    return name in group
+    """True if `group` has a member of that name; unlike ``in``, this follows no link."""
+    return group.get(name, getlink=True) is not None
 
 
 def subgroup(group: Any, name: str, where: str) -> Any:
-    """Return the group `name` inside `group`."""
-    if not isinstance(inside := group.get(name), h5py.Group):
+    """The group `name` inside `group`; links are refused."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Group
+    ):
         raise UserError("missing, expected a group", file=f"{where}/{name}")
-    return inside
+    return group[name]

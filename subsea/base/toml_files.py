@@ -17,6 +17,13 @@ from subsea.base.validation import same_at, violation
 T = TypeVar("T")
 
 MAX_BYTES = 1 << 20  # of a TOML file
+MAX_PARTS = 32  # of a key
+# A key of more nested tables, or a comment that looks like one. Parsing time grows with
+# the square of their number.
+_TOO_DEEP = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n]){0,200}+"|'[^'\n]{0,200}+')[ \t]*+\.[ \t]*+){32}"""
+)
+_TOO_DEEP_MESSAGE = "not valid TOML (tables within tables, too deep)"
 
 
 def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
@@ -27,6 +34,8 @@ def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
     a change shows the changes instead of a line.
     """
     text = _read_text(path)
+    if deep := _TOO_DEEP.search(text):
+        raise UserError(_TOO_DEEP_MESSAGE, file=path, line=text.count("\n", 0, deep.start()) + 1)
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -35,7 +44,7 @@ def load_toml(path: Path, kind: type[T], changes: Sequence[str] = ()) -> T:
     except ValueError as error:
         raise UserError("not valid TOML (a number of too many digits)", file=path) from error
     except RecursionError as error:
-        raise UserError("not valid TOML (tables within tables, too deep)", file=path) from error
+        raise UserError(_TOO_DEEP_MESSAGE, file=path) from error
     for setting in changes:
         _set(content, setting)
     try:
@@ -88,7 +97,7 @@ def _line(path: Path, key: str) -> int | None:
     # The file may have been deleted since, or may be another program's.
     with suppress(UserError, ValueError, RecursionError):
         text = _read_text(path)
-        if tomllib.loads(text):
+        if not _TOO_DEEP.search(text) and tomllib.loads(text):
             return line_of(key_lines(text), place_of(key))
     return None
 
@@ -104,6 +113,15 @@ def _syntax_error(told: str, text: str) -> tuple[int, str]:
     return text.rstrip().count("\n") + 1, told
 
 
+def _is_text(argument: str) -> bool:
+    """False if an argument of a command has bytes that Python could not decode."""
+    try:
+        argument.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def _set(content: dict[str, Any], setting: str) -> None:
     """Change one value in the content of a TOML file; an index just past the end appends."""
     keys, equals, text = setting.partition("=")
@@ -111,6 +129,11 @@ def _set(content: dict[str, Any], setting: str) -> None:
     option = f"--set {setting}"
     if not equals or not all(steps):
         raise UserError("expected KEY=VALUE such as fish.0.number=20", file=option)
+    if len(steps) > MAX_PARTS:
+        message = f"a key of {len(steps)} parts, expected {MAX_PARTS} at most"
+        raise UserError(message, file=f"--set {'.'.join(steps[:3])}…")
+    if not _is_text(setting):
+        raise UserError("not text in the encoding of this terminal, expected UTF-8", file=option)
     value: Any = text.strip()
     with suppress(ValueError, RecursionError):
         value = tomllib.loads(f"value = {value}")["value"]

@@ -1,12 +1,19 @@
 """Exit codes and the one line of every fault, whatever program asks."""
 
 import errno
+import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from subsea.base.command_line import (
+    add_command,
+    make_parser,
+    number_reader,
+    parse_arguments,
     run_command,
 )
 from subsea.base.errors import TransientError, UserError
@@ -65,6 +72,30 @@ def test_a_deleted_folder_is_named(tmp_path, monkeypatch, capsys):
     tmp_path.mkdir()
 
 
+@pytest.mark.parametrize(
+    "setting",
+    [
+        *("NUMBA_NUM_THREADS=0", "NUMBA_OPT=junk", "NUMBA_COLOR_SCHEME=junk"),
+        *("NUMBA_CPU_FEATURES=junk", "NUMBA_CPU_FEATURES=+avx, -avx", "TQDM_MININTERVAL=junk"),
+    ],
+)
+def test_a_setting_that_a_package_refuses_is_named(setting):
+    program = (
+        "import sys; from subsea.base.command_line import run_command\n"
+        "sys.exit(run_command('diver', lambda: __import__('subsea.geometry.vector') and "
+        "__import__('subsea.base.progress') and 0))"
+    )
+    name, _, value = setting.partition("=")
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, env=os.environ | {name: value}, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    package = name.partition("_")[0].lower()
+    assert done.stderr.startswith(f"diver: {package} does not start with {setting} (")
+
+
 def test_sigterm_is_an_interruption(capsys):
     before = signal.getsignal(signal.SIGTERM)
     try:
@@ -75,3 +106,26 @@ def test_sigterm_is_an_interruption(capsys):
 
 def test_the_code_of_the_command_is_passed_on():
     assert run_command("diver", lambda: 1) == 1
+
+
+def parsed(*arguments):
+    """The options of a command with options of several kinds."""
+    parser = make_parser("diver", "A diver.")
+    commands = parser.add_subparsers(dest="command")
+    command = add_command(commands, "film", "film", "", [])
+    command.add_argument("files", nargs="*")
+    command.add_argument("--scenario")
+    command.add_argument("--seconds", type=number_reader(float, 0, 9))
+    command.add_argument("--look", choices=("colours", "range"))
+    command.add_argument("--set", action="append")
+    return parse_arguments(parser, commands, arguments)
+
+
+def test_two_dashes_are_a_value_like_any_other():
+    assert parsed("film", "--scenario=--").scenario == "--"
+    assert parsed("film", "--set=--", "--set=a").set == ["--", "a"]
+    assert parsed("film", "--scenario=-", "--", "--seconds").files == ["--seconds"]
+    with pytest.raises(UserError, match="'--': expected a number from 0 to 9"):
+        parsed("film", "--seconds=--")
+    with pytest.raises(UserError, match="--look '--': unknown choice"):
+        parsed("film", "--look=--")

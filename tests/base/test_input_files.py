@@ -87,6 +87,8 @@ def test_readers_that_forgive_do_not_wait_for_a_pipe(pipe, monkeypatch):
         ("/dev/zero", "not a regular file"),
         ("/tmp", "cannot read (it is a folder)"),
         ("/nowhere/x", "no such file"),
+        ("/proc/kmsg", "not a regular file"),
+        ("/proc/self/status", "not a regular file"),
         ("a" * 300, "cannot read (File name too long)"),
         ("a\0b", "cannot read (embedded null byte)"),
     ],
@@ -104,6 +106,16 @@ def test_content_is_read_up_to_the_limit(tmp_path):
     path.write_bytes(b"x" * (2**20 + 1))
     with pytest.raises(UserError, match="larger than 1 MiB, expected a smaller file"):
         read_input(path, 2**20)
+
+
+def test_a_name_that_becomes_a_pipe_is_refused(tmp_path, monkeypatch):
+    path, other = tmp_path / "file", tmp_path / "other"
+    other.write_text("x")
+    os.mkfifo(path)
+    before = other.stat()
+    monkeypatch.setattr(Path, "stat", lambda self: before)
+    with pytest.raises(UserError, match="not a regular file"):
+        read_input(path)
 
 
 def test_an_empty_file_is_a_file(tmp_path):

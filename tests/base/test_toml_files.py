@@ -170,6 +170,8 @@ def test_faults_of_the_whole_file_have_no_line(path, text, words):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("a." * 20_000 + "a = 1", "reef.toml:1: not valid TOML (tables within tables"),
+        ("x = 1\n[a" + ".'b'" * 40 + "]", "reef.toml:2: not valid TOML (tables within tables"),
         ("seed = " + "9" * 5000, "reef.toml: not valid TOML (a number of too many digits)"),
         ("#" * 2**21, "reef.toml: larger than 1 MiB"),
         ('"two\\nlines\\u001b[2J" = 1', "reef.toml: unknown key `two?lines?[2J`"),
@@ -188,6 +190,13 @@ def test_hostile_changes_are_one_line(path):
         assert refused(path, REEF, [f"seed={value}"]).startswith("reef.toml --set seed=")
     with pytest.raises(UserError, match=r"^--set fish\.9999"):
         load_toml(path, Scenario, [f"fish.{'9' * 5000}.x=1"])
+    for parts in (33, 20_000):
+        with pytest.raises(
+            UserError, match=rf"^--set a\.a\.a…: a key of {parts} parts, expected 32"
+        ):
+            load_toml(path, Scenario, [f"{'.'.join('a' * parts)}=1"])
+    with pytest.raises(UserError, match=r"^--set title=\\udcff: not text in the encoding"):
+        load_toml(path, Scenario, ["title=\udcff"])
 
 
 @pytest.mark.parametrize(

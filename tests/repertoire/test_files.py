@@ -3,6 +3,7 @@
 import dataclasses
 import subprocess
 import sys
+import zlib
 
 import h5py
 import numpy as np
@@ -95,12 +96,35 @@ def _replace(name, value):
     return change
 
 
-def _chunked(file):
-    """Store numbers in one piece that is far larger than all of them."""
-    name = "segments/swim_slow/nodes"
-    del file[name]
-    large = {"maxshape": (None,) * 3, "chunks": (2**14, 2**10, 32), "compression": "gzip"}
-    file.create_dataset(name, (12, 23, 3), "f8", **large)
+def _borrowed(source):
+    """Numbers that are in another file, or, of ".", that are themselves."""
+
+    def change(file):
+        name = "segments/swim_slow/nodes"
+        layout = h5py.VirtualLayout((12, 23, 3), "f8")
+        layout[...] = h5py.VirtualSource(source, name, (12, 23, 3))
+        del file[name]
+        file.create_virtual_dataset(name, layout)
+
+    return change
+
+
+def half_a_gigabyte():
+    """Pack zeros."""
+    return zlib.compress(bytes(2**29), 1)
+
+
+def _packed(*more, **how):
+    """Numbers that are packed somehow, and what their only piece holds instead of them."""
+
+    def change(file):
+        name = "segments/swim_slow/nodes"
+        del file[name]
+        made = file.create_dataset(name, (12, 23, 3), "f8", **how)
+        for piece in more:
+            made.id.write_direct_chunk((0, 0, 0), piece())
+
+    return change
 
 
 DAMAGE = {
@@ -134,6 +158,10 @@ DAMAGE = {
         _replace("segments/swim_slow/nodes", np.full((12, 23, 3), 1e4)),
         "body lengths",
     ),
+    "a link to another file": (
+        _replace("segments/swim_slow/nodes", h5py.ExternalLink("/etc/passwd", "/x")),
+        "expected a dataset",
+    ),
     "a string in the heap": (_set("source", "biomechanics"), "is not a text"),
     "a reference for a number": (_set("tick_s", h5py.Reference()), "is not a number"),
     "numbers for a number": (_set("tick_s", [0.033, 0.033]), "is not a number"),
@@ -154,8 +182,19 @@ DAMAGE = {
         "no way leads out of swim_slow",
     ),
     "halves for rows": (_replace("transitions/entry", np.full((84, 7), 0.5)), "84×7 whole"),
-    "a piece larger than all": (_chunked, "implausible"),
+    "numbers of another file": (_borrowed("/etc/passwd"), "in other files"),
+    "numbers of itself": (_borrowed("."), "in other files"),
+    "a piece larger than all": (
+        _packed(maxshape=(None,) * 3, chunks=(2**14, 2**10, 32), compression="gzip"),
+        "packed in an unusual way",
+    ),
+    "more than its piece may hold": (
+        _packed(half_a_gigabyte, chunks=(12, 23, 3), compression="gzip"),
+        "packed in an unusual way",
+    ),
+    "packed by another way": (_packed(chunks=(12, 23, 3), compression="lzf"), "unusual way"),
     "JSON within JSON": (_set("provenance", np.bytes_(b"[" * 30_000)), "not JSON"),
+    "a link to itself": (_replace("segments", h5py.SoftLink("/")), "expected a group"),
 }
 
 

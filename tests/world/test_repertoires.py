@@ -11,6 +11,7 @@ import pytest
 from subsea.base import disk_cache
 from subsea.base.errors import UserError
 from subsea.fish.species import repertoire_file
+from subsea.repertoire import files
 from subsea.repertoire.library import pack
 from subsea.scenario.load import load_scenario
 from subsea.world import repertoires
@@ -42,6 +43,23 @@ def test_a_repertoire_is_cached_by_its_content(path, tmp_path):
     path.unlink()
     with pytest.raises(UserError, match="no such file"):
         read(5)
+
+
+def test_a_repertoire_that_changes_while_being_read_is_not_cached(path, monkeypatch):
+    whole, read = path.read_bytes(), files.read_repertoire
+
+    def late(path):
+        with h5py.File(path, "a") as file:
+            file.attrs["body_length_cm"] = 1.25 * file.attrs["body_length_cm"]
+        return read(path)
+
+    monkeypatch.setattr(files, "read_repertoire", late)
+    with pytest.raises(UserError, match="while it was read"):
+        repertoires._repertoire(path, "clownfish", (1, 0))
+    monkeypatch.setattr(files, "read_repertoire", read)
+    path.write_bytes(whole)
+    found = repertoires._repertoire(path, "clownfish", (2, 0))
+    assert found.body_length_cm == read(path).body_length_cm
 
 
 def test_huge_files_and_pipes_are_not_read_completely(path, tmp_path):
