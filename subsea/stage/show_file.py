@@ -214,7 +214,9 @@ def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:
         try:
             open_item(show, path, number)
         except UserError as fault:
-            yield number, error_at(path, f"item[{number}]", f"item {number + 1}: {fault}")
+            key = f"item[{number}]"
+            key += ".tour" if str(fault).startswith(("unknown tour", "tour ")) else ".scenario"
+            yield number, error_at(path, key, f"item {number + 1}: {fault}")
 
 
 JUMP_S = 5.0  # difference between clock and passed time that counts as a jump
