@@ -1,5 +1,6 @@
 """Programs with variants that are compiled on demand: for object ids, lamps, fades, close-ups."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -72,5 +73,20 @@ class ProgramVariants(GpuOwner):
 
 
 def variant_array(context: Any, compiled: Any, content: Any, indices: Any = None) -> Any:
-    """A vertex array whose content may hold attributes that the program lacks."""
-    return context.vertex_array(compiled, content, indices, skip_errors=True)
+    """Make a vertex array whose content may hold attributes that the program lacks."""
+    kept = [_without_missing(compiled, *part) for part in content]
+    return context.vertex_array(compiled, kept, indices, skip_errors=True)
+
+
+def _without_missing(compiled: Any, buffer: Any, layout: str, *names: str) -> tuple[Any, ...]:
+    """Pass over attributes that the program lacks: moderngl would bind them to no place."""
+    formats, shown = layout.split(), []
+    for k, name in enumerate(names):
+        if name in compiled:
+            shown.append(name)
+        else:
+            number, kind, size = re.match(r"(\d*)([a-z]+)(\d)", formats[k]).groups()  # type: ignore[union-attr]
+            formats[k] = formats[k].replace(
+                f"{number}{kind}{size}", f"{int(number or 1) * int(size)}x", 1
+            )
+    return buffer, " ".join(formats), *shown
