@@ -16,10 +16,11 @@ from tempfile import TemporaryDirectory
 import meshopt
 import numpy as np
 
+from subsea.export import COMPRESSIONS
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.dive_scene import record_scene
-from subsea.export.glb import COMPRESSIONS, packing_of
+from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.recording import SceneFilmOptions

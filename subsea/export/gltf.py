@@ -14,13 +14,13 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.files import replacing
+from subsea.export import MESHOPT
 from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root, transparent_triangles
 from subsea.export.glb import (
     CLAMPED,
     EXACT,
     INDICES,
-    MESHOPT,
     VERTICES,
     GlbBuffer,
     Packing,

@@ -15,8 +15,9 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, check_result
 from subsea.base.files import replacing
+from subsea.export import MESHOPT, PLAIN, QUANTISED
 from subsea.export.axes import METRES, Y_UP, to_metres
-from subsea.export.glb import MESHOPT, PLAIN, QUANTISED, packing_of
+from subsea.export.glb import packing_of
 from subsea.export.gltf import (
     Json,
     KeyTrack,

@@ -30,8 +30,8 @@ from subsea.base.errors import UserError
 from subsea.base.files import check_folder, is_folder, replacing
 from subsea.base.language import LANGUAGES, translated
 from subsea.base.system import own_path, resource_path
+from subsea.export import MESHOPT, PLAIN, QUANTISED
 from subsea.export.axes import WORLD_Y_UP
-from subsea.export.glb import MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER as GLTF
 from subsea.export.licence import copyright_line
 from subsea.export.scene import Scene, SceneExtent, SceneOptions, SceneWriter

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from capture.cli.main import main
+from subsea.export import MESHOPT, QUANTISED
 from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
-from subsea.export.glb import MESHOPT, QUANTISED, packing_of
+from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 from tests.support.gltf_reader import Reader

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
+from subsea.export import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
-from subsea.export.glb import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
 from subsea.export.gltf_scene import WRITER
 from subsea.export.png import sheet_png
 from subsea.export.scene import Scene, SceneExtent, SceneMesh, SceneOptions

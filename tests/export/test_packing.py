@@ -7,18 +7,8 @@ import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
-from subsea.export.glb import (
-    COMPRESSIONS,
-    INDICES,
-    MESHOPT,
-    PLAIN,
-    QUANTISED,
-    VERTICES,
-    GlbBuffer,
-    asset,
-    glb,
-    packing_of,
-)
+from subsea.export import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
+from subsea.export.glb import INDICES, VERTICES, GlbBuffer, asset, glb, packing_of
 from tests.support.gltf_reader import Reader
 
 RNG = np.random.default_rng(5)
