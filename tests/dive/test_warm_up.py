@@ -76,6 +76,7 @@ def _called(tmp_path: Path, program: str) -> set[str]:
     return {line for line in called if line.split()[2] not in CALLEES}
 
 
+@pytest.mark.nightly  # it depends on which kernels are kept when it begins
 def test_a_dive_calls_no_kernel_that_is_not_compiled_in_advance(tmp_path):
     dive = _called(tmp_path, DIVE)
     assert len(dive) > 50
