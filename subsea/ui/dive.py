@@ -22,7 +22,7 @@ from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.jobs.background import CancelledByUserError
 from subsea.media.screenshots import ScreenCapture, pictures_folder
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.shoals import with_total
 from subsea.scenario.storage import held
@@ -53,16 +53,18 @@ class Dive:
         options: DiveOptions,
         opening: Opening | None = None,
         check: Callable[[], None] = lambda: None,
+        loaded: LoadedScenario | None = None,
     ) -> None:
         """Open the windows before loading the world, so that something shows at once.
 
         The parts of the options are planned (`dive.part.planned`). `opening` has the windows, if
-        they are open already. `check` is called while loading, and may raise. If anything fails,
-        all that was opened is closed again.
+        they are open already. `check` is called while loading, and may raise. `loaded` is the
+        scenario of the options, if it is loaded already. If anything fails, all that was opened is
+        closed again.
         """
         display, settings = options.display, options.settings
-        scenario, self.source, _ = load_scenario(options.scenario, options.changes)
-        self.scenario = with_total(scenario, options.fish)
+        loaded = loaded or load_scenario(options.scenario, options.changes)
+        self.scenario, self.source = with_total(loaded.scenario, options.fish), loaded.path
         self.known = held(self.source)
         set_language(settings.display.language)
         self.preferences = Preferences(settings, options.settings_file, partial(follow, self))

@@ -23,16 +23,15 @@ def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[s
     """
     start = options.start
     fish_name = start.follow if start.eyes is None else start.eyes
-    fish = None
-    if fish_name is not None or options.tour is not None or options.kiosk:
-        # Report an unknown name before a window opens.
-        scenario = with_total(load_scenario(options.scenario, options.changes)[0], options.fish)
-        fish = None if fish_name is None else find_fish(fish_name, scenario)
-        if options.tour is not None or options.kiosk:
-            check_tour(scenario, options.tour or options.settings.attract.tour)
+    # Report an unknown name before a window opens.
+    loaded = load_scenario(options.scenario, options.changes)
+    scenario = with_total(loaded.scenario, options.fish)
+    fish = None if fish_name is None else find_fish(fish_name, scenario)
+    if options.tour is not None or options.kiosk:
+        check_tour(scenario, options.tour or options.settings.attract.tour)
     # An interrupt raised within compiled code or the window library could be lost.
     with suppress(CancelledByUserError), deferred_interrupts() as check:
-        running = Dive(options, opening, check)
+        running = Dive(options, opening, check, loaded)
         for line in notes:
             running.overlay.note(line)
         with closing(running):

@@ -19,7 +19,7 @@ from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.system import require
 from subsea.dive import adaptive_quality
 from subsea.dive.directed_camera import check_tour, tour_steering
-from subsea.dive.start import headless, picture_maker, start_world
+from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
 from subsea.lab.profiling.comparison import compare, read_reports
@@ -43,7 +43,7 @@ from subsea.rendering.output.quality import (
     name_of,
     on_software,
 )
-from subsea.scenario.load import load_scenario
+from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.scenario.schema import AUTOPILOT
 from subsea.view.display_rigs import chosen_rig, cockpit
 from subsea.view.levels import HIDDEN, LEVELS, empty_lod_state
@@ -95,8 +95,9 @@ def benchmark(options: BenchmarkOptions) -> int:
     rig, _ = chosen_rig(
         options.display, options.size, theatre=options.theatre, shrink=options.shrink
     )
-    check_tour(load_scenario(options.scenario, options.changes)[0], options.tour)
-    runs = [_run(options, rig, number) for number in options.fish]
+    loaded = load_scenario(options.scenario, options.changes)
+    check_tour(loaded.scenario, options.tour)
+    runs = [_run(options, loaded, rig, number) for number in options.fish]
     reports = [report for report, _ in runs]
     if len(runs) == 1:
         print_report(reports[0])
@@ -129,14 +130,12 @@ def _check_results(options: BenchmarkOptions) -> None:
 
 
 def _run(
-    options: BenchmarkOptions, rig: CameraRig, fish: int | None
+    options: BenchmarkOptions, loaded: LoadedScenario, rig: CameraRig, fish: int | None
 ) -> tuple[dict[str, Any], Frames]:
     """Measure with this number of fishes; the report and the frames."""
     automatic = options.quality == AUTO
     with headless() as context:
-        world = start_world(
-            options.scenario, options.seed, fish, motor=options.motor, changes=options.changes
-        )
+        world = ready_world(loaded, options.seed, fish=fish, motor=options.motor)
         gpu, hold_ms = context.info["GL_RENDERER"], None
         machine = describe_machine(context.info)
         if automatic:
