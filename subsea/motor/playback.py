@@ -139,64 +139,85 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
 
 @kernel
 def _next_row(fishes: Fishes, library: Library, i: int) -> None:
-    """Make row b row a, and choose the next row b.
-
-    Between the straight swim and its gradual turns the bend changes level by level. Other segments
-    are entered and left with a body that is nearly straight, as in the swim.
-    """
-    kind = fishes.species[i]
-    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
-    before, a = fishes.row_a[i], fishes.row_b[i]
-    fishes.row_a[i] = a
+    """Make row b row a, and choose the next row b: change the segment or the bend, or play on."""
+    kind, a = fishes.species[i], fishes.row_b[i]
+    before, fishes.row_a[i] = fishes.row_a[i], a
     fishes.span[i] = 1.0
-    cyclic, at_end = library.cyclic[kind, now], library.follow[a] == a
-    blended = library.veer[kind, 0] >= 0
-    goal = MEDIUM if blended and blends(wanted) else wanted
-    if blended and blends(now) and blends(wanted):
-        leaves = False
-    elif cyclic:
-        straight = abs(library.level[a]) <= MOST_BEGUN
-        leaves = wanted != now and straight and library.leave[a, goal]
-        leaves |= wanted != now and fishes.goal_speed[i] > HURRIED
-    else:
-        leaves = library.leave[a, goal] or at_end
-        leaves &= wanted != now or (at_end and now != STOP)
-    sudden = is_cstart(wanted) and not is_cstart(now)
-    if leaves or sudden:
-        fishes.row_b[i] = library.entry[a, goal]
-        planned = cyclic or at_end or library.has[kind, wanted]
-        fishes.span[i] = library.glide[a, goal] if planned else SUDDEN
-        fishes.segment[i] = wanted
-        if blended and blends(wanted):
-            asked = _asked(fishes, i)
-            level = min(max(asked, -MOST_BEGUN), MOST_BEGUN)
-            _bend(fishes, library, i, fishes.row_b[i], level)
-        fishes.glide_tempo[i] = fishes.tempo[i]
-        fishes.glide_thrust[i] = fishes.thrust[i]
-        share, bent = _bent(library, kind, a), _bent(library, kind, fishes.row_b[i])
-        slow = library.pace[kind, SLOW, 0]
-        out = slow if before == a else between(library.pace[kind, :, 1], now, share)
-        into = between(library.pace[kind, :, 0], wanted, bent)
-        own = between(library.speed[kind], wanted, bent)
-        quick = fishes.goal_speed[i] * library.speed[kind, FAST] / own
-        _keep_speed(fishes, i, out / max(into, AT_REST * slow), into >= AT_REST * slow, quick)
-    elif blended and blends(now):
-        level, row = library.level[a], library.straight[a]
-        change = min(max(_asked(fishes, i) - level, -1), 1)
-        rows = max(library.length[kind, MEDIUM] // LEVEL_PHASE, 1) if change else 1
-        for _ in range(rows):
-            row = library.follow[row]
-        fishes.span[i] = rows
-        fishes.glide_tempo[i], fishes.glide_thrust[i] = fishes.tempo[i], fishes.thrust[i]
-        _bend(fishes, library, i, row, level + change)
+    at_end = library.follow[a] == a
+    if _changes_segment(fishes, library, i, at_end):
+        _change_segment(fishes, library, i, before, at_end)
+    elif library.veer[kind, 0] >= 0 and blends(fishes.segment[i]):
+        _change_bend(fishes, library, i)
     else:
         fishes.row_b[i] = library.follow[a]
         if at_end and before != a:
             # A held row drifts at its thrust, over the slow swim.
             fishes.thrust[i] *= (
-                fishes.tempo[i] * library.pace[kind, now, 1] / library.pace[kind, SLOW, 0]
+                fishes.tempo[i]
+                * library.pace[kind, fishes.segment[i], 1]
+                / library.pace[kind, SLOW, 0]
             )
             fishes.tempo[i] = 1.0
+
+
+@kernel
+def _changes_segment(fishes: Fishes, library: Library, i: int, at_end: bool) -> bool:
+    """Decide whether fish i leaves its segment at row a.
+
+    Between the straight swim and its gradual turns the bend changes level by level. Other segments
+    are entered and left with a body that is nearly straight, as in the swim.
+    """
+    kind, a = fishes.species[i], fishes.row_a[i]
+    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
+    if is_cstart(wanted) and not is_cstart(now):
+        return True
+    blended = library.veer[kind, 0] >= 0
+    if blended and blends(now) and blends(wanted):
+        return False
+    good = library.leave[a, MEDIUM if blended and blends(wanted) else wanted]
+    if library.cyclic[kind, now]:
+        straight = abs(library.level[a]) <= MOST_BEGUN
+        return wanted != now and ((straight and good) or fishes.goal_speed[i] > HURRIED)
+    return (good or at_end) and (wanted != now or (at_end and now != STOP))
+
+
+@kernel
+def _change_segment(fishes: Fishes, library: Library, i: int, before: int, at_end: bool) -> None:
+    """Glide from row a to the entry of the wanted segment, at the speed so far."""
+    kind, a = fishes.species[i], fishes.row_a[i]
+    now, wanted = fishes.segment[i], fishes.wanted_segment[i]
+    blended = library.veer[kind, 0] >= 0 and blends(wanted)
+    goal = MEDIUM if blended else wanted
+    fishes.row_b[i] = library.entry[a, goal]
+    planned = library.cyclic[kind, now] or at_end or library.has[kind, wanted]
+    fishes.span[i] = library.glide[a, goal] if planned else SUDDEN
+    fishes.segment[i] = wanted
+    if blended:
+        level = min(max(_asked(fishes, i), -MOST_BEGUN), MOST_BEGUN)
+        _bend(fishes, library, i, fishes.row_b[i], level)
+    fishes.glide_tempo[i] = fishes.tempo[i]
+    fishes.glide_thrust[i] = fishes.thrust[i]
+    share, bent = _bent(library, kind, a), _bent(library, kind, fishes.row_b[i])
+    slow = library.pace[kind, SLOW, 0]
+    out = slow if before == a else between(library.pace[kind, :, 1], now, share)
+    into = between(library.pace[kind, :, 0], wanted, bent)
+    own = between(library.speed[kind], wanted, bent)
+    quick = fishes.goal_speed[i] * library.speed[kind, FAST] / own
+    _keep_speed(fishes, i, out / max(into, AT_REST * slow), into >= AT_REST * slow, quick)
+
+
+@kernel
+def _change_bend(fishes: Fishes, library: Library, i: int) -> None:
+    """Go on in a straight swim or a gradual turn, a level nearer to the bend that is asked for."""
+    kind, a = fishes.species[i], fishes.row_a[i]
+    level, row = library.level[a], library.straight[a]
+    change = min(max(_asked(fishes, i) - level, -1), 1)
+    rows = max(library.length[kind, MEDIUM] // LEVEL_PHASE, 1) if change else 1
+    for _ in range(rows):
+        row = library.follow[row]
+    fishes.span[i] = rows
+    fishes.glide_tempo[i], fishes.glide_thrust[i] = fishes.tempo[i], fishes.thrust[i]
+    _bend(fishes, library, i, row, level + change)
 
 
 @kernel
