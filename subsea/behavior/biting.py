@@ -1,9 +1,14 @@
-"""Bait on a hook: hungry fishes approach it, and the first to bite is caught (Tu §10.1)."""
+"""Bait on a hook (Tu §10.1): hungry fishes approach it, and the first to bite is caught.
+
+To struggle on the hook is the most urgent behavior.
+"""
 
 import numpy as np
 
-from subsea.behavior.chasing import chase, mouth_of
+from subsea.base.arrays import Array, Ints
+from subsea.behavior.chasing import chase, mouth_of, set_urge
 from subsea.behavior.death import pass_leadership, remove
+from subsea.geometry.noise import uniform
 from subsea.geometry.vector import minus, norm, vector
 from subsea.kernels import kernel
 from subsea.state import (
@@ -27,6 +32,10 @@ OPEN_BL = 0.4  # distance within which the mouth is open
 FOLLOWS = 6.0  # 1/s: rate at which the snout of the catch is drawn to the hook
 YANK_CM_S = 150.0  # at most
 OUT_BL = 0.6  # height of its middle above the surface at which a catch is removed
+HOLD_TICKS = 14  # how long a direction is held
+DIVE = 0.3, 0.6  # slope downward
+GASP = 0.6  # how far the mouth is held open
+HEADING_PURPOSE, DIVE_PURPOSE = np.int64(70), np.int64(71)  # keys of the random numbers
 
 
 @kernel
@@ -81,3 +90,28 @@ def bite(fishes: Fishes, minds: Minds, sea: Sea, clock: Clock) -> None:
         if fishes.position[i, 2] > OUT_BL * fishes.length[i]:
             sea.catch[1] = NOBODY
             remove(fishes, minds, i)
+
+
+@kernel
+def hooked_desire(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock, out: Array
+) -> None:
+    """Set the strongest desire of all for the fish on the hook."""
+    for i in who:
+        out[i] = 2.0 if sea.catch[0] == HOOKED and sea.catch[1] == i else 0.0
+
+
+@kernel
+def struggle(
+    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
+) -> None:
+    """Swim downward at full speed, in a new direction every half second."""
+    for i in who:
+        epoch = np.int64(clock.tick // HOLD_TICKS)
+        fish = np.int64(i)
+        heading = 2.0 * np.pi * uniform(clock.seed, fish, epoch, HEADING_PURPOSE)
+        low, high = DIVE
+        dive = low + (high - low) * uniform(clock.seed, fish, epoch, DIVE_PURPOSE)
+        set_urge(minds, i, (np.cos(heading), np.sin(heading), -dive))
+        fishes.goal_speed[i] = 1.0
+        fishes.gape[i] = GASP

@@ -1,11 +1,12 @@
-"""Chase and follow targets: shared by eating, hunting, mating and curiosity (Tu §7.8.2)."""
+"""Chase and follow targets, and burst: shared by several behaviors (Tu §7.8.2)."""
 
 import numpy as np
 
+from subsea.base.arrays import Ints
 from subsea.geometry.rotation import rotate, x_axis
 from subsea.geometry.vector import Vector, dot, minus, norm, plus, store, times, vector
 from subsea.kernels import kernel
-from subsea.state import Fishes, Minds
+from subsea.state import Clock, Fishes, Minds
 
 NEAR_BL = 1.5  # distance within which a fish slows down, for better control
 LEAST_SPEED = 0.25  # share of the fastest speed at which it arrives
@@ -14,6 +15,9 @@ CIRCLE_BL = 2.2  # radius of a gradual turn at full speed
 TURNING = 0.12  # share of the fastest speed for turning toward a target that is too near
 BESIDE = 0.3  # share of the fastest speed beside a fish that it follows
 FORESIGHT_S = 2.0  # how far ahead the motion of a target is predicted
+LASTING_S = 3.0  # of a full burst, after which a fish is no faster than its sustained speed ...
+FRESH = 0.4  # ... and the share of that time for which it is at its fastest
+RECOVERS = 0.08  # s of burst recovered in a second without one
 
 
 @kernel
@@ -60,3 +64,20 @@ def mouth_of(fishes: Fishes, i: int) -> Vector:
     """The tip of the snout of fish i, cm, world."""
     along = rotate(fishes.orientation[i], (float(fishes.snout[i]), 0.0, 0.0))
     return plus(vector(fishes.position[i]), along)
+
+
+@kernel
+def burst(fishes: Fishes, minds: Minds, i: int) -> None:
+    """Let fish i swim as fast as it can: at its burst speed while fresh, less as it tires."""
+    fresh = min(max(1.0 - minds.spent[i] / LASTING_S, 0.0) / (1.0 - FRESH), 1.0)
+    fishes.goal_speed[i] = 1.0 + (max(fishes.burst[i], 1.0) - 1.0) * fresh
+
+
+@kernel
+def tire(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Count the time of bursts of the fishes `who`, by their effort, and their rest."""
+    for i in who:
+        effort = (fishes.goal_speed[i] - 1.0) / max(fishes.burst[i] - 1.0, 1e-3)
+        change = min(effort, 1.0) if effort > 0.0 else -RECOVERS
+        minds.spent[i] = max(minds.spent[i] + np.float32(change * clock.dt), np.float32(0.0))
+        minds.startled[i] += np.float32(clock.dt)

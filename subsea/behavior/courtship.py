@@ -30,6 +30,7 @@ from subsea.state import (
     CIRCLING,
     LOOPING,
     MATE,
+    NO_COURTSHIP,
     NOBODY,
     Clock,
     Fishes,
@@ -62,6 +63,7 @@ BELOW_BL = 0.3  # how far under it he keeps, in his body length
 LIMIT_S = np.array([np.inf, 60.0, 60.0, 45.0, 30.0, 60.0])
 # ... and how long the partner may attend to something else.
 ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])
+COLOUR_S = 0.7  # time constant of mating colours: 95% of a change is done after 2 s
 
 
 @kernel
@@ -276,3 +278,12 @@ def perform(state: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock
         return ascended(who, fishes, minds, sea)
     nuzzle(who, fishes, minds, sea, clock)
     return nuzzled(who, fishes, minds, sea)
+
+
+@kernel
+def ease_display(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
+    """Ease the display of the fishes `who` to 1 where a male courts, else to 0 (Tu §5.3)."""
+    share = 1.0 - np.exp(-clock.dt / COLOUR_S)
+    for i in who:
+        courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
+        fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])

@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.bursting import burst
-from subsea.behavior.chasing import mouth_of, set_urge
+from subsea.behavior.chasing import burst, mouth_of, set_urge
 from subsea.behavior.schooling import has_school
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis

@@ -3,8 +3,7 @@
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
-from subsea.behavior.bursting import burst
-from subsea.behavior.chasing import chase, mouth_of
+from subsea.behavior.chasing import burst, chase, mouth_of
 from subsea.behavior.death import remove
 from subsea.behavior.wandering import wander
 from subsea.geometry.noise import uniform

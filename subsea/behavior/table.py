@@ -1,21 +1,21 @@
-"""Table of behaviors: a row for each, and the entries that call all of them."""
+"""List the behaviors in one table, and make the kernels that call all of them from it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior import (
     avoiding,
+    biting,
     curious,
     eating,
     escaping,
     leaving,
     mating,
     schooling,
-    struggling,
     wandering,
 )
 from subsea.kernels import kernel
@@ -56,65 +56,59 @@ BEHAVIORS = (
     Behavior("leave", leaving.act, ((EASE, leaving.desire),)),
     Behavior("wander", wandering.act, ((EASE, wandering.desire),)),
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
-    Behavior("struggle", struggling.act, ((COLLISION, struggling.desire),)),
+    Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
 )
 INTENTIONS = tuple(behavior.name for behavior in BEHAVIORS)
 
-# Every desire as (level, behavior, function), most urgent first.
-DESIRES = sorted(
-    (
+
+def desires_of(behaviors: Sequence[Behavior]) -> list[tuple[int, int, Desire]]:
+    """List every desire as (level, behavior, function), most urgent first."""
+    rows = [
         (level, code, desire)
-        for code, behavior in enumerate(BEHAVIORS)
+        for code, behavior in enumerate(behaviors)
         for level, desire in behavior.desires
-    ),
-    key=lambda row: row[:2],
-)
+    ]
+    return sorted(rows, key=lambda row: row[:2])
+
+
+SOURCE = """
+def compute_desires{name}(who, fishes, minds, sea, nature, clock):
+    out = minds.desire
+    {desires}
+
+def run_routine{name}(code, who, fishes, minds, sea, nature, clock):
+    {routines}
+"""
+
+
+def dispatchers(behaviors: Sequence[Behavior], name: str = "") -> tuple[Any, Any]:
+    """Make the kernels that fill `minds.desire` and that follow an intention, by its code.
+
+    A kernel cannot loop over functions, so they have a line for each row of the table. Tables with
+    other behaviors need a `name` of their own, by which the compiled code is kept.
+    """
+    given = "who, fishes, minds, sea, nature, clock"
+    names: dict[str, Any] = {"__name__": __name__}
+    desires, routines = [], []
+    for row, (_, _, desire) in enumerate(desires_of(behaviors)):
+        names[f"desire_{row}"] = desire
+        desires.append(f"desire_{row}({given}, out[{row}])")
+    for code, behavior in enumerate(behaviors):
+        names[f"routine_{code}"] = behavior.routine
+        routines.append(f"{'elif' if code else 'if'} code == {code}: routine_{code}({given})")
+    source = SOURCE.format(
+        name=name, desires="\n    ".join(desires), routines="\n    ".join(routines)
+    )
+    # Compiled under this file's name, so that numba caches it with this file's kernels.
+    exec(compile(source, __file__, "exec"), names)
+    return kernel(names[f"compute_desires{name}"]), kernel(names[f"run_routine{name}"])
+
+
+DESIRES = desires_of(BEHAVIORS)
 LEVEL_OF_DESIRE = np.array([level for level, _, _ in DESIRES])
 BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
 TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
-
-
-@kernel
-def compute_desires(
-    who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
-) -> None:
-    """Fill `minds.desire` of the fishes `who`: a line for each row of `DESIRES`, in that order."""
-    out = minds.desire
-    avoiding.desire(who, fishes, minds, sea, nature, clock, out[0])
-    struggling.desire(who, fishes, minds, sea, nature, clock, out[1])
-    escaping.desire(who, fishes, minds, sea, nature, clock, out[2])
-    schooling.alarmed_desire(who, fishes, minds, sea, nature, clock, out[3])
-    eating.desire(who, fishes, minds, sea, nature, clock, out[4])
-    mating.desire(who, fishes, minds, sea, nature, clock, out[5])
-    schooling.desire(who, fishes, minds, sea, nature, clock, out[6])
-    leaving.desire(who, fishes, minds, sea, nature, clock, out[7])
-    wandering.desire(who, fishes, minds, sea, nature, clock, out[8])
-    curious.desire(who, fishes, minds, sea, nature, clock, out[9])
-
-
-@kernel
-def run_routine(
-    code: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock
-) -> None:
-    """Let the fishes `who` follow intention `code`: a branch for each row of `BEHAVIORS`."""
-    if code == 0:
-        avoiding.act(who, fishes, minds, sea, nature, clock)
-    elif code == 1:
-        escaping.act(who, fishes, minds, sea, nature, clock)
-    elif code == 2:
-        schooling.act(who, fishes, minds, sea, nature, clock)
-    elif code == 3:
-        eating.act(who, fishes, minds, sea, nature, clock)
-    elif code == 4:
-        mating.act(who, fishes, minds, sea, nature, clock)
-    elif code == 5:
-        leaving.act(who, fishes, minds, sea, nature, clock)
-    elif code == 6:
-        wandering.act(who, fishes, minds, sea, nature, clock)
-    elif code == 7:
-        curious.act(who, fishes, minds, sea, nature, clock)
-    elif code == 8:
-        struggling.act(who, fishes, minds, sea, nature, clock)
+compute_desires, run_routine = dispatchers(BEHAVIORS)
 
 
 def run_routines(

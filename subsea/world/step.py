@@ -14,8 +14,8 @@ import numpy as np
 
 from subsea.base.arrays import Array, Ints
 from subsea.behavior import biting, eating, hunting, schooling, steering
-from subsea.behavior.bursting import tire
-from subsea.behavior.colouring import ease_display
+from subsea.behavior.chasing import tire
+from subsea.behavior.courtship import ease_display
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.mating import end_courtships
 from subsea.behavior.mental_state import update_mental_state

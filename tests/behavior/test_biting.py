@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior import eating, struggling
+from subsea.behavior import biting, eating
 from subsea.behavior.biting import BITE_BL, FOLLOWS, OUT_BL, TEMPTING, YANK_CM_S, bite
 from subsea.behavior.intention import choose_intention
 from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, LEVEL_OF_DESIRE, TIRES
@@ -111,7 +111,7 @@ def test_struggling_comes_before_all_else(tank):
     one.minds.desire[:] = 1.0
     for row, code in enumerate(BEHAVIOR_OF_DESIRE):
         if BEHAVIORS[code].name == "struggle":
-            struggling.desire(np.arange(2), *one, one.minds.desire[row])
+            biting.hooked_desire(np.arange(2), *one, one.minds.desire[row])
     choose_intention(
         np.arange(2), one.minds, one.nature, LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     )
@@ -122,10 +122,10 @@ def test_it_struggles_downward_now_this_way_now_that(tank):
     one = _tank(tank, (0, 0, 0))
     ways = []
     for tick in range(300):
-        one.at(tick).run(struggling.act)
+        one.at(tick).run(biting.struggle)
         assert one.minds.urge[0, 2] < 0
         assert one.fishes.goal_speed[0] == 1
         ways.append(np.arctan2(one.minds.urge[0, 1], one.minds.urge[0, 0]))
     changes = np.count_nonzero(np.diff(ways))
-    assert changes == 299 // struggling.HOLD_TICKS
+    assert changes == 299 // biting.HOLD_TICKS
     assert np.ptp(ways) > np.pi

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.bursting import FRESH, LASTING_S, RECOVERS, burst, tire
+from subsea.behavior.chasing import FRESH, LASTING_S, RECOVERS, burst, tire
 from tests.support.scenes import everyone
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.behavior.colouring import ease_display
+from subsea.behavior.courtship import ease_display
 from subsea.state import CIRCLING, LOOPING, NO_COURTSHIP, Clock
 from tests.support.scenes import everyone
 

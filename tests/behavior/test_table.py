@@ -1,20 +1,44 @@
-"""Compiled entries call the listed behaviors in the order of the table."""
+"""The kernels that call behaviors are made from a table."""
 
-import inspect
-import re
+import numpy as np
 
 from subsea.behavior import table
+from subsea.kernels import kernel
 
 
-def test_desires_are_computed_in_the_order_of_the_table():
-    body = inspect.getsource(table.compute_desires.py_func)
-    calls = re.findall(r"(\w+)\.(\w+)\(who,.*out\[(\d+)\]\)\n", body)
-    found = [(getattr(getattr(table, module), name), int(row)) for module, name, row in calls]
-    assert found == [(desire, row) for row, (_, _, desire) in enumerate(table.DESIRES)]
+@kernel
+def weak(who, fishes, minds, sea, nature, clock, out):
+    out[who] = 0.25
 
 
-def test_each_intention_runs_its_own_routine():
-    body = inspect.getsource(table.run_routine.py_func)
-    calls = re.findall(r"code == (\d+):\n +(\w+)\.(\w+)\(who, ", body)
-    found = [(getattr(getattr(table, module), name), int(code)) for code, module, name in calls]
-    assert found == [(behavior.routine, code) for code, behavior in enumerate(table.BEHAVIORS)]
+@kernel
+def strong(who, fishes, minds, sea, nature, clock, out):
+    out[who] = 0.75
+
+
+@kernel
+def stop(who, fishes, minds, sea, nature, clock):
+    fishes.goal_speed[who] = 0.0
+
+
+@kernel
+def rush(who, fishes, minds, sea, nature, clock):
+    fishes.goal_speed[who] = 1.0
+
+
+def test_desires_come_by_urgency_and_each_intention_runs_its_routine(tank):
+    behaviors = (
+        table.Behavior("stop", stop, ((table.EASE, weak),)),
+        table.Behavior("rush", rush, ((table.DANGER, strong), (table.EASE, weak))),
+    )
+    assert [row[:2] for row in table.desires_of(behaviors)] == [
+        (table.DANGER, 1), (table.EASE, 0), (table.EASE, 1)
+    ]  # fmt: skip
+    compute_desires, run_routine = table.dispatchers(behaviors, "_of_test")
+    t = tank(2)
+    given = np.arange(2), t.fishes, t.minds, t.sea, t.nature, t.clock
+    compute_desires(*given)
+    assert t.minds.desire[:3].tolist() == [[0.75, 0.75], [0.25, 0.25], [0.25, 0.25]]
+    for code, speed in ((1, 1.0), (0, 0.0)):
+        run_routine(code, *given)
+        assert (t.fishes.goal_speed == speed).all()
