@@ -56,7 +56,7 @@ class WindowSet:
                 undo.callback(window.close)
                 context = window_context(window.get_proc_address)
                 undo.callback(context.release)
-                self.page = page_switch(window.get_proc_address) if paged else one_page
+                self.page = page_switch(context) if paged else one_page
                 shown[number] = _Shown(window, context, Presenter(context, self.page, 1 + paged))
                 # Release while the window exists and is current: later it would crash.
                 undo.callback(shown[number].presenter.release)

@@ -271,11 +271,9 @@ def _draw(renderer: "Renderer", context: Any, packet: Packet) -> tuple[dict[str,
 
 def _draw_beside(renderer: "Renderer", packet: Packet) -> tuple[dict[str, float], float]:
     """As `_draw`, but return while the GPU draws; presenting is waiting for the picture before."""
-    from subsea.rendering.gl.context import flush
-
     begin = time.perf_counter()
     renderer.draw(packet)
-    flush()
+    renderer.timer.flush()
     waited_s, spent_s = renderer.waited_s, time.perf_counter() - begin
     stages = {
         "upload": renderer.upload_s,

@@ -254,8 +254,6 @@ def _draw_all(
     world: World, context: Any, watch: Observations, ticks: int
 ) -> Generator[None, None, None]:
     """Draw a picture at every `next`, cycling through rigs and qualities."""
-    from subsea.rendering.gl.context import count_objects
-
     shown = rigs()
     pictures = int(np.clip(ticks // (SECOND * ROUNDS * len(shown)), *PICTURES))
     for number in count():
@@ -270,7 +268,27 @@ def _draw_all(
                         watch.faults.append(f"tick {world.state.tick}: an empty picture")
                 yield
         if rig is shown[-1]:
-            watch.objects.append(count_objects(context))
+            watch.objects.append(_count_objects(context))
+
+
+def _count_objects(context: Any) -> dict[str, int]:
+    """Count the OpenGL objects of each kind in a context."""
+    from subsea.rendering.gl.context import gl_function
+
+    made = {
+        "Buffer": context.buffer(reserve=4),
+        "Texture": context.texture((1, 1), 1),
+        "Renderbuffer": context.renderbuffer((1, 1)),
+        "Program": context.program(
+            vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"
+        ),
+    }
+    counts = {}
+    for kind, last in made.items():
+        exists = gl_function(context, f"glIs{kind}", ctypes.c_uint, result=ctypes.c_ubyte)
+        counts[kind] = sum(bool(exists(name)) for name in range(1, last.glo))
+        last.release()
+    return counts
 
 
 def _compare(watch: Observations, ticks: int, older: _Report) -> None:

@@ -71,6 +71,10 @@ class GpuTimer:
         query: AbstractContextManager[object] = self._queries[len(self._names) - 1]
         return query
 
+    def flush(self) -> None:
+        """Let the GPU begin what it was asked for."""
+        gl_function(self._context, "glFlush")()
+
     def seconds(self) -> dict[str, float]:
         """Seconds in each stage since the last call; waits until the GPU is done."""
         spent = dict.fromkeys(GPU_STAGES, 0.0)
@@ -173,48 +177,15 @@ def window_context(get_proc_address: Callable[[str], int | None]) -> Any:
     return _prepared(context)
 
 
-def flush() -> None:
-    """Let the GPU begin what the current headless context has asked for; nothing without EGL."""
-    if look_up := _egl():
-        ctypes.CFUNCTYPE(None)(look_up(b"glFlush"))()
+def gl_function(context: Any, name: str, *types: Any, result: Any = None) -> Any:
+    """Return a function of OpenGL that moderngl does not wrap, with arguments of these types."""
+    address = context.mglo._context.load_opengl_function(name)
+    return ctypes.CFUNCTYPE(result, *types)(address)
 
 
-def count_objects(context: Any) -> dict[str, int]:
-    """Count the objects of each kind in a headless context; empty without EGL."""
-    look_up = _egl()
-    if look_up is None:
-        return {}
-    made = {
-        "Buffer": context.buffer(reserve=4),
-        "Texture": context.texture((1, 1), 1),
-        "Renderbuffer": context.renderbuffer((1, 1)),
-        "Program": context.program(
-            vertex_shader="#version 330\nvoid main() { gl_Position = vec4(0.0); }"
-        ),
-    }
-    found = {}
-    for kind, one in made.items():
-        is_one = ctypes.CFUNCTYPE(ctypes.c_ubyte, ctypes.c_uint)(look_up(f"glIs{kind}".encode()))
-        found[kind] = sum(bool(is_one(name)) for name in range(1, one.glo))
-        one.release()
-    return found
-
-
-def _egl() -> Callable[[bytes], int] | None:
-    """The function that finds those of OpenGL through EGL, or None without EGL."""
-    try:
-        look_up = ctypes.CDLL("libEGL.so.1").eglGetProcAddress
-    except OSError:
-        return None
-    look_up.restype, look_up.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
-    found: Callable[[bytes], int] = look_up
-    return found
-
-
-def page_switch(get_proc_address: Callable[[str], Any]) -> Callable[[int], None]:
-    """A function that selects the left (0) or right (1) buffer of the window in use."""
-    address = ctypes.cast(get_proc_address("glDrawBuffer"), ctypes.c_void_p).value
-    draw_buffer = ctypes.CFUNCTYPE(None, ctypes.c_uint)(address or 0)
+def page_switch(context: Any) -> Callable[[int], None]:
+    """Return a function that selects the left (0) or right (1) buffer of the window in use."""
+    draw_buffer = gl_function(context, "glDrawBuffer", ctypes.c_uint)
     return lambda number: draw_buffer(BACK_BUFFERS[number])
 
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.kernels import kernel
-from subsea.rendering.gl.context import GpuOwner
+from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.rendering.gl.programs import ProgramVariants, variant_array
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
-from subsea.rendering.gl.textures import gl_function
 from subsea.view.camera import View
 from subsea.view.culling import ViewArrays, eye_distance, in_frustum, view_arrays
 from subsea.view.levels import FADE_S

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.disk_cache import cache_name, cached
+from subsea.rendering.gl.context import gl_function
 
 P = ParamSpec("P")
 Texels = NDArray[Any]  # bytes, half or single floats (h, w, c), bottom row first
@@ -102,12 +103,6 @@ def _plain(context: Any, texels: Texels, srgb: bool = False) -> Any:
 def _format(texels: Texels, srgb: bool) -> int:
     formats = BYTES if texels.dtype == np.uint8 else HALVES
     return SRGB8_ALPHA8 if srgb else formats[texels.shape[2] - 1]
-
-
-def gl_function(context: Any, name: str, *types: Any) -> Any:
-    """A function of OpenGL that moderngl does not wrap, with the types of its arguments."""
-    address = context.mglo._context.load_opengl_function(name)
-    return ctypes.CFUNCTYPE(None, *types)(address)
 
 
 SIZE = 256

@@ -15,8 +15,7 @@ from subsea.dive.captions import FaultState
 from subsea.dive.directed_camera import is_directed
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
-from subsea.rendering.gl.context import GpuOwner
-from subsea.rendering.gl.textures import gl_function
+from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish
