@@ -67,90 +67,6 @@ GROUPS = {
 GROUP_LEVELS = (1.0, 0.5, 0.0)  # by turns
 
 
-class SettingsPages:
-    """The entries of these pages."""
-
-    def __init__(self, dive: DiveContext, show: Callable[[str], None], kiosk: bool) -> None:
-        """`show` opens a page of the menu. In a `kiosk` visitors choose comfort and language."""
-        self._dive, self._preferences, self._show = dive, dive.preferences, show
-        self._parts = KIOSK_PARTS if kiosk else PARTS
-        self._waiting: ControlName | None = None  # for its key
-        self.pages: dict[str, Callable[[], Iterator[Entry]]] = {
-            SETTINGS: self._settings,
-            "Keys": self._keys,
-            "Comfort": self._comforts,
-            "Sound": self._sounds,
-            "Language": self._languages,
-        }
-
-    def _settings(self) -> Iterator[Entry]:
-        now = {"Sound": self._dive.sound.volume_text, "Language": LANGUAGES[language()]}
-        for part in self._parts:
-            yield Entry(translated(part), partial(self._show, part), now.get(part, ""))
-        yield self._back("")
-
-    def _keys(self) -> Iterator[Entry]:
-        bindings = self._preferences.settings.bindings
-        for name, control in CONTROLS.items():
-            inputs = ", ".join(filter(is_key, bindings.inputs(name)))
-            if name == self._waiting:
-                inputs = translated("press a key, or Esc")
-            yield Entry(translated(control.what), partial(self._ask_key, name), inputs)
-        yield Entry(translated("All keys as they were"), self._preferences.usual_keys)
-        yield self._back(SETTINGS)
-
-    def _ask_key(self, control: ControlName) -> None:
-        self._waiting = control
-        self._dive.gui.take_key = partial(self._bind, control)
-
-    def _bind(self, control: ControlName, key: str) -> None:
-        self._waiting = None
-        if key not in ("", "Esc"):
-            self._preferences.bind(control, key)
-
-    def _comforts(self) -> Iterator[Entry]:
-        now, worn = self._preferences.settings.comfort, self._dive.picture.head is not None
-        for name, comfort in COMFORTS.items():
-            title, about = PRESETS[name]
-            choose = partial(self._preferences.set_comfort, comfort)
-            about = translated(about if worn else FLAT_PRESETS[name])
-            yield Entry(translated(title), choose, chosen=now == comfort, about=about)
-        yield self._back(SETTINGS)
-
-    def _sounds(self) -> Iterator[Entry]:
-        own, change = self._dive.sound.settings, self._change_sound
-        for volume in VOLUMES:
-            now = not own.mute and own.volume == volume
-            yield Entry(f"{volume:.0%}", partial(change, volume=volume, mute=False), chosen=now)
-        yield Entry(translated("Off"), partial(change, mute=True), chosen=own.mute)
-        for group, title in GROUPS.items():
-            level = getattr(own, group)
-            lower = next((step for step in GROUP_LEVELS if step < level), GROUP_LEVELS[0])
-            yield Entry(translated(title), partial(change, **{group: lower}), f"{level:.0%}")
-        for name, on, title, about in (
-            ("night", own.night, marked("Night"), marked("Loud sounds are softer.")),
-            ("captions", own.captions, marked("Captions"), marked("Sounds are shown in words.")),
-        ):
-            state = translated(marked("on") if on else marked("off"))
-            flip = partial(change, **{name: not on})
-            yield Entry(translated(title), flip, state, about=translated(about))
-        yield self._back(SETTINGS)
-
-    def _change_sound(self, **values: object) -> None:
-        self._dive.sound.change(**values)
-        self._preferences.keep_sound(**values)
-
-    def _languages(self) -> Iterator[Entry]:
-        for code, name in LANGUAGES.items():
-            choose = partial(self._preferences.set_language, code)
-            about = "" if code == "en" else translated(UNREVIEWED)
-            yield Entry(name, choose, chosen=code == language(), about=about)
-        yield self._back(SETTINGS)
-
-    def _back(self, page: str) -> Entry:
-        return Entry(translated("Back"), partial(self._show, page))
-
-
 APPEAR_S = 0.25
 DIM = 0.5  # opacity of the shade over the sea
 LARGE = 2.0  # size of its letters over that of other text, if there is room
@@ -196,12 +112,17 @@ class Menu:
         self._gui_was_open = False
         self._files: dict[Path, ScenarioSummary] = {}
         self._thumbnails: dict[Path, ImageTexture | None] = {}
+        self._waiting: ControlName | None = None  # for its key
         self._pages: dict[str, Callable[[], Iterator[Entry]]] = {
             "": self._first,
             "Display": self._displays,
             "Quality": self._qualities,
             "Scenario": self._scenarios,
-            **SettingsPages(dive, self._open_page, kiosk).pages,
+            SETTINGS: self._settings,
+            "Keys": self._keys,
+            "Comfort": self._comforts,
+            "Sound": self._sounds,
+            "Language": self._languages,
         }
 
     def show(self) -> None:
@@ -395,13 +316,77 @@ class Menu:
             now = dive.scenario
             title, about, file = translated(now.title), translated(now.description), dive.source
             yield Entry(title, self._restart, file.name, True, about, file)
-        for path, (title, description) in self._files.items():
+        for path, head in self._files.items():
             here = path == dive.source.resolve()
-            enter, about = partial(self._enter, path), translated(description)
-            yield Entry(translated(title), enter, path.stem, here, about, path)
+            enter, about = partial(self._enter, path), translated(head.description)
+            yield Entry(translated(head.title), enter, path.stem, here, about, path)
         if not self.kiosk:
             seed = translated("with seed {seed}").format(seed=self.seed)
             yield Entry(translated("Restart"), self._restart, seed, about=translated(SEED))
+        yield self._back()
+
+    def _settings(self) -> Iterator[Entry]:
+        now = {"Sound": self.dive.sound.volume_text, "Language": LANGUAGES[language()]}
+        for part in KIOSK_PARTS if self.kiosk else PARTS:
+            yield Entry(translated(part), partial(self._open_page, part), now.get(part, ""))
+        yield self._back()
+
+    def _keys(self) -> Iterator[Entry]:
+        bindings = self.dive.preferences.settings.bindings
+        for name, control in CONTROLS.items():
+            inputs = ", ".join(filter(is_key, bindings.inputs(name)))
+            if name == self._waiting:
+                inputs = translated("press a key, or Esc")
+            yield Entry(translated(control.what), partial(self._ask_key, name), inputs)
+        yield Entry(translated("All keys as they were"), self.dive.preferences.usual_keys)
+        yield self._back()
+
+    def _ask_key(self, control: ControlName) -> None:
+        self._waiting = control
+        self.dive.gui.take_key = partial(self._bind, control)
+
+    def _bind(self, control: ControlName, key: str) -> None:
+        self._waiting = None
+        if key not in ("", "Esc"):
+            self.dive.preferences.bind(control, key)
+
+    def _comforts(self) -> Iterator[Entry]:
+        now, worn = self.dive.preferences.settings.comfort, self.dive.picture.head is not None
+        for name, comfort in COMFORTS.items():
+            title, about = PRESETS[name]
+            choose = partial(self.dive.preferences.set_comfort, comfort)
+            about = translated(about if worn else FLAT_PRESETS[name])
+            yield Entry(translated(title), choose, chosen=now == comfort, about=about)
+        yield self._back()
+
+    def _sounds(self) -> Iterator[Entry]:
+        own, change = self.dive.sound.settings, self._change_sound
+        for volume in VOLUMES:
+            now = not own.mute and own.volume == volume
+            yield Entry(f"{volume:.0%}", partial(change, volume=volume, mute=False), chosen=now)
+        yield Entry(translated("Off"), partial(change, mute=True), chosen=own.mute)
+        for group, title in GROUPS.items():
+            level = getattr(own, group)
+            lower = next((step for step in GROUP_LEVELS if step < level), GROUP_LEVELS[0])
+            yield Entry(translated(title), partial(change, **{group: lower}), f"{level:.0%}")
+        for name, on, title, about in (
+            ("night", own.night, marked("Night"), marked("Loud sounds are softer.")),
+            ("captions", own.captions, marked("Captions"), marked("Sounds are shown in words.")),
+        ):
+            state = translated(marked("on") if on else marked("off"))
+            flip = partial(change, **{name: not on})
+            yield Entry(translated(title), flip, state, about=translated(about))
+        yield self._back()
+
+    def _change_sound(self, **values: object) -> None:
+        self.dive.sound.change(**values)
+        self.dive.preferences.keep_sound(**values)
+
+    def _languages(self) -> Iterator[Entry]:
+        for code, name in LANGUAGES.items():
+            choose = partial(self.dive.preferences.set_language, code)
+            about = "" if code == "en" else translated(UNREVIEWED)
+            yield Entry(name, choose, chosen=code == language(), about=about)
         yield self._back()
 
     def _back(self) -> Entry:
@@ -428,20 +413,15 @@ class Menu:
         self.dive.open_world(self.dive.scenario, self.dive.source, self.seed)
 
 
-class ScenarioSummary(NamedTuple):
+class ScenarioSummary(msgspec.Struct, frozen=True):
     """The title and the description of a scenario file."""
 
-    title: str
-    description: str
-
-
-class _Head(msgspec.Struct, frozen=True):
     title: str = ""
     description: str = ""
 
 
 def scenario_summaries() -> dict[Path, ScenarioSummary]:
-    """Files of all named scenarios, with their titles and descriptions.
+    """Return the files of all named scenarios, with their titles and descriptions.
 
     An unreadable file is listed by its name; choosing it reports the error.
     """
@@ -450,6 +430,6 @@ def scenario_summaries() -> dict[Path, ScenarioSummary]:
 
 def _summary(path: Path) -> ScenarioSummary:
     with suppress(UserError):
-        head = load_toml(path, _Head)
-        return ScenarioSummary(head.title or path.stem, head.description)
-    return ScenarioSummary(path.stem, "")
+        head = load_toml(path, ScenarioSummary)
+        return head if head.title else ScenarioSummary(path.stem, head.description)
+    return ScenarioSummary(path.stem)

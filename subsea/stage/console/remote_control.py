@@ -416,4 +416,4 @@ def open_console(
 
 
 def _scenarios() -> list[Option]:
-    return [Option(path.stem, title) for path, (title, _) in scenario_summaries().items()]
+    return [Option(path.stem, head.title) for path, head in scenario_summaries().items()]
