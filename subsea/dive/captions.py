@@ -1,6 +1,6 @@
 """Captions of directions at the foot of the picture: text, opacity and layout.
 
-`ui/subtitles.py` draws them in a window, `draw_caption` on the pictures of a film.
+`ui/text_layer.py` draws them in a window, `draw_caption` on the pictures of a film.
 
 The last fault of a dive that went on, for its presenter and for monitors.
 """
@@ -19,8 +19,8 @@ from subsea.base.errors import printable
 from subsea.base.language import CJK, font_of, translated
 from subsea.base.progress import say
 from subsea.directing.director import latest
+from subsea.view.front_screen import text_viewports
 from subsea.view.rig import CameraRig, Projection, front
-from subsea.view.text_viewports import text_viewports
 from subsea.world.world import TICK_S, World
 
 Pixels = NDArray[np.uint8]

@@ -10,8 +10,8 @@ from subsea.dive.timeline import Timeline
 from subsea.ui.context import DiveContext
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
+from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
-from subsea.view.unproject import front_view
 from subsea.world.world import TICK_S
 
 SHARED_TIME = marked("several computers show this dive: its time goes on")

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from subsea.dive.options import DiveOptions
 from subsea.dive.part import GOES_ON, DivePart, LostDisplayError
 from subsea.dive.presented import NOTHING
 from subsea.dive.ride import Ride
-from subsea.dive.settings import Command
+from subsea.dive.settings import Command, Settings
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
 from subsea.jobs.background import CancelledByUserError
@@ -29,14 +28,14 @@ from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
 from subsea.ui.commands import Commands
 from subsea.ui.first_picture import Loader
-from subsea.ui.help_overlay import help_content
+from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
 from subsea.ui.open_windows import Opening, open_windows
 from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
-from subsea.ui.preferences import Preferences, follow, help_of
+from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
 from subsea.view.display_rigs import cockpit
 from subsea.view.rig import front
@@ -67,7 +66,7 @@ class Dive:
         self.scenario, self.source = with_total(loaded.scenario, options.fish), loaded.path
         self.known = held(self.source)
         set_language(settings.display.language)
-        self.preferences = Preferences(settings, options.settings_file, partial(follow, self))
+        self.preferences = Preferences(settings, options.settings_file, self._follow)
         self.parts: list[DivePart] = [*options.parts]
         self.kiosk = options.kiosk
         self.see_brightness = options.see_brightness
@@ -118,7 +117,7 @@ class Dive:
             undo.callback(lambda: self._of_world.close())
             self._show_world(self.world, lambda: self._wait(None), options.tour)
             self._wait(None)
-            self.overlay.help = help_of(self, settings)
+            self.overlay.help = self._help(settings)
             after_s = 60.0 * settings.attract.after_min
             self.tours = IdleTours(self, tour, after_s, start, options.kiosk)
             if options.tour is not None:
@@ -367,6 +366,17 @@ class Dive:
             self.picture.eye = self.tick_source.eye()
             self.inspector.reset()
             self._of_world = undo.pop_all()
+
+    def _follow(self, settings: Settings) -> None:
+        """Follow settings that a visitor changed."""
+        self.pilot.settings, self.pilot.bindings = settings, settings.bindings
+        self.text.set_comfort(settings.comfort)
+        self.overlay.help = self._help(settings)
+
+    def _help(self, settings: Settings) -> HelpContent:
+        """Return the help of this dive with these settings."""
+        without, worn = NOT_SHARED if self.shared else (), self.picture.head is not None
+        return help_content(settings.bindings, settings.mouse.steer, without, worn)
 
     def _close_ticks(self) -> None:
         for line in self.tick_source.close():

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from subsea.base.language import japanese_font, latin_font
 from subsea.dive.settings import MODIFIER_KEYS, key_name
-from subsea.view.text_viewports import WHOLE, TextViewport
+from subsea.view.front_screen import WHOLE, TextViewport
 
 MODIFIERS = (
     (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),

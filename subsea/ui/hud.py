@@ -1,15 +1,30 @@
-"""Instruments at the foot of the picture: compass, depth and speed; they fade while unchanged."""
+"""Instruments and signs over the picture.
+
+Compass, depth and speed at its foot fade while unchanged. At the edge of the sea a sign shows the
+way back. A horizon while pitched, and a vignette in fast turns, reduce motion sickness.
+"""
 
 import math
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
 from imgui_bundle import imgui
 
+from subsea.base.arrays import Array
 from subsea.base.language import marked, translated
+from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
-from subsea.submarine.vessel import AHEAD_CM_S, ASTERN_CM_S, hull_axes
-from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_shadowed_text
+from subsea.submarine.vessel import (
+    ACCELERATION_CM_S2,
+    AHEAD_CM_S,
+    ASTERN_CM_S,
+    CLEARANCE_CM,
+    YAW_RAD_S,
+    hull_axes,
+)
+from subsea.ui.gui import INK, MARK, QUIET, SHADE, colour, draw_backing, draw_shadowed_text
+from subsea.view.front_screen import FrontView
 
 STILL_S = 6.0  # they fade after this time without change
 HUD_FADE_S, SHOW_S = 1.5, 0.3
@@ -178,3 +193,142 @@ def _speed(canvas: Any, left: float, foot: float, now: Reading, opacity: float) 
         tip = y - 0.2 * line
         points = (mark - 0.22 * line, tip - 0.4 * line), (mark + 0.22 * line, tip - 0.4 * line)
         canvas.add_triangle_filled(*points, (mark, tip), colour(INK, opacity))
+
+
+SIGN_FAR_CM, SIGN_NEAR_CM = 110.0, 50.0  # from where it rests: the sign begins to show; shows fully
+TOP = 0.2  # its upper edge, share of the picture's height ...
+BELOW = 6.3  # ... and below the lines for a new visitor, in heights of letters
+
+
+class EdgeReading(NamedTuple):
+    """The sign: its opacity, and the way back."""
+
+    opacity: float  # in [0, 1]
+    turn: float  # rad in [-pi, pi], from the nose to the middle of the sea; left positive
+    compass_deg: float  # by the compass of the instruments, [0, 360)
+
+
+def edge_reading(submarine: Submarine, bounds: Bounds) -> EdgeReading:
+    """The sign for a submarine in the sea of these bounds."""
+    x, y = submarine.position[:2]
+    left_cm = bounds.radius_cm - CLEARANCE_CM - math.hypot(x, y)
+    opacity = min(max((SIGN_FAR_CM - left_cm) / (SIGN_FAR_CM - SIGN_NEAR_CM), 0.0), 1.0)
+    back = math.atan2(-y, -x)
+    turn = math.remainder(back - submarine.angles[0], math.tau)
+    return EdgeReading(opacity, turn, -math.degrees(back) % 360.0)
+
+
+def draw_sea_edge(edge: EdgeReading) -> None:
+    """Draw it in the current frame: an arrow up is ahead, an arrow down behind."""
+    if edge.opacity == 0.0:
+        return
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    text = translated("The open sea begins here")
+    way = translated("back this way: {degrees}°")
+    way = way.format(degrees=f"{round(edge.compass_deg) % 360:03d}")
+    large, top, middle = 1.2 * line, max(TOP * size.y, BELOW * line), size.x / 2
+    half = 0.5 * large / line * max(imgui.calc_text_size(one).x for one in (text, way)) + 0.3 * line
+    draw_backing((middle - half, top), (middle + half, top + 4.9 * line), line, edge.opacity)
+    draw_shadowed_text((middle, top + 0.1 * line), text, large, INK, edge.opacity, 0.5)
+    # The way back on the screen: x right, y down.
+    ahead = -math.sin(edge.turn), -math.cos(edge.turn)
+    across = ahead[1], -ahead[0]
+    hub = middle, top + 2.45 * line
+    points = [
+        (
+            hub[0] + line * (along * ahead[0] + aside * across[0]),
+            hub[1] + line * (along * ahead[1] + aside * across[1]),
+        )
+        for along, aside in ((0.9, 0.0), (-0.6, 0.6), (-0.25, 0.0), (-0.6, -0.6))
+    ]
+    canvas, tint = imgui.get_background_draw_list(), colour(MARK, edge.opacity)
+    canvas.add_triangle_filled(points[0], points[1], points[2], tint)
+    canvas.add_triangle_filled(points[0], points[2], points[3], tint)
+    draw_shadowed_text((middle, top + 3.7 * line), way, line, INK, edge.opacity, 0.5)
+
+
+TILTED, STEEP = math.radians(4.0), math.radians(12.0)  # pitch: horizon starts to show; shows fully
+SHOWN = 0.55  # its full opacity
+FAR_CM = 1e6
+ASIDE = math.radians(8.0)  # from straight ahead, where its height is computed
+PARTS = ((0.30, 0.44), (0.56, 0.70))  # shares of the width that it covers: the middle stays free
+EASE_S = 0.4
+FEW, SEGMENTS = 0.35, 48  # share of the fastest turn without darkening; rim segments
+DARK = (0.0, 0.03, 0.05)
+
+
+def draw_horizon(front_view: FrontView, forward: Array) -> None:
+    """Draw the water's horizon on the screen ahead, if the observer is pitched.
+
+    `forward` (3,) is the observer's unit direction: the middle of the screen may be above or below.
+    """
+    pitch = math.asin(float(np.clip(forward[2], -1.0, 1.0)))
+    share = (abs(pitch) - TILTED) / (STEEP - TILTED)
+    if share <= 0.0:
+        return
+    eye, way = front_view.ray(0.5, 0.5)
+    heading = math.atan2(way[1], way[0])
+    turns = heading + np.array([ASIDE, -ASIDE])
+    level = np.stack([np.cos(turns), np.sin(turns), np.zeros(2)], axis=1)
+    (x0, y0), (x1, y1) = front_view.places(eye + FAR_CM * level)
+    if not np.isfinite([x0, y0, x1, y1]).all() or abs(x1 - x0) < 1e-6:
+        return
+    size, line = imgui.get_io().display_size, imgui.get_font_size()
+    canvas, tint = imgui.get_background_draw_list(), colour(INK, SHOWN * min(share, 1.0))
+    slope = (y1 - y0) / (x1 - x0)
+    thick = max(0.1 * line, 1.5)
+    for begin, end in PARTS:
+        ends = [(x * size.x, (y0 + slope * (x - x0)) * size.y) for x in (begin, end)]
+        if all(0.0 < y < size.y for _, y in ends):
+            canvas.add_line(ends[0], ends[1], tint, thick)
+            x, y = ends[1] if begin < 0.5 else ends[0]
+            canvas.add_line(
+                (x, y), (x, y + 0.5 * line), tint, thick
+            )  # the ends point to the seabed
+
+
+class Vignette:
+    """A darker rim while the submarine turns or accelerates fast."""
+
+    def __init__(self, most: float) -> None:
+        """`most` in [0, 1] is the largest opacity, from the settings."""
+        self.most, self.amount = most, 0.0
+        self._velocity = np.zeros(3)
+
+    def update(self, rates: np.ndarray, velocity: np.ndarray, dt: float) -> None:
+        """Adapt to rates, rad/s, and velocity (3,), cm/s, of the hull `dt` seconds later."""
+        if dt <= 0.0:
+            return
+        faster = float(np.linalg.norm(velocity - self._velocity)) / dt / ACCELERATION_CM_S2
+        self._velocity = np.array(velocity)
+        moved = max(float(np.abs(rates).max()) / YAW_RAD_S, faster)
+        wanted = min(max(moved - FEW, 0.0) / (1.0 - FEW), 1.0)
+        self.amount += (1.0 - math.exp(-dt / EASE_S)) * (wanted - self.amount)
+
+    @property
+    def opacity(self) -> float:
+        """The opacity of the rim, in [0, 1]."""
+        return self.most * self.amount
+
+    def draw(self) -> None:
+        """Draw it in the current frame."""
+        shown = self.opacity
+        if shown < 0.01:
+            return
+        size = imgui.get_io().display_size
+        canvas, white = imgui.get_background_draw_list(), imgui.get_font_tex_uv_white_pixel()
+        clear, dark = colour(DARK, 0.0), colour(DARK, min(shown, 1.0))
+        angles = np.linspace(0.0, math.tau, SEGMENTS + 1)
+        round_ = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        middle = np.array([size.x, size.y]) / 2
+        # The inner half stays clear; the corners are beyond the outer rim.
+        rims = [(middle + share * middle * round_).tolist() for share in (0.5, 1.15, 2.0)]
+        tints = (clear, dark, dark)
+        canvas.prim_reserve(12 * SEGMENTS, 12 * SEGMENTS)
+        for inner, outer, near, far in zip(rims, rims[1:], tints, tints[1:], strict=False):
+            for k in range(SEGMENTS):
+                for place, tint in (
+                    (inner[k], near), (outer[k], far), (outer[k + 1], far),
+                    (inner[k], near), (outer[k + 1], far), (inner[k + 1], near),
+                ):  # fmt: skip
+                    canvas.prim_vtx(place, white, tint)

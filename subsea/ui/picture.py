@@ -44,12 +44,11 @@ from subsea.rendering.renderer import Renderer
 from subsea.ui.window_set import WindowSet
 from subsea.view.camera import View
 from subsea.view.display_rigs import DISPLAYS, HEADSET, display_rig
+from subsea.view.front_screen import WHOLE, FrontView, TextViewport, front_screen, text_viewports
 from subsea.view.levels import empty_lod_state
 from subsea.view.rig import CameraPose, CameraRig, Rect, levelled, views
 from subsea.view.stereo import PAGED
-from subsea.view.text_viewports import WHOLE, TextViewport, text_viewports
 from subsea.view.theatre_vessel import PANEL_SIZE
-from subsea.view.unproject import FrontView, front_screen
 from subsea.world.world import World
 
 

@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import msgspec
 from msgspec.structs import replace
@@ -12,11 +12,7 @@ from subsea.base.errors import UserError
 from subsea.base.files import replacing
 from subsea.base.language import next_language, set_language
 from subsea.base.toml_edit import edit_toml
-from subsea.dive.pilot import Pilot
 from subsea.dive.settings import ComfortSettings, ControlName, Settings, is_key
-from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
-from subsea.ui.overlay import Overlay
-from subsea.ui.picture import ScenePicture
 
 
 class Preferences:
@@ -96,42 +92,6 @@ class Preferences:
     def _follow(self) -> None:
         set_language(self.settings.display.language)
         self._apply(self.settings)
-
-
-class ComfortableText(Protocol):
-    """Text that follows settings of comfort."""
-
-    def set_comfort(self, comfort: ComfortSettings) -> None:
-        """Follow them."""
-
-
-class FollowingDive(Protocol):
-    """The parts of a dive that follow a visitor's settings."""
-
-    pilot: Pilot
-    overlay: Overlay
-    picture: ScenePicture
-
-    @property
-    def shared(self) -> bool:
-        """True if other computers show the same dive."""
-
-    @property
-    def text(self) -> "ComfortableText":
-        """The text over the picture."""
-
-
-def follow(dive: FollowingDive, settings: Settings) -> None:
-    """Make a dive follow settings that a visitor changed."""
-    dive.pilot.settings, dive.pilot.bindings = settings, settings.bindings
-    dive.text.set_comfort(settings.comfort)
-    dive.overlay.help = help_of(dive, settings)
-
-
-def help_of(dive: FollowingDive, settings: Settings) -> HelpContent:
-    """The help of a dive with these settings."""
-    without, worn = NOT_SHARED if dive.shared else (), dive.picture.head is not None
-    return help_content(settings.bindings, settings.mouse.steer, without, worn)
 
 
 def _merged(old: dict[str, Any], changes: dict[str, dict[str, Any]]) -> dict[str, Any]:

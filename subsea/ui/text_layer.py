@@ -1,27 +1,32 @@
 """Draw text, instruments, panels and menu over the pilot's picture."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from imgui_bundle import imgui
 
+from subsea.dive import captions
 from subsea.dive.settings import ComfortSettings, Settings
 from subsea.frame.diagrams import Label
-from subsea.ui import subtitles
-from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.context import DiveContext
-from subsea.ui.gui import BACKING, INK, SHADE, colour, fill_with_text, text_at_foot
-from subsea.ui.hud import instrument_reading
+from subsea.ui.gui import BACKING, INK, SHADE, colour, draw_backing, fill_with_text, text_at_foot
+from subsea.ui.hud import Vignette, draw_horizon, draw_sea_edge, edge_reading, instrument_reading
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
 from subsea.ui.menu import Menu
-from subsea.ui.sea_edge import draw_sea_edge, edge_reading
-from subsea.view.text_viewports import TextViewport
+from subsea.view.front_screen import FrontView, TextViewport
+from subsea.view.rig import CameraRig
 from subsea.view.theatre_vessel import PANEL_SIZE
-from subsea.view.unproject import FrontView
 
 LARGEST = 99.0  # factor on the size of letters, which the panel then limits
 LABEL_SIZE = 0.8  # factor on the size of letters
+CLEAR = 7.4  # distance of captions from the lower edge, in heights of letters: above notes
+SOFT = tuple(
+    (reach * math.cos(k * math.tau / 12), reach * math.sin(k * math.tau / 12), alpha)
+    for reach, alpha in ((0.16, 0.05), (0.1, 0.09), (0.05, 0.22))
+    for k in range(12)
+)  # offsets in heights of letters, and opacities, of a soft shadow
 RED = (0.95, 0.15, 0.12)  # while a film is recorded
 
 
@@ -55,7 +60,7 @@ class TextLayer:
             caption = dive.caption
             opacity = caption.opacity * (1.0 - overlay.covered)
             room = None if panel is not None else picture.rig
-            subtitles.draw(caption._replace(opacity=opacity), room)
+            draw_subtitle(caption._replace(opacity=opacity), room)
         if dive.tick_source.has_pilot:
             submarine = dive.world.state.submarine
             at_helm = picture.ride is None and not tours.timer.touring
@@ -145,3 +150,31 @@ def _draw_labels(labels: Sequence[Label], front_view: FrontView | None) -> None:
         left, top = x * size.x - wide / 2, y * size.y - tall
         for off, ink in ((1.0, colour(SHADE, 0.8)), (0.0, colour(INK, 0.95))):
             canvas.add_text(font, tall, (left + off, top + off), ink, label.text)
+
+
+def draw_subtitle(caption: captions.Caption, rig: CameraRig | None) -> None:
+    """Draw a caption near the foot of the picture of a rig; None: of all of the gui's screen."""
+    if caption.opacity == 0.0 or not caption.words:
+        return
+    size = imgui.get_io().display_size
+    left, top, across, down = (0.0, 0.0, 1.0, 1.0) if rig is None else captions.room_of(rig)
+    left, top, width, height = left * size.x, top * size.y, across * size.x, down * size.y
+    tall = captions.letters_of(width, height)
+    foot = min(top + captions.FOOT * height, size.y - CLEAR * imgui.get_font_size())
+    canvas = imgui.get_background_draw_list()
+    imgui.push_font(None, tall)
+    lines = captions.lines_of(
+        caption.words, captions.ROOM * width, lambda line: imgui.calc_text_size(line).x
+    )
+    box = imgui.calc_text_size("x").y
+    wide = max((imgui.calc_text_size(line).x for line in lines), default=0.0)
+    begin, top = left + (width - wide) / 2, foot - (len(lines) - 1) * captions.LEADING * tall - box
+    draw_backing((begin, top), (begin + wide, foot), tall, caption.opacity)
+    for k, line in enumerate(reversed(lines)):
+        x = left + (width - imgui.calc_text_size(line).x) / 2
+        y = foot - k * captions.LEADING * tall - box
+        for aside, below, alpha in SOFT:
+            shade = colour(captions.SHADE, alpha * caption.opacity)
+            canvas.add_text((x + aside * tall, y + below * tall), shade, line)
+        canvas.add_text((x, y), colour(captions.INK, caption.opacity), line)
+    imgui.pop_font()

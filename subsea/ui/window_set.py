@@ -19,7 +19,7 @@ from subsea.rendering.output.target import Presenter
 from subsea.ui.gamepad import Gamepads, add_mappings
 from subsea.ui.monitors import Monitor, Screen, monitor_name, monitors
 from subsea.ui.window import GlWindow, PointerRange
-from subsea.view.text_viewports import one_page
+from subsea.view.front_screen import one_page
 
 
 class _Shown(NamedTuple):

@@ -15,7 +15,7 @@ from subsea.dive.captions import (
 from subsea.scenario.load import load_scenario
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import DISPLAYS, display_rig
-from subsea.view.text_viewports import text_viewports
+from subsea.view.front_screen import text_viewports
 from subsea.world.build import create_world
 from subsea.world.step import step
 from subsea.world.world import TICK_S

@@ -29,9 +29,9 @@ from subsea.submarine.vessel import NEUTRAL
 from subsea.ui.dive import Dive
 from subsea.ui.overlay import unbroken
 from subsea.view.display_rigs import display_rig
+from subsea.view.front_screen import text_viewports
 from subsea.view.retina import Gaze, eyes_pose
 from subsea.view.rig import front, pose_from_angles, seen_part, views
-from subsea.view.text_viewports import text_viewports
 from subsea.world.build import create_world
 from subsea.world.step import step
 from tests.support.windows import dive_options

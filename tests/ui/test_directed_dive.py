@@ -42,7 +42,7 @@ def test_it_follows_the_directed_camera_and_shows_the_caption_over_the_sea(boat,
     boat.timeline.pause()  # only the caption differs
     boat.frame(0.0)
     told = user.screen(boat)
-    monkeypatch.setattr("subsea.ui.text_layer.subtitles.draw", lambda caption, rig: None)
+    monkeypatch.setattr("subsea.ui.text_layer.draw_subtitle", lambda caption, rig: None)
     boat.frame(0.0)
     bare = user.screen(boat)
     differs = np.abs(told - bare).sum(axis=2) > 100

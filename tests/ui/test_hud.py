@@ -9,11 +9,10 @@ from imgui_bundle import imgui
 from subsea.dive.settings import USUAL, bindings_of
 from subsea.stage.setup import set_up_theatre
 from subsea.state import Submarine
-from subsea.ui.comfort import Vignette, draw_horizon
 from subsea.ui.help_overlay import NOT_SHARED, help_content
-from subsea.ui.hud import HUD_FADE_S, STILL_S, Hud, instrument_reading
+from subsea.ui.hud import HUD_FADE_S, STILL_S, Hud, Vignette, draw_horizon, instrument_reading
+from subsea.view.front_screen import front_screen
 from subsea.view.rig import pose_from_angles, views
-from subsea.view.unproject import front_screen
 
 DT = 0.1
 

@@ -8,7 +8,7 @@ import pytest
 from subsea.scenario.schema import Bounds
 from subsea.state import Submarine
 from subsea.submarine.vessel import Helm, step_hull
-from subsea.ui.sea_edge import edge_reading
+from subsea.ui.hud import edge_reading
 from tests.support.seas import bare_sea
 
 BOUNDS = Bounds(radius_cm=900.0, depth_cm=500.0)

@@ -9,8 +9,8 @@ from imgui_bundle import imgui
 from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.ui.dive import Dive
 from subsea.view.display_rigs import DISPLAYS
+from subsea.view.front_screen import TextViewport
 from subsea.view.stereo import PAGED
-from subsea.view.text_viewports import TextViewport
 
 SIZE = (640, 400)
 SHOWN = [name for name in DISPLAYS if name not in ("mono", PAGED)]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from subsea.view.display_rigs import DISPLAYS, display_rig
+from subsea.view.front_screen import text_viewports
 from subsea.view.stereo import LAYOUTS, patches_of
-from subsea.view.text_viewports import text_viewports
 
 SIZE = (800, 600)
 

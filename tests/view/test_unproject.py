@@ -3,8 +3,8 @@
 import numpy as np
 
 from subsea.view.display_rigs import display_rig
+from subsea.view.front_screen import front_screen
 from subsea.view.rig import pose_from_angles, views
-from subsea.view.unproject import front_screen
 
 SIZE = (640, 400)
 FLAT = ("mono", "side-by-side", "top-bottom", "anaglyph", "interlaced")

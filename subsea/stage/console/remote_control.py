@@ -26,7 +26,7 @@ from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
 from subsea.stage.show_player import ShowScreens, ShowStatus
 from subsea.ui.menu import scenario_summaries
-from subsea.view.unproject import front_view
+from subsea.view.front_screen import front_view
 from subsea.world.step import cue_direction
 
 if TYPE_CHECKING:

@@ -34,10 +34,9 @@ from subsea.ui.gamepad import GamepadState
 from subsea.ui.gui import Gui
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import cockpit
+from subsea.view.front_screen import WHOLE, FrontView, TextViewport
 from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
-from subsea.view.text_viewports import WHOLE, TextViewport
 from subsea.view.theatre_vessel import PANEL
-from subsea.view.unproject import FrontView
 from subsea.world.world import TICK_S, World
 
 LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk

@@ -23,7 +23,7 @@ from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields
 from subsea.ui.undo import History
-from subsea.view.unproject import FrontView
+from subsea.view.front_screen import FrontView
 from subsea.world import placement
 from subsea.world.build import check_placed
 from subsea.world.checks import check_in_sea, tour_fault, with_solids

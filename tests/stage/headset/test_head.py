@@ -17,9 +17,8 @@ from subsea.stage.headset.head import (
     rotation_of,
     snapped,
 )
+from subsea.view.front_screen import front_screen, text_viewports
 from subsea.view.rig import front, pose_from_angles, views
-from subsea.view.text_viewports import text_viewports
-from subsea.view.unproject import front_screen
 from tests.support.headset import APART_M, DOWN, IN, NOT_TURNED, OUT, UP, turned
 
 SIZES = ((200, 210), (200, 210))
