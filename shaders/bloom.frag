@@ -1,4 +1,4 @@
-// The light that scatters in the eye around what is very bright: one pass of output/bloom.py.
+// The light that scatters in the eye around what is very bright: one pass of output/target.py.
 //   BRIGHT  1: a quarter of the size, of what is brighter than can be shown; 0: of all
 //   BLUR    1: a blur along u_step instead
 uniform sampler2D u_picture;

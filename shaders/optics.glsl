@@ -1,4 +1,4 @@
-// Light in water: what every shader of the scene shares. `daylight.py` computes it for the water
+// Light in water: what every shader of the scene shares. `uniforms.py` computes it for the water
 // and the hour of a scenario and the depth of the eye.
 #include "view.glsl"
 

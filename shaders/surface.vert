@@ -14,7 +14,7 @@ flat out vec3 v_sky;
 flat out vec3 v_disc;
 flat out vec3 v_sun;  // what has come down to the eye of it, but for what is scattered aside
 
-const vec3 NOON_SKY = vec3(0.50, 0.76, 0.95), NOON_SUN = vec3(5.3, 4.2, 3.6);  // as in `daylight.py`
+const vec3 NOON_SKY = vec3(0.50, 0.76, 0.95), NOON_SUN = vec3(5.3, 4.2, 3.6);  // as in `uniforms.py`
 const vec3 SAND = vec3(0.58, 0.47, 0.31);
 
 // The water's surface as far as it can be seen: hardly any contrast is left at its edge.

@@ -1,4 +1,4 @@
-// What every program of a view reads, in one buffer that is written once: `view_block.py`.
+// What every program of a view reads, in one buffer that is written once: `gl/shaders.py`.
 layout(std140) uniform View {
     mat4 u_view;
     mat4 u_projection;

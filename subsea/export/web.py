@@ -3,7 +3,7 @@
 The page draws `scene.glb` with three.js, which lies outside this project: the file
 `assets/web/package.json` declares it, and the folder gets its modules and its licence. The dive's
 own shader code computes the light in the water (`shaders/optics.glsl`), with the values that
-`rendering.output.daylight` gives for the scenario.
+`rendering.output.uniforms` gives for the scenario.
 
 All words of the page of an exported scene, by the names that it gives them.
 
