@@ -359,10 +359,10 @@ class Renderer(GpuOwner):
 
     def _use(self, patch: DisplayPatch, into: Into) -> Any:
         """The framebuffer for a patch, now in use: of `into`, or the renderer's own."""
-        own = self._target.framebuffers[patch.output, patch.page]
-        target = into.get(patch.output, own)
+        picture = self._target.framebuffers[patch.output, patch.page]
+        target = into.get(patch.output, picture)
         target.use()
-        if target is not own:
+        if target is not picture:
             self._page(patch.page)  # applies to the framebuffer in use
         return target
 

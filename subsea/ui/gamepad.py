@@ -93,10 +93,12 @@ class Gamepads:
             elif name is not None:
                 lines.append(f"the gamepad {name!r} steers")
             else:
-                own = settings_path().parent / MAPPINGS
+                user_file = settings_path().parent / MAPPINGS
                 model = _text(glfw.get_joystick_name(number))
                 guid = _text(glfw.get_joystick_guid(number))
-                lines.append(f"unknown gamepad {model!r}: add a mapping for the ID {guid} to {own}")
+                lines.append(
+                    f"unknown gamepad {model!r}: add a mapping for the ID {guid} to {user_file}"
+                )
         return lines
 
     def _move(self, name: str, amount: float, listener: Gui | None) -> None:
@@ -129,10 +131,10 @@ class Gamepads:
 
 def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
     """Amounts in (0, 1] of the moved parts of a gamepad, by input name."""
-    found = {}
+    moved = {}
     for name, down in zip(PAD_BUTTONS, state.buttons, strict=True):
         if down:
-            found[f"pad {name}"] = 1.0
+            moved[f"pad {name}"] = 1.0
     for (positive, negative), value in zip(PAD_AXES, state.axes, strict=True):
         if not negative:  # a trigger
             offset = (value + 1.0) / 2.0
@@ -141,16 +143,16 @@ def amounts(state: GamepadState, settings: GamepadSettings) -> dict[str, float]:
             offset = value
             share = _beyond(abs(value), settings) ** CURVE
         if share > 0.0:
-            found[f"pad {positive if offset > 0.0 else negative}"] = share
-    return found
+            moved[f"pad {positive if offset > 0.0 else negative}"] = share
+    return moved
 
 
 def add_mappings(report: Callable[[str], None]) -> None:
     """Add all mappings to the window library, which must be running; later ones win."""
     texts = [resource_path(f"assets/{MAPPINGS}").read_text(encoding="utf-8")]
-    own = settings_path().parent / MAPPINGS
-    if own.exists():
-        texts.append(_text_of(own, report))
+    user_file = settings_path().parent / MAPPINGS
+    if user_file.exists():
+        texts.append(_text_of(user_file, report))
     texts.append(os.environ.get(IN_ENVIRONMENT, ""))
     for text in texts:
         # Line by line, so that one faulty line does not affect the others.
@@ -161,16 +163,16 @@ def add_mappings(report: Callable[[str], None]) -> None:
 
 def _connected() -> dict[int, GamepadState | None]:
     """All connected gamepads."""
-    found: dict[int, GamepadState | None] = {}
+    states: dict[int, GamepadState | None] = {}
     for number in range(glfw.JOYSTICK_1, glfw.JOYSTICK_LAST + 1):
         if not glfw.joystick_present(number):
             continue
         state = glfw.get_gamepad_state(number) if glfw.joystick_is_gamepad(number) else None
-        found[number] = None
+        states[number] = None
         if state:
             name = _text(glfw.get_gamepad_name(number))
-            found[number] = GamepadState(name, list(state.buttons), list(state.axes))
-    return found
+            states[number] = GamepadState(name, list(state.buttons), list(state.axes))
+    return states
 
 
 def _text(words: Any) -> str:

@@ -193,7 +193,8 @@ class Gui:
         # Map from the viewport under the pointer to the screen that all show.
         share_x, share_y = x / self._window[0], y / self._window[1]
         viewport = next(
-            (one for one in self._viewports if _within(one, share_x, share_y)), self._viewports[0]
+            (shown for shown in self._viewports if _within(shown, share_x, share_y)),
+            self._viewports[0],
         )
         self._io.add_mouse_pos_event(
             (share_x - viewport.x) / viewport.width * viewport.screen[0] * self._window[0],

@@ -117,7 +117,7 @@ def _rows(
     """The rows of controls that have keys, and are available."""
     rows = []
     for controls, what in pairs:
-        keys = tuple(key for one in controls if (key := _key(bindings, one)))
+        keys = tuple(key for control in controls if (key := _key(bindings, control)))
         if keys and not set(controls) & set(without):
             rows.append(Row(keys, translated(what)))
     return rows

@@ -121,8 +121,8 @@ def _backing(canvas: Any, middle: float, wide: float, size: Any, opacity: float)
         for k in range(25)
     ]
     canvas.prim_reserve(72, 72)
-    for one, other in pairwise(arc):
-        for place, tint in ((foot, shade), (one, clear), (other, clear)):
+    for begin, end in pairwise(arc):
+        for place, tint in ((foot, shade), (begin, clear), (end, clear)):
             canvas.prim_vtx(place, white, tint)
 
 
@@ -227,7 +227,10 @@ def draw_sea_edge(edge: EdgeReading) -> None:
     way = translated("back this way: {degrees}°")
     way = way.format(degrees=f"{round(edge.compass_deg) % 360:03d}")
     large, top, middle = 1.2 * line, max(TOP * size.y, BELOW * line), size.x / 2
-    half = 0.5 * large / line * max(imgui.calc_text_size(one).x for one in (text, way)) + 0.3 * line
+    half = (
+        0.5 * large / line * max(imgui.calc_text_size(words).x for words in (text, way))
+        + 0.3 * line
+    )
     draw_backing((middle - half, top), (middle + half, top + 4.9 * line), line, edge.opacity)
     draw_shadowed_text((middle, top + 0.1 * line), text, large, INK, edge.opacity, 0.5)
     # The way back on the screen: x right, y down.

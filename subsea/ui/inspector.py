@@ -69,8 +69,8 @@ def best_place(size: tuple[float, float], room: Area, taken: Sequence[Area], lin
         if not (left <= x <= left + width - wide and top <= y <= top + height - high):
             continue
         covered = sum(
-            common(here, one) + TITLE_WEIGHT * common(here, (*one[:3], TITLE * line))
-            for one in taken
+            common(here, area) + TITLE_WEIGHT * common(here, (*area[:3], TITLE * line))
+            for area in taken
         )
         cost = covered, min(x - left, left + width - wide - x), y, x
         if cost < least:
@@ -88,7 +88,7 @@ def common(one: Area, other: Area) -> float:
 
 def covers(over: Iterable[Area], area: Area) -> bool:
     """True if any of the areas `over` another hides a part of it."""
-    return any(common(one, area) > 0.0 for one in over)
+    return any(common(above, area) > 0.0 for above in over)
 
 
 def eye_areas(width: float, height: float) -> tuple[Area, Area]:
@@ -228,7 +228,7 @@ class Inspector(PanelContext):
     def _open_or_close(self, name: str) -> None:
         """Raise a panel that others cover; else open or close it."""
         if name in self.areas and covers(
-            (self.areas[one] for one in self._above(name)), self.areas[name]
+            (self.areas[panel] for panel in self._above(name)), self.areas[name]
         ):
             imgui.set_window_focus(name)
         else:
@@ -237,11 +237,11 @@ class Inspector(PanelContext):
     def _above(self, name: str) -> list[str]:
         """The panels drawn after this one, last frame."""
         depth = {
-            one: imgui.internal.find_window_display_index(window)
-            for one in self.areas
-            if (window := imgui.internal.find_window_by_name(one))
+            panel: imgui.internal.find_window_display_index(window)
+            for panel in self.areas
+            if (window := imgui.internal.find_window_by_name(panel))
         }
-        return [one for one in depth if depth[one] > depth[name]]
+        return [panel for panel in depth if depth[panel] > depth[name]]
 
     def _note_area(self, name: str) -> None:
         """Note where the current window is; also for other dives if it is being dragged."""

@@ -95,14 +95,14 @@ def prefer_x11() -> None:
 
 def monitors() -> list[Monitor]:
     """The monitors of the open display."""
-    found = []
+    connected = []
     for number, handle in enumerate(glfw.get_monitors(), start=1):
         mode = glfw.get_video_mode(handle)
         name = monitor_name(handle)
         size = mode.size.width, mode.size.height
         left, top = glfw.get_monitor_pos(handle)
-        found.append(Monitor(number, name, (left, top), size, mode.refresh_rate, handle))
-    return found
+        connected.append(Monitor(number, name, (left, top), size, mode.refresh_rate, handle))
+    return connected
 
 
 def monitor_name(handle: Any) -> str:

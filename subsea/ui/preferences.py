@@ -29,8 +29,8 @@ class Preferences:
     def bind(self, control: ControlName, key: str) -> None:
         """Bind a key to a control, in place of its other keys and from any other control."""
         bindings = self.settings.bindings
-        own = [name for name in bindings.inputs(control) if not is_key(name)]
-        controls: dict[str, list[str]] = {control: [key, *own]}
+        kept = [name for name in bindings.inputs(control) if not is_key(name)]
+        controls: dict[str, list[str]] = {control: [key, *kept]}
         for other in bindings.controls.get(key, ()):
             if other not in (control, "alight"):
                 controls[other] = [name for name in bindings.inputs(other) if name != key]

@@ -172,7 +172,7 @@ class WindowSet:
         self._monitors_changed = False
         for window in self.windows:
             filled = [other.filled for other in self.windows]
-            window.settle([one for one in monitors() if one.position not in filled])
+            window.settle([monitor for monitor in monitors() if monitor.position not in filled])
 
     def _pointer_and_focus(self) -> tuple[bool, bool]:
         """True if any window has the pointer, and any the keyboard."""

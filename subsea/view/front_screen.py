@@ -63,14 +63,14 @@ def text_viewports(
         (high[0] - low[0]) / width * seen[2] / place[2],
         (high[1] - low[1]) / height * seen[3] / place[3],
     )
-    found = []
+    viewports = []
     for patch in parts:
         x, y, across, up = text_part(patch)
         top = height - y - up
         share = x / width, top / height, across / width, up / height
         if min(*share[2:], *screen) > 0.0:  # an eye may have no part of one pixel
-            found.append(TextViewport(*share, screen, patch.page, page))
-    return tuple(found) or (WHOLE,)
+            viewports.append(TextViewport(*share, screen, patch.page, page))
+    return tuple(viewports) or (WHOLE,)
 
 
 def text_part(patch: DisplayPatch) -> Rect:

@@ -49,8 +49,8 @@ def fish_eyes(world: World, fish: int) -> FishEyes:
     """The eyes of a fish of the world."""
     plan = world.species[world.state.fishes.species[fish]].surface
     weights = eye_weights(plan)
-    rest = rest_control_points(plan, float(world.state.fishes.length[fish]), 0.0)
-    return FishEyes(fish, weights, float((weights @ rest[RIGHT])[2]))
+    points = rest_control_points(plan, float(world.state.fishes.length[fish]), 0.0)
+    return FishEyes(fish, weights, float((weights @ points[RIGHT])[2]))
 
 
 def eyes_pose(world: World, by: FishEyes, alpha: float) -> CameraPose:

@@ -208,12 +208,12 @@ def views(rig: CameraRig, observer: CameraPose) -> tuple[View, ...]:
     if rig.level:
         observer = levelled(observer)
     axes = observer.axes
-    found = []
+    seen = []
     for eye in rig.eyes:
         place = observer.eye + eye.offset @ axes
         forward, up = eye.axes[2] @ axes, eye.axes[1] @ axes
-        found.append(View(eye.viewport, look(place, forward, up), eye.projection, place))
-    return tuple(found)
+        seen.append(View(eye.viewport, look(place, forward, up), eye.projection, place))
+    return tuple(seen)
 
 
 def _unblended(patch: DisplayPatch, mask: Array) -> Rect:

@@ -81,17 +81,17 @@ def patches_of(layout: StereoLayout, both: DisplayPatch) -> tuple[DisplayPatch, 
     """The patches of a stereo mode: one for both eyes, or one each."""
     if layout.weave != Weave.PLAIN:
         return (both._replace(weave=layout.weave),)
-    one = both._replace(right=both.left)
-    other = both._replace(left=both.right, apart=-both.apart)
+    left = both._replace(right=both.left)
+    right = both._replace(left=both.right, apart=-both.apart)
     if both.warp is not None:  # each half shows the columns of its own eye
         vertices = both.warp.vertices
-        one = one._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 2, 3, 2, 3]]))
-        other = other._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 4, 5, 4, 5]]))
+        left = left._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 2, 3, 2, 3]]))
+        right = right._replace(warp=both.warp._replace(vertices=vertices[:, [0, 1, 4, 5, 4, 5]]))
     if layout.paged:
-        return one, other._replace(page=1)
+        return left, right._replace(page=1)
     here, there = halves(both.place, layout.beside)
     squeezed = (2.0, 1.0) if layout.beside else (1.0, 2.0)
     return (
-        one._replace(place=here, squeezed=squeezed),
-        other._replace(place=there, squeezed=squeezed),
+        left._replace(place=here, squeezed=squeezed),
+        right._replace(place=there, squeezed=squeezed),
     )

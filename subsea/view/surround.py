@@ -62,8 +62,8 @@ def on_faces(d: Array) -> tuple[Ints, Array]:
     """Face index (n,) of directions (n, 3), and position (n, 2) on it in [-1, 1]."""
     axes = np.array([[np.cross(up, ahead), up, ahead] for ahead, up in FACES.values()])
     number = np.argmax(axes[:, 2] @ d.T, axis=0)
-    own = np.einsum("nij,nj->ni", axes[number], d)
-    return number, own[:, :2] / own[:, 2:]
+    along = np.einsum("nij,nj->ni", axes[number], d)
+    return number, along[:, :2] / along[:, 2:]
 
 
 def visible_parts(
@@ -78,15 +78,15 @@ def visible_parts(
     pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     d = directions(display, size, surround, pixels) - [aside, 0.0, 0.0]
     number, place = on_faces(d[~np.isnan(d[:, 0])])
-    found: list[Array | None] = []
+    parts: list[Array | None] = []
     for face in range(len(FACES)):
-        own = place[number == face]
-        if not len(own):
-            found.append(None)
+        samples = place[number == face]
+        if not len(samples):
+            parts.append(None)
             continue
-        low, high = own.min(axis=0) - UNSURE, own.max(axis=0) + UNSURE
-        found.append(np.clip([low[0], high[0], low[1], high[1]], -1.0, 1.0))
-    return found
+        low, high = samples.min(axis=0) - UNSURE, samples.max(axis=0) + UNSURE
+        parts.append(np.clip([low[0], high[0], low[1], high[1]], -1.0, 1.0))
+    return parts
 
 
 def inner(rect: Rect) -> Rect:
@@ -113,15 +113,15 @@ def directions(display: str, size: tuple[int, int], surround: Surround, pixels: 
     if display == "panorama":
         angle = np.radians(surround.angle_deg)
         longitude, rise = angle * (x - 0.5), angle * (y - 0.5) * height / width
-        found = np.stack([np.sin(longitude), rise, np.cos(longitude)], axis=1)
-        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+        ways = np.stack([np.sin(longitude), rise, np.cos(longitude)], axis=1)
+        return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
     radius = min(width, height)
     p = (np.stack([x, y], axis=1) - 0.5) * [width, height] / (radius / 2)
     r = np.linalg.norm(p, axis=1)
     away = r * np.radians(surround.dome_deg) / 2
     right, behind, middle = axes_of(0.0, np.pi / 2 - np.radians(surround.tilt_deg))
     aside = p / np.maximum(r, 1e-9)[:, None]
-    found = np.cos(away)[:, None] * middle
-    found += np.sin(away)[:, None] * (aside[:, :1] * right + aside[:, 1:] * behind)
-    found[r > 1] = np.nan
-    return found
+    ways = np.cos(away)[:, None] * middle
+    ways += np.sin(away)[:, None] * (aside[:, :1] * right + aside[:, 1:] * behind)
+    ways[r > 1] = np.nan
+    return ways

@@ -146,6 +146,6 @@ def _with_look(places: Array, normals: Array, brightness: float | Array) -> Arra
 
 def _tilted(vessel: TheatreVessel, corners: Array) -> Array:
     """Corners (n, 7), leaned to the front; their light stays that of the upright vessel."""
-    found = corners.copy()
-    found[:, :3] = corners[:, :3] @ axes_of(0.0, -vessel.tilt)
-    return found
+    leaned = corners.copy()
+    leaned[:, :3] = corners[:, :3] @ axes_of(0.0, -vessel.tilt)
+    return leaned

@@ -239,9 +239,12 @@ def level_vertices(species: tuple[Species, ...], meshes: list[Mesh]) -> Array:
     return np.array(
         [
             np.concatenate(
-                [species_vertices(one.surface, *pair) for pair in zip(meshes, DETAILS, strict=True)]
+                [
+                    species_vertices(kind.surface, *pair)
+                    for pair in zip(meshes, DETAILS, strict=True)
+                ]
             )
-            for one in species
+            for kind in species
         ],
         "f4",
     )
@@ -287,7 +290,7 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
 
 def _atlas(context: Any, species: tuple[Species, ...], skins: list[Bytes] | None) -> Any:
     """Make the atlas, a mipmapped sRGB texture; cached on disk if no skin comes from a file."""
-    if skins is None and not any(one.skin.sheet for one in species):
+    if skins is None and not any(kind.skin.sheet for kind in species):
         return cached_texture(context, COARSEST, True, _painted, species)
     skins = sheets(species) if skins is None else skins
     return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)

@@ -71,9 +71,9 @@ class FishPreview(GpuOwner):
         super().__init__()
         self._context = context
         self._measure(species)
-        one = _without_variation(species)
+        plain = _without_variation(species)
         scene = RenderScene(
-            species=(one,),
+            species=(plain,),
             control_points=np.zeros((1, CONTROL_POINTS, 3), np.float32),
             recorded_length_cm=(species.length_cm,),
             terrain=np.zeros((2, 2), np.float32),

@@ -101,16 +101,16 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
 
     Returns (n, 3). Coordinates are inset by half a texel of the coarsest mipmap.
     """
-    rest = rest_control_points(plan, 1.0, 0.0)[shape.points]
-    height = rest[:, 1]
+    points = rest_control_points(plan, 1.0, 0.0)[shape.points]
+    height = points[:, 1]
     if plan.wing:
         height = sheet_layout.unfold(
-            plan, rest[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0)
+            plan, points[:, 2], np.where(shape.normals[:, 1] < 0.0, 0.0, 1.0)
         )
     front, rear = sheet_layout.borders(plan)
     top = sheet_layout.half_height(plan)
-    out = np.zeros((len(rest), 3))
-    within = np.stack([(-rest[:, 0] - front) / (rear - front), (height + top) / (2.0 * top)], 1)
+    out = np.zeros((len(points), 3))
+    within = np.stack([(-points[:, 0] - front) / (rear - front), (height + top) / (2.0 * top)], 1)
     out[:, :2] = _framed(sheet_layout.BODY, within)
     for number, start, fin, frame in (
         (1, DORSAL.start, plan.dorsal, sheet_layout.DORSAL),

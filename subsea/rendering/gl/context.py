@@ -240,10 +240,10 @@ def _prepared(context: Any) -> Any:
 
 def opengl_remedy(install: str) -> str:
     """A remedy without OpenGL: unset variables that select drivers, or run a command."""
-    found = [f"{name}={value}" for name, value in os.environ.items()
+    settings = [f"{name}={value}" for name, value in os.environ.items()
              if name.startswith(DRIVER_SETTINGS)]  # fmt: skip
     command = f"on Debian or Ubuntu: {install}"
-    return f"try without {' '.join(sorted(found))}, or {command}" if found else command
+    return f"try without {' '.join(sorted(settings))}, or {command}" if settings else command
 
 
 def _no_opengl(fault: Exception) -> UserError:

@@ -93,16 +93,16 @@ def set_uniforms(target: Any, **values: Any) -> None:
     """
     if target.extra is None:
         members = {name: target[name] for name in target}
-        own = {name: member for name, member in members.items() if isinstance(member, Uniform)}
-        target.extra = own, "View" in members
-        for name in TEXTURE_UNITS.keys() & own.keys():
-            own[name].value = TEXTURE_UNITS[name]
+        uniforms = {name: member for name, member in members.items() if isinstance(member, Uniform)}
+        target.extra = uniforms, "View" in members
+        for name in TEXTURE_UNITS.keys() & uniforms.keys():
+            uniforms[name].value = TEXTURE_UNITS[name]
         for name in BLOCKS.keys() & members.keys():
             members[name].binding = BLOCKS[name]
-    own, sees = target.extra
+    uniforms, sees = target.extra
     if sees:
         target.ctx.extra.view.write(values.get("view") or view_block(values))
-    for name, uniform in own.items():  # fewer than the values
+    for name, uniform in uniforms.items():  # fewer than the values
         value = values.get(name)
         if value is not None and uniform.extra != value:
             uniform.extra = value

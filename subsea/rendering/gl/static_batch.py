@@ -66,15 +66,15 @@ class FadeGroup(NamedTuple):
 def fade_groups(items: Ints, state: LevelState) -> list[FadeGroup]:
     """Groups of `items` in sight: those at rest, then both levels of each change under way."""
     since = state.since[items]
-    rest = items[since == -np.inf]
-    groups = [FadeGroup(rest, state.level[rest], 0.0)]
-    if len(rest) == len(items):
+    steady = items[since == -np.inf]
+    groups = [FadeGroup(steady, state.level[steady], 0.0)]
+    if len(steady) == len(items):
         return groups
     for start in np.unique(since[since > -np.inf]).tolist():
-        own = items[since == start]
+        fading = items[since == start]
         done = min(max((state.time_s - start) / FADE_S, 0.01), 0.99)
-        groups.append(FadeGroup(own, state.level[own], done))
-        groups.append(FadeGroup(own, state.former[own], done - 1.0))
+        groups.append(FadeGroup(fading, state.level[fading], done))
+        groups.append(FadeGroup(fading, state.former[fading], done - 1.0))
     return groups
 
 
@@ -200,10 +200,10 @@ class StaticBatch(GpuOwner):
         # Near items first, so that hidden pixels are not lit; sorted only when the choice changes.
         groups = []
         for row, view in zip(seen, views, strict=True):
-            own = np.flatnonzero(row)
-            away = self._centres[own] - view.eye
-            near = np.sqrt(np.einsum("ij,ij->i", away, away)) - self._radii[own]
-            groups.append(fade_groups(own[np.argsort(near)], state))
+            in_view = np.flatnonzero(row)
+            away = self._centres[in_view] - view.eye
+            near = np.sqrt(np.einsum("ij,ij->i", away, away)) - self._radii[in_view]
+            groups.append(fade_groups(in_view[np.argsort(near)], state))
         every = [group for those in groups for group in those]
         items, chosen = (np.concatenate([group[k] for group in every]) for k in (0, 1))
         if self._waiting:
@@ -278,11 +278,11 @@ class StaticBatch(GpuOwner):
 def box_around(batches: Sequence[StaticBatch]) -> Array:
     """Lowest and highest corner (2, 3) of all items of batches; zeros without items."""
     spheres = [np.column_stack(batch.spheres) for batch in batches]
-    found = np.concatenate([np.zeros((0, 4)), *spheres])
-    found = found[np.isfinite(found).all(axis=1)]
-    if not len(found):
+    finite = np.concatenate([np.zeros((0, 4)), *spheres])
+    finite = finite[np.isfinite(finite).all(axis=1)]
+    if not len(finite):
         return np.zeros((2, 3))
-    low, high = found[:, :3] - found[:, 3:], found[:, :3] + found[:, 3:]
+    low, high = finite[:, :3] - finite[:, 3:], finite[:, :3] + finite[:, 3:]
     return np.stack([low.min(axis=0), high.max(axis=0)])
 
 

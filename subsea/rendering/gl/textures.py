@@ -67,13 +67,13 @@ def cached_texture(
     def levels(of: str, driver: tuple[str, ...], last: int, srgb: bool) -> list[Texels]:
         base = make(*given, **named)
         texture = mipmapped(context, base, last, srgb)
-        found = [base]
+        texels = [base]
         for level in range(1, min(max(base.shape[:2]).bit_length() - 1, last) + 1):
             height, width = (max(side >> level, 1) for side in base.shape[:2])
             data = np.frombuffer(texture.read(level=level), base.dtype)
-            found.append(data.reshape(height, width, -1))
+            texels.append(data.reshape(height, width, -1))
         texture.release()
-        return found
+        return texels
 
     driver = context.info["GL_RENDERER"], context.info["GL_VERSION"]
     base, *smaller = cached(levels, cache_name(make, *given, **named), driver, last, srgb)
@@ -86,8 +86,8 @@ def cached_texture(
     for level, data in enumerate(smaller, start=1):
         height, width, planes = data.shape
         form = PLANES[planes - 1], UNSIGNED_BYTE if data.dtype == np.uint8 else HALF_FLOAT
-        own = _format(data, srgb)
-        write(TEXTURE_2D, level, own, width, height, 0, *form, data.ctypes.data)
+        internal = _format(data, srgb)
+        write(TEXTURE_2D, level, internal, width, height, 0, *form, data.ctypes.data)
     limit(TEXTURE_2D, MAX_LEVEL, len(smaller))
     return texture
 

@@ -143,7 +143,7 @@ def fan(rng: Rng, level: int) -> CoralMesh:
     """A flat fan of twigs that fork repeatedly in one plane, across the current."""
     start = np.array([[-0.02, -0.05], [0.0, -0.05], [0.02, -0.05]])
     angle = np.array([-0.75, 0.05, 0.7])
-    length, number, found = 0.26, 3, []
+    length, number, twigs = 0.26, 3, []
     widths = (0.04, 0.032, 0.026, 0.022, 0.019, 0.017, 0.015, 0.014, 0.013)
     lean = rng.normal(0.0, 0.12)
     for order, width in enumerate(widths):
@@ -151,7 +151,7 @@ def fan(rng: Rng, level: int) -> CoralMesh:
         run = length * rng.uniform(0.75, 1.25, number)[:, None]
         end = start + run * way
         same = np.tile([width, widths[min(order + 1, 8)], order], (number, 1))
-        found.append(np.column_stack([start, end, same]))
+        twigs.append(np.column_stack([start, end, same]))
         rough = 0.9 + 0.07 * rng.normal(size=number)
         inside = np.hypot(end[:, 0] - lean, (end[:, 1] - 0.85) / 0.95) < rough
         fork = 1 + (rng.uniform(size=number) < (1.0 if order < 2 else 0.62))
@@ -163,7 +163,7 @@ def fan(rng: Rng, level: int) -> CoralMesh:
         bent = angle + side * np.where(fork == 2, spread, 0.4 * spread)
         angle = 0.93 * np.concatenate([bent, (angle - side * spread)[fork == 2]])
         number, length = len(angle), 0.86 * length if order < 3 else 0.93 * length
-    rows = np.concatenate(found)
+    rows = np.concatenate(twigs)
     orders = (9, 7, 5, 4)[level]
     rows = rows[rows[:, 6] < orders]
     if level:  # thicker, because fewer

@@ -86,15 +86,17 @@ def cut(levels: list[StaticMesh]) -> list[list[StaticMesh]]:
     longs = [_long(shape) for shape in levels]
     for i, j, k in np.ndindex(*np.maximum(number, 1)):
         box = low + PIECE_CM * np.array([i, j, k])
-        own = []
+        piece = []
         for shape, middle, long in zip(levels, middles, longs, strict=True):
             beyond = np.maximum(box - middle, middle - box - PIECE_CM).max(axis=1)
             if shape is levels[0] and not (beyond <= 0.0).any():
                 break
             used, triangles = np.unique(shape.triangles[beyond <= long], return_inverse=True)
-            own.append(StaticMesh(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32)))
+            piece.append(
+                StaticMesh(shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32))
+            )
         else:
-            pieces.append(own)
+            pieces.append(piece)
     return pieces
 
 
@@ -107,13 +109,13 @@ def _long(shape: StaticMesh) -> float:
 def _neighbours(formations: list[Array], number: int) -> list[int]:
     """Indices of formations that may shade one, itself first."""
     low, high = box_of(formations[number])
-    found = [number]
+    numbers = [number]
     for k, other in enumerate(formations):
         bottom, top = box_of(other)
         gap = np.maximum(np.maximum(bottom - high, low - top)[:2], 0.0)
         if k != number and np.hypot(*gap) < NEAR_CM:
-            found.append(k)
-    return found
+            numbers.append(k)
+    return numbers
 
 
 def _levels(blocks: Array, near: list[Shade], floor: Floor, sun: Vector) -> list[StaticMesh]:
@@ -240,20 +242,20 @@ def pieces(
     `hour` tells where the sun is.
     """
     floor = partial(drawn_height, terrain, half_width_cm)
-    found = formations(pillars, rocks)
-    return [piece for levels in shapes(found, floor, sun_at(hour)[0]) for piece in cut(levels)]
+    stones = formations(pillars, rocks)
+    return [piece for levels in shapes(stones, floor, sun_at(hour)[0]) for piece in cut(levels)]
 
 
 def overgrown(
     terrain: Array, half_width_cm: float, pillars: Array, rocks: Array, hour: float, reef: Reef
 ) -> list[list[StaticMesh]]:
     """As `pieces`, darker where `reef` grows on the stone."""
-    found = pieces(terrain, half_width_cm, pillars, rocks, hour)
+    shaped = pieces(terrain, half_width_cm, pillars, rocks, hour)
     on = reef.on_rock
     growths = np.column_stack([reef.place[on], reef.radius[on], reef.axis[on]]).astype(np.float64)
-    for mesh in {id(mesh): mesh for levels in found for mesh in levels}.values():
+    for mesh in {id(mesh): mesh for levels in shaped for mesh in levels}.values():
         _darken(mesh.vertices, growths)
-    return found
+    return shaped
 
 
 @kernel

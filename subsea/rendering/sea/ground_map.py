@@ -44,7 +44,7 @@ def ground_map(
     if not formations and not len(growths):
         return GroundMap(np.full((1, 1, 4), (255, 255, 0, 255), np.uint8), np.zeros(2), np.ones(2))
     boxes = [np.array(box_of(blocks))[:, :2] for blocks in formations]
-    boxes += [np.stack([one[:2] - one[2], one[:2] + one[2]]) for one in growths]
+    boxes += [np.stack([growth[:2] - growth[2], growth[:2] + growth[2]]) for growth in growths]
     low = np.min([box[0] for box in boxes], axis=0) - REACH_CM
     high = np.max([box[1] for box in boxes], axis=0) + REACH_CM
     texel = max(TEXEL_CM, float((high - low).max()) / MOST_TEXELS)

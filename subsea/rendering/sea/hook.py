@@ -39,8 +39,8 @@ class HookRenderer(GpuOwner):
         if packet.hook is None:
             return 0
         place = tuple(float(x) for x in packet.hook)
-        own = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
-        self._programs.ready(self._array, as_ids, **uniforms, **own).render(moderngl.TRIANGLES)
+        values = {"u_hook": place, "u_top": TOP_CM, "u_bait": packet.bait}
+        self._programs.ready(self._array, as_ids, **uniforms, **values).render(moderngl.TRIANGLES)
         return self._count
 
 

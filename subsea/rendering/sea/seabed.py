@@ -217,9 +217,9 @@ def standing(reef: Reef, terrain: Array, half_width_cm: float) -> tuple[Array, A
     names = list(KINDS)
     tall = np.array([KINDS[name].height for name in names])[reef.kind] * reef.radius
     foot = np.array([FEET.get(name, FOOT) for name in names])[reef.kind]
-    found = np.stack([x, y, reef.radius, np.maximum(tall * reef.axis[:, 2], 1.0), foot], axis=1)
+    growths = np.stack([x, y, reef.radius, np.maximum(tall * reef.axis[:, 2], 1.0), foot], axis=1)
     own = np.where(reef.kind == MOUND, 0.0, reef.own)
-    return found[on].astype(np.float64), own[on]
+    return growths[on].astype(np.float64), own[on]
 
 
 def drawn_height(heights: Array, half_width: float, x: Array, y: Array) -> Array:
@@ -257,7 +257,7 @@ def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
     """The levels of each tile, finest first; vertices (n, 5) are position and slope."""
     vertices = np.concatenate([positions, slopes], axis=2).astype(np.float32)
     meshes = [_mesh(CELLS // step) for step in (1, 2, 4)]
-    found = []
+    items = []
     for i in range(0, len(vertices) - 1, CELLS):
         for j in range(0, len(vertices) - 1, CELLS):
             tile = vertices[i : i + CELLS + 1, j : j + CELLS + 1]
@@ -267,8 +267,8 @@ def tiles(positions: Array, slopes: Array) -> list[list[StaticMesh]]:
                 skirt = top[rim]
                 skirt[:, 2] -= SKIRT_CM
                 levels.append(StaticMesh(np.concatenate([top, skirt]), triangles))
-            found.append(levels)
-    return found
+            items.append(levels)
+    return items
 
 
 def _mesh(cells: int) -> tuple[Ints, Ints]:

@@ -76,8 +76,8 @@ class SunShadows(GpuOwner):
         self._maps.release()
         self._textures = [self._texture(size) for size in sizes if size]
         self._framebuffers = [
-            self._maps.own(self._context.framebuffer(depth_attachment=one))
-            for one in self._textures
+            self._maps.own(self._context.framebuffer(depth_attachment=texture))
+            for texture in self._textures
         ]
 
     def draw(

@@ -175,8 +175,8 @@ def _temper(context: PanelContext, fish: int) -> None:
         if (value := slider.draw(float(values[fish]))) is not None:
             set_to[slider.name] = value
     if set_to:
-        one = msgspec.structs.replace(IndividualTable(fish=fish), **set_to)
-        apply_individual(world.state.fishes, minds, one, world.state.tick * TICK_S)
+        individual = msgspec.structs.replace(IndividualTable(fish=fish), **set_to)
+        apply_individual(world.state.fishes, minds, individual, world.state.tick * TICK_S)
         context.changed()
     imgui.pop_item_width()
 
@@ -245,9 +245,9 @@ def habits_panel(context: PanelContext) -> None:
     changed, schools = imgui.checkbox("likes schooling", bool(minds.schools[fish]))
     if changed:
         _set_habits(context, fish, schooling=schools)
-    for one, other, what in PAIRS:
+    for first, second, what in PAIRS:
         _row(what)
-        for column in (one, other):
+        for column in (first, second):
             changed, liked = imgui.checkbox(HABITS[column], bool(minds.likes[fish, column]))
             if changed:
                 likes = minds.likes[fish].copy()
@@ -255,7 +255,7 @@ def habits_panel(context: PanelContext) -> None:
                 names = [name for name, on in zip(HABITS, likes, strict=True) if on]
                 _set_habits(context, fish, likes=names)
             imgui.same_line()
-        if minds.likes[fish, one] == minds.likes[fish, other]:
+        if minds.likes[fish, first] == minds.likes[fish, second]:
             imgui.text_disabled("doesn't care")
         else:
             imgui.new_line()

@@ -134,7 +134,11 @@ def _any(name: str, value: Any, kind: Any) -> Edit:
         case inspect.Metadata():
             return _any(name, value, kind.type)
         case inspect.UnionType():
-            inner = next(one for one in kind.types if not isinstance(one, inspect.NoneType))
+            inner = next(
+                inner_kind
+                for inner_kind in kind.types
+                if not isinstance(inner_kind, inspect.NoneType)
+            )
             return _perhaps(name, value, inner)
         case inspect.BoolType():
             changed, value = imgui.checkbox(name, value)
@@ -171,7 +175,7 @@ def _least(kind: Any) -> Any:
         case inspect.Metadata():
             return _least(kind.type)
         case inspect.TupleType():
-            return tuple(_least(one) for one in kind.item_types)
+            return tuple(_least(item) for item in kind.item_types)
         case inspect.LiteralType():
             return kind.values[0]
         case inspect.BoolType():
@@ -199,5 +203,5 @@ def _tuple(name: str, value: tuple[float, ...], kind: Any) -> Edit:
     drag = imgui.drag_float2 if len(value) == 2 else imgui.drag_float3
     step = 0.004 if high <= 1 else 1.0
     _, entered = drag(name, list(value), step, low, high, "%.4g", CLAMP)
-    new = tuple(_short(one, old) for one, old in zip(entered, value, strict=True))
+    new = tuple(_short(number, old) for number, old in zip(entered, value, strict=True))
     return Edit(new, imgui.is_item_deactivated_after_edit())

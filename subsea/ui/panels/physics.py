@@ -116,9 +116,9 @@ def _factors(context: PanelContext) -> None:
         context.changed()
     burst = sorted(fish for fish, under in world.reported_bursts if under == world.physics)
     if burst:
-        those = ", ".join(map(str, burst[:8])) + (" …" if len(burst) > 8 else "")
+        numbers = ", ".join(map(str, burst[:8])) + (" …" if len(burst) > 8 else "")
         imgui.text_disabled(
-            f"exploded like that: {'fish' if len(burst) == 1 else 'fishes'} {those}"
+            f"exploded like that: {'fish' if len(burst) == 1 else 'fishes'} {numbers}"
         )
 
 

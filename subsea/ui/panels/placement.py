@@ -62,8 +62,8 @@ class PlacementState:
         """
         sea = world.state.sea
         if not self.seen or self.seen[0] is not scenario or self.seen[1] is not sea:
-            those = placement.handles(scenario, sea)
-            self.seen = scenario, sea, [one for one in those if one.kind != "fish"]
+            handles = placement.handles(scenario, sea)
+            self.seen = scenario, sea, [handle for handle in handles if handle.kind != "fish"]
         submarine, *others = self.seen[2]
         return [submarine, *placement.schools(now, scenario, world.state.fishes, sea), *others]
 
@@ -128,8 +128,8 @@ def name_of(scenario: Scenario, kind: str, number: int) -> str:
     words = placement.KINDS[kind]
     if kind in placement.SINGLE:
         return words
-    one = getattr(scenario, kind)[number]
-    what = f"{one.number} {one.species}" if kind == "fish" else getattr(one, "kind", "")
+    entry = getattr(scenario, kind)[number]
+    what = f"{entry.number} {entry.species}" if kind == "fish" else getattr(entry, "kind", "")
     more = f": {what.replace('_', ' ')}" if what else ""
     return f"{words.split(' ', 1)[-1]} {number + 1}{more}"
 
@@ -224,8 +224,8 @@ def _add(context: PanelContext, kind: str) -> None:
         eye, way = front_view.ray(0.5, 0.6)
     at = placement.place_ahead(sea, eye, way)
     if apply_placement(context, placement.added(dive.scenario, kind, at, sea)):
-        those = getattr(dive.scenario, kind)
-        placing.chosen = kind, 0 if kind in placement.SINGLE else len(those) - 1
+        entries = getattr(dive.scenario, kind)
+        placing.chosen = kind, 0 if kind in placement.SINGLE else len(entries) - 1
 
 
 def _remove(context: PanelContext, kind: str, number: int) -> None:
@@ -234,12 +234,12 @@ def _remove(context: PanelContext, kind: str, number: int) -> None:
     for thing in things:
         if (thing.kind, thing.number) == (kind, number):
             try:
-                rest = placement.removed(dive.scenario, thing)
+                remaining = placement.removed(dive.scenario, thing)
             except UserError as fault:
                 placing.message = str(fault)
                 dive.note(placing.message)
                 return
-            if apply_placement(context, rest):
+            if apply_placement(context, remaining):
                 placing.chosen = None
             return
 
@@ -248,19 +248,19 @@ def _numbers(context: PanelContext, placing: PlacementState, scenario: Scenario,
     if placing.chosen is None:
         return
     kind, number = placing.chosen
-    one = placement.table_of(scenario, kind, number)
-    if one is None:
+    entry = placement.table_of(scenario, kind, number)
+    if entry is None:
         placing.chosen = None
         return
     imgui.separator_text(name_of(scenario, kind, number))
     imgui.push_id(f"{kind} {number}")
-    new, settled = one, False
+    new, settled = entry, False
     if kind == "fish":
-        species = fields.choice("species", one.species, species_names())
+        species = fields.choice("species", entry.species, species_names())
         new, settled = replace(new, species=species.value), species.settled
     new, entered = fields.table(new)
     imgui.pop_id()
-    if new != one:
+    if new != entry:
         changed = placement.with_table(scenario, kind, number, new)
         placing.try_out(changed, sea, str(context.dive.source))
     if (settled or entered) and placing.trial is not None:
