@@ -1,10 +1,32 @@
 """The intention generator: a hierarchy of desires, with memory, inhibition and fatigue."""
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.kernels import kernel
-from subsea.state import Minds, Nature
+from subsea.state import Clock, Fishes, Minds, Nature, Sea
+
+# Writes the strength of a desire of each of the fishes `who`, 0 to 1, into `out` (n,).
+Desire = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock, Array], None]
+# Sets urge, goal speed and gape of each of the fishes `who`.
+Routine = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock], None]
+
+# Levels of the hierarchy (Tu §7.5): a desire on one comes before all desires on the next.
+COLLISION, DANGER, APPETITE, EASE = range(4)
+
+
+class Behavior(NamedTuple):
+    """An intention: its routine, and the desires that lead to it with their levels."""
+
+    name: str
+    routine: Routine
+    desires: tuple[tuple[int, Desire], ...]
+    tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
+    in_turn: bool = False  # True if the routine reads what it writes for others: no parts
+
 
 # Share of the active desire's strength by which its rivals are inhibited: of a resumed one (Tu
 # §7.7.2), and of any other, so that two equal desires that tire do not alternate.

@@ -1,12 +1,17 @@
 """List the behaviors in one table, and make the kernels that call all of them from it."""
 
-from collections.abc import Callable, Sequence
+import hashlib
+import inspect
+from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base import registry
+from subsea.base.arrays import Ints
+from subsea.base.progress import say
 from subsea.behavior import (
     avoiding,
     biting,
@@ -18,32 +23,15 @@ from subsea.behavior import (
     schooling,
     wandering,
 )
+from subsea.behavior.intention import APPETITE, COLLISION, DANGER, EASE, Behavior, Desire
 from subsea.kernels import kernel
 from subsea.kernels.threads import share
 from subsea.state import Clock, Fishes, Minds, Nature, Sea
 
-# Writes the strength of a desire of each of the fishes `who`, 0 to 1, into `out` (n,).
-Desire = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock, Array], None]
-# Sets urge, goal speed and gape of each of the fishes `who`.
-Routine = Callable[[Ints, Fishes, Minds, Sea, Nature, Clock], None]
-
-# Levels of the hierarchy (Tu §7.5): a desire on one comes before all desires on the next.
-COLLISION, DANGER, APPETITE, EASE = range(4)
 LEAST_PART = 1024  # fishes of an intention for which another thread pays
 
-
-class Behavior(NamedTuple):
-    """An intention: its routine, and the desires that lead to it with their levels."""
-
-    name: str
-    routine: Routine
-    desires: tuple[tuple[int, Desire], ...]
-    tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
-    in_turn: bool = False  # True if the routine reads what it writes for others: no parts
-
-
 # The first seven in the order of the codes AVOID to WANDER of `state`.
-BEHAVIORS = (
+OURS = (
     Behavior("avoid", avoiding.act, ((COLLISION, avoiding.desire),), in_turn=True),
     Behavior("escape", escaping.act, ((DANGER, escaping.desire),)),
     Behavior(
@@ -58,6 +46,34 @@ BEHAVIORS = (
     Behavior("curious", curious.act, ((EASE, curious.desire),), tires=True),
     Behavior("struggle", biting.struggle, ((COLLISION, biting.hooked_desire),)),
 )
+
+
+def _registered() -> list[Behavior]:
+    """Load the behaviors of other packages; one that is none is left out with a line."""
+    behaviors = []
+    for name, behavior in registry.load_all(registry.BEHAVIORS):
+        if isinstance(behavior, Behavior):
+            behaviors.append(behavior._replace(name=name))
+        else:
+            say(f"{registry.BEHAVIORS}: {name} is not a Behavior of subsea.behavior.intention")
+    return behaviors
+
+
+def _code_of(behaviors: Sequence[Behavior]) -> str:
+    """A name for the code of other packages' behaviors: a hash of all files of these packages."""
+    files: set[Path] = set()
+    for behavior in behaviors:
+        for function in (behavior.routine, *(desire for _, desire in behavior.desires)):
+            files |= set(
+                Path(inspect.getfile(getattr(function, "py_func", function))).parent.glob("*.py")
+            )
+    digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in sorted(files)]
+    return "_" + hashlib.sha256("".join(digests).encode()).hexdigest()[:16] if files else ""
+
+
+_FOREIGN = _registered()
+FOREIGN_CODE = _code_of(_FOREIGN)
+BEHAVIORS = (*OURS, *_FOREIGN)
 INTENTIONS = tuple(behavior.name for behavior in BEHAVIORS)
 
 
@@ -108,7 +124,7 @@ DESIRES = desires_of(BEHAVIORS)
 LEVEL_OF_DESIRE = np.array([level for level, _, _ in DESIRES])
 BEHAVIOR_OF_DESIRE = np.array([code for _, code, _ in DESIRES])
 TIRES = np.array([behavior.tires for behavior in BEHAVIORS])
-compute_desires, run_routine = dispatchers(BEHAVIORS)
+compute_desires, run_routine = dispatchers(BEHAVIORS, FOREIGN_CODE)
 
 
 def run_routines(

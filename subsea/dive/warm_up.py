@@ -26,7 +26,7 @@ from subsea.base.files import make_own_folder
 from subsea.base.language import marked
 from subsea.base.source_stamp import ROOT, source_stamp
 from subsea.base.system import cores
-from subsea.behavior.table import run_routine
+from subsea.behavior.table import FOREIGN_CODE, run_routine
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
@@ -153,8 +153,8 @@ def warm_up(
 
 
 def code_stamp() -> str:
-    """Hash the sources of all kernels of a dive."""
-    return source_stamp(Path(__file__).resolve())
+    """Hash the sources of all kernels of a dive, also those of other packages."""
+    return source_stamp(Path(__file__).resolve()) + FOREIGN_CODE
 
 
 def _marker() -> Path:

@@ -46,7 +46,7 @@ from subsea.motor.switching import swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
 from subsea.repertoire.library import Library
-from subsea.state import Clock, Fishes, Minds, Nature, Sea, Submarine
+from subsea.state import Clock, Fishes, Minds, Sea, Submarine
 from subsea.submarine.vessel import STATION, Helm, Rail, hull_axes, ride, step_hull
 from subsea.world.world import TICK_S, World
 
@@ -57,13 +57,6 @@ def carry(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, cells: RockCells, f
     set_drift(who, fishes, sea, cells, flow)
     add_bow_wave(who, fishes, sea)
     separate(who, fishes, minds)
-
-
-@kernel
-def feel(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clock: Clock) -> None:
-    """Update mental states and desires of the fishes `who`."""
-    update_mental_state(who, fishes, minds, nature, clock)
-    compute_desires(who, fishes, minds, sea, nature, clock)
 
 
 @kernel
@@ -181,7 +174,8 @@ def decide(world: World, who: Ints, free: Ints, clock: Clock) -> None:
     schooling.guide_schools(fishes, minds, sea, clock)
     end_courtships(who, fishes, minds)
 
-    share(feel, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
+    share(update_mental_state, who, LEAST_MINDS, fishes, minds, nature, clock)
+    share(compute_desires, who, LEAST_MINDS, fishes, minds, sea, nature, clock)
     table = LEVEL_OF_DESIRE, BEHAVIOR_OF_DESIRE, TIRES
     share(choose_intention, free, LEAST_MINDS, minds, nature, *table)
 

@@ -83,7 +83,7 @@ def test_a_setting_that_a_package_refuses_is_named(setting):
     program = (
         "import sys; from subsea.base.command_line import run_command\n"
         "sys.exit(run_command('diver', lambda: __import__('subsea.geometry.vector') and "
-        "__import__('subsea.base.progress') and 0))"
+        "__import__('tqdm') and 0))"
     )
     name, _, value = setting.partition("=")
     done = subprocess.run(

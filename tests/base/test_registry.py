@@ -61,6 +61,22 @@ def test_a_format_of_another_package_is_a_theatre(outside, tmp_path):
     assert done.returncode == 0 and "window sail: 300x200 pixels" in done.stdout
 
 
+DOZING = """
+import numpy as np
+import subsea
+world = subsea.load("peaceful", fish=20)
+world.step(60)
+print([world.names["minds.intention"][code] for code in np.unique(world.minds.intention)])
+"""
+
+
+def test_fishes_follow_a_behavior_of_another_package(outside):
+    done = subprocess.run(
+        [sys.executable, "-c", DOZING], env=outside, capture_output=True, text=True, check=False
+    )
+    assert "doze" in done.stdout, done.stderr
+
+
 def points(*given):
     """Stand-ins for the entry points that packages have."""
     return lambda group: [EntryPoint(name, value, group) for name, value in given]

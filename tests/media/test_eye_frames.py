@@ -162,10 +162,10 @@ def test_a_film_of_another_kind_is_not_mixed_into_it(seen, tmp_path, capsys):
 def test_a_fish_that_is_not_there_is_refused_before_the_sea_is_made(
     tmp_path, capsys, monkeypatch, name
 ):
-    def made(*arguments):
+    def made(*arguments, **options):
         raise AssertionError
 
-    monkeypatch.setattr("subsea.media.eye_frames.start_world", made)
+    monkeypatch.setattr("subsea.media.eye_frames.ready_world", made)
     monkeypatch.setattr("subsea.media.eye_frames.headless", made)
     assert main(["film", str(tmp_path / "out"), "--eyes", name]) == 2
     [line] = capsys.readouterr().err.splitlines()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from subsea.base import progress as durations
+from subsea.base.arrays import summarize_ms
 from subsea.cli.main import main
 from subsea.lab.profiling import benchmark, comparison
 from subsea.lab.profiling import frame_statistics as machine
@@ -327,6 +327,6 @@ def test_invalid_options_are_one_line(tmp_path, monkeypatch, capsys, command, me
 
 
 def test_the_summary_of_known_durations():
-    figures = durations.summarize_ms([0.001 * k for k in range(1, 102)])
+    figures = summarize_ms([0.001 * k for k in range(1, 102)])
     expected = {"mean": 51.0, "p50": 51.0, "p95": 96.0, "p99": 100.0, "max": 101.0}
     assert figures == pytest.approx(expected)

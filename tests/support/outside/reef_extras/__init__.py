@@ -1,1 +1,1 @@
-"""What somebody else adds to subsea: a command, a part of a dive, a format of theatres."""
+"""What somebody else adds: a command, a part of a dive, a format of theatres, a behavior."""
