@@ -98,13 +98,16 @@ def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
     assert _jobs(tmp_path) == sorted(JOBS)
 
 
-def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path):
+def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path, monkeypatch):
+    held = tmp_path / "go on"
+    monkeypatch.setenv("HELD_UNTIL", str(held))
     first = _program(tmp_path, "run(told, processes=2)")
     assert "once: 0/" in first.stdout.readline()
     second = _program(tmp_path, "run(told, processes=2)")
+    assert second.stdout.readline() == "waiting for another dive, which compiles the fishes' code\n"
+    held.touch()
     told, faults = second.communicate(timeout=200)
-    assert second.returncode == 0, faults
-    assert told == "waiting for another dive, which compiles the fishes' code\n"
+    assert (second.returncode, told) == (0, ""), faults
     _, faults = first.communicate(timeout=200)
     assert first.returncode == 0, faults
     assert _jobs(tmp_path) == sorted(JOBS)

@@ -10,9 +10,11 @@ from subsea.sound.voices import (
     BUBBLE,
     CREAK,
     CRUNCH,
+    GLIDE,
     KNOCK,
     LONGEST,
     POP,
+    RINGS,
     SNAP,
     STRIKE,
     WHOOSH,
@@ -52,7 +54,8 @@ def test_minnaert():
 def test_bubbles_ring_at_their_resonance(radius, depth):
     expected = minnaert_hz(radius, depth)
     hz, power = spectrum(sound(BUBBLE, expected))
-    assert hz[power.argmax()] == pytest.approx(expected, rel=0.02)
+    # While it fades, in RINGS oscillations, its pitch rises.
+    assert 0.995 * expected < hz[power.argmax()] < 1.005 * expected + GLIDE * RINGS
 
 
 @given(st.integers(0, 2**31))

@@ -13,6 +13,8 @@ if __name__ == "__main__":
             time.sleep(600.0)
         if job == "failing":
             sys.exit(1)
+        while "HELD_UNTIL" in os.environ and not Path(os.environ["HELD_UNTIL"]).exists():
+            time.sleep(0.05)
         if "SHORT_JOBS" in os.environ:
             with Path(os.environ["SHORT_JOBS"]).open("a") as file:
                 file.write(f"{job}\n")
