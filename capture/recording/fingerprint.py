@@ -1,9 +1,11 @@
 """Identify what a recording depends on: the numbers of a species and the code that records it."""
 
+import ast
 import hashlib
 import io
 import re
 import tokenize
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +18,10 @@ from subsea import __version__
 from subsea.fish.species import Species
 
 ROOT = "capture.recording.record"
-SKIPPED = ("subsea.base", "subsea.jobs", "subsea.kernels", "subsea.fish.species")
+SKIPPED = (
+    *("subsea.base", "subsea.jobs", "subsea.kernels", "subsea.fish.species"),
+    "capture.recording.fingerprint",
+)
 """Input, output and species files: their result is part of the fingerprint as numbers."""
 BLOCKS = {tokenize.INDENT: "{", tokenize.DEDENT: "}"}
 IGNORED = (tokenize.COMMENT, tokenize.NL)
@@ -25,7 +30,7 @@ IGNORED = (tokenize.COMMENT, tokenize.NL)
 def fingerprint(species: Species, root: str = ROOT) -> str:
     """Hash the plans of a species (what recording needs), its code and libraries.
 
-    The code is that of the module ``root`` and of all that it imports.
+    The code is that of the module ``root`` and of all that this uses.
     """
     plans = msgspec.to_builtins(species)
     for key in ("name", "scientific_name", "kind", "size_cm", "pace", "home_cm", "skin"):
@@ -42,24 +47,89 @@ def library_versions() -> dict[str, str]:
 
 @cache
 def _code_hash(root: str) -> str:
-    modules = code_modules(root)
-    code = "\0".join(code_of(modules[name]) for name in sorted(modules))
+    code = "\0".join(sorted(code_of(text) for text in definitions(root).values()))
     return hashlib.sha256(code.encode()).hexdigest()
 
 
-def code_modules(root: str = ROOT) -> dict[str, str]:
-    """Names and sources of ``root`` and of all modules that it imports, except SKIPPED."""
-    found: dict[str, str] = {}
-    waiting = [root]
-    while waiting:
-        name = waiting.pop()
+class _Module:
+    """The statements of a module by the names that they define, and what it imports."""
+
+    def __init__(self, name: str) -> None:
         spec = find_spec(name)
-        if name in found or name.startswith(SKIPPED) or spec is None or spec.origin is None:
-            continue
-        found[name] = Path(spec.origin).read_text(encoding="utf-8")
-        imported = r"^from ((?:capture|subsea)\.\S+) import"
-        waiting += re.findall(imported, found[name], re.MULTILINE)
-    return found
+        assert spec and spec.origin
+        source = Path(spec.origin).read_text(encoding="utf-8")
+        self.statements: dict[str, list[ast.stmt]] = {}
+        self.imports: dict[str, tuple[str, str]] = {}
+        tree, self._lines = ast.parse(source), source.splitlines()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                for alias in node.names:
+                    self.imports[alias.asname or alias.name] = node.module, alias.name
+        for statement in tree.body:
+            if isinstance(statement, ast.Import | ast.ImportFrom) or _is_text(statement):
+                continue
+            for name in _defined(statement) or [""]:  # without a name it belongs to all
+                self.statements.setdefault(name, []).append(statement)
+
+    def text(self, statement: ast.stmt) -> str:
+        """The source of a statement with its decorators."""
+        decorators = getattr(statement, "decorator_list", [])
+        first = min([statement.lineno, *(node.lineno for node in decorators)])
+        return "\n".join(self._lines[first - 1 : statement.end_lineno]) + "\n"
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _defined(statement: ast.stmt) -> list[str]:
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return [statement.name]
+    if isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign):
+        names = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
+        return [node.id for node in names if isinstance(node.ctx, ast.Store)]
+    return []
+
+
+_module = cache(_Module)
+
+
+@cache
+def _is_module(name: str) -> bool:
+    """True if a name is one of a module of this project."""
+    if not name.startswith(("subsea.", "capture.")):
+        return False
+    with suppress(ModuleNotFoundError):  # of something in a module
+        return find_spec(name) is not None
+    return False
+
+
+def definitions(root: str = ROOT) -> dict[tuple[str, int], str]:
+    """The sources of all that ``root`` defines and that this uses, by module and line.
+
+    Definitions of modules that are SKIPPED are left out. So the code is the same wherever in the
+    project its functions stand, and whatever stands beside them.
+    """
+    texts: dict[tuple[str, int], str] = {}
+    waiting = [(root, name) for name in _module(root).statements]
+    seen = set(waiting)
+    while waiting:
+        place, name = waiting.pop()
+        module, more = _module(place), {(place, "")}
+        for statement in module.statements.get(name, []):
+            texts[place, statement.lineno] = module.text(statement)
+            for node in ast.walk(statement):
+                if isinstance(node, ast.Name):
+                    more.add((place, node.id))
+                elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                    more.add((".".join(module.imports.get(node.value.id, ())), node.attr))
+        if not module.statements.get(name):
+            more.add(module.imports.get(name, (place, "")))
+        for used in more - seen:
+            seen.add(used)
+            if _is_module(used[0]) and not used[0].startswith(SKIPPED):
+                waiting.append(used)
+    return texts
 
 
 def code_of(source: str) -> str:
