@@ -61,12 +61,11 @@ def _registered() -> list[Behavior]:
 
 def _code_of(behaviors: Sequence[Behavior]) -> str:
     """A name for the code of other packages' behaviors: a hash of all files of these packages."""
-    files: set[Path] = set()
+    functions: list[Any] = []
     for behavior in behaviors:
-        for function in (behavior.routine, *(desire for _, desire in behavior.desires)):
-            files |= set(
-                Path(inspect.getfile(getattr(function, "py_func", function))).parent.glob("*.py")
-            )
+        functions += [behavior.routine, *(desire for _, desire in behavior.desires)]
+    sources = [Path(inspect.getfile(getattr(kernel, "py_func", kernel))) for kernel in functions]
+    files = {file for source in sources for file in source.parent.glob("*.py")}
     digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in sorted(files)]
     return "_" + hashlib.sha256("".join(digests).encode()).hexdigest()[:16] if files else ""
 
