@@ -4,8 +4,8 @@ In this process, in a folder with all that pages take for granted: a photograph,
 theatre, a fish of one's own. Seas are small and pictures tiny; what else is short is in `SHORT`. A
 command that stands in a sentence without what it needs (`subsea film`) is read by its parser; so is
 an example of `commands.md`, which comes last, if it has nothing that was not typed before. Every
-day one command of each kind of output is typed, with those that make its files; the parser reads
-the others, which `make nightly` types.
+day one command of each kind of output is typed, with those that make its files, and a page's first
+block of Python; the others are parsed, and `make nightly` types them.
 """
 
 import argparse
@@ -20,6 +20,7 @@ import sys
 from collections import deque
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
+from functools import cache
 from io import StringIO
 from pathlib import Path
 
@@ -112,7 +113,7 @@ SHORT = {
     "subsea dive": "--seconds 0.1",
     "subsea film": "--seconds 0.05 --quality low",
     "subsea simulate": "--ticks 4",
-    "subsea sweep": "--jobs 1",
+    "subsea sweep": "--jobs 1 --seeds 1",
     "subsea benchmark": "--frames 1",
     "subsea soak": "--minutes 0.01",
     "subsea-capture learn": "--budget 2 --only swim",
@@ -221,11 +222,15 @@ class Workshop:
     def first_of_their_kinds(self, steps):
         """Choose the steps with the first command of a kind, and those that make its files."""
         chosen, read = [], ""
+        of_python = [one for one in steps if not isinstance(one, Command) and one.kind == "python"]
         for step in steps:
-            if not isinstance(step, Command) or (kind := kind_of(step.text)) not in self.kinds:
+            if isinstance(step, Command):
+                if (kind := kind_of(step.text)) not in self.kinds:
+                    chosen.append(step)
+                if not step.inline:
+                    self.kinds.add(kind)
+            elif step not in of_python[1:]:
                 chosen.append(step)
-            if isinstance(step, Command) and not step.inline:
-                self.kinds.add(kind)
         for step in reversed(steps):
             made = re.findall(r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text)
             if step not in chosen and any(name in read for name in made):
@@ -239,8 +244,10 @@ class Workshop:
         if isinstance(step, Command):
             self.type(step, only_read)
         elif step.kind == "python":
-            with redirect_stdout(StringIO()):
-                exec(compile(step.text, step.page, "exec"), {})
+            code = compile(step.text, step.page, "exec")
+            if not only_read:
+                with redirect_stdout(StringIO()):
+                    exec(code, {})
         elif step.kind == "text":
             for line in step.text.splitlines():
                 if line.startswith("subsea: "):
@@ -332,11 +339,10 @@ class Workshop:
 
 
 def kind_of(text):
-    """The program and command of a text, and what tells its output: suffixes and formats."""
+    """The program and command of a text, and the options that tell its output."""
     words = text.removeprefix(".venv/bin/").split()
-    suffixes = re.findall(r"\w(\.\w{2,4})(?= |$)", text)
-    formats = re.findall(r"--(?:to|as|json|csv|paper|auto|validate|new|eyes)\b(?: \w+)?", text)
-    return (*words[:2], *sorted({*suffixes, *formats}))
+    formats = re.findall(r"--(?:to \w+|as \w+|json|csv|paper|auto|validate|new|eyes)\b", text)
+    return (*words[:2], *sorted(set(formats)))
 
 
 def options_in(words):
@@ -588,12 +594,18 @@ def test_every_option_that_a_page_names_is_one():
                 assert option in there, f"{page}:{line}: nothing has {option} of `{text}`"
 
 
+@cache
+def read_only_parsers(name):
+    """The parser of a program and those of its commands, which nobody may change."""
+    return PROGRAMS_OF_OURS[name].parsers()
+
+
 def options_of(text, known):
     """The options of the command with which a text begins; those that are known otherwise."""
     name, command = [*text.removeprefix(".venv/bin/").split(), "", ""][:2]
     if name not in PROGRAMS_OF_OURS or command in ("", "COMMAND"):
         return known
-    parser, commands = PROGRAMS_OF_OURS[name].parsers()
+    parser, commands = read_only_parsers(name)
     chosen = parser if command.startswith("-") else commands.choices[command]
     return {option for action in chosen._actions for option in action.option_strings}
 
