@@ -49,16 +49,28 @@ class ShownOn(DivePart):
         return self._shown
 
 
-@pytest.fixture(scope="module")
-def display() -> Iterator[str]:
-    """A virtual display of 800x600, named in DISPLAY as long as the tests of a module run."""
+@pytest.fixture(scope="session")
+def x_server() -> Iterator[str]:
+    """The virtual display of this process, of 800x600.
+
+    One for all modules: a process that makes a window on a second display, when the first has
+    ended, is ended by Xlib, as libGLX tells the second one about a context of the first.
+    """
     for tool in ("Xvfb", "xdotool"):
         if shutil.which(tool) is None:
             pytest.fail(f"{tool} is missing; `make test` installs it, or prints how")
-    with pytest.MonkeyPatch.context() as patch, virtual_display() as name:
-        patch.setenv("DISPLAY", name)
-        patch.delenv("WAYLAND_DISPLAY", raising=False)
+    with virtual_display() as name:
         yield name
+
+
+@pytest.fixture(scope="module")
+def display(x_server: str) -> Iterator[str]:
+    """The virtual display, named in DISPLAY as long as the tests of a module run."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DISPLAY", x_server)
+        patch.delenv("WAYLAND_DISPLAY", raising=False)
+        User.do("mousemove", 400, 300)
+        yield x_server
 
 
 def display_pixels() -> Any:
