@@ -1,8 +1,10 @@
 """Dear ImGui in the pilot's window: frames, input and drawing."""
 
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from functools import partial
+from typing import Any, Literal, NamedTuple
 
 import glfw
 from imgui_bundle import imgui
@@ -17,6 +19,48 @@ MODIFIERS = (
     (glfw.MOD_ALT, imgui.Key.mod_alt),
     (glfw.MOD_SUPER, imgui.Key.mod_super),
 )
+
+
+class KeyEvent(NamedTuple):
+    """An event of the keyboard."""
+
+    feed: Callable[[], object]  # passes it to ImGui
+    presses: bool = False  # a key other than a modifier goes down
+    modifies: bool = False  # a modifier goes up or down
+
+
+class KeyQueue:
+    """Keys and characters in their order.
+
+    A frame has one state of the modifiers: Ctrl+Z that begins and ends within a frame would be Z.
+    """
+
+    def __init__(self) -> None:
+        """Attach to the present context of ImGui."""
+        self._io = imgui.get_io()
+        self._events: deque[KeyEvent] = deque()
+        self._held: set[imgui.Key] = set()  # modifiers, after these events
+
+    def press(self, name: imgui.Key, down: bool) -> None:
+        """Queue a key that goes up or down."""
+        modifies = any(name == modifier for _, modifier in MODIFIERS)
+        if modifies and down == (name in self._held):
+            return
+        self._held ^= {name} if modifies else set()
+        feed = partial(self._io.add_key_event, name, down)
+        self._events.append(KeyEvent(feed, down and not modifies, modifies))
+
+    def type(self, character: int) -> None:
+        """Queue a character."""
+        self._events.append(KeyEvent(partial(self._io.add_input_character, character)))
+
+    def feed(self) -> None:
+        """Pass events to ImGui, up to a modifier after another key has gone down."""
+        pressed = False
+        while self._events and not (pressed and self._events[0].modifies):
+            event = self._events.popleft()
+            pressed |= event.presses
+            event.feed()
 
 
 Rgb = tuple[float, float, float]
@@ -87,6 +131,7 @@ class Gui:
         self._unsure = 0  # frames until it is known whether the last click was on a text field
         self._context = imgui.create_context()
         self._io = imgui.get_io()
+        self._keys = KeyQueue()
         self._io.set_ini_filename(None)
         self._io.config_error_recovery_enable_debug_log = False  # see `ui/picture.py`
         self._io.config_error_recovery_enable_tooltip = False
@@ -126,6 +171,7 @@ class Gui:
             pixels[0] / points[0], pixels[1] / points[1]
         )
         self._draw_pointer(self.open and len(viewports) > 1)
+        self._keys.feed()
         imgui.new_frame()
         self._unsure = max(self._unsure - 1, 0)
         tall = min(
@@ -231,13 +277,13 @@ class Gui:
             return True
         if self.open or not down:
             for bit, name in MODIFIERS:
-                self._io.add_key_event(name, bool(modifiers & bit))
+                self._keys.press(name, bool(modifiers & bit))
             # ImGui expects the modifiers of an event before it.
             for name, keys in PRESSED.items():
                 if key in keys:
-                    self._io.add_key_event(name, down)
+                    self._keys.press(name, down)
             if key in KEYS:
-                self._io.add_key_event(KEYS[key], down)
+                self._keys.press(KEYS[key], down)
         return self.open and (bool(self._io.want_text_input) or self._unsure > 0)
 
     def moved(self, name: str, amount: float) -> bool:
@@ -251,7 +297,7 @@ class Gui:
         """A character was typed."""
         self.heard += 1
         if self.open:
-            self._io.add_input_character(character)
+            self._keys.type(character)
 
     def release_all(self) -> None:
         """Release all inputs: the window lost the keyboard, or panels were closed."""
@@ -259,7 +305,7 @@ class Gui:
         for button in range(3):
             self._io.add_mouse_button_event(button, False)
         for name in (*KEYS.values(), *PADS.values(), *(modifier for _, modifier in MODIFIERS)):
-            self._io.add_key_event(name, False)
+            self._keys.press(name, False)
 
     def close(self) -> None:
         """Release resources; the window's context must still be current."""
