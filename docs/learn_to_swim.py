@@ -25,9 +25,8 @@ from subsea.biomechanics.body import MUSCLE_LEFT, MUSCLE_SEGMENT, MUSCLES
 from subsea.biomechanics.controllers import ease
 from subsea.biomechanics.solver import TICK_S
 from subsea.fish.species import load_species
-from subsea.lab.environments.swim import SwimEnv
+from subsea.lab.environments.swim import SwimEnv, SwimVectorEnv
 from subsea.lab.environments.swim_bodies import ACTIONS
-from subsea.lab.environments.swim_vector import SwimVectorEnv
 from subsea.repertoire.files import read_repertoire
 
 SPECIES = "fusilier"

@@ -10,9 +10,8 @@ from pathlib import Path
 from PIL import Image
 
 from subsea.lab.plots import plot
-from subsea.lab.report import measure
+from subsea.lab.report import measure, table
 from subsea.lab.simulate import simulate
-from subsea.lab.table import table
 from subsea.media.record import read_record
 
 SHOWN = {

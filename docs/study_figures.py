@@ -15,9 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from subsea.lab.report import measure
+from subsea.lab.report import measure, table
 from subsea.lab.simulate import simulate
-from subsea.lab.table import table
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
 from subsea.state import HUNGER

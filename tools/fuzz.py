@@ -39,7 +39,7 @@ from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.measured import load_measured
 from subsea.fish.species import Species, load_species
-from subsea.lab.profiling.comparison import read_reports
+from subsea.lab.benchmark_reports import read_reports
 from subsea.lab.simulate import simulate
 from subsea.lab.sweep import read_result
 from subsea.media.record import read_record

@@ -8,10 +8,8 @@ from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError, unknown
 from subsea.dive import arguments as shared
 
-STAGES_TO_LEAVE_OUT = ("culling", "lod", "sync")
-
-
 GROUP = "simulate and study"  # in the help
+STAGES_TO_LEAVE_OUT = ("culling", "lod", "sync")
 
 
 def add(commands: Any) -> None:
@@ -110,10 +108,10 @@ def run(options: Namespace) -> int:
         for word in options.words:
             if word != "--paper":
                 raise UserError(f"benchmark: --paper takes no other option, {word!r} was given")
-        from subsea.lab.profiling.paper_tables import paper_tables
+        from subsea.lab.paper_tables import paper_tables
 
         return paper_tables()
-    from subsea.lab.profiling.benchmark import BenchmarkOptions, benchmark
+    from subsea.lab.benchmark import BenchmarkOptions, benchmark
 
     shared.check_display_without_window(options.display)
     shared.check_target(options)

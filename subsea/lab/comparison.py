@@ -1,9 +1,4 @@
-"""`subsea study` of several records: the measures of each group, with their uncertainty.
-
-The plot of a comparison: a panel for each of the main measures.
-
-The measures of a record as one row of numbers, for tables.
-"""
+"""`subsea study` of several records: the measures of each group, with their uncertainty."""
 
 import json
 import os
@@ -22,8 +17,7 @@ from subsea.base.files import replacing
 from subsea.base.progress import count_noun, progress
 from subsea.base.report_files import check_plots, write_plots
 from subsea.lab.plots import LINES
-from subsea.lab.report import MEASURES, measure, refuse_clashes
-from subsea.lab.table import Measured
+from subsea.lab.report import MEASURES, Measured, measure, refuse_clashes
 from subsea.media.record import Origin, read_origin, read_record
 
 Row = dict[str, float | None]  # None: nothing to measure
@@ -39,7 +33,7 @@ _INPUTS = "seed", "ticks"
 
 
 def flat_measures(found: Measured) -> Row:
-    """The numbers of `subsea.lab.report.measure` by name, such as ``sea.overlap_share``.
+    """Flatten the numbers of `subsea.lab.report.measure` by name, such as ``sea.overlap_share``.
 
     docs/reference/records.md lists them. Names of species are in lower case with underscores.
     Texts and lists of single events are left out.
@@ -203,7 +197,7 @@ def compare(
 def grouped(
     paths: Sequence[Path], origins: Sequence[Origin], rows: Sequence[tuple[int, Row]]
 ) -> list[RecordGroup]:
-    """The groups of records with their estimates, in the order of their first records."""
+    """Group records, with estimates, in the order of their first records."""
     found: dict[Origin, list[int]] = {}
     for k, origin in enumerate(origins):
         found.setdefault(origin, []).append(k)
@@ -240,7 +234,7 @@ def _names(rows: Sequence[Row]) -> list[str]:
 
 
 def estimate(rows: Sequence[Row], name: str) -> Estimate:
-    """The mean of a measure over records, with Student's 95 % confidence interval."""
+    """Estimate the mean of a measure over records, with Student's 95 % confidence interval."""
     values = [value for row in rows if (value := row.get(name)) is not None]
     if not values:
         return Estimate(0, None, None)
@@ -251,7 +245,7 @@ def estimate(rows: Sequence[Row], name: str) -> Estimate:
 
 
 def student(freedom: int) -> float:
-    """The quantile at 97.5 % of Student's t; an expansion in 1 / `freedom` for more than 10."""
+    """Look up the 97.5 % quantile of Student's t; above 10, expand it in 1 / `freedom`."""
     if freedom <= len(STUDENT):
         return STUDENT[freedom - 1]
     z = NORMAL

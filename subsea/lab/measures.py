@@ -1,18 +1,6 @@
-"""Stretches and headings in the time series of a record.
+"""Measures of a record: where fishes are, what they intend, and how they touch, eat and court.
 
-Fishes out of bounds or inside obstacles, by species.
-
-Captures of prey in company and alone.
-
-Clearance of each fish from the bounds of the sea and from obstacles.
-
-Courtships: their states, success and rejection.
-
-Hunger, intentions, meals and escapes.
-
-Bodies of fishes that overlap.
-
-Attacks of predators on prey, and how often they succeed.
+docs/reference/records.md defines each measure. Records have T ticks of n fishes.
 """
 
 from collections.abc import Iterator, Sequence
@@ -42,6 +30,30 @@ from subsea.state import (
 )
 
 BARRIERS = ("wall", "surface", "seabed", "pillar", "rock")
+SAMPLE_S = 0.2  # interval at which the shape of schools is sampled
+COMPANIONS, COMPANY_BL = 2, 2.5  # in company: at least 2 of its species within this distance
+BEFORE_S = 3.0  # decisive period before a capture
+TURNED_DEG, TURNED_S = 60.0, 3.0  # a rejected male turns by that angle within that time
+COURTED_S = 1.0  # minimum duration of a courtship
+SEQUENCE = (LOOPING, CIRCLING, ASCENDING, NUZZLING)  # of a complete mating (Tu §7.9.3)
+SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger is saturated above this level for this time
+WARNING_S = 1.0  # fear must come within this time before an escape
+REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
+APART_S = 2.0  # two approaches within this time are one attack
+AFTER_S = 1.0  # prey that dies until then was caught by the attack
+PERIOD_S = 180.0  # for which catches are counted
+
+
+def headings(orientation: Array) -> Array:
+    """Compute unit vectors (..., 3) along the body of quaternions (..., 4)."""
+    return np.asarray(matrix(np.asarray(orientation, np.float64))[..., 0])
+
+
+def runs(flags: Bools) -> Iterator[tuple[int, int]]:
+    """Find beginnings and ends of the stretches in which flags (k,) hold."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    for start, end in edges.reshape(-1, 2):
+        yield int(start), int(end)
 
 
 class Barriers(NamedTuple):
@@ -55,11 +67,12 @@ class Barriers(NamedTuple):
 
 
 def clearances(record: Record) -> tuple[Array, Ints]:
-    """Distance of each fish from the nearest barrier (T, n), cm, and its index in BARRIERS.
+    """Measure the distance of each fish from its nearest barrier (T, n), cm, and name that.
 
-    The least over snout, middle and tail; negative where one of them is outside the sea or inside
-    an obstacle. Distances from obstacles are those that the fishes perceive; from the seabed it is
-    the height above it. Dead fishes are infinitely far away.
+    Names are indices in BARRIERS. The distance is the least over snout, middle and tail; it is
+    negative where one of them is outside the sea or inside an obstacle. Distances from obstacles
+    are those that the fishes perceive; the distance from the seabed is the height above it. Dead
+    fishes are infinitely far away.
     """
     shape = record.alive.shape
     least = np.full(shape, np.inf, np.float32)
@@ -98,21 +111,6 @@ def _lower(points: Array, alive: Bools, barriers: Barriers, least: Array, which:
                 least[t, i], which[t, i] = best, code
 
 
-SAMPLE_S = 0.2  # interval at which the shape of schools is sampled
-
-
-def headings(orientation: Array) -> Array:
-    """Unit vectors (..., 3) along the body, of quaternions (..., 4)."""
-    return np.asarray(matrix(np.asarray(orientation, np.float64))[..., 0])
-
-
-def runs(flags: Bools) -> Iterator[tuple[int, int]]:
-    """Beginnings and ends of the stretches in which flags (k,) hold."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    for start, end in edges.reshape(-1, 2):
-        yield int(start), int(end)
-
-
 class Outside(NamedTuple):
     """Fish-ticks of a species out of bounds or inside obstacles, by snout, middle or tail."""
 
@@ -132,32 +130,25 @@ def outside(record: Record) -> list[Outside]:
     gaps, which = clearances(record)
     if "struggle" in record.intention_names:
         gaps[record.intention == record.intention_names.index("struggle")] = np.inf
-    found = []
+    rows = []
     for k, name in enumerate(record.species_names):
-        those = np.flatnonzero(record.species == k)
-        if not len(those):
+        members = np.flatnonzero(record.species == k)
+        if not len(members):
             continue
-        part = gaps[:, those]
-        deepest = np.unravel_index(np.argmin(part), part.shape)
-        longest = max(
-            (end - start for i in range(len(those)) for start, end in runs(part[:, i] < 0.0)),
-            default=0,
-        )
-        found.append(
+        gap = gaps[:, members]
+        deepest = np.unravel_index(np.argmin(gap), gap.shape)
+        stretches = [end - start for column in gap.T for start, end in runs(column < 0.0)]
+        rows.append(
             Outside(
                 name,
-                int(record.alive[:, those].sum()),
-                int((part < 0.0).sum()),
-                max(-float(part[deepest]), 0.0),
-                BARRIERS[which[:, those][deepest]],
-                longest * record.tick_s,
+                int(record.alive[:, members].sum()),
+                int((gap < 0.0).sum()),
+                max(-float(gap[deepest]), 0.0),
+                BARRIERS[which[:, members][deepest]],
+                max(stretches, default=0) * record.tick_s,
             )
         )
-    return found
-
-
-COMPANIONS, COMPANY_BL = 2, 2.5  # in company: at least 2 of its species within this distance
-BEFORE_S = 3.0  # decisive period before a capture
+    return rows
 
 
 class Captures(NamedTuple):
@@ -214,11 +205,6 @@ def _company(position: Array, alive: Bools, species: Ints, length: Array, compan
         company[t] = (count >= COMPANIONS) & alive[t]
 
 
-TURNED_DEG, TURNED_S = 60.0, 3.0  # a rejected male turns by that angle within that time
-COURTED_S = 1.0  # minimum duration of a courtship
-SEQUENCE = (LOOPING, CIRCLING, ASCENDING, NUZZLING)  # of a complete mating (Tu §7.9.3)
-
-
 class Courtship(NamedTuple):
     """The courtship of one male."""
 
@@ -233,8 +219,8 @@ class Courtship(NamedTuple):
 
 
 def courtships(record: Record) -> list[Courtship]:
-    """Every courtship of every male, in order of time."""
-    found = []
+    """List every courtship of every male, in order of time."""
+    rows = []
     for i in np.flatnonzero(record.male):
         state = record.courtship[:, i]
         for start, end in runs((state != NO_COURTSHIP) & record.alive[:, i]):
@@ -246,7 +232,7 @@ def courtships(record: Record) -> list[Courtship]:
             partners = partners[partners != NOBODY]
             over = end < len(record.time)
             rejected = over and not set(order) & {CIRCLING, ASCENDING, NUZZLING}
-            found.append(
+            rows.append(
                 Courtship(
                     male=int(i),
                     partner=int(np.bincount(partners).argmax()) if len(partners) else NOBODY,
@@ -258,37 +244,33 @@ def courtships(record: Record) -> list[Courtship]:
                     turned_away=rejected and turned_after(record, int(i), end - 1) > TURNED_DEG,
                 )
             )
-    return sorted(found, key=lambda one: (one.start, one.male))
+    return sorted(rows, key=lambda courtship: (courtship.start, courtship.male))
 
 
 def turned_after(record: Record, fish: int, tick: int) -> float:
-    """Largest angle between a fish's heading at a tick and in the three seconds after, degrees."""
+    """Measure by how much a fish turns within three seconds after a tick, degrees."""
     later = tick + 1 + round(TURNED_S / record.tick_s)
     ways = headings(record.orientation[tick:later, fish])
     return float(np.degrees(np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))).max())
 
 
-SATED_BELOW, SATURATED_S = 0.99, 60.0  # hunger is saturated above this level for this time
-WARNING_S = 1.0  # fear must come within this time before an escape
-
-
 def saturated(record: Record) -> Bools:
-    """Fish-ticks (T, n) of plankton eaters whose hunger stays full for over a minute.
+    """Find fish-ticks (T, n) of plankton eaters whose hunger stays full for over a minute.
 
-    Only while there is plankton.
+    Ticks without plankton do not count.
     """
     full = (record.mental_state[:, :, HUNGER] >= SATED_BELOW) & record.alive
     full &= (record.plankton > 0)[:, None] & (record.kind != PREDATOR)
-    found = np.zeros_like(full)
+    long = np.zeros_like(full)
     for i in range(full.shape[1]):
         for start, end in runs(full[:, i]):
             if (end - start) * record.tick_s > SATURATED_S:
-                found[start:end, i] = True
-    return found
+                long[start:end, i] = True
+    return long
 
 
 def time_budget(record: Record) -> Array:
-    """Share of living time that each species spends on each intention (s, b)."""
+    """Measure the share of living time that each species spends on each intention (s, b)."""
     budget = np.zeros((len(record.species_names), len(record.intention_names)))
     species = np.broadcast_to(record.species, record.alive.shape)[record.alive]
     np.add.at(budget, (species, record.intention[record.alive]), 1.0)
@@ -296,21 +278,21 @@ def time_budget(record: Record) -> Array:
 
 
 def changes_per_second(record: Record) -> Array:
-    """Changes of intention of each fish (n,) per second of its life."""
+    """Count the changes of intention of each fish (n,) per second of its life."""
     both = record.alive[1:] & record.alive[:-1]
     changed = (np.diff(record.intention.astype(np.int16), axis=0) != 0) & both
     return np.asarray(changed.sum(axis=0) / np.maximum(both.sum(axis=0) * record.tick_s, 1e-9))
 
 
 def meals(record: Record) -> Bools:
-    """Fish-ticks (T, n) in which something was eaten."""
+    """Find the fish-ticks (T, n) in which something was eaten."""
     eaten = np.zeros_like(record.alive)
     eaten[1:] = np.diff(record.last_meal, axis=0) > 0
     return eaten
 
 
 def escapes(record: Record) -> tuple[int, int]:
-    """Number of escapes, and of those with alarming fear within a second before."""
+    """Count escapes, and how many of them follow alarming fear within a second."""
     began = (record.intention[1:] == ESCAPE) & (record.intention[:-1] != ESCAPE)
     window = max(round(WARNING_S / record.tick_s), 1)
     fearful = record.mental_state[:, :, FEAR] > record.alarmed
@@ -334,7 +316,7 @@ class BeadBodies(NamedTuple):
 
 
 def overlaps(record: Record) -> Ints:
-    """Overlap of each fish's body with another's (T, n): 0 none, 1 intended, 2 unintended.
+    """Find overlaps of each fish's body with another's (T, n): 0 none, 1 intended, 2 unintended.
 
     A body is a row of ellipsoids along its centre line from the snout over the middle to the tail,
     with the species' half-width and half-height there. Two of them overlap if their radii on the
@@ -398,23 +380,21 @@ def _overlap(bodies: BeadBodies, alive: Bools, partner: Ints, kind: Ints, found:
                 code = 1 if meant else 2
                 if found[t, i] >= code and found[t, j] >= code:
                     continue
-                if _touch(
-                    beads[i], orientation[t, i], sizes[i], beads[j], orientation[t, j], sizes[j]
-                ):
+                a_body = beads[i], orientation[t, i], sizes[i]
+                b_body = beads[j], orientation[t, j], sizes[j]
+                if _meets(a_body, b_body) or _meets(b_body, a_body):
                     found[t, i] = max(found[t, i], code)
                     found[t, j] = max(found[t, j], code)
 
 
 @kernel
-def _touch(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_size: Array) -> bool:
-    """True if a bead of one body meets the line through the beads of the other."""
-    return _meets(a, a_turn, a_size, b, b_turn, b_size) or _meets(
-        b, b_turn, b_size, a, a_turn, a_size
-    )
+def _meets(a_body: tuple[Array, Array, Array], b_body: tuple[Array, Array, Array]) -> bool:
+    """Check if a bead of body a meets the line through the beads of body b.
 
-
-@kernel
-def _meets(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_size: Array) -> bool:
+    A body is its beads, its orientation and its sizes.
+    """
+    a, a_turn, a_size = a_body
+    b, b_turn, b_size = b_body
     most = a_size.max() + b_size.max()
     for k in range(STATIONS):
         here = vector(a[k])
@@ -441,7 +421,7 @@ def _meets(a: Array, a_turn: Array, a_size: Array, b: Array, b_turn: Array, b_si
 def _radius(
     turn: Array, width: float, height: float, spacing: float, gap: Any, distance: float
 ) -> float:
-    """Radius of an ellipsoid in the direction of `gap`, cm."""
+    """Compute the radius of an ellipsoid in the direction of `gap`, cm."""
     if width < 1e-6 or height < 1e-6:
         return 0.0
     if distance < 1e-6:
@@ -450,12 +430,6 @@ def _radius(
     y = dot(gap, rotate(turn, (0.0, 1.0, 0.0))) / distance / height
     z = dot(gap, rotate(turn, (0.0, 0.0, 1.0))) / distance / width
     return 1.0 / np.sqrt(x * x + y * y + z * z)
-
-
-REACH = 1.0  # an attack comes as near as this to its target, lengths of the predator
-APART_S = 2.0  # two approaches within this time are one attack
-AFTER_S = 1.0  # prey that dies until then was caught by the attack
-PERIOD_S = 180.0  # for which catches are counted
 
 
 class Predation(NamedTuple):
@@ -467,7 +441,7 @@ class Predation(NamedTuple):
     seconds: float  # length of the record
 
     def rates(self) -> list[float]:
-        """Catches of each predator in PERIOD_S, scaled from a shorter record."""
+        """Scale the catches of each predator from a shorter record to PERIOD_S."""
         scale = max(PERIOD_S / self.seconds, 1.0)
         return [round(scale * number, 1) for number in self.catches]
 
@@ -499,17 +473,17 @@ def predation(record: Record) -> Predation:
 
 
 def joined(parts: Sequence[Predation]) -> Predation:
-    """The predation of a dive that was recorded in parts, one after another."""
+    """Join the predation of a dive that was recorded in parts, one after another."""
     return Predation(
-        sum(one.attacks for one in parts),
-        sum(one.captures for one in parts),
-        [sum(numbers) for numbers in zip(*(one.catches for one in parts), strict=True)],
-        sum(one.seconds for one in parts),
+        sum(part.attacks for part in parts),
+        sum(part.captures for part in parts),
+        [sum(numbers) for numbers in zip(*(part.catches for part in parts), strict=True)],
+        sum(part.seconds for part in parts),
     )
 
 
 def _attacks(record: Record, i: int) -> list[tuple[int, int]]:
-    """First and last ticks of the attacks of fish i."""
+    """Find the first and last ticks of the attacks of fish i."""
     target = record.target[:, i]
     n = record.position.shape[1]
     aims = (record.intention[:, i] == EAT) & record.alive[:, i] & (target >= 0) & (target < n)

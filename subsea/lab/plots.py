@@ -53,7 +53,7 @@ def _colours(record: Record) -> list[str]:
 
 
 def _budget_page(page: Any, record: Record) -> None:
-    """Share of time per intention, a bar for each species."""
+    """Draw the share of time per intention, a bar for each species."""
     budget, colours = time_budget(record), _colours(record)
     number = len(budget)
     page.set_size_inches(9, 1.3 + 0.42 * number)
@@ -88,7 +88,7 @@ def _span(record: Record) -> str:
 
 
 def _schools_page(page: Any, record: Record) -> None:
-    """Polarisation, nearest-neighbour distance and largest connected part over time."""
+    """Draw polarisation, nearest-neighbour distance and largest connected part over time."""
     largest = sorted(schools(record), key=lambda s: -int(s.members.max()))[:SHOWN_SCHOOLS]
     page.set_size_inches(10, 6.2)
     top, middle, bottom = page.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
@@ -116,7 +116,7 @@ def _schools_page(page: Any, record: Record) -> None:
 
 
 def _smooth(values: Array) -> Array:
-    """A running mean that keeps gaps."""
+    """Compute A running mean that keeps gaps."""
     width = max(round(SMOOTH_S / SAMPLE_S), 1)
     there = np.isfinite(values)
     kernel = np.ones(min(width, len(values)))
@@ -126,7 +126,7 @@ def _smooth(values: Array) -> Array:
 
 
 def _minds_page(page: Any, record: Record) -> None:
-    """Hunger, libido and fear of some fishes, each above a strip of its intentions."""
+    """Draw hunger, libido and fear of some fishes, each above a strip of its intentions."""
     from matplotlib.colors import ListedColormap
 
     chosen = _eventful(record)
@@ -168,7 +168,7 @@ def _minds_page(page: Any, record: Record) -> None:
 
 
 def _eventful(record: Record) -> list[int]:
-    """The fishes whose minds change most, of different species if possible."""
+    """Choose the fishes whose minds change most, of different species if possible."""
     change = record.mental_state.std(axis=0).sum(axis=1)
     variety = np.array([len(np.unique(one)) for one in record.intention.T])
     by_interest = np.argsort(-(change + 0.15 * variety), kind="stable")
@@ -181,7 +181,7 @@ def _eventful(record: Record) -> list[int]:
 
 
 def _paths_page(page: Any, record: Record) -> None:
-    """The paths of the fishes from above, over the seabed and its obstacles."""
+    """Draw the paths of the fishes from above, over the seabed and its obstacles."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.patches import Circle, Ellipse
 
@@ -232,7 +232,7 @@ def _paths_page(page: Any, record: Record) -> None:
 
 
 def _frame(record: Record) -> tuple[Array, Array]:
-    """Limits in x and y of a square around all paths, m; at most those of the whole sea."""
+    """Compute limits in x and y of a square around all paths, m; at most those of the whole sea."""
     whole = 1.03 * record.radius_cm / 100
     places = record.position[record.alive][:, :2] / 100
     low, high = places.min(axis=0), places.max(axis=0)
@@ -244,7 +244,7 @@ def _frame(record: Record) -> tuple[Array, Array]:
 
 
 def _clearance_page(page: Any, record: Record) -> None:
-    """Histogram of the clearance from bounds and obstacles."""
+    """Draw a histogram of the clearance from bounds and obstacles."""
     clearance, which = clearances(record)
     page.set_size_inches(9, 4)
     axis = page.subplots()

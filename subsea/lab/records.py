@@ -25,7 +25,7 @@ PathText = str | PathLike[str]
 
 
 def scenarios() -> list[str]:
-    """Names of all scenarios: the shipped ones, then the user's own.
+    """List the names of all scenarios: the shipped ones, then the user's own.
 
     Examples:
         >>> "peaceful" in subsea.scenarios()
@@ -35,7 +35,7 @@ def scenarios() -> list[str]:
 
 
 def species() -> list[str]:
-    """Names of all species: the shipped ones, then the user's own.
+    """List the names of all species: the shipped ones, then the user's own.
 
     Examples:
         >>> "fusilier" in subsea.species()
@@ -148,7 +148,7 @@ def open_record(path: PathText) -> Record:
 
 
 def measure(record: Record | PathText) -> dict[str, Any]:
-    """All measures of a record, as `subsea study --json` writes them.
+    """Compute all measures of a record, as `subsea study --json` writes them.
 
     docs/reference/records.md defines each of them.
 
@@ -161,7 +161,7 @@ def measure(record: Record | PathText) -> dict[str, Any]:
 
 
 def _ticks(seconds: float) -> int:
-    """Seconds in ticks; a ValueError for less than one."""
+    """Convert seconds to ticks; a ValueError for less than one."""
     if not TICK_S <= seconds < math.inf:
         raise ValueError(f"seconds: {seconds!r}, expected at least {TICK_S}")
     return round(seconds / TICK_S)

@@ -1,7 +1,4 @@
-"""Schools as measured in nature: order, spacing, room, bearings and splits.
-
-Schools: shape, spacing and splits.
-"""
+"""Schools as measured in nature: order, spacing, room, bearings and splits."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -45,7 +42,7 @@ class Split(NamedTuple):
 
 
 def schools(record: Record) -> list[School]:
-    """The shape of every school of at least three fishes, five times a second.
+    """Measure the shape of every school of at least three fishes, five times a second.
 
     Counts the leader and the fishes that currently school, avoid something or escape; the others
     pursue intentions of their own.
@@ -98,7 +95,7 @@ def _school(record: Record, leader: int, every: int) -> School:
 
 @kernel
 def _spread(position: Array, length: Array, link: float) -> tuple[Array, float]:
-    """Distance to the nearest (m,) in body lengths, and the share of the largest connected part.
+    """Measure distances to the nearest (m,), body lengths, and the share of the largest part.
 
     A pair's body length is the mean of both.
     """
@@ -138,7 +135,7 @@ def _root(part: Ints, i: int) -> int:
 
 
 def splits(school: School, end: float) -> list[Split]:
-    """Periods in which less than nine tenths of a school were connected.
+    """Find periods in which less than nine tenths of a school were connected.
 
     Shorter ones than half a second do not count. `end` is the time of the last tick, s.
     """
@@ -155,7 +152,7 @@ def splits(school: School, end: float) -> list[Split]:
 
 
 def split_periods(time: Array, together: Array, end: float) -> list[tuple[int, int, float]]:
-    """First sample, sample after the last, and duration, s, of each split; see `splits`.
+    """Find the first sample, the sample after the last, and the duration, s, of each split.
 
     A split ends at the latest with the school: it has no sample while it has too few fishes.
     """
@@ -190,12 +187,12 @@ class Schooling(NamedTuple):
 
     @property
     def split_s(self) -> Array:
-        """Durations of the periods in which it was in parts."""
+        """Durations of its splits."""
         return self._durations(self.together)
 
     @property
     def calm_split_s(self) -> Array:
-        """The same while no fish is alarmed: predators split schools."""
+        """Durations of its splits without alarm: predators split schools."""
         return self._durations(np.where(self.calm, self.together, 1.0))
 
     def _durations(self, together: Array) -> Array:
@@ -241,7 +238,7 @@ def _measured(record: Record, school: School) -> Schooling:
 
 
 def joined(parts: Sequence[Schooling]) -> list[Schooling]:
-    """The schools of a dive that was recorded in parts: medians of medians, and all splits."""
+    """Join the schools of a dive that was recorded in parts: medians of medians, and all splits."""
     schools: dict[int, list[Schooling]] = {}
     for one in parts:
         schools.setdefault(one.leader, []).append(one)
@@ -266,13 +263,13 @@ def _joined(parts: Sequence[Schooling]) -> Schooling:
 
 
 def _median(values: Sequence[float]) -> float:
-    """The median of the values that are not NaN; NaN without any."""
+    """Compute the median of the values that are not NaN; NaN without any."""
     there = [value for value in values if not np.isnan(value)]
     return float(np.median(there)) if there else np.nan
 
 
 def _shape(record: Record, t: int, members: Ints, bearing: Array) -> tuple[float, float, float]:
-    """Height to the nearest, room per fish and lead of the foremost; adds to `bearing`."""
+    """Measure height to the nearest, room per fish, lead of the foremost; adds to `bearing`."""
     place = record.position[t, members].astype(np.float64)
     length = record.length[members].astype(np.float64)
     ahead = headings(record.orientation[t, members])

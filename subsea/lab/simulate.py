@@ -3,19 +3,23 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from subsea import __version__
 from subsea.base import hdf5, interrupts
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result
+from subsea.base.files import file_hash
 from subsea.base.progress import count_noun, say
+from subsea.base.source_stamp import source_stamp
 from subsea.behavior.table import INTENTIONS
 from subsea.dive.start import Say, ready_world
-from subsea.lab.provenance import Provenance, provenance_of
+from subsea.fish.species import repertoire_file, species_file
 from subsea.media.record import (
     COORDINATES,
     DIMENSIONS,
@@ -31,6 +35,8 @@ from subsea.media.record import (
 from subsea.motor.pose import ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
+from subsea.scenario.save import scenario_text
+from subsea.scenario.schema import Scenario
 from subsea.state import COURTSHIP, KINDS, MENTAL_STATES
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.step import step
@@ -78,6 +84,41 @@ class Run:
     seed: int | None = None
     fish: int | None = None
     changes: tuple[str, ...] = ()  # made to the scenario before its text is stored
+
+
+class Provenance(NamedTuple):
+    """Versions and hashes of everything that a run is made from, except its seed and length."""
+
+    program: str
+    packages: str  # versions of packages that may change a result
+    code_sha256: str
+    scenario: str  # its text, with the changes
+    scenario_sha256: str  # of its file, without them
+    changes: tuple[str, ...]
+    species_keys: tuple[str, ...]
+    species_sha256: tuple[str, ...]  # of the file of each
+    repertoire_sha256: tuple[str, ...]
+
+
+def provenance_of(
+    scenario: Scenario, source: Path, changes: Sequence[str], module: str
+) -> Provenance:
+    """Collect the provenance of a run of a scenario from the file `source`.
+
+    `module` is the file of the code that makes the result. A missing file is a UserError.
+    """
+    names = tuple(scenario.species)
+    return Provenance(
+        program=f"subsea {__version__}",
+        packages=f"numpy {np.__version__}, numba {numba.__version__}",
+        code_sha256=source_stamp(Path(module).resolve()),
+        scenario=scenario_text(scenario, source),
+        scenario_sha256=file_hash(source),
+        changes=tuple(changes),
+        species_keys=names,
+        species_sha256=tuple(file_hash(species_file(name)) for name in names),
+        repertoire_sha256=tuple(file_hash(repertoire_file(name)) for name in names),
+    )
 
 
 def simulate(
@@ -186,7 +227,7 @@ def _extent(ticks: int, fishes: int) -> str:
 
 
 def _empty_block(length: int, n: int) -> Rows:
-    """Empty arrays for `length` ticks of `n` fishes."""
+    """Make empty arrays for `length` ticks of `n` fishes."""
     sizes = {name: size for name, (_, size) in DIMENSIONS.items()} | {"time": length, "fish": n}
     return {
         name: np.zeros([sizes[k] or 0 for k in field.dimensions], field.type)
@@ -210,7 +251,7 @@ def _note(world: World, block: Rows, row: int) -> None:
 
 
 def _begun(world: World) -> list[Event]:
-    """The directions that began in the last tick."""
+    """List the directions that began in the last tick."""
     log, tick = world.state.directions, world.state.tick
     return [
         (tick * TICK_S, int(k), (int(log.cast[k, 0]), int(log.cast[k, 1])))
@@ -219,7 +260,7 @@ def _begun(world: World) -> list[Event]:
 
 
 def _table(happened: list[Event]) -> Rows:
-    """Events as rows of the record."""
+    """Arrange events as rows of the record."""
     columns = zip(*happened, strict=True) if happened else ([], [], [])
     return {
         name: np.array([*column], FIELDS[name].type).reshape(-1, *ROLES[name])
@@ -247,7 +288,7 @@ def _constants(world: World) -> Rows:
 
 
 def _coordinates(world: World) -> Rows:
-    """Labels and places along the dimensions; words are of any length, as netCDF has them."""
+    """List labels and places along the dimensions; words are of any length, as netCDF has them."""
     sea = world.state.sea
     along = np.linspace(-sea.half_width, sea.half_width, len(sea.heights))
     words = {
@@ -268,7 +309,7 @@ def _coordinates(world: World) -> Rows:
 
 
 def _names(world: World) -> dict[str, Sequence[str]]:
-    """The names of all codes and columns."""
+    """List the names of all codes and columns."""
     return {
         "species_names": [species.name for species in world.species],
         "kind_names": KINDS,
@@ -282,7 +323,7 @@ def _names(world: World) -> dict[str, Sequence[str]]:
 
 
 def _notes(names: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Any]]:
-    """The attributes of each dataset, by the climate and forecast conventions (CF)."""
+    """List the attributes of each dataset, by the climate and forecast conventions (CF)."""
     notes: dict[str, dict[str, Any]] = {}
     for name, field in (FIELDS | COORDINATES).items():
         notes[name] = {"long_name": hdf5.text(field.meaning)}
@@ -300,7 +341,7 @@ def _notes(names: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Any]]:
 def _attributes(
     world: World, names: Mapping[str, Sequence[str]], provenance: Provenance
 ) -> dict[str, Any]:
-    """The names of all codes, and everything needed to repeat the run."""
+    """List the names of all codes, and everything needed to repeat the run."""
     bounds = world.scenario.bounds
     origin = {
         name: hdf5.text(value) if isinstance(value, str) else hdf5.words(value)

@@ -7,10 +7,8 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.dive import arguments as shared
 
-MAX_TICKS = 100_000_000
-
-
 GROUP = "simulate and study"  # in the help
+MAX_TICKS = 100_000_000
 
 
 def add(commands: Any) -> None:
@@ -54,7 +52,7 @@ def add_length(parser: ArgumentParser) -> None:
 
 
 def ticks_of(options: Namespace) -> int:
-    """The length of a run in ticks."""
+    """Compute the length of a run in ticks."""
     from subsea.base.progress import say
     from subsea.world.world import TICK_S
 

@@ -72,7 +72,7 @@ def run(options: Namespace) -> int:
         return code
     shared.refuse(options, ("playlist",), "soak: {} needs --kiosk")
     from subsea.base.file_kinds import check_result
-    from subsea.lab.profiling.soak import REPORT, soak
+    from subsea.lab.soak import REPORT, soak
 
     if options.json is not None:
         check_result(options.json, REPORT, options.force)

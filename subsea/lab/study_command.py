@@ -7,20 +7,12 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.base.report_files import add_report_options
+from subsea.lab.sweep_command import add_jobs, seeds
 
 MAX_SECONDS = 3600
-MAX_JOBS = 256
+GROUP = "simulate and study"  # in the help
 SEEDS, SECONDS = "1-3", 60.0
 NAME = "subsea study --validate"
-
-
-def _seeds(text: str) -> tuple[int, ...]:
-    from subsea.lab.sweep import read_seeds
-
-    return read_seeds(text)
-
-
-GROUP = "simulate and study"  # in the help
 
 
 def add(commands: Any) -> None:
@@ -54,16 +46,13 @@ def add(commands: Any) -> None:
         "--validate", action="store_true", help="run scenarios; compare with measured fishes"
     )
     validate.add_argument(
-        "--seeds", type=_seeds, metavar="LIST", help=f"such as 1-20 or 1,5,9 (default {SEEDS})"
+        "--seeds", type=seeds, metavar="LIST", help=f"such as 1-20 or 1,5,9 (default {SEEDS})"
     )
     validate.add_argument(
         "--seconds", type=number_reader(float, 0.1, MAX_SECONDS), metavar="S",
         help=f"length of each run (default {SECONDS:g})",
     )  # fmt: skip
-    validate.add_argument(
-        "--jobs", type=number_reader(int, 1, MAX_JOBS), metavar="N",
-        help="parallel processes (default: one for each core)",
-    )  # fmt: skip
+    add_jobs(validate)
     add_report_options(validate)
     add_force(parser)
     parser.set_defaults(run=run)
@@ -95,16 +84,15 @@ def _validate(options: Namespace) -> int:
     from subsea.base.system import cores
     from subsea.dive.warm_up import warm_up
     from subsea.jobs.workers import process_pool
-    from subsea.lab.validation import Validation, default_scenarios, trials
-    from subsea.lab.validation_report import VALIDATION_PLOTS, validate
+    from subsea.lab.validation import VALIDATION_PLOTS, default_scenarios, trials, validate
     from subsea.world.world import TICK_S
 
     if options.out is not None:
         raise UserError("study: --out is for records; with --validate give --plots")
     names = [str(name) for name in options.records] or default_scenarios()
     seconds = options.seconds or SECONDS
-    chosen = Validation(names, options.seeds or _seeds(SEEDS), max(round(seconds / TICK_S), 1))
-    jobs = list(trials(chosen))
+    chosen = options.seeds or seeds(SEEDS)
+    jobs = list(trials(names, chosen, max(round(seconds / TICK_S), 1)))
     files = ReportFiles(NAME, options.json, options.report, options.plots)
     files.check(VALIDATION_PLOTS, options.force)
     warm_up(say)

@@ -1,8 +1,6 @@
 """`subsea sweep`: run every combination of seeds and values; collect the measures in a table.
 
-Seeds and values of a sweep as they are written on the command line.
-
-Tables of sweeps as Parquet and CSV files: equal rows give equal bytes.
+Tables are Parquet and CSV files: equal rows give equal bytes.
 """
 
 import csv
@@ -28,9 +26,8 @@ from subsea.base.system import require
 from subsea.base.toml_edit import toml_value
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, serial
 from subsea.lab.comparison import Row, flat_measures
-from subsea.lab.provenance import Provenance, provenance_of
 from subsea.lab.report import measure
-from subsea.lab.simulate import Run, record_run
+from subsea.lab.simulate import Provenance, Run, provenance_of, record_run
 from subsea.media.record import read_record
 from subsea.scenario.load import load_scenario
 
@@ -41,7 +38,7 @@ Line = dict[str, Any]  # a run: texts of TOML values before the column `ticks`, 
 
 
 def columns_of(lines: Sequence[Line]) -> dict[str, list[Any]]:
-    """The columns of all lines, in the order of their first appearance; None for missing numbers.
+    """Arrange lines as columns in the order of first appearance; None for missing numbers.
 
     A swept key is a column of numbers, or of true and false, if all its values are; else of texts.
     """
@@ -99,7 +96,7 @@ _CLOSING = {"[": "]", "{": "}"}
 
 
 def read_seeds(text: str) -> tuple[int, ...]:
-    """Seeds such as ``1:64`` or ``1-64`` (1 to 64) or ``1,5,9``; a UserError for anything else."""
+    """Read seeds such as ``1:64``, ``1-64`` or ``1,5,9``; a UserError for anything else."""
     seeds: list[int] = []
     for part in text.split(","):
         found = _SEEDS.fullmatch(part.strip())
@@ -116,7 +113,7 @@ def read_seeds(text: str) -> tuple[int, ...]:
 
 
 def read_values(settings: list[str]) -> dict[str, tuple[str, ...]]:
-    """The values of each key of settings such as ``fish.0.number=10,20``.
+    """Read the values of each key of settings such as ``fish.0.number=10,20``.
 
     Commas within brackets, braces and quotes belong to a value.
     """
@@ -140,7 +137,7 @@ def read_values(settings: list[str]) -> dict[str, tuple[str, ...]]:
 
 
 def split_values(text: str) -> tuple[str, ...]:
-    """The parts of a text between commas outside brackets, braces and quotes."""
+    """Split a text at commas outside brackets, braces and quotes."""
     parts, part, closing, quote = [], "", "", ""
     escaped = False
     for letter in text:
@@ -251,7 +248,7 @@ def sweep(
 
 
 def _check_tables(out: Path, csv: bool, force: bool) -> dict[Path, Callable[..., None]]:
-    """The tables to write and their writers; a UserError if one cannot be written."""
+    """List the tables to write and their writers; a UserError if one cannot be written."""
     check_folder(out)
     tables: dict[Path, Callable[..., None]] = {}
     try:
@@ -268,7 +265,7 @@ def _check_tables(out: Path, csv: bool, force: bool) -> dict[Path, Callable[...,
 
 
 def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]]:
-    """All runs with their names, in the order of the table; checks every combination."""
+    """List all runs with their names, in the order of the table; checks every combination."""
     texts = {
         key: [value if isinstance(value, str) else toml_value(value) for value in values]
         for key, values in options.values.items()
@@ -293,7 +290,7 @@ def _jobs(options: Sweep, out: Path, records: bool) -> Iterator[tuple[str, _Job]
 
 
 def _digest(run: Run, origin: Provenance) -> str:
-    """A hash of everything that the result of a run depends on."""
+    """Hash everything that the result of a run depends on."""
     inputs = [run.ticks, run.seed, run.fish, origin]
     return sha256(msgspec.json.encode(inputs)).hexdigest()
 
@@ -342,14 +339,14 @@ def _save(out: Path, name: str, job: _Job, row: Row, record: bytes | None) -> Ro
 
 
 def _finished(out: Path, name: str, job: _Job) -> Row | None:
-    """The measures of a run that `out` has already; None if it must be made."""
+    """Read the measures of a run that `out` has already; None if it must be made."""
     if job.keep and not _record_path(out, name).is_file():
         return None
     return read_result(_result_path(out, name), job.inputs)
 
 
 def read_result(path: Path, inputs: str) -> Row | None:
-    """The measures in a file of a run with these inputs; None if missing, damaged or of others."""
+    """Read the measures of a run with these inputs; None if missing, damaged or of others."""
     try:
         found = msgspec.json.decode(read_input(path), type=_Result)
     except (UserError, msgspec.MsgspecError, ValueError, RecursionError):
@@ -358,7 +355,7 @@ def read_result(path: Path, inputs: str) -> Row | None:
 
 
 def _line(name: str, run: Run, keys: Iterable[str]) -> dict[str, Any]:
-    """The first columns of a run."""
+    """Fill the first columns of a run."""
     values = [change.partition("=")[2] for change in run.changes]
     return {
         "run": name,

@@ -9,16 +9,25 @@ from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
 from subsea.lab.simulate_command import add_length, ticks_of
 
+GROUP = "simulate and study"  # in the help
 MAX_JOBS = 256
 
 
-def _seeds(text: str) -> tuple[int, ...]:
+def seeds(text: str) -> tuple[int, ...]:
+    """Read seeds."""
     from subsea.lab.sweep import read_seeds
 
     return read_seeds(text)
 
 
-GROUP = "simulate and study"  # in the help
+def add_jobs(parser: Any) -> None:
+    """Add --jobs."""
+    parser.add_argument(
+        "--jobs",
+        type=number_reader(int, 1, MAX_JOBS),
+        metavar="N",
+        help="parallel processes (default: one for each core)",
+    )
 
 
 def add(commands: Any) -> None:
@@ -38,7 +47,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("scenario", metavar="SCENARIO", help="name or .toml file")
     parser.add_argument(
-        "--seeds", type=_seeds, required=True, metavar="LIST", help="such as 1:64 or 1,5,9"
+        "--seeds", type=seeds, required=True, metavar="LIST", help="such as 1:64 or 1,5,9"
     )
     parser.add_argument(
         "--set",
@@ -50,12 +59,7 @@ def add(commands: Any) -> None:
     )
     add_length(parser)
     shared.add(parser, "fish")
-    parser.add_argument(
-        "--jobs",
-        type=number_reader(int, 1, MAX_JOBS),
-        metavar="N",
-        help="parallel processes (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.add_argument(
         "--cluster",
         metavar="ADDRESS",

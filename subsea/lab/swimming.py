@@ -100,7 +100,7 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
 
 
 def _in_swims(record: Record) -> Bools:
-    """True (T, n) where a fish swims straight with its tail."""
+    """Flag (T, n) where a fish swims straight with its tail."""
     swims = np.array([name.startswith("swim") for name in record.segment_names])
     return np.asarray(swims[record.segment])
 
@@ -114,13 +114,13 @@ def _code(record: Record, name: str) -> int:
 
 
 def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
-    """Values (T, …) as stretches (k, ticks, …) one after another."""
+    """Cut values (T, …) into stretches (k, ticks, …) one after another."""
     number = len(values) // ticks
     return values[: number * ticks].reshape(number, ticks, *values.shape[1:])
 
 
 def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float) -> Beats:
-    """The beats of a species, in the shortest stretches that hold `BEATS` of them.
+    """Measure the beats of a species, in the shortest stretches that hold `BEATS` of them.
 
     `alive` (T, n) is true where a fish swims with its tail.
     """
@@ -138,7 +138,7 @@ def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float
 def _beats_in(
     tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, ticks: int
 ) -> Beats:
-    """Strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
+    """Measure strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
 
     The beat is that of the tail beside the body, so that a bent course does not count as one.
     """
@@ -162,7 +162,7 @@ def _beats_in(
 
 
 def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
-    """Frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t) of a beat or more.
+    """Measure frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t) of a beat or more.
 
     The frequency is that of the sine that fits best together with a parabola, the curved path of a
     turn: a parabola that is taken off first also takes a part of a slow beat. The amplitude is that
@@ -189,7 +189,7 @@ def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
 
 
 def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
-    """Speeds (k, n) over stretches of SHORT_S, and if the fish was alive."""
+    """Measure speeds (k, n) over stretches of SHORT_S, and flag living fishes."""
     ticks = _ticks(SHORT_S, tick_s)
     ends = place[::ticks]
     speed = np.linalg.norm(np.diff(ends, axis=0), axis=-1) / (ticks * tick_s)
@@ -197,7 +197,7 @@ def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
 
 
 def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
-    """Radius of the path of each turn at low speed."""
+    """Measure the radius of the path of each turn at low speed."""
     half = _ticks(TURN_S, tick_s) // 2
     way = np.linalg.norm(np.diff(place[::half], axis=0), axis=-1)
     way = _stretches(way, 2).sum(axis=1)
@@ -209,7 +209,7 @@ def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
 
 
 def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:
-    """Change of heading in straight swims and in all, rad, without the sway of the beat.
+    """Measure change of heading in straight swims and in all, rad, without the sway of the beat.
 
     Changes are taken over `TURN_S` and count as straight if no tick among them is of a turn.
     Fishes that row turn by their fins, with a straight body.
@@ -227,7 +227,7 @@ def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Count
 
 
 def joined(parts: list[Swimming]) -> Swimming:
-    """The samples of several records of one species."""
+    """Join the samples of several records of one species."""
     fields = {}
     for name, field in Swimming.__annotations__.items():
         values = [getattr(part, name) for part in parts]

@@ -1,34 +1,56 @@
-"""`subsea study --validate`: how fishes swim, school and hunt in seas, beside measured fishes."""
+"""`subsea study --validate`: how fishes swim, school and hunt in seas, beside measured fishes.
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+Trials are run and measured on any process; their measures are joined and compared with ranges from
+the literature, in a table, as JSON and as plots.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.progress import progress
+from subsea.base.errors import UserError
+from subsea.base.findings import RangeCheck
+from subsea.base.progress import count_noun, progress
+from subsea.base.report_files import Draw, Report, ReportFiles
 from subsea.base.system import is_path
 from subsea.dive.start import start_world
+from subsea.fish.measured import (
+    MeasuredRange,
+    MeasuredSwimming,
+    SwimmingFacts,
+    load_measured,
+    published,
+)
 from subsea.fish.species import load_species, shipped_species
 from subsea.jobs.workers import Check, Pool
 from subsea.lab import measures as predation
 from subsea.lab import schooling, swimming
 from subsea.lab.measures import Outside, Predation, outside
-from subsea.lab.schooling import Schooling
+from subsea.lab.schooling import BEARINGS, Schooling
 from subsea.lab.simulate import live_records
-from subsea.lab.swimming import Swimming
+from subsea.lab.swimming import Counts, Swimming, joined
 from subsea.motor.playback import TEMPO
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario, scenario_names
-from subsea.world.world import World
+from subsea.world.world import TICK_S, World
 
 CROWD = {"open-ocean": 3000}  # fishes of a scenario that has more
 SCHOOL, SCHOOL_SIZES = "schooling", (10, 64, 144)
 HUNT, GROUP_SIZES = "preying", (1, 6, 20)
 BLOCK_FISH_TICKS = 3_000_000  # measured at once: about 300 MB
 MOST_SAMPLES = 5000  # kept of one run, species and quantity
+AIM = "project_aims"
+PITCHED, STRAIGHT, IDLE, HOVERING = 0.05, 0.10, 0.10, 0.01  # greatest shares
+SLOW_STROUHAL = 0.45  # of a trout at 0.5 L/s (drucker_2005); seas have slow fishes
+CATCHES = 1.0, 4.0  # mean of each predator in three minutes
+TIGHTEST = 1  # percentile of radii: measured are least radii, not those of every turn
+HASTY = 99  # percentile of speeds in flights and hunts
+NAN = math.nan
 
 
 class SeaTrial(NamedTuple):
@@ -53,47 +75,38 @@ class SeaMeasures(NamedTuple):
     predation: Predation
 
 
-@dataclass(frozen=True)
-class Validation:
-    """The runs of a validation."""
-
-    scenarios: Sequence[str]
-    seeds: Sequence[int]
-    ticks: int
-
-
 def default_scenarios() -> list[str]:
-    """The shipped scenarios with fishes."""
+    """List the shipped scenarios with fishes."""
     return [name for name in scenario_names() if any(s.number for s in load_scenario(name)[0].fish)]
 
 
-def trials(options: Validation) -> Iterator[SeaTrial]:
-    """All runs: the scenarios, schools of several sizes, and groups of prey with one predator.
+def trials(scenarios: Sequence[str], seeds: Sequence[int], ticks: int) -> Iterator[SeaTrial]:
+    """List all runs: scenarios, schools of several sizes, groups of prey with one predator.
 
     The last two only if their scenarios are among those that are given. UserError for a scenario
     that cannot be read.
     """
-    for name in options.scenarios:
+    for name in scenarios:
         chosen = load_scenario(name).scenario
         number = sum(shoal.number for shoal in chosen.fish)
         most = CROWD.get(name, number)
         fish = most if most < number else None
         label = Path(name).stem if is_path(name, ".toml") else name
         label = f"{label} of {fish} fishes" if fish else label
-        for seed in options.seeds:
-            yield SeaTrial(label, name, seed, options.ticks, fish)
-    for seed in options.seeds:
-        if SCHOOL in options.scenarios:
+        for seed in seeds:
+            yield SeaTrial(label, name, seed, ticks, fish)
+    for seed in seeds:
+        if SCHOOL in scenarios:
             for size in SCHOOL_SIZES:
-                yield SeaTrial(f"{SCHOOL} of {size}", SCHOOL, seed, options.ticks, size, size=size)
-        if HUNT in options.scenarios:
+                yield SeaTrial(f"{SCHOOL} of {size}", SCHOOL, seed, ticks, size, size=size)
+        if HUNT in scenarios:
             for size in GROUP_SIZES:
-                yield SeaTrial(f"{HUNT} on {size}", HUNT, seed, options.ticks, None,
+                yield SeaTrial(f"{HUNT} on {size}", HUNT, seed, ticks, None,
                                one_group(HUNT, size), size, hunt=True)  # fmt: skip
 
 
 def one_group(scenario: str, size: int) -> tuple[str, ...]:
-    """Changes to a scenario that leave its predators and one shoal of `size` prey."""
+    """Make changes to a scenario that leave its predators and one shoal of `size` prey."""
     changes, found = [], False
     for k, shoal in enumerate(load_scenario(scenario)[0].fish):
         kind = shoal.kind or load_species(shoal.species).kind
@@ -126,7 +139,7 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
 
 
 def slowest_strokes(world: World) -> Array:
-    """Speed (n,) of the slowest stroke of each fish, body lengths a second."""
+    """Compute the speed (n,) of the slowest stroke of each fish, body lengths a second."""
     fishes, library = world.state.fishes, world.library
     recorded = library.speed[fishes.species, SEGMENTS.index("swim_slow")]
     return np.asarray(TEMPO[0] * recorded * fishes.scale * fishes.rate / fishes.length, np.float64)
@@ -142,10 +155,7 @@ def _thinned(found: Swimming) -> Swimming:
 
 
 def run_trials(
-    chosen: Iterable[SeaTrial],
-    pool: Pool[int],
-    check: Check = lambda: None,
-    work: Callable[[SeaTrial], SeaMeasures] = run_sea,
+    chosen: Iterable[SeaTrial], pool: Pool[int], check: Check = lambda: None
 ) -> tuple[list[tuple[SeaTrial, SeaMeasures]], list[SeaTrial]]:
     """Run trials; returns them with their measures in their order, and those that crashed.
 
@@ -153,12 +163,295 @@ def run_trials(
     """
     jobs = dict(enumerate(chosen))
     done: dict[int, SeaMeasures] = {}
-    crashed = []
     with progress(len(jobs), "run") as count:
-        for k, result in pool(work, jobs, check):
-            if result is None:
-                crashed.append(jobs[k])
-            else:
+        for k, result in pool(run_sea, jobs, check):
+            if result is not None:
                 done[k] = result
             count()
+    crashed = [trial for k, trial in jobs.items() if k not in done]
     return [(jobs[k], done[k]) for k in sorted(done)], crashed
+
+
+Done = Sequence[tuple[SeaTrial, SeaMeasures]]
+
+
+class Summary(NamedTuple):
+    """All measures by species, by school and by group of prey, for tables and plots."""
+
+    swims: dict[str, Swimming]
+    schools: dict[str, list[Schooling]]  # by label
+    hunts: dict[int, tuple[int, int]]  # attacks and captures by size of the group
+    catches: dict[str, list[float]]  # of each predator, by label
+
+
+def summarise(done: Done) -> Summary:
+    """Join the measures of all trials."""
+    swims: dict[str, list[Swimming]] = {}
+    found = Summary({}, {}, {}, {})
+    for trial, measures in done:
+        if trial.hunt:
+            attacks, captures = found.hunts.get(trial.size, (0, 0))
+            hunt = measures.predation
+            found.hunts[trial.size] = attacks + hunt.attacks, captures + hunt.captures
+            continue
+        for name, one in measures.swims.items():
+            swims.setdefault(name, []).append(one)
+        if measures.schools:
+            found.schools.setdefault(trial.label, []).extend(measures.schools)
+        if measures.predation.catches:
+            found.catches.setdefault(trial.label, []).extend(measures.predation.rates())
+    found.swims.update({name: joined(swims[name]) for name in sorted(swims)})
+    return found
+
+
+def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
+    """Compare all quantities with their ranges."""
+    found = summarise(done)
+    rows = [
+        row
+        for name, one in found.swims.items()
+        if name in table.species
+        for row in _swimming(name, one, table.species[name])
+    ]
+    for label, schools in found.schools.items():
+        rows.extend(_schooling(label, schools, table))
+    rows.extend(_hunting(found, table))
+    rows.extend(_bounds(done))
+    return rows
+
+
+def _swimming(name: str, found: Swimming, facts: SwimmingFacts) -> Iterator[RangeCheck]:
+    many = f"{len(found.strouhal)} stretches"
+    if facts.gait != "ray":  # its tail does not drive it
+        row = published(name, "Strouhal number", _at(found.strouhal), "", facts.strouhal, many)
+        yield row._replace(high=max(row.high, SLOW_STROUHAL))
+        stride = facts.slow_stride or facts.stride
+        yield published(name, "stride", _at(found.stride), " L", stride)
+        yield published(name, "beat", _at(found.frequency), " Hz", facts.beat)
+        if facts.amplitude:
+            amplitude = _at(found.amplitude)
+            measured = facts.slow_amplitude or facts.amplitude
+            yield published(name, "tail amplitude", amplitude, " L", measured)
+    speeds = MeasuredRange(
+        range=(facts.slow.range[0], facts.cruise.range[1]),
+        of=facts.cruise.of,
+        source=facts.cruise.source,
+        recalled=facts.slow.recalled or facts.cruise.recalled,
+    )
+    yield published(name, "speed, median", _at(found.speed), " L/s", speeds)
+    note = f"{len(found.hasty)} half seconds"
+    yield published(name, "speed in flights and hunts, 99%", _at(found.hasty, HASTY), " L/s",
+                    facts.burst, note)  # fmt: skip
+    quantity = "turning radius at low speed, tightest hundredth"
+    note = f"{len(found.radius)} turns"
+    yield published(name, quantity, _at(found.radius, TIGHTEST), " L", facts.radius, note)
+    yield _share(name, "ticks pitched over 25°", found.pitched, PITCHED)
+    yield _share(name, "change of heading in straight segments", found.straight, STRAIGHT)
+    yield _share(name, "time below its slowest stroke", found.idle, IDLE)
+    if facts.gait in ("ram", "ray"):
+        note = f"{found.longest_hover_s:.0f} s on end at most"
+        yield _share(name, "time slower than 0.2 L/s", found.hovering, HOVERING, note)
+
+
+def _schooling(
+    label: str, schools: Sequence[Schooling], table: MeasuredSwimming
+) -> Iterator[RangeCheck]:
+    facts = table.schools
+    note = f"{len(schools)} schools"
+    columns = {
+        name: np.array([getattr(one, name) for one in schools], np.float64)
+        for name in ("polarisation", "nearest_bl", "room_bl3", "height_bl")
+    }
+    yield published(
+        label, "polarisation", _at(columns["polarisation"]), "", facts.polarisation, note
+    )
+    near = columns["nearest_bl"]
+    yield published(label, "nearest neighbour", _at(near), " L", facts.nearest)
+    yield published(label, "room for each fish", _at(columns["room_bl3"]), " L³", facts.room)
+    angle = np.degrees(np.arcsin(np.clip(columns["height_bl"] / near, 0.0, 1.0)))
+    yield published(label, "elevation of the nearest", _at(angle), "°", facts.elevation)
+    lead = _at(np.array([one.ahead_bl for one in schools]))
+    yield RangeCheck(label, "lead of the foremost over the second", lead, " L", 0.0, 1.0, AIM)
+    for name, all_parts in (
+        ("longest split", [one.split_s for one in schools]),
+        ("longest split without alarm", [one.calm_split_s for one in schools]),
+    ):
+        parts = np.concatenate(all_parts)
+        longest = float(parts.max()) if len(parts) else 0.0
+        yield published(label, name, longest, " s", facts.split, f"{len(parts)} splits")
+
+
+def _hunting(found: Summary, table: MeasuredSwimming) -> Iterator[RangeCheck]:
+    rates = {}
+    for size, (attacks, captures) in sorted(found.hunts.items()):
+        rates[size] = captures / attacks if attacks else NAN
+        note = f"{captures} of {attacks} attacks"
+        yield RangeCheck("predators", f"captures per attack on {size}", rates[size], note=note)
+    if rates:
+        most = rates[max(rates)] / rates[min(rates)] if rates[min(rates)] else NAN
+        sizes = f"{max(rates)} over {min(rates)}"
+        yield published("predators", f"captures per attack on {sizes}", most, "",
+                        table.predation.confusion)  # fmt: skip
+    for label, catches in found.catches.items():
+        yield RangeCheck(label, "catches of a predator in 3 min, mean", float(np.mean(catches)),
+                         "", *CATCHES, AIM, f"{len(catches)} predators")  # fmt: skip
+        yield published(
+            label, "catches of a predator in 3 min, most", max(catches), "", table.predation.catches
+        )
+
+
+def _bounds(done: Done) -> Iterator[RangeCheck]:
+    """Count fish-ticks outside, by label, and name the worst species."""
+    labels = dict.fromkeys(trial.label for trial, _ in done)
+    for label in labels:
+        parts = [one for trial, found in done if trial.label == label for one in found.outside]
+        total = sum(one.outside for one in parts)
+        note = ""
+        if total:
+            worst = max(parts, key=lambda one: one.deepest_cm)
+            note = (
+                f"{worst.species}, {worst.deepest_cm:.0f} cm beyond the {worst.barrier}, "
+                f"{max(one.longest_s for one in parts):.1f} s on end"
+            )
+        yield RangeCheck(label, "fish-ticks out of bounds or in solids", float(total), "", 0.0, 0.0,
+                         AIM, note)  # fmt: skip
+
+
+def _share(name: str, quantity: str, counts: Counts, most: float, note: str = "") -> RangeCheck:
+    part, whole = counts
+    value = part / whole if whole else NAN
+    return RangeCheck(name, quantity, value, "", 0.0, most, AIM, note)
+
+
+def _at(values: Array, percentile: float = 50) -> float:
+    """Compute A percentile of the numbers among the values; NaN without any."""
+    there = values[np.isfinite(values)]
+    return float(np.percentile(there, percentile)) if len(there) else NAN
+
+
+def samples(found: Summary) -> Mapping[str, object]:
+    """Collect numbers beside the findings, for JSON."""
+    return {
+        "bearing_shares": {
+            label: np.mean([one.bearing for one in schools], axis=0).round(4).tolist()
+            for label, schools in found.schools.items()
+        },
+        "catches": found.catches,
+    }
+
+
+RANGE, OURS = "#E69F00", "#0072B2"
+SPREAD = (10, 50, 90)  # percentiles
+
+
+def validation_plots(found: Summary, table: MeasuredSwimming) -> Mapping[str, Draw]:
+    """Choose the plots by name of their file (`VALIDATION_PLOTS`)."""
+    return {
+        name: partial(draw, found=found, table=table) for name, draw in VALIDATION_PLOTS.items()
+    }
+
+
+def _swimming_plot(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+    """Draw percentiles of quantities by species over their ranges."""
+    names = [name for name in found.swims if name in table.species]
+    page.set_size_inches(12, 1.2 + 0.4 * max(len(names), 4))
+    quantities = {
+        "strouhal": "Strouhal number",
+        "stride": "stride, L",
+        "speed": "speed, L/s (range: cruise)",
+        "radius": "radius of turns at low speed, L",
+    }
+    axes = page.subplots(1, len(quantities), sharey=True)
+    for axis, (key, title) in zip(axes, quantities.items(), strict=True):
+        for k, name in enumerate(names):
+            facts = table.species[name]
+            if facts.gait == "ray" and key in ("strouhal", "stride"):
+                continue  # its tail does not drive it
+            fact = getattr(facts, "cruise" if key == "speed" else key)
+            axis.plot(fact.range, [k, k], color=RANGE, linewidth=6, alpha=0.6)
+            values = getattr(found.swims[name], key)
+            if len(values):
+                low, middle, high = np.percentile(values, SPREAD)
+                axis.plot([low, high], [k, k], color=OURS)
+                axis.plot(middle, k, "o", color=OURS, ms=4)
+        axis.set(xlabel=title, xlim=(0, None))
+    axes[0].set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    page.suptitle("Ours: median, 10% and 90% (blue); measured range (orange)")
+
+
+def _schools(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+    """Draw order, spacing and splits over the size of the school, and bearings of the nearest."""
+    page.set_size_inches(12, 3.4)
+    order, near, parts, sides = page.subplots(1, 4)
+    schools = [one for those in found.schools.values() for one in those]
+    size = [one.fishes for one in schools]
+    for axis, values, fact, title in (
+        (order, [one.polarisation for one in schools], table.schools.polarisation, "polarisation"),
+        (near, [one.nearest_bl for one in schools], table.schools.nearest, "nearest neighbour, L"),
+        (parts, [max(one.split_s, default=0.0) for one in schools], table.schools.split,
+         "longest split, s"),
+    ):  # fmt: skip
+        axis.axhspan(*fact.range, color=RANGE, alpha=0.3)
+        axis.plot(size, values, "o", color=OURS, ms=3)
+        axis.set(xlabel="fishes of the school", ylabel=title, xscale="log", ylim=(0, None))
+    if schools:
+        share = np.mean([one.bearing for one in schools], axis=0)
+        edges = np.degrees(np.arccos(np.linspace(1.0, -1.0, BEARINGS + 1)))
+        sides.stairs(share, edges, color=OURS, fill=True)
+    sides.axhline(1 / BEARINGS, color="0.5", linestyle="--")
+    sides.set(xlabel="bearing of the nearest, °", ylabel="share")
+
+
+def _predation(page: Any, found: Summary, table: MeasuredSwimming) -> None:
+    """Draw captures per attack over the size of the group."""
+    page.set_size_inches(5, 3.4)
+    axis = page.subplots()
+    sizes = [size for size, (attacks, _) in sorted(found.hunts.items()) if attacks]
+    rates = [found.hunts[size][1] / found.hunts[size][0] for size in sizes]
+    axis.plot(sizes, rates, "o-", color=OURS)
+    for size, rate in zip(sizes, rates, strict=True):
+        axis.annotate(f" of {found.hunts[size][0]} attacks", (size, rate))
+    axis.set(xlabel="prey in the group", ylabel="captures per attack", ylim=(0, 1.05))
+
+
+VALIDATION_PLOTS = {
+    "validation-swimming.png": _swimming_plot,
+    "validation-schools.png": _schools,
+    "validation-predation.png": _predation,
+}
+
+
+MAX_NAMED = 5  # crashed runs that an error names
+
+
+def validate(jobs: Sequence[SeaTrial], files: ReportFiles, pool: Pool[int], check: Check) -> None:
+    """Run trials, print the table and write the files; UserError at the end if runs crashed.
+
+    `check` is called meanwhile and may raise; then nothing is written.
+    """
+    table = load_measured()
+    done, crashed = run_trials(jobs, pool, check)
+    found = summarise(done)
+    seeds = sorted({trial.seed for trial, _ in done})
+    seconds = max((trial.ticks for trial, _ in done), default=0) * TICK_S
+    report = Report(
+        findings(done, table),
+        table.sources,
+        extent=f"Seeds {seed_words(seeds)}, {seconds:.0f} s each.",
+        more={"seeds": seeds, "seconds": round(seconds, 3), **samples(found)},
+        plots=validation_plots(found, table),
+    )
+    files.write(report, check)
+    if crashed:
+        named = "; ".join(f"{trial.label}, seed {trial.seed}" for trial in crashed[:MAX_NAMED])
+        raise UserError(
+            f"without {count_noun(len(crashed), 'run', 'runs')} whose process crashed ({named}); "
+            "is there enough memory?"
+        )
+
+
+def seed_words(seeds: Sequence[int]) -> str:
+    """Write seeds in words: ``1 to 20`` or ``1, 5, 9``."""
+    if len(seeds) > 2 and list(seeds) == list(range(seeds[0], seeds[-1] + 1)):
+        return f"{seeds[0]} to {seeds[-1]}"
+    return ", ".join(map(str, seeds)) or "none"

@@ -131,7 +131,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
 
 
 def labelled(pictures: Sequence[NDArray[np.uint8]], seen: IdMaps) -> dict[str, Any]:
-    """Pictures and maps of a frame by the names of their folders; `seen` covers both eyes."""
+    """Arrange pictures and maps of a frame by their folders; `seen` covers both eyes."""
     value = values_of(seen)
     depth = np.where(np.isfinite(seen.depth), np.rint(MM * seen.depth), 0.0)
     maps: dict[str, NDArray[Any]] = {
@@ -154,7 +154,7 @@ def describe_camera(
     gaze: Gaze,
     field_deg: float,
 ) -> dict[str, Any]:
-    """The camera file without its frames."""
+    """Describe the camera, without frames, for its file."""
     width, height = rig.outputs[0]
     p = rig.eyes[0].projection.astype(float)
     if len(world.state.fishes.species) > MOST_FISHES:
@@ -181,7 +181,7 @@ def describe_camera(
 
 
 def identities(world: World) -> list[dict[str, Any]]:
-    """The meaning of each value of an identity map."""
+    """List the meaning of each value of an identity map."""
     fishes, sea, reef = world.state.fishes, world.state.sea, world.state.reef
     out: list[dict[str, Any]] = [
         {"value": VALUES[kind], "kind": kind}
@@ -203,7 +203,7 @@ def identities(world: World) -> list[dict[str, Any]]:
 def describe_frame(
     world: World, by: FishEyes, views: Sequence[View], frame: int, instant: float, alpha: float
 ) -> dict[str, Any]:
-    """The camera file's entry of a frame; mental states are those of the current tick."""
+    """Describe a frame for the camera file; mental states are those of the current tick."""
     fishes, minds, i = world.state.fishes, world.state.minds, by.fish
     place, turn = bodies_at(world, i, alpha)
     return {

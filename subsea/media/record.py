@@ -211,7 +211,7 @@ _CODED = (
 
 
 def outline(surface: SurfacePlan) -> tuple[Array, Array]:
-    """Half-widths and half-heights (STATIONS,) of a body at rest, in body lengths.
+    """Compute half-widths and half-heights (STATIONS,) of a body at rest, in body lengths.
 
     Fins except the tail are left out; wings, as of rays, count as body.
     """

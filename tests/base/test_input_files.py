@@ -13,7 +13,7 @@ from subsea.dive.settings import read_settings, settings_path, usual_settings
 from subsea.export.obj import read_mesh
 from subsea.fish import color_sheet
 from subsea.fish.species import load_species
-from subsea.lab.profiling.comparison import read_reports
+from subsea.lab.benchmark_reports import read_reports
 from subsea.media.eye_frames import _frames_in
 from subsea.media.film import NAME, missing_frames
 from subsea.media.record import read_record

@@ -39,7 +39,7 @@ from subsea.cli import main
 from subsea.dive.settings import read_settings
 from subsea.export import skinning
 from subsea.fish.species import load_species, shipped_species
-from subsea.lab.profiling import paper_tables
+from subsea.lab import paper_tables
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.stage.cluster.master import WaitStatistics
@@ -520,7 +520,7 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
         patch.setattr(paper_tables, "SCENARIO", "sea.toml")
         patch.setattr(paper_tables, "RENDERED", ("sea.toml",))
         patch.setattr(paper_tables, "PLAYED_FISH", 20)
-        patch.setattr("subsea.lab.profiling.benchmark.WARM_UP_FRAMES", 1)
+        patch.setattr("subsea.lab.benchmark.WARM_UP_FRAMES", 1)
         patch.setattr("capture.recording.trial.MIN_WARM_UP", 2)
         patch.setattr("capture.recording.trial.CLOSURE_GOAL", 1e-3)
         patch.setattr("capture.inspection.simulated.STEADY_BEATS", 2)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from subsea.lab.environments.swim_vector import SwimVectorEnv
+from subsea.lab.environments.swim import SwimVectorEnv
 
 DOCS = Path(__file__).parents[2] / "docs"
 LEARNED = (0.52, 0.13, 0.51, 0.72, 0.65, 0.2, 0.51, 0.83, 0.71)  # as environments.md reports

@@ -1,14 +1,120 @@
-"""Schools as measured in nature."""
+"""Schools: shape, spacing and splits."""
 
 import numpy as np
 import pytest
 
-from subsea.lab.schooling import BEARINGS, joined, schooling
-from subsea.state import SCHOOL
-from tests.support.records import LENGTH, a_record
+from subsea.lab.schooling import (
+    BEARINGS,
+    LINK_BL,
+    joined,
+    schooling,
+    schools,
+    split_periods,
+    splits,
+)
+from subsea.state import EAT, FEAR, SCHOOL, WANDER
+from tests.support.records import EAST, LENGTH, NORTH, a_record, row
 
 
-def a_school(places, ticks=31):
+def a_school(offsets, ticks=41, intention=None, **changed):
+    """Fishes led by the first, at `offsets` (n, 3) or (T, n, 3) from the middle, cm."""
+    places = np.broadcast_to(np.array(offsets, float), (ticks, *np.shape(offsets)[-2:]))
+    n = places.shape[1]
+    leader = np.zeros((ticks, n), np.int32)
+    leader[:, 0] = -1
+    doing = np.full((ticks, n), SCHOOL)
+    doing[:, 0] = WANDER
+    return a_record(
+        places - (0, 0, 200), leader=leader, intention=doing if intention is None else intention,
+        **changed,
+    )  # fmt: skip
+
+
+def test_a_school_in_a_row():
+    (school,) = schools(a_school(row(5, 1.2)))
+    assert school.leader == 0
+    assert (school.members == 5).all()
+    assert school.cruises.all()
+    assert school.polarisation == pytest.approx(1.0)
+    assert school.distances == pytest.approx(1.2)
+    assert (school.together == 1.0).all()
+    assert len(school.time) == 21  # five times a second
+
+
+def test_polarisation_is_the_length_of_the_mean_heading():
+    turns = np.stack([EAST, EAST, NORTH, NORTH])
+    (school,) = schools(a_school(row(4, 1.0), orientation=turns))
+    assert school.polarisation == pytest.approx(0.5**0.5)
+
+
+def test_a_body_length_is_that_of_both():
+    (school,) = schools(a_school(row(3, 1.0), length=np.array([40.0, 20.0, 20.0])))
+    assert school.distances.reshape(-1, 3)[0] == pytest.approx([2 / 3, 2 / 3, 1.0])
+
+
+def test_members_with_other_intentions_do_not_count():
+    places = np.vstack([row(4, 1.0), [[300.0, 0, 0]]])
+    doing = np.tile([WANDER, SCHOOL, SCHOOL, SCHOOL, EAT], (41, 1))
+    (school,) = schools(a_school(places, intention=doing))
+    assert (school.together == 1.0).all()
+    assert (school.members == 5).all()
+    (school,) = schools(a_school(places))
+    assert (school.together == 0.8).all()
+
+
+def test_an_alarmed_school_does_not_cruise():
+    mental = np.zeros((41, 5, 3), np.float32)
+    mental[20:, 3, FEAR] = 0.6
+    (school,) = schools(a_school(row(5, 1.0), mental_state=mental))
+    assert school.cruises.sum() == 10
+    assert len(school.distances) == 50
+
+
+def test_nearest_and_connected_parts_are_those_of_all_pairs():
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        places = rng.uniform(-150, 150, (12, 3)) * (1, 1, 0.3)
+        length = rng.uniform(10, 30, 12)
+        (school,) = schools(a_school(places, ticks=1, length=length))
+        gap = np.linalg.norm(places[:, None] - places, axis=2)
+        gap /= 0.5 * (length[:, None] + length)
+        linked = np.linalg.matrix_power((gap <= LINK_BL).astype(float), 12) > 0
+        np.fill_diagonal(gap, np.inf)
+        assert school.distances == pytest.approx(gap.min(axis=1), rel=1e-5)
+        assert school.together == pytest.approx(linked.sum(axis=1).max() / 12)
+
+
+def test_a_split_lasts_until_nine_tenths_are_connected():
+    """Three of ten are far away from 2 s to 6 s, and again at the end."""
+    places = np.tile(row(10, 0.5), (101, 1, 1))
+    places[20:60, 7:, 1] = 200.0
+    places[80:, 7:, 1] = 200.0
+    record = a_school(places, ticks=101)
+    (school,) = schools(record)
+    first, last = splits(school, float(record.time[-1]))
+    assert (first.start, first.duration) == pytest.approx((2.1, 4.0))
+    assert first.apart == pytest.approx(0.3)
+    assert (first.rejoined, last.rejoined) == (True, False)
+    assert last.duration == pytest.approx(2.0)
+
+
+def test_a_split_ends_with_its_school():
+    """Sampled every 0.2 s until 3.8 s, when predators have left too few fishes; in parts from 2."""
+    time = np.arange(20) * 0.2
+    together = np.where(time < 1.9, 1.0, 0.5)
+    ((first, after, duration),) = split_periods(time, together, 300.0)
+    assert (first, after) == (10, 20)
+    assert duration == pytest.approx(2.0)
+
+
+def test_one_of_ten_is_no_split():
+    places = row(10, 0.5)
+    places[9, 1] = 200.0
+    (school,) = schools(a_school(places))
+    assert splits(school, 4.1) == []
+
+
+def still_school(places, ticks=31):
     n = len(places)
     leader = np.zeros((ticks, n), np.int32)
     leader[:, 0] = -1
@@ -20,7 +126,7 @@ def test_a_ball_of_fishes_has_the_room_of_a_ball():
     rng = np.random.default_rng(3)
     ball = rng.normal(size=(400, 3))
     ball *= (rng.uniform(0, 1, 400) ** (1 / 3) / np.linalg.norm(ball, axis=1))[:, None] * 3.0
-    (found,) = schooling(a_school(ball, ticks=3))
+    (found,) = schooling(still_school(ball, ticks=3))
     assert found.fishes == 400
     assert found.room_bl3 == pytest.approx(4 / 3 * np.pi * 27 / 400, rel=0.1)
     assert found.bearing == pytest.approx(1 / BEARINGS, abs=0.05)
@@ -33,7 +139,7 @@ def test_files_have_their_neighbours_ahead_and_behind():
     places = np.concatenate(
         [np.stack([x, 0 * x, 0 * x], 1), np.stack([x - 3, 0 * x, 2 + 0 * x], 1)]
     )
-    (found,) = schooling(a_school(places))
+    (found,) = schooling(still_school(places))
     assert found.nearest_bl == pytest.approx(0.8, rel=1e-4)
     assert found.height_bl == 0.0
     assert found.ahead_bl == pytest.approx(2.0, rel=1e-4)
@@ -43,7 +149,7 @@ def test_files_have_their_neighbours_ahead_and_behind():
 
 def test_a_split_may_last_from_one_part_of_a_record_to_the_next():
     """Two recorded parts, with the school in halves from the end of one into the other."""
-    (whole,) = schooling(a_school(np.eye(4, 3)))
+    (whole,) = schooling(still_school(np.eye(4, 3)))
     time = np.arange(0.0, 20.0, 0.5)
     split = np.where((time >= 8.0) & (time < 13.0), 0.5, 1.0)
     parts = [

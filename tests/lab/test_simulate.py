@@ -1,5 +1,6 @@
 """The record of a simulation."""
 
+import hashlib
 import signal
 import subprocess
 import sys
@@ -9,15 +10,18 @@ import h5py
 import numpy as np
 import pytest
 
+from subsea import __version__
 from subsea.base import hdf5
 from subsea.base.progress import count_noun
 from subsea.cli.main import main
 from subsea.dive.start import start_world
-from subsea.fish.species import load_species
-from subsea.lab.simulate import live_records
+from subsea.fish.species import load_species, repertoire_file, species_file
+from subsea.lab import simulate as simulation
+from subsea.lab import sweep
+from subsea.lab.simulate import live_records, provenance_of
 from subsea.media.record import COORDINATES, DIMENSIONS, FIELDS, read_record
 from subsea.scenario.load import load_scenario
-from tests.support.scenes import scene
+from tests.support.scenes import BARE, scene
 
 SIMULATE = [sys.executable, "-m", "subsea", "simulate"]
 SIZES = {"time": 20, "fish": 12, "species": 7, "y": 193, "x": 193, "event": 0}
@@ -197,3 +201,29 @@ def test_a_record_lists_the_directions_that_began(tmp_path, monkeypatch):
         cast = record["direction/cast"][:]
         assert (cast[numbers != 2] == -1).all()
         assert (cast[numbers == 2, 0] < 4).all() and (cast[numbers == 2, 0] >= 0).all()
+
+
+def test_hashes_are_those_of_the_files():
+    changes = ["fish.0.number=3"]
+    scenario, source, _ = load_scenario(str(BARE), changes)
+    found = provenance_of(scenario, source, changes, simulation.__file__)
+    assert found.program == f"subsea {__version__}"
+    assert found.changes == ("fish.0.number=3",)
+    assert "number = 3" in found.scenario and "number = 4" not in found.scenario
+    assert found.scenario_sha256 == hashlib.sha256(BARE.read_bytes()).hexdigest()
+    assert found.species_keys == ("clownfish", "fusilier")
+    for place, hashes in (
+        (species_file, found.species_sha256),
+        (repertoire_file, found.repertoire_sha256),
+    ):
+        contents = [place(name).read_bytes() for name in found.species_keys]
+        assert hashes == tuple(hashlib.sha256(one).hexdigest() for one in contents)
+
+
+def test_the_code_is_that_of_the_module():
+    scenario, source, _ = load_scenario(str(BARE))
+    hashes = {
+        provenance_of(scenario, source, (), file).code_sha256
+        for file in (simulation.__file__, sweep.__file__)
+    }
+    assert len(hashes) == 2

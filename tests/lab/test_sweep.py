@@ -1,4 +1,4 @@
-"""Sweeps: tables, resuming and faults."""
+"""Sweeps: their values, runs and tables."""
 
 import csv
 import json
@@ -11,6 +11,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import pyarrow
 import pytest
 from distributed import LocalCluster
 from pyarrow import parquet
@@ -22,9 +23,114 @@ from subsea.jobs.workers import serial
 from subsea.lab import sweep as module
 from subsea.lab.comparison import flat_measures
 from subsea.lab.report import measure
-from subsea.lab.sweep import Sweep, make_run, read_result, sweep
+from subsea.lab.sweep import (
+    Sweep,
+    columns_of,
+    make_run,
+    read_result,
+    read_seeds,
+    read_values,
+    split_values,
+    sweep,
+    write_csv,
+    write_parquet,
+)
 from subsea.media.record import read_record
 from tests.support.scenes import BARE
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"),
+    [("1:4", (1, 2, 3, 4)), ("7", (7,)), ("1,5, 9:10", (1, 5, 9, 10)), ("0:0", (0,))],
+)
+def test_seeds(text, seeds):
+    assert read_seeds(text) == seeds
+
+
+@pytest.mark.parametrize(
+    "text", ["", "a", "4:1", "-1", "1:", "1,1", "1:2:3", "4294967296", "0:1000000"]
+)
+def test_faulty_seeds_are_one_line(text):
+    with pytest.raises(UserError, match="--seeds") as fault:
+        read_seeds(text)
+    assert "\n" not in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("1,2.5", ("1", "2.5")),
+        ("[1,2],[3, 4]", ("[1,2]", "[3, 4]")),
+        ("{ a = 1, b = [2, 3] }, {}", ("{ a = 1, b = [2, 3] }", "{}")),
+        ('"a,b",c', ('"a,b"', "c")),
+        (r'"a\",b",c', (r'"a\",b"', "c")),
+        (r"'a\',b", (r"'a\'", "b")),
+        ("[1,", ("[1,",)),
+        ("a,", ("a", "")),
+    ],
+)
+def test_commas_in_brackets_and_quotes_belong_to_a_value(text, values):
+    assert split_values(text) == values
+
+
+def test_values_of_several_keys():
+    found = read_values(["fish.0.number=1,2", " nature.keen = 0.4"])
+    assert found == {"fish.0.number": ("1", "2"), "nature.keen": ("0.4",)}
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["fish.0.number"], "expected KEY=VALUE,VALUE"),
+        (["a=1,"], "expected KEY=VALUE,VALUE"),
+        (["a=1", "a=2"], "is given twice"),
+        (["a=1,1"], "a value is there twice"),
+        (["seed=1,2"], "--seeds"),
+    ],
+)
+def test_faulty_values_are_one_line(settings, words):
+    with pytest.raises(UserError, match=words):
+        read_values(settings)
+
+
+LINES = [
+    {"run": "a", "seed": 1, "n": "3", "x": "1", "on": "true", "ticks": 9, "sea.share": 0.5},
+    {"run": "b", "seed": 2, "n": "4", "x": "2.5", "on": "false", "ticks": 9, "more": 1.0},
+]
+
+
+def test_values_become_numbers_if_all_of_a_column_are():
+    columns = columns_of(LINES)
+    assert columns["n"] == [3, 4]
+    assert columns["x"] == [1.0, 2.5]
+    assert columns["on"] == [True, False]
+    assert columns["more"] == [None, 1.0]
+    words = [{"p": "[1, 2]", "k": "1"}, {"p": "[3, 4]", "k": "true"}]
+    assert columns_of(words) == {"p": ["[1, 2]", "[3, 4]"], "k": ["1", "true"]}
+
+
+def test_both_files_have_the_columns(tmp_path):
+    for write in (write_csv, write_parquet):
+        write(tmp_path / write.__name__, LINES)
+    text = (tmp_path / "write_csv").read_text()
+    assert text == (
+        "run,seed,n,x,on,ticks,sea.share,more\na,1,3,1.0,True,9,0.5,\nb,2,4,2.5,False,9,,1.0\n"
+    )
+    table = parquet.read_table(tmp_path / "write_parquet")
+    assert table.to_pydict() == columns_of(LINES)
+    types = {name: str(table.schema.field(name).type) for name in table.column_names}
+    assert types == {
+        "run": "string", "seed": "int64", "n": "int64", "x": "double", "on": "bool",
+        "ticks": "int64", "sea.share": "double", "more": "double",
+    }  # fmt: skip
+
+
+def test_no_run_is_an_empty_table(tmp_path):
+    write_csv(tmp_path / "a.csv", [])
+    write_parquet(tmp_path / "a.parquet", [])
+    assert parquet.read_table(tmp_path / "a.parquet").num_rows == 0
+    assert pyarrow.__version__
+
 
 OPTIONS = Sweep(str(BARE), (1, 2), 2, values={"fish.1.number": (1, "2")})
 COMMAND = ["sweep", str(BARE), "--seeds", "1:2", "--ticks", "2", "--set", "fish.1.number=1,2"]

@@ -1,34 +1,48 @@
-"""The runs of a validation, their measures and their findings."""
+"""Validation: its runs, findings and files."""
 
+import json
+
+import numpy as np
 import pytest
 
 from subsea.base.errors import UserError
+from subsea.base.findings import FAIL, MISSING, PASS
+from subsea.base.report_files import ReportFiles
 from subsea.cli.main import main
+from subsea.fish.measured import load_measured
 from subsea.jobs import workers
 from subsea.jobs.workers import serial
+from subsea.lab.measures import PERIOD_S, Outside, Predation
+from subsea.lab.schooling import BEARINGS, Schooling
+from subsea.lab.swimming import Swimming
 from subsea.lab.validation import (
     GROUP_SIZES,
     SCHOOL_SIZES,
+    VALIDATION_PLOTS,
+    SeaMeasures,
     SeaTrial,
-    Validation,
     default_scenarios,
+    findings,
     one_group,
     run_trials,
+    seed_words,
+    summarise,
     trials,
+    validate,
 )
 from subsea.scenario.load import load_scenario
 from tests.support.scenes import BARE
 
 
 def test_trials_are_scenarios_schools_and_groups():
-    found = [*trials(Validation(["schooling", "preying", "open-ocean"], (1, 2), 10))]
+    found = [*trials(["schooling", "preying", "open-ocean"], (1, 2), 10)]
     labels = [one.label for one in found]
     assert len(found) == 2 * (3 + len(SCHOOL_SIZES) + len(GROUP_SIZES))
     assert "open-ocean of 3000 fishes" in labels and "schooling of 144" in labels
     assert {one.size for one in found if one.hunt} == set(GROUP_SIZES)
     assert len(default_scenarios()) >= 8
     with pytest.raises(UserError, match="'preying'"):
-        [*trials(Validation(["preyin"], (1,), 10))]
+        [*trials(["preyin"], (1,), 10)]
 
 
 @pytest.mark.parametrize("size", GROUP_SIZES)
@@ -48,3 +62,121 @@ def test_a_small_sea_is_measured(tmp_path, capsys, monkeypatch):
     words = ["study", "--validate", str(BARE), "--seeds", "1", "--seconds", "1", "--jobs", "1"]
     assert main([*words, "--report", str(page)]) == 0
     assert "bare_sea" in page.read_text() and "out of bounds" in capsys.readouterr().out
+
+
+def some(**changed):
+    """Samples of a fish that swims as a fusilier should."""
+    values = {
+        "strouhal": 0.3, "frequency": 5.0, "amplitude": 0.2, "stride": 0.7, "speed": 2.0,
+        "hasty": 9.0, "radius": 0.2,
+    } | changed  # fmt: skip
+    return Swimming(
+        **{name: np.full(10, value) for name, value in values.items()},
+        pitched=(1.0, 100.0), straight=(0.5, 100.0), idle=(0.0, 10.0), hovering=(0.0, 10.0),
+        longest_hover_s=0.0,
+    )  # fmt: skip
+
+
+def a_school(**changed):
+    values = {
+        "leader": 0, "fishes": 10, "polarisation": 0.95, "nearest_bl": 0.8, "height_bl": 0.1,
+        "room_bl3": 1.0, "ahead_bl": 0.3, "bearing": np.full(BEARINGS, 1 / BEARINGS),
+    }  # fmt: skip
+    return Schooling(**values | in_parts(3.0) | changed)
+
+
+def in_parts(*seconds):
+    """Samples of a school that was split for the given times, with 10 s between them."""
+    time = np.arange(0.0, 100.0, 0.5)
+    together, start = np.ones(len(time)), 10.0
+    for duration in seconds:
+        together[(time >= start) & (time < start + duration)] = 0.5
+        start += duration + 10.0
+    return {"time": time, "together": together, "calm": time < 15.0, "end": 100.0}
+
+
+def done(swims=None, school=None, beyond=0, catches=(2.0,)):
+    trial = SeaTrial("sea", "preying", 1, 100)
+    outside = [Outside("Fish", 1000, beyond, 4.0, "seabed", 1.0)]
+    measures = SeaMeasures(
+        {"fusilier": swims or some()}, [school or a_school()], outside,
+        Predation(3, 2, list(catches), PERIOD_S),
+    )  # fmt: skip
+    hunts = [
+        (trial._replace(label=f"on {size}", hunt=True, size=size),
+         SeaMeasures({}, [], [], Predation(attacks, captures, [], PERIOD_S)))
+        for size, attacks, captures in ((1, 4, 4), (20, 10, 2))
+    ]  # fmt: skip
+    return [(trial, measures), *hunts]
+
+
+def failures(rows):
+    return {one.quantity for one in rows if one.verdict not in (PASS, "–")}
+
+
+def test_a_sea_like_nature_passes():
+    assert failures(findings(done(), load_measured())) == set()
+
+
+@pytest.mark.parametrize(
+    ("given", "failed"),
+    [
+        ({"swims": some(strouhal=0.6)}, {"Strouhal number"}),
+        ({"swims": some()._replace(straight=(5.0, 10.0))},
+         {"change of heading in straight segments"}),
+        ({"swims": some(radius=1.5)}, {"turning radius at low speed, tightest hundredth"}),
+        ({"school": a_school(polarisation=0.7)}, {"polarisation"}),
+        ({"school": a_school(**in_parts(3.0, 20.0))}, {"longest split"}),
+        ({"school": a_school(**in_parts(3.0, 20.0) | {"calm": np.full(200, True)})},
+         {"longest split", "longest split without alarm"}),
+        ({"school": a_school(height_bl=0.7)}, {"elevation of the nearest"}),
+        ({"beyond": 3}, {"fish-ticks out of bounds or in solids"}),
+        ({"catches": (0.0, 1.0)}, {"catches of a predator in 3 min, mean"}),
+        ({"catches": (0.0, 5.0)}, {"catches of a predator in 3 min, most"}),
+    ],
+)  # fmt: skip
+def test_each_measure_can_fail(given, failed):
+    assert failures(findings(done(**given), load_measured())) == failed
+
+
+def test_confusion_is_the_ratio_of_capture_rates():
+    rows = {one.quantity: one for one in findings(done(), load_measured())}
+    assert rows["captures per attack on 20 over 1"].value == pytest.approx(0.2)
+    assert summarise(done()).hunts == {1: (4, 4), 20: (10, 2)}
+
+
+def test_measures_without_samples_are_not_recorded():
+    rows = findings(done(swims=some()._replace(hasty=np.zeros(0))), load_measured())
+    (row,) = [one for one in rows if one.verdict == MISSING]
+    assert row.quantity == "speed in flights and hunts, 99%"
+
+
+SHARES = np.full(BEARINGS, 1 / BEARINGS)
+SCHOOL = Schooling(
+    0, 10, 0.95, 0.8, 0.1, 1.0, 0.3, SHARES, np.zeros(0), np.zeros(0), np.zeros(0, bool), 0.0
+)
+MEASURES = SeaMeasures(
+    {}, [SCHOOL], [Outside("Fish", 1000, 1, 4.0, "seabed", 1.0)], Predation(3, 2, [2], 180.0)
+)
+
+
+def test_crashed_runs_are_an_error_after_the_files_are_written(tmp_path, capsys):
+    jobs = [SeaTrial("sea", "preying", seed, 100) for seed in (1, 2)]
+
+    def pool(work, given, check):
+        yield from ((k, MEASURES if k else None) for k in given)
+
+    files = ReportFiles("subsea me", tmp_path / "a.json", tmp_path / "a.md", tmp_path / "plots")
+    files.check(VALIDATION_PLOTS, force=False)
+    with pytest.raises(UserError, match="without 1 run whose process crashed \\(sea, seed 1\\)"):
+        validate(jobs, files, pool, lambda: None)
+    report = json.loads(files.json.read_text())
+    assert report["seeds"] == [2]
+    assert sum(row["verdict"] == FAIL for row in report["findings"]) == 1
+    assert "Seeds 2, 3 s each." in files.page.read_text()
+    assert {path.name for path in files.plots.iterdir()} == set(VALIDATION_PLOTS)
+    assert "FAILS" in capsys.readouterr().out
+
+
+def test_seeds_in_words():
+    assert [seed_words(one) for one in ([1, 2, 3], [1, 3], [])] == ["1 to 3", "1, 3", "none"]

@@ -20,7 +20,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.dive.part import DivePart, planned
 from subsea.dive.start import headless
 from subsea.dive.tick_source import LocalTicks
-from subsea.lab.profiling import benchmark
+from subsea.lab import benchmark
 from subsea.media import eye_frames, film
 from subsea.rendering.output.quality import PRESETS
 from tools.monkey import virtual_display

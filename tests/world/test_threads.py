@@ -32,12 +32,12 @@ def small_parts(monkeypatch):
     use_threads()
 
 
-def _dive(name, threads, ticks=TICKS):
+def _dive(name, threads, ticks=TICKS, most=MOST_FISHES):
     """Checksums of a dive, one every 15 ticks."""
     use_threads(threads)
     scenario = load_scenario(name)[0]
     number = sum(shoal.number for shoal in scenario.fish)
-    world = create_world(scenario, fish=MOST_FISHES if number > MOST_FISHES else None)
+    world = create_world(scenario, fish=most if number > most else None)
     found = []
     for tick in range(ticks):
         step.step(world, AHEAD)
@@ -58,3 +58,12 @@ def test_it_does_not_matter_for_ten_seconds(small_parts):
     """Long enough for captures and courtships."""
     for name in ("preying", "mating"):
         assert _dive(name, 3, 300) == _dive(name, 1, 300)
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_it_does_not_matter_for_all_fishes(small_parts, name):
+    alone = _dive(name, 1, 300, 10**6)
+    for threads in (2, 3, 16):
+        assert _dive(name, threads, 300, 10**6) == alone

@@ -13,10 +13,10 @@ import gymnasium  # noqa: E402
 gymnasium.register(
     "subsea/Swim-v0",
     entry_point="subsea.lab.environments.swim:SwimEnv",
-    vector_entry_point="subsea.lab.environments.swim_vector:SwimVectorEnv",
+    vector_entry_point="subsea.lab.environments.swim:SwimVectorEnv",
     max_episode_steps=300,
 )
 for _name in ("Forage", "Escape"):
     gymnasium.register(
-        f"subsea/{_name}-v0", entry_point=f"subsea.lab.environments.{_name.lower()}:{_name}Env"
+        f"subsea/{_name}-v0", entry_point=f"subsea.lab.environments.steered_fish:{_name}Env"
     )

@@ -1,16 +1,13 @@
-"""A scenario's sea for episodes of learning, in which chosen fishes are steered.
+"""A scenario's sea for episodes of learning: what its steered fishes sense, see and do.
 
 The world is built once. Each episode restores it and draws another key of all its random numbers
 and, by `scatter` or `place`, where the steered fishes start. No fish is simulated: all move by
 their repertoires.
 
-Pictures of a living sea without a window: what a fish sees, and a view from behind it.
-
-Senses of fishes as numbers: what their perception wrote into their minds, seen from the snout.
-
-Directions are unit vectors in body axes: ahead, up, right. Nearness is s / (s + d) for a distance d
-from the snout and the scale s of a group, so that it is 1 at contact and falls toward 0; 0 and a
-zero direction mean nothing perceived. All numbers lie in [-1, 1].
+Senses are what a fish's perception wrote into its mind, seen from the snout. Directions are unit
+vectors in body axes: ahead, up, right. Nearness is s / (s + d) for a distance d from the snout and
+the scale s of a group, so that it is 1 at contact and falls toward 0; 0 and a zero direction mean
+nothing perceived. All numbers lie in [-1, 1].
 """
 
 from dataclasses import dataclass, fields
@@ -50,7 +47,8 @@ from subsea.world.snapshot import changing
 from subsea.world.step import step
 from subsea.world.world import TICK_S, World
 
-QUALITY = "low"
+RENDER_MODES = ["rgb_array"]
+QUALITY = "low"  # of pictures
 
 
 class FishPictures:
@@ -62,14 +60,14 @@ class FishPictures:
         self._camera: tuple[int, FollowCamera] | None = None
 
     def behind(self, fish: int) -> Bytes:
-        """The fish from behind (height, width, 3); the camera follows it smoothly."""
+        """Draw the fish from behind (height, width, 3); the camera follows it smoothly."""
         before = self._camera[1] if self._camera and self._camera[0] == fish else None
         camera, pose = follow_fish(self._world.internal, fish, 1.0, before)
         self._camera = fish, camera
         return render(self._world, pose, self._size, QUALITY)
 
     def retina(self, fish: int, size: tuple[int, int]) -> Bytes:
-        """Both eyes side by side (height, 2 width, 3), the left one first."""
+        """Draw both eyes side by side (height, 2 width, 3), the left one first."""
         return np.concatenate(retina(self._world, fish, size, quality=QUALITY).picture, axis=1)
 
 
@@ -99,7 +97,7 @@ NAMES = (
 
 
 def senses(world: World, who: Ints) -> Array:
-    """Perceptions of fishes `who` (k,): float32 (k, len(NAMES)) in [-1, 1]; zeros for dead ones."""
+    """Sense what fishes `who` perceive: float32 (k, len(NAMES)) in [-1, 1]; 0 for dead fishes."""
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
     axes = matrix(fishes.orientation[who].astype(np.float64))  # columns are the body axes
     length = fishes.length[who].astype(np.float64)
@@ -115,7 +113,7 @@ def senses(world: World, who: Ints) -> Array:
     )  # fmt: skip
 
     def toward(places: Array, seen: Bools, scale_bl: float) -> Array:
-        """Directions and nearness (k, 4 m) of places (k, m, 3) that are `seen` (k, m)."""
+        """Compute directions and nearness (k, 4 m) of places (k, m, 3) that are `seen` (k, m)."""
         gap = places - snout[:, None]
         distance = np.linalg.norm(gap, axis=2)
         way = _to_body(axes, gap) / np.maximum(distance, 1e-6)[..., None]
@@ -170,7 +168,7 @@ def senses(world: World, who: Ints) -> Array:
 
 
 def barrier_place(sea: Sea, code: int, spot: Array) -> Array:
-    """The nearest point (3,), cm, of an obstacle as `Minds.barrier` names it; none: `spot`."""
+    """Find the nearest point (3,), cm, of an obstacle as `Minds.barrier` names it; none: `spot`."""
     if code == SEABED:
         return np.array([*spot[:2], height_at(sea.floor, sea.half_width, spot[0], spot[1])])
     if code == SURFACE:
@@ -187,7 +185,7 @@ def barrier_place(sea: Sea, code: int, spot: Array) -> Array:
 
 
 def _to_body(axes: Array, vectors: Array) -> Array:
-    """Vectors (k, 3) or (k, m, 3), world, in body axes; columns of `axes` (k, 3, 3) are these."""
+    """Turn world vectors (k, 3) or (k, m, 3) into body axes, the columns of `axes` (k, 3, 3)."""
     return np.asarray(np.einsum("kij,k...i->k...j", axes, vectors))
 
 
@@ -218,7 +216,7 @@ class SeaOptions:
 
 
 def sea_options(default_scenario: str, given: dict[str, Any]) -> SeaOptions:
-    """The options with these values; a UserError for an unknown one."""
+    """Make the options with these values; a UserError for an unknown one."""
     known = [field.name for field in fields(SeaOptions)]
     for name in given:
         if name not in known:
@@ -248,6 +246,24 @@ class LivingSea:
             step(self.world, STATION)
         self._start = {name: array.copy() for name, array in changing(self.world).items()}
         self._start_tick = self.world.state.tick
+
+        self._pictures: FishPictures | None = None
+
+    @property
+    def pictures(self) -> FishPictures:
+        """Pictures of this sea; a UserError without OpenGL."""
+        if self._pictures is None:
+            self._pictures = FishPictures(self.world, self.options.picture_size)
+        return self._pictures
+
+    def close(self) -> None:
+        """Release the renderer."""
+        self._pictures = None
+
+    @property
+    def decisions_per_second(self) -> int:
+        """Decisions in a second, rounded."""
+        return round(1.0 / (self.options.ticks * TICK_S))
 
     @property
     def species(self) -> list[str]:
@@ -314,7 +330,7 @@ class LivingSea:
 
 
 def checked_action(action: Any, name: str = "action") -> Array:
-    """An action (3,) as floats; a ValueError for another shape, NaN or infinity."""
+    """Check an action (3,) as floats; a ValueError for another shape, NaN or infinity."""
     try:
         values = np.asarray(action, np.float64)
     except (TypeError, ValueError):

@@ -12,7 +12,7 @@ from subsea.base.errors import UserError, unknown
 from subsea.lab.environments.living_sea import (
     ACTIONS,
     NAMES,
-    FishPictures,
+    RENDER_MODES,
     LivingSea,
     Outcome,
     checked_action,
@@ -20,11 +20,9 @@ from subsea.lab.environments.living_sea import (
 )
 from subsea.lab.environments.rewards import Reward
 from subsea.scenario.shoals import find_fish
-from subsea.world.world import TICK_S
 
 SPREAD_CM = 30.0  # of starts about the places in the scenario
 TURN_RAD = np.radians(20.0)  # greatest turn of a start
-RENDER_MODES = ["rgb_array"]
 Agents = Sequence[int | str] | None
 
 
@@ -44,7 +42,7 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
             raise unknown("render_mode", str(render_mode), RENDER_MODES)
         if not len(who):
             raise UserError(f"scenario {sea.options.scenario}: it has no fish for an agent")
-        fps = round(1.0 / (sea.options.ticks * TICK_S))
+        fps = sea.decisions_per_second
         self.metadata = self.metadata | {"name": name, "render_fps": fps, "is_parallelizable": True}
         self.sea, self.render_mode, self._reward = sea, render_mode, reward
         self._fish = dict(zip(agent_names(sea.species, who), (int(i) for i in who), strict=True))
@@ -58,18 +56,17 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         }
         self._rng = np.random.default_rng()
         self._steps = 0
-        self._pictures: FishPictures | None = None
 
     def observation_space(self, agent: str) -> Box:
-        """The senses of a fish; the same object for each call."""
+        """Describe the senses of a fish; the same object for each call."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Box:
-        """Turn, rise and speed in [-1, 1]; the same object for each call."""
+        """Describe turn, rise and speed in [-1, 1]; the same object for each call."""
         return self.action_spaces[agent]
 
     def fish_of(self, agent: str) -> int:
-        """Index of an agent's fish in `sea.world`."""
+        """Look up the index of an agent's fish in `sea.world`."""
         return self._fish[agent]
 
     def reset(
@@ -125,16 +122,14 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         return told
 
     def render(self) -> Bytes | None:
-        """The first living agent from behind (height, width, 3), with "rgb_array"."""
+        """Draw the first living agent from behind (height, width, 3), with "rgb_array"."""
         if self.render_mode is None:
             return None
-        if self._pictures is None:
-            self._pictures = FishPictures(self.sea.world, self.sea.options.picture_size)
-        return self._pictures.behind(self._fish[(self.agents or self.possible_agents)[0]])
+        return self.sea.pictures.behind(self._fish[(self.agents or self.possible_agents)[0]])
 
     def close(self) -> None:
         """Release the renderer."""
-        self._pictures = None
+        self.sea.close()
 
     def _who(self) -> Ints:
         return np.array([self._fish[agent] for agent in self.agents])
@@ -147,12 +142,12 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
 
 
 def agent_names(species: list[str], who: Ints) -> list[str]:
-    """Names such as "fusilier_0" of the fishes `who`: numbers count all fishes of a species."""
+    """Make names such as "fusilier_0" of fishes `who`: numbers count all fishes of a species."""
     return [f"{species[i]}_{species[:i].count(species[i])}" for i in who]
 
 
 def chosen_agents(sea: LivingSea, agents: Agents) -> Ints:
-    """Fishes named by numbers, by species (all of it) or by SPECIES:NUMBER, rising.
+    """Find fishes by numbers, species (all of it) or SPECIES:NUMBER, in rising order.
 
     None: all fishes. A UserError for an unknown one.
     """

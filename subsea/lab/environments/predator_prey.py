@@ -14,7 +14,7 @@ def parallel_env(
     scenario: str = "preying", agents: Agents = None, reward: Reward = hunt_reward,
     render_mode: str | None = None, **options: Any,
 ) -> ParallelSea:  # fmt: skip
-    """All predators and prey of a scenario as agents, or `agents` as in `school`.
+    """Steer all predators and prey of a scenario as agents, or `agents` as in `school`.
 
     The reward is catches for predators, and survival for others. `options` are those of
     `living_sea.SeaOptions`. Raises a UserError for a faulty option.

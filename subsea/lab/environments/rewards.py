@@ -21,25 +21,25 @@ COLLISION_BL = 0.3  # distance of two fishes, in mean body lengths, below which 
 
 
 def forage_reward(outcome: Outcome) -> Array:
-    """Meals, less a little for hunger and 1 for being eaten."""
+    """Reward meals, less a little for hunger and 1 for being eaten."""
     hunger = outcome.world.state.minds.mental[outcome.fish, HUNGER]
     reward = outcome.meals - HUNGER_PER_S * outcome.seconds * hunger
     return np.where(outcome.alive, reward, CAUGHT)
 
 
 def escape_reward(outcome: Outcome) -> Array:
-    """0.1 for each second alive, -1 for being caught."""
+    """Reward each second alive with 0.1, and being caught with -1."""
     return np.where(outcome.alive, SURVIVAL_PER_S * outcome.seconds, CAUGHT)
 
 
 def hunt_reward(outcome: Outcome) -> Array:
-    """Catches of predators; of all others `escape_reward`."""
+    """Reward catches of predators; all others by `escape_reward`."""
     hunts = outcome.world.state.minds.kind[outcome.fish] == PREDATOR
     return np.where(hunts, outcome.meals, escape_reward(outcome))
 
 
 def school_reward(outcome: Outcome) -> Array:
-    """Polarisation and cohesion with the companions that a fish perceives, less collisions.
+    """Reward polarisation and cohesion with perceived companions, less collisions.
 
     The mean cosine between its heading and theirs, in [-1, 1]; exp(-d / 4 BL) for their mean
     distance d; -1 for one nearer than 0.3 BL. A fish without company gets 0, one that died -1.
@@ -61,6 +61,6 @@ def school_reward(outcome: Outcome) -> Array:
 
 
 def _ahead(q: Array) -> Array:
-    """Headings (n, 3) of orientations (n, 4)."""
+    """Compute headings (n, 3) of orientations (n, 4)."""
     w, x, y, z = q.astype(np.float64).T
     return np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])

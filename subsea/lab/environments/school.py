@@ -11,7 +11,7 @@ def parallel_env(
     scenario: str = "schooling", agents: Agents = None, reward: Reward = school_reward,
     render_mode: str | None = None, **options: Any,
 ) -> ParallelSea:  # fmt: skip
-    """All fishes of a scenario as agents, or `agents`: numbers, species or SPECIES:NUMBER.
+    """Steer all fishes of a scenario as agents, or `agents`: numbers, species or SPECIES:NUMBER.
 
     The reward is polarisation and cohesion without collisions. `options` are those of
     `living_sea.SeaOptions`. Raises a UserError for a faulty option.

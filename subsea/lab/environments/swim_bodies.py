@@ -85,7 +85,7 @@ class SwimBodies(NamedTuple):
 
 
 def make_bodies(muscles: Muscles, number: int, reach: float = 0.0) -> SwimBodies:
-    """``number`` bodies at rest at the origin; ``reach`` as in :class:`SwimBodies`.
+    """Make ``number`` bodies at rest at the origin; ``reach`` as in :class:`SwimBodies`.
 
     Each muscle segment contracts as far as the controllers of the species ever do, and changes as
     fast: the front one as in a turn, the others by S_MAX (Tu §4.6.1).
@@ -174,7 +174,7 @@ def swim(who: Ints, bodies: SwimBodies, actions: Array, ticks: int) -> None:
 
 @kernel
 def approach(bodies: SwimBodies, i: int, x: Array, moved: Vector) -> float:
-    """Body lengths toward the goal of body ``i``: nodes move to ``x``, the centre by ``moved``."""
+    """Measure body lengths toward its goal that body ``i`` gains by a step to nodes ``x``."""
     goal = vector(bodies.goal[i])
     if bodies.reach == 0.0:
         return dot(moved, goal) / bodies.body_length
@@ -230,19 +230,19 @@ def observe_one(bodies: SwimBodies, i: int) -> None:
 
 @kernel
 def bounded(value: float) -> float:
-    """A value clipped to the bounds of the observation space."""
+    """Clip a value to the bounds of the observation space."""
     return min(max(value, -BOUND), BOUND)
 
 
 @kernel
 def origin_of(x: Array) -> Vector:
-    """Origin of the body frame of nodes (23, 3), as in `biomechanics.body_frame`."""
+    """Compute the origin of the body frame of nodes (23, 3), as in `biomechanics.body_frame`."""
     return times(0.5, plus(vector(x[5]), vector(x[7])))
 
 
 @kernel
 def axes_of(x: Array, origin: Vector) -> tuple[Vector, Vector, Vector]:
-    """The axes ahead, up and right of the body frame, as in `biomechanics.body_frame`."""
+    """Compute the axes ahead, up and right of the body frame, as in `biomechanics.body_frame`."""
     ahead = unit(minus(vector(x[0]), origin))
     up = unit(cross(ahead, minus(vector(x[5]), vector(x[6]))))
     return ahead, up, cross(ahead, up)
@@ -250,7 +250,7 @@ def axes_of(x: Array, origin: Vector) -> tuple[Vector, Vector, Vector]:
 
 @kernel
 def centre(x: Array, mass: Array) -> Vector:
-    """Centre of mass of nodes (23, 3)."""
+    """Compute the centre of mass of nodes (23, 3)."""
     total, middle = 0.0, (0.0, 0.0, 0.0)
     for node in range(NODES):
         total += mass[node]
@@ -318,7 +318,7 @@ def measure_muscles(x: Array, out: Array) -> None:
 
 @kernel
 def muscle_work(x: Array, stiffness: Array, rest: Array, before: Array) -> float:
-    """Work of the muscles since they had the lengths ``before`` (12,), which becomes the new ones.
+    """Measure the work of the muscles since lengths ``before`` (12,), which become the new ones.
 
     It is tension × shortening, as in `capture.inspection.gait.tension_work`.
     """

@@ -1,8 +1,9 @@
-"""Episodes of many bodies: their starts, goals and steps, and rewards.
+"""Episodes of many swimming bodies: their starts, tasks and steps. SwimEnv is a school of one.
 
-SwimEnv is a school of one.
+A task is a goal, and a reward that is a small function.
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -20,18 +21,100 @@ from subsea.lab.environments.swim_bodies import (
     ACTIONS,
     BOUND,
     OBSERVED,
+    SwimBodies,
     make_bodies,
     observe,
     swim,
 )
-from subsea.lab.environments.swim_tasks import (
-    ARRIVED,
-    PLACE_DISTANCES,
-    Reward,
-    SwimStep,
-    draw_goal,
-    task_named,
-)
+
+RESTING_POWER = 0.1  # W/kg: what a resting fish needs, which makes standing still uneconomic
+PLACE_DISTANCES = 3.0, 6.0  # body lengths of a new place from the body
+STEEPEST_PLACE = np.radians(30.0)  # above or below the body
+ARRIVED = 0.5  # body lengths from a place
+TINY = 1e-9
+
+
+class SwimStep(NamedTuple):
+    """The input of a reward: n bodies after a step. L is the body length.
+
+    SwimEnv has n = 1. The arrays change with the next step.
+    """
+
+    toward: Array  # (n,) L: distance toward the goal in this step
+    work: Array  # (n,) J/kg: work of muscles and fins in this step
+    seconds: float  # duration of this step
+    total_toward: Array  # (n,) L: in this episode so far
+    total_work: Array  # (n,) J/kg
+    total_seconds: Array  # (n,)
+    bodies: SwimBodies  # nodes, velocities, commands, goals: cm, g and tu
+
+
+Reward = Callable[[SwimStep], Array]
+"""From a step to the rewards (n,)."""
+
+
+class SwimTask(NamedTuple):
+    """A goal and the reward for pursuing it."""
+
+    goal: str  # "ahead", "heading" or "place"
+    reward: Reward
+
+
+def toward_goal(swim: SwimStep) -> Array:
+    """Reward body lengths toward the goal. The return is the distance covered."""
+    return swim.toward
+
+
+def distance_per_work(swim: SwimStep) -> Array:
+    """Reward distance per work, L kg/J: its change in a step. The return is that of the episode."""
+    now = _per_work(swim.total_toward, swim.total_work, swim.total_seconds)
+    before = _per_work(
+        swim.total_toward - swim.toward,
+        swim.total_work - swim.work,
+        swim.total_seconds - swim.seconds,
+    )
+    return np.asarray(now - before)
+
+
+def _per_work(distance: Array, work: Array, seconds: Array) -> Array:
+    spent = np.maximum(work, 0.0) + RESTING_POWER * np.maximum(seconds, 0.0)
+    return np.asarray(distance / np.maximum(spent, TINY))
+
+
+TASKS = {
+    "speed": SwimTask("ahead", toward_goal),
+    "economy": SwimTask("ahead", distance_per_work),
+    "heading": SwimTask("heading", toward_goal),
+    "place": SwimTask("place", toward_goal),
+}
+"""The tasks by name."""
+
+
+def task_named(name: str) -> SwimTask:
+    """Look up the task of this name; UserError if there is none."""
+    if name not in TASKS:
+        raise UserError(f"unknown task {name!r}; expected one of {', '.join(TASKS)}")
+    return TASKS[name]
+
+
+def draw_goal(
+    goal: str, origin: Array, body_length: float, random: np.random.Generator
+) -> tuple[float, float, float]:
+    """Draw A new goal of a body at ``origin`` (3,): a direction of length 1, or a place in cm."""
+    if goal == "ahead":
+        return 1.0, 0.0, 0.0
+    turn = random.uniform(-np.pi, np.pi)
+    if goal == "heading":
+        return float(np.cos(turn)), 0.0, float(np.sin(turn))
+    climb = random.uniform(-STEEPEST_PLACE, STEEPEST_PLACE)
+    far = body_length * random.uniform(*PLACE_DISTANCES)
+    level = far * np.cos(climb)
+    return (
+        float(origin[0] + level * np.cos(turn)),
+        float(origin[1] + far * np.sin(climb)),
+        float(origin[2] + level * np.sin(turn)),
+    )
+
 
 DISTURBANCE = 0.1  # rms random velocity of each node at the start, cm/tu
 LEAST_PART = 16  # bodies, about 0.3 ms of work: fewer are not worth a thread
@@ -112,7 +195,7 @@ class SwimSchool:
         return rewards
 
     def burst(self) -> Bools:
-        """True for bodies (n,) that lost their shape in their last step."""
+        """Flag bodies (n,) that lost their shape in their last step."""
         return ~self.bodies.sound
 
     def _swim(self, who: Ints, actions: Array) -> None:
@@ -128,7 +211,7 @@ class SwimSchool:
         list(self._pool.map(lambda part: swim(part, self.bodies, actions, self._ticks), cut))
 
     def _distances(self) -> Array:
-        """Distances (n,) of the bodies from their places, cm."""
+        """Measure distances (n,) of the bodies from their places, cm."""
         origins = 0.5 * (self.bodies.x[:, 5] + self.bodies.x[:, 7])
         return np.asarray(np.linalg.norm(self.bodies.goal - origins, axis=1))
 
@@ -139,7 +222,7 @@ class SwimSchool:
 
 
 def checked_actions(actions: object, shape: tuple[int, ...]) -> Array:
-    """Actions as a float32 array; ValueError for another shape or values that are not finite."""
+    """Check actions; returns float32. ValueError for another shape or infinite values."""
     try:
         array = np.ascontiguousarray(actions, np.float32)
     except (TypeError, ValueError):

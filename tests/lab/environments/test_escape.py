@@ -9,8 +9,8 @@ import subsea.lab.environments  # noqa: F401 registers
 from subsea.base.errors import UserError
 from subsea.behavior.chasing import mouth_of
 from subsea.geometry.rotation import x_axis
-from subsea.lab.environments.escape import START_CM, EscapeEnv
 from subsea.lab.environments.living_sea import NAMES
+from subsea.lab.environments.steered_fish import START_CM, EscapeEnv
 from subsea.perception.vision import FIELD_COS
 from subsea.state import PREY
 from tests.support.scenes import BARE

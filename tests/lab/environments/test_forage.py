@@ -9,8 +9,8 @@ import subsea.lab.environments  # noqa: F401 registers
 from subsea.base.errors import UserError
 from subsea.behavior.chasing import mouth_of
 from subsea.geometry.rotation import x_axis
-from subsea.lab.environments.forage import ForageEnv
 from subsea.lab.environments.living_sea import NAMES, barrier_place
+from subsea.lab.environments.steered_fish import ForageEnv
 from subsea.state import SEABED, SURFACE, WALL
 from subsea.world.snapshot import checksum
 from tests.support.scenes import BARE

@@ -23,7 +23,7 @@ from subsea.lab.environments.swim_bodies import (
     make_bodies,
     swim,
 )
-from subsea.lab.environments.swim_tasks import TASKS
+from subsea.lab.environments.swim_school import TASKS
 from subsea.repertoire.files import read_repertoire
 
 RELAXED = np.array([-1.0] * MUSCLES + [0.0] * (ACTIONS - MUSCLES), np.float32)

@@ -7,9 +7,8 @@ from gymnasium.vector import AutoresetMode
 
 import subsea.lab.environments  # noqa: F401  registers the environments
 from subsea.base.errors import UserError
-from subsea.lab.environments.swim import SwimEnv
+from subsea.lab.environments.swim import SwimEnv, SwimVectorEnv
 from subsea.lab.environments.swim_bodies import ACTIONS
-from subsea.lab.environments.swim_vector import SwimVectorEnv
 
 STEPS = 12
 

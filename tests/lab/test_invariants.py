@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.lab.profiling.invariants import (
+from subsea.lab.soak import (
     depth_in_rock,
     faults_in,
     starving,

@@ -22,14 +22,16 @@ from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
-from subsea.lab.profiling.comparison import compare, read_reports
-from subsea.lab.profiling.frame_statistics import (
+from subsea.lab.benchmark_reports import (
     REPORT,
     TIMES,
     Frames,
+    compare,
     describe_machine,
+    plot_stages,
     print_ladder,
     print_report,
+    read_reports,
     reference_work,
     statistics,
     write_csv,
@@ -108,8 +110,6 @@ def benchmark(options: BenchmarkOptions) -> int:
     if options.csv is not None:
         write_csv(options.csv, runs)
     if options.plot is not None:
-        from subsea.lab.profiling.comparison import plot_stages
-
         plot_stages(options.plot, runs)
     if options.json is not None:
         write_json(options.json, reports)

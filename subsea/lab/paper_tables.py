@@ -20,7 +20,7 @@ from subsea.fish.species import load_species
 from subsea.frame.packet import Packet, PackOptions, pack
 from subsea.geometry.rotation import rotate
 from subsea.kernels import kernel
-from subsea.lab.profiling.frame_statistics import describe_machine, machine_line
+from subsea.lab.benchmark_reports import describe_machine, machine_line
 from subsea.rendering.output.quality import PRESETS
 from subsea.state import Fishes
 from subsea.submarine.vessel import NEUTRAL
@@ -51,13 +51,13 @@ UNIT = np.eye(3, dtype=np.float32)
 def paper_tables() -> int:
     """Measure and print both tables; takes well under two minutes. Returns the exit code."""
     with headless() as context:  # missing OpenGL is reported before anything is measured
-        machine = describe_machine(context.info)
+        machine, renderer = describe_machine(context.info), context.info["GL_RENDERER"]
     say("measuring the simulation of one fish")
     dynamics = dynamics_ms()
     say(f"measuring the playback of {PLAYED_FISH} fishes")
     playback, frame = playback_ms(start_world(SCENARIO, fish=PLAYED_FISH))
     say("measuring pictures")
-    scenes = [rendering_ms(scenario) for scenario in RENDERED]
+    drawn = [rendering_ms(scenario) for scenario in RENDERED]
     _table(
         "Table 3. CPU time for one fish and one frame (ms)",
         ("1999", "here"),
@@ -67,7 +67,6 @@ def paper_tables() -> int:
     print(
         f"A fish out of sight, without nodes: {frame:.5f} ms, {dynamics / frame:.0f} times faster."
     )
-    drawn = [scene for scene, _ in scenes]
     _table(
         "Table 4. Time to draw a scene with about 40 fishes in sight (ms)",
         ("1999", *(scene.title for scene in drawn)),
@@ -83,13 +82,13 @@ def paper_tables() -> int:
     for scene in drawn:
         print(f"{scene.title}: {scene.in_sight} of {scene.fishes} fishes in sight.")
     print("1999: one 194 MHz R10000 with InfiniteReality.")
-    print(f"Here: subsea {__version__}, {scenes[0][1]}, {SIZE[0]}x{SIZE[1]}, quality low;")
+    print(f"Here: subsea {__version__}, {renderer}, {SIZE[0]}x{SIZE[1]}, quality low;")
     print(f"{machine_line(machine)}.")
     return 0
 
 
 def dynamics_ms() -> float:
-    """Milliseconds for one tick of one simulated fish: six steps of the whole body."""
+    """Measure milliseconds for one tick of one simulated fish: six steps of the whole body."""
     muscles = load_species("fusilier").muscles
     assert muscles
     body, swim = build_body(muscles.body), muscles.swim
@@ -104,7 +103,7 @@ def dynamics_ms() -> float:
 
 
 def playback_ms(world: World) -> tuple[float, float]:
-    """Milliseconds for one tick of one played-back fish, with and without its nodes.
+    """Measure milliseconds for one tick of one played-back fish, with and without its nodes.
 
     The first is the motor stage of the world and SMC eqs. 10-12 for all 23 nodes, as in the paper.
     The second is the motor stage alone: command, body frame and fins, the full cost of a fish out
@@ -125,7 +124,7 @@ def playback_ms(world: World) -> tuple[float, float]:
 
 @kernel
 def place_nodes(fishes: Fishes, nodes_body: Array, out: Array) -> None:
-    """World nodes of all fishes into `out` (n, 23, 3), cm, from those of the library (eq. 12)."""
+    """Write world nodes of all fishes to `out` (n, 23, 3), cm, from recorded ones (SMC eq. 12)."""
     axes = np.empty((3, 3), np.float32)
     for i in range(len(out)):
         a, b, w = fishes.row_a[i], fishes.row_b[i], fishes.weight[i]
@@ -154,8 +153,8 @@ class RenderingTimes(NamedTuple):
     reduced_cpu_ms: float
 
 
-def rendering_ms(scenario: str) -> tuple[RenderingTimes, str]:
-    """Times of a scenario with about 40 fishes in sight, and the name of the renderer."""
+def rendering_ms(scenario: str) -> RenderingTimes:
+    """Measure the drawing of a scenario with about 40 fishes in sight."""
     with headless() as context:
         world = start_world(scenario)
         for _ in range(AWAKE_TICKS):
@@ -170,15 +169,14 @@ def rendering_ms(scenario: str) -> tuple[RenderingTimes, str]:
                 world, views, 1.0, PackOptions(growth=quality.growth, culling=False, lod=False)
             )
             full, full_cpu = drawing_ms(renderer, context, everything, FULL_PICTURES)
-        title, name = world.scenario.title, context.info["GL_RENDERER"]
-    fishes = len(world.state.fishes.species)
-    seen = len(packet.instances)
-    times = RenderingTimes(title, fishes, seen, full, reduced, full_cpu, reduced_cpu)
-    return times, name
+    return RenderingTimes(
+        world.scenario.title, len(world.state.fishes.species), len(packet.instances),
+        full, reduced, full_cpu, reduced_cpu,
+    )  # fmt: skip
 
 
 def view_of(world: World, number: int) -> tuple[View, ...]:
-    """The view from the submarine in the heading with closest to `number` fishes in sight."""
+    """Find the view from the submarine with closest to `number` fishes in sight."""
     eye = cockpit(world.state.submarine, 1.0).eye
     sights = [
         views_for("mono", SIZE, pose_from_angles(eye, heading, 0.0))
@@ -190,7 +188,7 @@ def view_of(world: World, number: int) -> tuple[View, ...]:
 def drawing_ms(
     renderer: "Renderer", context: Any, packet: Packet, pictures: int
 ) -> tuple[float, float]:
-    """Median wall and processor time to upload and draw a packet, ms.
+    """Measure median wall and processor time to upload and draw a packet, ms.
 
     Draws the given number of pictures, or fewer within MAX_DRAWING_S. The first, for which drivers
     compile, counts only if it is the only one.

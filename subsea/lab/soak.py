@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from subsea import __version__
 from subsea.base import interrupts
+from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import json_file
 from subsea.base.files import check_file, replacing
@@ -24,10 +26,12 @@ from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.frame.packet import pack
-from subsea.lab.profiling.comparison import read_json
-from subsea.lab.profiling.invariants import faults_in, starving, stuck, visited_now, widen
+from subsea.geometry.solids import height_at
+from subsea.habitat.contact import clearances
+from subsea.lab.benchmark_reports import read_json
 from subsea.rendering.output.quality import PRESETS
-from subsea.submarine.vessel import NEUTRAL, Helm
+from subsea.state import HUNGER, Sea
+from subsea.submarine.vessel import AHEAD_CM_S, MAX_PITCH, NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, chosen_rig, cockpit, display_rig
 from subsea.view.rig import CameraRig, views
 from subsea.view.stereo import PAGED
@@ -55,6 +59,18 @@ QUARTER = 0.25  # the last quarter is compared with the second
 MAX_GROWTH = 0.02
 MAX_FAULTS = 10  # then the dive ends
 REPORT = json_file("a report of `subsea soak`", "checksums")
+
+# Limits of a sound world.
+MAX_DEPTH_BL = 0.25  # of a fish's middle inside rock, body lengths
+MAX_BL_S, MAX_DRIFT_CM_S = 12.0, 150.0  # speed of a fish: body lengths, and carried by water
+OFF_UNIT = 1e-3  # tolerance of the length of a quaternion
+STILL_BL = 0.5  # a fish that stays in a box of this size, in body lengths, does not move
+IN_UNIT = (
+    "fishes.weight", "fishes.gape", "fishes.display", "minds.mental", "minds.light",
+    "minds.menace", "minds.menaces",
+)  # fmt: skip
+QUATERNIONS = ("fishes.orientation", "fishes.previous_orientation")
+SLACK = 1e-5  # for rounding
 
 
 class RandomInput(NamedTuple):
@@ -103,9 +119,9 @@ def soak(
 ) -> int:
     """Dive for `minutes` of simulated time with random input, and print the observations.
 
-    Faults are broken `invariants`, stuck fishes, a rewound past that repeats differently, changed
-    constants, growth of memory and objects, empty pictures, and checksums that differ from those
-    of the same dive in the report `against`. With `draw` a picture is drawn every second, in
+    Faults are impossible numbers and places, stuck fishes, a rewound past that repeats differently,
+    changed constants, growth of memory and objects, empty pictures, and checksums that differ from
+    those of the same dive in the report `against`. With `draw` a picture is drawn every second, in
     one display mode or theatre after another and at every quality. The report goes to `out` as
     JSON.
 
@@ -118,10 +134,8 @@ def soak(
         decoder = msgspec.json.Decoder(_Report)
         older = read_json(against, "subsea soak", decoder.decode)
     world = start_world(scenario, seed, fish, changes=changes)
-    watch, ticks = (
-        Observations(*([] for _ in Observations._fields)),
-        max(round(minutes * MINUTE), 1),
-    )
+    watch = Observations(*([] for _ in Observations._fields))
+    ticks = max(round(minutes * MINUTE), 1)
     about = {
         "scenario": scenario,
         "set": [*changes],
@@ -166,7 +180,12 @@ def _dive(
     watch: Observations,
     drawing: Generator[None, None, None] | None = None,
 ) -> None:
-    given = random_input(world, np.random.default_rng(world.state.seed))
+    """Make the ticks and note what is seen."""
+
+    def fault(what: str) -> None:
+        watch.faults.append(f"tick {world.state.tick}: {what}")
+
+    inputs = random_input(world, np.random.default_rng(world.state.seed))
     done: list[RandomInput] = []  # since the snapshot to which time is rewound
     before, boxes = None, visited_now(world)
     fixed = snapshot.checksum_of(snapshot.constant(world))
@@ -175,34 +194,31 @@ def _dive(
             check()
             if k % REPLAY_EVERY == REPLAY_EVERY - REPLAYED:
                 before, done = (snapshot.take(world), get_tunables(world)), []
-            done.append(next(given))
+            done.append(next(inputs))
             act(world, done[-1])
             if before and k % REPLAY_EVERY == 0:
                 after = snapshot.checksum(world)
                 set_tunables(world, before[1])
                 snapshot.restore(world, before[0])
-                for one in done:
-                    act(world, one)
+                for given in done:
+                    act(world, given)
                 if snapshot.checksum(world) != after:
-                    watch.faults.append(
-                        f"tick {world.state.tick}: a rewound past repeated differently"
-                    )
+                    fault("a rewound past repeated differently")
                 watch.replays.append(world.state.tick)
                 before = None
             if k % SECOND == 0:
                 widen(boxes, world)
-                found = faults_in(world)
+                for what in faults_in(world):
+                    fault(what)
                 if k % STILL == 0:
-                    found.extend(f"fish {i} is stuck" for i in stuck(boxes, world))
+                    for i in stuck(boxes, world):
+                        fault(f"fish {i} is stuck")
                     boxes = visited_now(world)
-                watch.faults.extend(f"tick {world.state.tick}: {what}" for what in found)
                 if drawing:
                     next(drawing)
             if k % MINUTE == 0 or k == ticks:
                 if snapshot.checksum_of(snapshot.constant(world)) != fixed:
-                    watch.faults.append(
-                        f"tick {world.state.tick}: a constant of the world has changed"
-                    )
+                    fault("a constant of the world has changed")
                 watch.checksums.append(snapshot.checksum(world))
                 watch.memory_mb.extend(resident_mb())
                 watch.things.append(len(gc.get_objects()))
@@ -242,7 +258,7 @@ def act(world: World, given: RandomInput) -> None:
 
 
 def rigs() -> list[CameraRig]:
-    """Rigs of every display mode without a special window, and of every theatre, shrunk."""
+    """Make rigs of every display mode without a special window, and of every theatre, shrunk."""
     theatres = resource_names("assets/theatres", ".toml")
     return [
         *(display_rig(display, SIZE) for display in DISPLAYS if display != PAGED),
@@ -313,14 +329,14 @@ def judge(watch: Observations, drawn: bool) -> None:
 
 
 def steady(watch: Observations, drawn: bool) -> list[float]:
-    """Memory after the warm-up; empty if the dive is too short to judge it."""
+    """Take memory after the warm-up; empty if the dive is too short to judge it."""
     if not drawn:
         return watch.memory_mb
     return watch.memory_mb[WARM_UP_MIN:] if len(watch.memory_mb) >= 2 * WARM_UP_MIN else []
 
 
 def growth(values: Sequence[float]) -> float:
-    """Relative growth of values, one a minute; 0 if it is acceptable.
+    """Compute the relative growth of values, one a minute; 0 if it is acceptable.
 
     Compares the medians of the last and the second quarter: single minutes differ by a tenth with
     the display and the quality that are drawn.
@@ -333,7 +349,7 @@ def growth(values: Sequence[float]) -> float:
 
 
 def resident_mb() -> list[float]:
-    """Resident memory of this process, MB, in a list; empty if the system gives no figure.
+    """Read the resident memory of this process, MB, in a list; empty without a figure.
 
     Returns free memory of the allocator to the system first: up to half of a dive with drawing.
     """
@@ -369,3 +385,110 @@ def _tell(world: World, watch: Observations, drawn: bool, seconds: float) -> Non
     for fault in watch.faults:
         say(fault)
     print(count_noun(len(watch.faults), "fault", "faults") if watch.faults else "sound")
+
+
+def faults_in(world: World) -> list[str]:
+    """List the faults of a world: impossible values, bodies in impossible places."""
+    try:
+        snapshot.check(world)
+    except UserError as fault:
+        return [str(fault)]
+    return [*_odd_numbers(world), *_misplaced(world), *_too_fast(world)]
+
+
+def _odd_numbers(world: World) -> Iterator[str]:
+    """List shares outside 0 to 1, and quaternions that are not of unit length."""
+    arrays = snapshot.changing(world)
+    for name in IN_UNIT:
+        for where in np.argwhere((arrays[name] < -SLACK) | (arrays[name] > 1.0 + SLACK))[:1]:
+            k = tuple(int(index) for index in where)
+            yield f"{name}{[*k]} is {arrays[name][k]:g}, expected a share"
+    for name in QUATERNIONS:
+        length = np.linalg.norm(arrays[name], axis=1)
+        for k in np.flatnonzero(np.abs(length - 1.0) > OFF_UNIT)[:1]:
+            yield f"{name}[{k}] is a quaternion of length {length[k]:g}"
+
+
+def _misplaced(world: World) -> Iterator[str]:
+    """List fishes, the submarine and plankton outside the sea or inside rock."""
+    sea, fishes, submarine = world.state.sea, world.state.fishes, world.state.submarine
+    swims = in_water(world)
+    names = [*(f"fish {i}" for i in swims), "the submarine"]
+    places = np.concatenate([fishes.position[swims], submarine.position[None]])
+    allowed = np.append(MAX_DEPTH_BL * fishes.length[swims], 0.0)
+    out, deep = out_of_sea(places, sea), depth_in_rock(places, sea)
+    for k in np.flatnonzero(out):
+        yield f"{names[k]} is out of the sea, at {_words(places[k])}"
+    for k in np.flatnonzero(deep > allowed):
+        yield f"{names[k]} is {deep[k]:.0f} cm inside rock, at {_words(places[k])}"
+    there = sea.plankton[sea.absent == 0.0]
+    for k in np.flatnonzero(out_of_sea(there, sea))[:1]:
+        yield f"a speck of plankton is out of the sea, at {_words(there[k])}"
+
+
+def _too_fast(world: World) -> Iterator[str]:
+    """List speeds beyond those of muscles and propeller."""
+    fishes, submarine = world.state.fishes, world.state.submarine
+    swims = in_water(world)
+    way = fishes.position[swims] - fishes.previous_position[swims]
+    speed = np.linalg.norm(way, axis=1) / TICK_S
+    for k in np.flatnonzero(speed > MAX_BL_S * fishes.length[swims] + MAX_DRIFT_CM_S):
+        yield f"fish {swims[k]} moves at {speed[k]:.0f} cm/s"
+    if (speed := float(np.linalg.norm(submarine.velocity))) > 2.0 * AHEAD_CM_S:
+        yield f"the submarine moves at {speed:.0f} cm/s"
+    if abs(submarine.angles[1]) > MAX_PITCH + SLACK:
+        yield f"the submarine's pitch is {np.degrees(submarine.angles[1]):.0f} degrees"
+
+
+def in_water(world: World) -> NDArray[np.intp]:
+    """Find the living fishes, except one that a hook pulls out of the water."""
+    swims = world.state.fishes.alive.copy()
+    if (caught := int(world.state.sea.catch[1])) >= 0:
+        swims[caught] = False
+    return np.flatnonzero(swims)
+
+
+def starving(world: World) -> int:
+    """Count living fishes of maximum hunger."""
+    return int((world.state.fishes.alive & (world.state.minds.mental[:, HUNGER] >= 1.0)).sum())
+
+
+def out_of_sea(places: Array, sea: Sea) -> NDArray[np.bool_]:
+    """Flag places (n, 3) beyond the bounds, in the air or in the ground."""
+    floor = [height_at(sea.heights, sea.half_width, float(x), float(y)) for x, y, _ in places]
+    beyond = np.hypot(places[:, 0], places[:, 1]) > sea.radius * (1.0 + SLACK)
+    return np.asarray(beyond | (places[:, 2] <= floor) | (places[:, 2] >= 0.0))
+
+
+def depth_in_rock(places: Array, sea: Sea) -> Array:
+    """Measure the depth of places (n, 3) inside pillars and rocks (n,), cm; 0 outside."""
+    return np.maximum(-clearances(sea.pillars, sea.rocks, places), 0.0)
+
+
+class VisitedBoxes(NamedTuple):
+    """The bounding box of each fish's positions."""
+
+    low: Array  # (n, 3), cm
+    high: Array  # (n, 3), cm
+
+
+def visited_now(world: World) -> VisitedBoxes:
+    """Make boxes of the current positions only."""
+    return VisitedBoxes(world.state.fishes.position.copy(), world.state.fishes.position.copy())
+
+
+def widen(boxes: VisitedBoxes, world: World) -> None:
+    """Extend the boxes to the current positions."""
+    np.minimum(boxes.low, world.state.fishes.position, out=boxes.low)
+    np.maximum(boxes.high, world.state.fishes.position, out=boxes.high)
+
+
+def stuck(boxes: VisitedBoxes, world: World) -> list[int]:
+    """Find the living fishes that have not moved."""
+    side = np.linalg.norm(boxes.high - boxes.low, axis=1)
+    swims = in_water(world)
+    return [int(i) for i in swims if side[i] < STILL_BL * world.state.fishes.length[i]]
+
+
+def _words(place: Array) -> str:
+    return ", ".join(f"{x:.0f}" for x in place)

@@ -8,7 +8,7 @@ import pytest
 from subsea import __version__
 from subsea.dive.start import start_world
 from subsea.frame.packet import pack
-from subsea.lab.profiling import paper_tables
+from subsea.lab import paper_tables
 from subsea.motor.pose import nodes_world
 
 

@@ -9,8 +9,8 @@ import pytest
 from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
 from subsea.cli.main import main
-from subsea.lab.profiling import soak
-from subsea.lab.profiling.soak import (
+from subsea.lab import soak
+from subsea.lab.soak import (
     Observations,
     RandomInput,
     act,

@@ -14,9 +14,8 @@ from PIL import Image
 
 from subsea.base.arrays import summarize_ms
 from subsea.cli.main import main
-from subsea.lab.profiling import benchmark, comparison
-from subsea.lab.profiling import frame_statistics as machine
-from subsea.lab.profiling.frame_statistics import STAGES, bound_by
+from subsea.lab import benchmark, benchmark_reports
+from subsea.lab.benchmark_reports import STAGES, bound_by
 from subsea.rendering.gl.context import GPU_STAGES
 from subsea.rendering.renderer import Renderer
 from subsea.world import step as ocean
@@ -103,10 +102,10 @@ def test_the_report_describes_the_machine(reports, capsys):
     }  # fmt: skip
     assert told["cores"] == len(os.sched_getaffinity(0))
     assert told["packages"]["numba"] == version("numba")
-    line = machine.machine_line(told)
+    line = benchmark_reports.machine_line(told)
     assert told["cpu"] in line
     assert told["driver"] in line
-    assert "commit" not in machine.machine_line(told | {"commit": None})
+    assert "commit" not in benchmark_reports.machine_line(told | {"commit": None})
 
 
 def test_without_culling_and_levels_all_fishes_are_drawn_in_full(reports):
@@ -234,7 +233,7 @@ def test_a_report_is_compared_with_an_older_one(ladder, tmp_path, capsys):
 def compared(reports, older, path, capsys):
     """The verdict of each row of a comparison: its last word."""
     path.write_text(json.dumps(older))
-    comparison.compare(reports, comparison.read_reports(path), path)
+    benchmark_reports.compare(reports, benchmark_reports.read_reports(path), path)
     rows = capsys.readouterr().out.partition("in most parts\n")[2].splitlines()
     return {row.split()[0]: row.split()[-1] for row in rows}
 
@@ -265,12 +264,12 @@ def test_reports_without_a_yardstick_are_compared(reports, tmp_path, capsys):
 
 
 def test_the_spread_of_ratios():
-    assert comparison.spread([4.0] * 10, [2.0] * 10) == (2.0, 2.0)
-    low, high = comparison.spread([1.0, 2.0, 3.0], [1.0, 1.0, 1.0])
+    assert benchmark_reports.spread([4.0] * 10, [2.0] * 10) == (2.0, 2.0)
+    low, high = benchmark_reports.spread([1.0, 2.0, 3.0], [1.0, 1.0, 1.0])
     assert 1.0 < low < 2.0 < high < 3.0
-    assert comparison.spread([1.0] * 9, [1.0] * 10) is None
-    assert comparison.spread([1.0], [1.0]) is None
-    assert comparison.spread([1.0, 1.0], [0.0, 1.0]) is None
+    assert benchmark_reports.spread([1.0] * 9, [1.0] * 10) is None
+    assert benchmark_reports.spread([1.0], [1.0]) is None
+    assert benchmark_reports.spread([1.0, 1.0], [0.0, 1.0]) is None
 
 
 def test_an_interrupted_benchmark_writes_nothing(tmp_path, monkeypatch, capsys):

@@ -1,1 +1,0 @@
-"""Benchmarks, comparisons, paper tables, soak tests."""
