@@ -6,42 +6,28 @@ A command may succeed, or end with exit code 1, 2, 75 or 130 and one line. Anyth
 finding: a traceback, another code, a line that is not a message, more than SECONDS. A command that
 shows its progress is ended after PATIENCE_S and counted apart. Commands that open windows get no
 display. Prints how often each exit code came; exit code 1 if there is any finding. Needs Linux.
-
-A command starts as a fork of this process, which has imported the program, in a tenth of the time.
-Cases with environment variables or redirections start a new interpreter.
 """
 
 import argparse
-import atexit
 import os
-import pkgutil
 import random
 import re
-import runpy
-import select
 import shlex
 import signal
+import subprocess
 import sys
 import tempfile
-import threading
-import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, NoReturn
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: a fork loses threads
+from typing import Any, NamedTuple
 
 import msgspec
 
-import capture
-import subsea
 from capture.cli.main import parsers as capture_parsers
-from subsea.base.errors import UserError
 from subsea.cli.main import parsers
 from subsea.lab.simulate import simulate
 from subsea.scenario.load import load_scenario, scenario_names
@@ -330,64 +316,36 @@ def make_folder(folder: Path, record: Path) -> None:
 def end_of(case: Case, folder: Path) -> End:
     """Run a command and wait for its end."""
     errors = folder / "errors"
-    process = os.fork()
-    if process == 0:
-        _become(case, folder, errors)
-    ended = os.pidfd_open(process)
-    try:
-        done = bool(select.select([ended], [], [], PATIENCE_S)[0])
-        if not done and case.words[1] not in SLOW and not _bars(_lines(errors)):
-            done = bool(select.select([ended], [], [], SECONDS - PATIENCE_S)[0])
-    finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process, signal.SIGKILL)
-        os.close(ended)
-        status = os.waitpid(process, 0)[1]
-    return End(os.waitstatus_to_exitcode(status) if done else None, _lines(errors))
+    leave = "mkdir gone; cd gone; rmdir ../gone; " if case.deleted else ""
+    start = shlex.join([sys.executable, "-m", *case.words])
+    # The code is that of the command, not of the last program in a pipe.
+    shell = f"{leave}{start} {case.redirection}; exit ${{PIPESTATUS[0]}}"
+    environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    environment |= {f"XDG_{name}_HOME": f"{folder}/{name}" for name in ("DATA", "CONFIG")}
+    environment |= {"PYTHONPATH": str(ROOT)} | dict(case.environment)
+    with errors.open("wb") as file:
+        process = subprocess.Popen(
+            [b"/bin/bash", b"-c", os.fsencode(shell)], cwd=folder, env=environment,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file,
+            start_new_session=True,
+        )  # fmt: skip
+    code = _code_within(process, PATIENCE_S)
+    if code is None and case.words[1] not in SLOW and not _bars(_lines(errors)):
+        code = _code_within(process, SECONDS - PATIENCE_S)
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    return End(code, _lines(errors))
 
 
-def _become(case: Case, folder: Path, errors: Path) -> NoReturn:
-    """Turn this process into a command."""
-    code: Any = 1
-    try:
-        atexit._clear()  # the end of this process keeps the folders of its parent
-        os.setsid()
-        os.chdir(folder)
-        sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__  # a test may have replaced them
-        for name, number in ((os.devnull, 0), (os.devnull, 1), (str(errors), 2)):
-            os.dup2(os.open(name, os.O_RDWR | os.O_CREAT), number)
-        if case.deleted:
-            Path("gone").mkdir()
-            os.chdir("gone")
-            (folder / "gone").rmdir()
-        os.environ.pop("DISPLAY", None)
-        os.environ["PYTHONPATH"] = str(ROOT)
-        os.environ.update({f"XDG_{name}_HOME": f"{folder}/{name}" for name in ("DATA", "CONFIG")})
-        os.environ.update(case.environment)
-        if case.environment or case.redirection:
-            start = shlex.join([sys.executable, "-m", *case.words])
-            # The code is that of the command, not of the last program in a pipe.
-            shell = f"{start} {case.redirection}; exit ${{PIPESTATUS[0]}}"
-            os.execv("/bin/bash", [b"/bin/bash", b"-c", os.fsencode(shell)])
-        sys.argv[:] = case.words
-        runpy.run_module(case.words[0], run_name="__main__", alter_sys=True)
-        code = 0
-    except SystemExit as end:
-        code = end.code or 0
-        if isinstance(code, str):
-            print(code, file=sys.stderr)
-            code = 1
-    except BaseException:
-        traceback.print_exc()
-    finally:  # as the interpreter does
-        threading._shutdown()
-        atexit._run_exitfuncs()
-        sys.stdout.flush()
-        os._exit(code)
+def _code_within(process: "subprocess.Popen[bytes]", seconds: float) -> int | None:
+    with suppress(subprocess.TimeoutExpired):
+        return process.wait(seconds)
+    return None
 
 
 def _lines(errors: Path) -> list[str]:
-    return errors.read_text("utf-8", "replace").splitlines() if errors.exists() else []
+    return errors.read_text("utf-8", "replace").splitlines()
 
 
 def _bars(lines: list[str]) -> list[str]:
@@ -435,12 +393,6 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
 
 def main() -> int:
     """Run from the command line; returns the exit code."""
-    for package in (subsea, capture):
-        prefix = f"{package.__name__}."
-        for module in pkgutil.walk_packages(package.__path__, prefix, onerror=lambda name: None):
-            if not module.name.endswith("__main__"):
-                with suppress(ImportError, UserError):  # a missing extra
-                    import_module(module.name)
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "run.h5"
         simulate(2, record, "peaceful", 2, 1)

@@ -20,7 +20,6 @@ from subsea.ui.dive import Dive
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.panels import PANELS
 from subsea.world.world import TICK_S
-from tools.measuring import picture_size
 
 SETTLE = 3  # frames after a panel was opened that are not counted
 COUNTED = 3  # frames of each choice in a round
@@ -33,7 +32,8 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--size", default="1280x720")
     options = parser.parse_args()
-    display = DisplayOptions(size=picture_size(options.size), quality="low")
+    size = tuple(map(int, options.size.split("x")))
+    display = DisplayOptions(size=size, quality="low")
     with closing(Dive(DiveOptions(options.scenario, display=display))) as dive:
         show(measured(dive, options.rounds))
 

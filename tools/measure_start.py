@@ -9,20 +9,22 @@ meaningful only on an idle computer. Needs a display.
 """
 
 import argparse
+import json
 import os
 import re
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
-from tools.measuring import Figures, main
-
+HERE = Path(__file__).resolve().parent.parent
 AT_REST = "the sea is shown at rest"
 PICTURE = "the first picture of a moving sea"
 
 
-def measured(options: argparse.Namespace) -> Figures:
+def measured(options: argparse.Namespace) -> dict[str, float]:
     """Open the dive in this process; returns the end of each part, s."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -67,7 +69,7 @@ def open_dive(scenario: str) -> list[tuple[str, float, float]]:
     return marks
 
 
-def ends_of_parts(marks: list[tuple[str, float, float]]) -> Figures:
+def ends_of_parts(marks: list[tuple[str, float, float]]) -> dict[str, float]:
     """Turn messages, which come when a part begins, into the ends of the parts."""
     last = max(k for k, (what, *_) in enumerate(marks) if what != "shown")
     done: dict[str, tuple[float, float]] = {}
@@ -88,8 +90,41 @@ def ends_of_parts(marks: list[tuple[str, float, float]]) -> Figures:
     return figures | {f"clock, until {what}": clock for what, (_, clock) in done.items()}
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Print the least figures, and with --against their ratio to another version's.
+
+    Each run is a process of its own. It runs this tool with the program of the folder that it
+    measures.
+    """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenario", nargs="?", default="peaceful")
     parser.add_argument("--cached", choices=("all", "kernels", "nothing"), default="all")
-    main(parser, measured, times=3)
+    parser.add_argument("--against", type=Path, metavar="FOLDER", help="of another version")
+    parser.add_argument("--times", type=int, default=3, metavar="N", help="runs (3)")
+    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.child:
+        print(json.dumps(measured(options)))
+        return
+    folders = [HERE, *([options.against.resolve()] if options.against else [])]
+    runs: dict[Path, list[dict[str, float]]] = {folder: [] for folder in folders}
+    for _ in range(options.times):
+        for folder, figures in runs.items():
+            done = subprocess.run(
+                [sys.executable, Path(__file__).resolve(), *sys.argv[1:], "--child"],
+                cwd=folder, env=os.environ | {"PYTHONPATH": str(folder)},
+                stdout=subprocess.PIPE, text=True, check=True,
+            )  # fmt: skip
+            figures.append(json.loads(done.stdout.splitlines()[-1]))
+    for name in runs[HERE][0]:
+        least = [
+            min(run[name] for run in figures)
+            for figures in runs.values()
+            if all(name in run for run in figures)
+        ]
+        ratio = f"{least[1] / least[0]:14.2f} times as long there" if len(least) == 2 else ""
+        print(f"{name:60s}" + "".join(f"{figure:10.2f}" for figure in least) + ratio)
+
+
+if __name__ == "__main__":
+    main()
