@@ -5,10 +5,13 @@
 A command may succeed, or end with exit code 1, 2, 75 or 130 and one line. Anything else is a
 finding: a traceback, another code, a line that is not a message, more than SECONDS. A command that
 shows its progress is ended after PATIENCE_S and counted apart. Commands that open windows get no
-display. Prints how often each exit code came; exit code 1 if there is any finding. Needs Linux.
+display; those of the kind `signal` get a virtual one (Xvfb), and Ctrl-C or SIGTERM within LASTS_S,
+sometimes twice. Prints how often each exit code came; exit code 1 if there is any finding. Needs
+Linux.
 """
 
 import argparse
+import atexit
 import os
 import random
 import re
@@ -17,6 +20,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -34,10 +38,12 @@ from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import Scenario
 from tools import fuzzing
 from tools.fuzzing import CODES
+from tools.monkey import virtual_display
 
 ROOT = Path(__file__).parents[1]
 SECONDS = 150
 PATIENCE_S = 25  # with a command that shows its progress
+LASTS_S = 10  # about the time that the commands of LASTING take
 ODD_VALUES = [
     *("--", "-", "", " ", "nan", "-1", "1e400", "9" * 5000, "²", "a" * 255, "a" * 300, "é"),
     *("\udcff\udcfe", "x\ny", "/dev/null", "a=b", "a.b=1", "0x10", "%s", "{}", "~"),
@@ -101,6 +107,21 @@ COMMANDS = {
         "validate": ["clownfish"],
     },
 }
+# Commands that work for a while, to be interrupted.
+LASTING = [
+    "subsea film out.mp4 --seconds 0.5 --size 96x64",
+    "subsea film out --eyes 0 --seconds 0.5 --size 64x64",
+    "subsea simulate --seconds 4 --out out.h5",
+    "subsea study run.h5 --out out --json out.json",
+    "capture inspect fusilier",
+    "capture export fusilier --to gltf --out out",
+    "subsea export peaceful --to usd --out out.usdc --seconds 0.5 --with sand --fish 8",
+    "subsea dive --seconds 3 --quality low --size 96x64",
+    "subsea benchmark --frames 20 --size 96x64 --json out.json",
+    "subsea doctor",
+    "subsea list scenarios",
+    "subsea settings --write --force",
+]
 SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
 WITH_SETTINGS = "simulate", "simulate", "film", "benchmark", "soak"  # commands with --set
 OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
@@ -121,6 +142,7 @@ class Case(NamedTuple):
     redirection: str = ""
     environment: Mapping[str, str] = MappingProxyType({})
     deleted: bool = False  # the working directory
+    signals: tuple[tuple[float, signal.Signals], ...] = ()  # each after a pause, s
 
 
 class End(NamedTuple):
@@ -292,6 +314,25 @@ def odd_folder(rng: random.Random) -> Case:
     return Case(odd_value(rng).words, deleted=True)
 
 
+def interrupted(rng: random.Random) -> Case:
+    """A command that is interrupted."""
+    pauses = [rng.uniform(0.0, LASTS_S), rng.choice((0.0, 0.05, 0.5))][: rng.choice((1, 1, 2))]
+    kinds = signal.SIGINT, signal.SIGTERM
+    return Case(
+        rng.choice(LASTING).split(),
+        environment={"DISPLAY": display()},
+        signals=tuple((pause, rng.choice(kinds)) for pause in pauses),
+    )
+
+
+@cache
+def display() -> str:
+    """Start a virtual display for the rest of this process."""
+    shown = virtual_display()
+    atexit.register(shown.__exit__, None, None, None)
+    return shown.__enter__()
+
+
 KINDS: dict[str, Callable[[random.Random], Case]] = {
     "value": odd_value,
     "scenario": odd_scenario,
@@ -300,6 +341,7 @@ KINDS: dict[str, Callable[[random.Random], Case]] = {
     "locale": odd_locale,
     "environment": odd_environment,
     "folder": odd_folder,
+    "signal": interrupted,
 }
 
 
@@ -318,6 +360,8 @@ def end_of(case: Case, folder: Path) -> End:
     errors = folder / "errors"
     leave = "mkdir gone; cd gone; rmdir ../gone; " if case.deleted else ""
     start = shlex.join([sys.executable, "-m", *case.words])
+    if case.signals:  # are for Python, not for a shell
+        start = f"exec {start}"
     # The code is that of the command, not of the last program in a pipe.
     shell = f"{leave}{start} {case.redirection}; exit ${{PIPESTATUS[0]}}"
     environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
@@ -329,6 +373,10 @@ def end_of(case: Case, folder: Path) -> End:
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file,
             start_new_session=True,
         )  # fmt: skip
+    for pause, number in case.signals:
+        _wait_for_handlers(process)
+        time.sleep(pause)
+        process.send_signal(number)
     code = _code_within(process, PATIENCE_S)
     if code is None and case.words[1] not in SLOW and not _bars(_lines(errors)):
         code = _code_within(process, SECONDS - PATIENCE_S)
@@ -336,6 +384,16 @@ def end_of(case: Case, folder: Path) -> End:
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     return End(code, _lines(errors))
+
+
+def _wait_for_handlers(process: "subprocess.Popen[bytes]") -> None:
+    """Wait for the first line of the program; before, a signal ends the interpreter."""
+    while process.poll() is None:
+        status = Path(f"/proc/{process.pid}/status").read_text()
+        caught = int(status.partition("SigCgt:")[2].split()[0], 16)
+        if caught & 1 << (signal.SIGTERM - 1) and not status.startswith("Name:\tbash"):
+            return
+        time.sleep(0.001)
 
 
 def _code_within(process: "subprocess.Popen[bytes]", seconds: float) -> int | None:
@@ -393,6 +451,8 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
 
 def main() -> int:
     """Run from the command line; returns the exit code."""
+    # A shell's background job ignores Ctrl-C, and so would its child processes.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "run.h5"
         simulate(2, record, "peaceful", 2, 1)

@@ -3,19 +3,17 @@
 .venv/bin/python tools/gpu_report.py FOLDER [--minutes 8.5] [--only GROUP,…] [--shrink N]
 
 Writes FOLDER/report.json and FOLDER/report.md: every preset at three sizes, 60 to 100,000 fishes,
-the theatre of 4000x1000 pixels, stereo, a dome, the tables of the paper, the stored pictures with
-their differences, and panels (these need a display). Each case runs in a process of its own, so
-that a fault of a driver ends only this case. Both files are written after every case: Ctrl-C or the
-end of the time keeps what is measured. Cases that no longer fit are listed as left out.
+the theatre of 4000x1000 pixels, stereo, a dome, the tables of the paper, and the stored pictures
+with their differences. Each case runs in a process of its own, so that a fault of a driver ends
+only this case. Both files are written after every case: Ctrl-C or the end of the time keeps what
+is measured. Cases that no longer fit are listed as left out.
 
 --shrink divides the sizes of the pictures by N, for a trial on a slow machine.
 """
 
 import argparse
 import json
-import os
 import platform
-import signal
 import subprocess
 import sys
 import tempfile
@@ -32,8 +30,7 @@ PRESETS = ("low", "medium", "high", "ultra")
 FISH = (60, 1_000, 10_000, 30_000, 100_000)
 LEAST_S = 4.0  # a case is not begun with less time left
 LEAST_PX = 64  # a side of a picture
-STOP_S = 10.0  # for a case to end after an interrupt
-GROUPS = ("start", "presets", "fishes", "dive", "displays", "pictures", "paper", "panels")
+GROUPS = ("start", "presets", "fishes", "dive", "displays", "pictures", "paper")
 
 
 @dataclass
@@ -91,9 +88,6 @@ def cases(options: argparse.Namespace) -> list[Case]:
     found.append(Case("pictures", "stored pictures", tests, "pictures", 150.0))
     paper = [*SUBSEA, "benchmark", "--paper"]
     found.append(Case("paper", "tables 3 and 4 of the paper", paper, "text", 120.0))
-    panels = [sys.executable, "tools/measure_panels.py", "--rounds", "4"]
-    panels += ["--size", smaller("1280x720", shrink)]
-    found.append(Case("panels", "panels", panels, "text", 60.0))
     return [case for case in found if case.group in options.only]
 
 
@@ -105,22 +99,20 @@ def smaller(size: str, shrink: int) -> str:
 
 def run_case(case: Case, left_s: float) -> None:
     """Run the command of a case, for at most `left_s`, and keep what it leaves."""
-    if case.group == "panels" and not {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}:
-        case.state, case.reason = "left out", "no display"
-        return
     with tempfile.TemporaryDirectory() as folder:
         leaves = {"benchmark": "--json", "pictures": "--differences"}.get(case.kind)
         result = Path(folder) / "result.json"
         command = case.command if leaves is None else [*case.command, leaves, str(result)]
         start = time.monotonic()
         with (Path(folder) / "output").open("w+") as output:
-            process = subprocess.Popen(command, cwd=HERE, stdout=output, stderr=subprocess.STDOUT)
             try:
-                code = process.wait(min(case.most_s, left_s))
+                code = subprocess.run(
+                    command, cwd=HERE, stdout=output, stderr=subprocess.STDOUT, check=False,
+                    timeout=min(case.most_s, left_s),
+                ).returncode  # fmt: skip
             except subprocess.TimeoutExpired:
                 code = None
             finally:
-                _stop(process)
                 case.seconds = time.monotonic() - start
             output.seek(0)
             text = output.read()
@@ -133,17 +125,6 @@ def run_case(case: Case, left_s: float) -> None:
             case.result = text
         elif result.is_file():  # failing tests leave one too
             case.result = json.loads(result.read_text())
-
-
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    """End a process that still runs."""
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(STOP_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
 
 
 def measure(

@@ -2,6 +2,7 @@
 
 import importlib.util
 import random
+import signal
 from pathlib import Path
 
 import pytest
@@ -64,3 +65,13 @@ def test_a_command_that_ends_badly_is_found(
     if what and what.startswith("exit code 137: "):  # bash reports it, in its own words
         what = "exit code 137: "
     assert what == found
+
+
+def test_an_interrupted_command_gets_its_signals(fuzz, tmp_path):
+    wait = "signal.signal(signal.SIGTERM, lambda *unused: sys.exit(75))\ntime.sleep(60)\n"
+    (tmp_path / "stub.py").write_text(f"import signal, sys, time\n{wait}")
+    for number, code in ((signal.SIGTERM, 75), (signal.SIGINT, -signal.SIGINT)):
+        case = fuzz.Case(["stub", "test"], signals=((0.01, number), (0.0, number)))
+        assert fuzz.end_of(case, tmp_path).code == code
+    case = fuzz.KINDS["signal"](random.Random(1))
+    assert case.environment["DISPLAY"].startswith(":") and 1 <= len(case.signals) <= 2

@@ -62,8 +62,7 @@ def test_a_benchmark_becomes_a_row(tool, tmp_path):
     assert row in (tmp_path / "report.md").read_text()
 
 
-def test_faults_and_slow_cases_are_named_and_the_others_go_on(tool, tmp_path, monkeypatch):
-    monkeypatch.setattr(tool, "STOP_S", 0.2)
+def test_faults_and_slow_cases_are_named_and_the_others_go_on(tool):
     found = [
         python(tool, "broken", "print('some text'); raise SystemExit('no such GPU')"),
         python(tool, "slow", "import time; print('begun', flush=True); time.sleep(60)", most_s=1.0),
@@ -82,14 +81,6 @@ def test_what_no_longer_fits_is_left_out(tool):
     found = [python(tool, "first", "pass")]
     assert tool.measure(found, 0.5 * tool.LEAST_S / 60.0, lambda: None, lambda text: None)
     assert (found[0].state, found[0].reason) == ("left out", "no time left")
-
-
-def test_panels_need_a_display(tool, monkeypatch):
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    (case,) = chosen(tool, "panels")
-    tool.run_case(case, 60.0)
-    assert (case.state, case.reason) == ("left out", "no display")
 
 
 def test_stages_of_the_gpu_and_pictures_are_tables(tool):
