@@ -12,16 +12,15 @@ from subsea.biomechanics.body import (
     build_body,
     rest_nodes,
 )
-from subsea.fish.species import Species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
-def pairs() -> set[tuple[int, int]]:
+def pairs():
     return {(int(i), int(j)) for i, j in UNITS}
 
 
-def test_the_connectivity_is_the_one_that_the_text_describes() -> None:
+def test_the_connectivity_is_the_one_that_the_text_describes():
     assert len(UNITS) == len(pairs()) == 91
     assert np.bincount(KINDS).tolist() == [12, 42, 37]
     assert pairs() >= {(0, 2), (2, 7), (21, 22)}
@@ -30,25 +29,25 @@ def test_the_connectivity_is_the_one_that_the_text_describes() -> None:
     assert KINDS[[tuple(unit) for unit in UNITS].index((0, 2))] == 2
 
 
-def test_the_matrix_is_banded_and_its_skyline_has_126_entries() -> None:
+def test_the_matrix_is_banded_and_its_skyline_has_126_entries():
     assert (UNITS[:, 1] - UNITS[:, 0]).min() > 0
     assert HALF_BANDWIDTH == 7
     first = [min([i, *(int(a) for a, b in UNITS if b == i)]) for i in range(NODES)]
     assert sum(i - start + 1 for i, start in enumerate(first)) == 126
 
 
-def test_connectivity_is_the_same_left_and_right() -> None:
+def test_connectivity_is_the_same_left_and_right():
     mirrored = {tuple(sorted((int(MIRROR[i]), int(MIRROR[j])))) for i, j in UNITS}
     assert mirrored == pairs()
 
 
-def test_the_frame_of_the_body_at_rest_is_that_of_the_world(species: Species) -> None:
+def test_the_frame_of_the_body_at_rest_is_that_of_the_world(species):
     origin, rotation = body_frame(rest_nodes(species.body))
     np.testing.assert_allclose(origin, 0, atol=1e-12)
     np.testing.assert_allclose(rotation, np.eye(3), atol=1e-12)
 
 
-def test_nose_ahead_tail_behind_and_sides_where_they_belong(species: Species) -> None:
+def test_nose_ahead_tail_behind_and_sides_where_they_belong(species):
     nodes = rest_nodes(species.body)
     assert nodes[0, 0] - nodes[22, 0] == species.body.length
     upper_left, upper_right, lower_right, lower_left = nodes[5:9]
@@ -58,14 +57,14 @@ def test_nose_ahead_tail_behind_and_sides_where_they_belong(species: Species) ->
     np.testing.assert_allclose(nodes[MIRROR] * (1, 1, -1), nodes)
 
 
-def test_a_taller_back_leaves_the_belly_alone(fusilier: Species) -> None:
+def test_a_taller_back_leaves_the_belly_alone(fusilier):
     plain, tall = rest_nodes(fusilier.body), rest_nodes(fusilier.body, back=1.1)
     above = plain[:, 1] > 0
     np.testing.assert_allclose(tall[above, 1], 1.1 * plain[above, 1])
     np.testing.assert_allclose(tall[~above], plain[~above])
 
 
-def test_the_masses_of_table_4_1_make_107_grams(fusilier: Species) -> None:
+def test_the_masses_of_table_4_1_make_107_grams(fusilier):
     body = build_body(fusilier.body)
     np.testing.assert_allclose(body.mass.sum(), 107.03)
     np.testing.assert_allclose(
@@ -73,7 +72,7 @@ def test_the_masses_of_table_4_1_make_107_grams(fusilier: Species) -> None:
     )
 
 
-def test_the_hull_is_closed_and_faces_outwards(species: Species) -> None:
+def test_the_hull_is_closed_and_faces_outwards(species):
     a, b, c = np.moveaxis(rest_nodes(species.body)[TRIANGLES], 1, 0)
     area = np.cross(b - a, c - a) / 2 * TRIANGLE_WEIGHTS[:, None]
     np.testing.assert_allclose(area.sum(axis=0), 0, atol=1e-12)
@@ -83,7 +82,7 @@ def test_the_hull_is_closed_and_faces_outwards(species: Species) -> None:
     assert len(TRIANGLES) == 78
 
 
-def test_the_body_has_no_hinges(species: Species) -> None:
+def test_the_body_has_no_hinges(species):
     body = build_body(species.body)
     stiffness = np.zeros((NODES, 3, NODES, 3))
     for (i, j), c in zip(UNITS, body.stiffness, strict=True):

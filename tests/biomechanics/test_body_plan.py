@@ -5,7 +5,6 @@ import msgspec
 import pytest
 
 from subsea.biomechanics.body_plan import BodyPlan, SwimPlan, TurnPlan
-from subsea.fish.species import Species
 
 
 @pytest.mark.parametrize(
@@ -31,14 +30,12 @@ from subsea.fish.species import Species
         ("stations", [0, 2, 3, 4, 6, 5, 7], "increase from nose to tail"),
     ],
 )
-def test_impossible_bodies_are_refused(
-    fusilier: Species, key: str, value: object, words: str
-) -> None:
+def test_impossible_bodies_are_refused(fusilier, key, value, words):
     with pytest.raises(msgspec.ValidationError, match=words):
         msgspec.convert(msgspec.to_builtins(fusilier.body) | {key: value}, BodyPlan)
 
 
-def test_impossible_controllers_are_refused(fusilier: Species) -> None:
+def test_impossible_controllers_are_refused(fusilier):
     swim, turn = msgspec.to_builtins(fusilier.swim), msgspec.to_builtins(fusilier.turn)
     steering = turn["steering"]
     changes: list[tuple[type, dict[str, Any], str]] = [
@@ -56,7 +53,7 @@ def test_impossible_controllers_are_refused(fusilier: Species) -> None:
             msgspec.convert(table, kind)
 
 
-def test_mass_and_volume_of_a_box_with_pyramids_at_its_ends(fusilier: Species) -> None:
+def test_mass_and_volume_of_a_box_with_pyramids_at_its_ends(fusilier):
     box = msgspec.structs.replace(
         fusilier.body,
         stations=(0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0),
@@ -69,7 +66,7 @@ def test_mass_and_volume_of_a_box_with_pyramids_at_its_ends(fusilier: Species) -
     assert box.mass == 1 + 20 * 4 + 4
 
 
-def test_each_grade_has_its_own_beat(fusilier: Species) -> None:
+def test_each_grade_has_its_own_beat(fusilier):
     old = fusilier.swim
     assert old.grades == ("slow", "medium", "fast")
     assert all(old.at(grade) is old for grade in old.grades)

@@ -16,13 +16,12 @@ from subsea.biomechanics.controllers import (
     turn_share,
 )
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.fish.species import Species
 
 left, right = MUSCLE_LEFT > 0, MUSCLE_LEFT < 0
 PHASES = np.linspace(0, 2 * np.pi, 61)
 
 
-def test_the_sides_swim_in_antiphase(species: Species) -> None:
+def test_the_sides_swim_in_antiphase(species):
     now = swim_contraction(species.swim, PHASES)
     half_a_beat_on = swim_contraction(species.swim, PHASES + np.pi)
     np.testing.assert_allclose(now[:, left], half_a_beat_on[:, right], atol=1e-12)
@@ -30,7 +29,7 @@ def test_the_sides_swim_in_antiphase(species: Species) -> None:
     assert now.max() <= max(species.swim.contraction)
 
 
-def test_the_foremost_segment_rests_and_the_hindmost_follows(species: Species) -> None:
+def test_the_foremost_segment_rests_and_the_hindmost_follows(species):
     wave = swim_contraction(species.swim, PHASES)
     later = swim_contraction(species.swim, PHASES + species.swim.lag)
     assert not wave[:, :4].any()
@@ -38,13 +37,13 @@ def test_the_foremost_segment_rests_and_the_hindmost_follows(species: Species) -
     np.testing.assert_allclose(later[:, 8:] / back, wave[:, 4:8] / front, atol=1e-12)
 
 
-def test_amplitude_scales_the_contraction(species: Species) -> None:
+def test_amplitude_scales_the_contraction(species):
     np.testing.assert_allclose(
         swim_contraction(species.swim, PHASES, 0.3), 0.3 * swim_contraction(species.swim, PHASES)
     )
 
 
-def test_no_muscle_shortens_faster_than_s_max(species: Species) -> None:
+def test_no_muscle_shortens_faster_than_s_max(species):
     body = build_body(species.body)
     steps = species.swim.ticks_per_beat * STEPS_PER_TICK
     phase = 2 * np.pi * np.arange(steps + 1) / steps
@@ -56,7 +55,7 @@ def test_no_muscle_shortens_faster_than_s_max(species: Species) -> None:
     assert np.abs(np.diff(turned, axis=0)).max() <= S_MAX
 
 
-def test_only_the_inner_side_bends() -> None:
+def test_only_the_inner_side_bends():
     bent = bend_contraction((0.2, 0.1), RIGHT)[0]
     np.testing.assert_allclose(bent[:8], [0, 0.2, 0.2, 0, 0, 0.1, 0.1, 0])
     assert not bent[8:].any()
@@ -64,7 +63,7 @@ def test_only_the_inner_side_bends() -> None:
 
 
 @given(st.floats(-3, 3))
-def test_easing_is_monotone_from_nothing_to_all(share: float) -> None:
+def test_easing_is_monotone_from_nothing_to_all(share):
     assert 0 <= ease(share) <= ease(share + 0.1) <= 1
     assert ease(0) == 0
     assert ease(1) == 1
@@ -72,14 +71,14 @@ def test_easing_is_monotone_from_nothing_to_all(share: float) -> None:
 
 
 @pytest.mark.parametrize("angle", [10.0, 30.0, 52.5, 90.0])
-def test_a_turn_bends_fast_holds_and_relaxes(species: Species, angle: float) -> None:
+def test_a_turn_bends_fast_holds_and_relaxes(species, angle):
     row = steering(species.turn, angle)
     ends = np.cumsum([0, row.bend_ticks, row.hold_ticks, row.restore_ticks])
     np.testing.assert_allclose(turn_share(row, ends), [0, 1, 1, 0], atol=1e-12)
     assert row.bend_ticks < row.restore_ticks
 
 
-def test_the_steering_map_passes_through_its_rows(species: Species) -> None:
+def test_the_steering_map_passes_through_its_rows(species):
     for row in species.turn.steering:
         assert steering(species.turn, row.angle) == row
     first, second = species.turn.steering[:2]
@@ -89,7 +88,7 @@ def test_the_steering_map_passes_through_its_rows(species: Species) -> None:
     assert half.contraction == pytest.approx(tuple(c / 2 for c in first.contraction))
 
 
-def test_lengths_are_rest_lengths_less_their_contraction(fusilier: Species) -> None:
+def test_lengths_are_rest_lengths_less_their_contraction(fusilier):
     body = build_body(fusilier.body)
     lengths = muscle_lengths(body, np.tile([0.0, 0.25], (3, 6)))
     np.testing.assert_allclose(lengths[1], body.length[:MUSCLES] * np.tile([1, 0.75], 6))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.biomechanics.body import Body, Floats, body_frame, build_body
+from subsea.biomechanics.body import body_frame, build_body
 from subsea.biomechanics.controllers import (
     ease,
     glide_contraction,
@@ -20,30 +20,29 @@ from subsea.biomechanics.simulation import (
     simulate,
 )
 from subsea.biomechanics.solver import STEPS_PER_TICK
-from subsea.fish.species import Species
 from subsea.geometry.rotation import about, matrix
 
 RELAXED = np.zeros((STEPS_PER_TICK, 12))
 
 
-def medium_beat(species: Species) -> Floats:
+def medium_beat(species):
     steps = species.swim.ticks_per_beat * STEPS_PER_TICK
     phase = 2 * np.pi * np.arange(steps) / steps
     return swim_contraction(species.swim, phase, species.swim.medium)
 
 
 @pytest.fixture
-def body(species: Species) -> Body:
+def body(species):
     return build_body(species.body)
 
 
 @pytest.fixture
-def area(species: Species) -> float:
+def area(species):
     return 0.01 * species.body.length**2
 
 
 @pytest.fixture
-def swimming(species: Species, body: Body) -> BodyState:
+def swimming(species, body):
     """Steady swimming at grade medium, at phase 0 of the beat."""
     state, beat = at_rest(body), medium_beat(species)
     simulate(body, state, ease(np.arange(len(beat)) / len(beat))[:, None] * beat)
@@ -51,20 +50,18 @@ def swimming(species: Species, body: Body) -> BodyState:
     return state
 
 
-def speed(body: Body, state: BodyState) -> float:
+def speed(body, state):
     return float(np.linalg.norm(body.mass @ state.v) / body.mass.sum())
 
 
-def climb(frames: Floats, ticks: int) -> float:
+def climb(frames, ticks):
     """Angle in degrees at which the fish rises over the last `ticks`."""
     way = (frames[-1] - frames[-1 - ticks]).mean(axis=0)
     return float(np.degrees(np.arctan2(way[1], np.hypot(way[0], way[2]))))
 
 
 @pytest.mark.parametrize("angle", [-45, -20, 0, 20, 45])
-def test_ascend_and_descend_lead_to_the_angle(
-    species: Species, body: Body, area: float, swimming: BodyState, angle: int
-) -> None:
+def test_ascend_and_descend_lead_to_the_angle(species, body, area, swimming, angle):
     frames = []
     for _ in range(40):
         for tick in np.split(medium_beat(species), species.swim.ticks_per_beat):
@@ -79,10 +76,8 @@ def test_ascend_and_descend_lead_to_the_angle(
     assert climb(np.array(frames), species.swim.ticks_per_beat) == pytest.approx(angle, abs=0.5)
 
 
-def test_balance_rights_a_rolled_fish_that_would_stay_rolled(
-    species: Species, body: Body, area: float, swimming: BodyState
-) -> None:
-    def lean(frames: Floats) -> float:
+def test_balance_rights_a_rolled_fish_that_would_stay_rolled(species, body, area, swimming):
+    def lean(frames):
         return float(np.degrees(np.arcsin(body_frame(frames)[1][:, 1, 2].mean())))
 
     turn = matrix(about(1.0, 0.0, 0.0, np.radians(25)))
@@ -98,7 +93,7 @@ def test_balance_rights_a_rolled_fish_that_would_stay_rolled(
     assert abs(lean(limp)) > 20
 
 
-def test_brakes_stop_a_gliding_fish_sooner(body: Body, area: float, swimming: BodyState) -> None:
+def test_brakes_stop_a_gliding_fish_sooner(body, area, swimming):
     braking, start = copy_state(swimming), speed(body, swimming)
     for _ in range(45):
         simulate(body, swimming, RELAXED)
@@ -110,7 +105,7 @@ def test_brakes_stop_a_gliding_fish_sooner(body: Body, area: float, swimming: Bo
 
 
 @pytest.mark.parametrize("retreat", [0.3, 1.0])
-def test_backward_reaches_the_speed_of_retreat(body: Body, area: float, retreat: float) -> None:
+def test_backward_reaches_the_speed_of_retreat(body, area, retreat):
     state = at_rest(body)
     rowing = backward(body, area, retreat)
     for _ in range(1000):
@@ -120,7 +115,7 @@ def test_backward_reaches_the_speed_of_retreat(body: Body, area: float, retreat:
     assert is_sound(state)
 
 
-def test_a_fish_in_a_current_brakes_against_the_water(body: Body, area: float) -> None:
+def test_a_fish_in_a_current_brakes_against_the_water(body, area):
     """Fins and hull alike feel only what the water does relative to them."""
     current = np.array([-0.8, 0.0, 0.0])
     held = at_rest(body)
@@ -130,9 +125,7 @@ def test_a_fish_in_a_current_brakes_against_the_water(body: Body, area: float) -
     np.testing.assert_allclose(carried, current, atol=0.05)
 
 
-def test_gliding_relaxes_every_muscle_smoothly_in_the_time_given(
-    species: Species, body: Body, swimming: BodyState
-) -> None:
+def test_gliding_relaxes_every_muscle_smoothly_in_the_time_given(species, body, swimming):
     contraction = medium_beat(species)[0]
     relaxing = glide_contraction(contraction, 60)
     assert not relaxing[-1].any()
@@ -148,8 +141,8 @@ def test_gliding_relaxes_every_muscle_smoothly_in_the_time_given(
 
 @pytest.mark.parametrize(("angle", "allowed"), [(45, 3), (-45, 3), (135, 7), (180, 9), (-180, 9)])
 def test_turns_lead_to_their_angle_and_wider_ones_are_composed(
-    species: Species, body: Body, swimming: BodyState, angle: int, allowed: float
-) -> None:
+    species, body, swimming, angle, allowed
+):
     beat, ticks = medium_beat(species), species.swim.ticks_per_beat
     phase = 0.0
     if angle < 0:  # a right turn is entered half a beat later
@@ -158,7 +151,7 @@ def test_turns_lead_to_their_angle_and_wider_ones_are_composed(
         simulate(body, swimming, beat[:half])
         beat = np.roll(beat, -half, axis=0)
 
-    def heading(frames: Floats) -> float:
+    def heading(frames):
         forward = body_frame(frames)[1][:, :, 0]
         return float(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))).mean())
 
@@ -172,7 +165,7 @@ def test_turns_lead_to_their_angle_and_wider_ones_are_composed(
     assert abs(turned) <= allowed
 
 
-def test_a_wide_turn_is_a_sequence_of_equal_lesser_ones(species: Species) -> None:
+def test_a_wide_turn_is_a_sequence_of_equal_lesser_ones(species):
     whole = turn_contraction(species.swim, species.turn, 150.0)
     half = turn_contraction(species.swim, species.turn, 75.0)
     np.testing.assert_array_equal(whole, np.tile(half, (2, 1)))

@@ -7,53 +7,51 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from subsea.biomechanics.body import NODES, Body, Floats, build_body
+from subsea.biomechanics.body import NODES, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan
 from subsea.biomechanics.reactive_water import (
     SECTIONS,
-    Sections,
     add_section_forces,
     make_sections,
     section_frames,
 )
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.solver import STEP, advance
-from subsea.fish.species import Species
 
 STILL = np.zeros(3)
 
 
 @pytest.fixture(name="slender")
-def slender_plan(fusilier: Species) -> BodyPlan:
+def slender_plan(fusilier):
     return msgspec.structs.replace(fusilier.body, water="elongated")
 
 
-def means(values: Floats) -> Floats:
+def means(values):
     rings = values[1:21].reshape(5, 4, 3).mean(axis=1)
     return np.concatenate([rings, values[21:].mean(axis=0, keepdims=True)])
 
 
-def frames(x: Floats) -> tuple[Floats, Floats]:
+def frames(x):
     tangent, normal = np.empty((2, SECTIONS, 3))
     section_frames(x, tangent, normal)
     return tangent, normal
 
 
-def water_momentum(sections: Sections, x: Floats, v: Floats) -> Floats:
+def water_momentum(sections, x, v):
     """Momentum of the water with the body, as the solver counts it: normals one step ago."""
     normal = frames(x - STEP * v)[1]
     along = np.einsum("ki,ki->k", means(v), normal)
     return np.asarray((sections.added * along) @ normal)
 
 
-def shed(sections: Sections, x: Floats, v: Floats) -> Floats:
+def shed(sections, x, v):
     """Momentum per time that leaves at the edge of the tail."""
     tangent, normal = frames(x)
     w, u = means(v)[-1] @ normal[-1], means(v)[-1] @ tangent[-1]
     return np.asarray(sections.flux[-1] * (u * w * normal[-1] - 0.5 * w * w * tangent[-1]))
 
 
-def moving(body: Body, seed: int) -> tuple[Floats, Floats]:
+def moving(body, seed):
     random = np.random.default_rng(seed)
     return (
         body.rest + random.normal(0, 0.05, (NODES, 3)),
@@ -61,7 +59,7 @@ def moving(body: Body, seed: int) -> tuple[Floats, Floats]:
     )
 
 
-def test_added_mass_is_that_of_the_cone_frustum(slender: BodyPlan) -> None:
+def test_added_mass_is_that_of_the_cone_frustum(slender):
     """∫ ¼πρb² of linear b is that of a frustum: π l (b0² + b0 b1 + b1²) / 12."""
     sections = make_sections(slender)
     b, length = np.array([0.0, *slender.section_heights]), np.diff(slender.stations)
@@ -70,7 +68,7 @@ def test_added_mass_is_that_of_the_cone_frustum(slender: BodyPlan) -> None:
     assert sections.flux[-1] == pytest.approx(np.pi / 4 * b[-1] ** 2)
 
 
-def test_body_and_water_keep_their_momentum_but_for_drag_and_wake(slender: BodyPlan) -> None:
+def test_body_and_water_keep_their_momentum_but_for_drag_and_wake(slender):
     """Momentum that body and water lose in a step leaves at the tail's edge, to rounding."""
     plan = msgspec.structs.replace(slender, skin_drag=0.0, cross_drag=0.0)
     body = build_body(plan)
@@ -88,7 +86,7 @@ def test_body_and_water_keep_their_momentum_but_for_drag_and_wake(slender: BodyP
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed: int) -> None:
+def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed):
     random = np.random.default_rng(seed)
     plan = BodyPlan(
         stations=(0.0, 2.1, 6.2, 10.6, 14.4, 17.5, 20.5),
@@ -102,7 +100,7 @@ def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed: int) -
     x, v = moving(body, seed)
     turn, current = Rotation.random(random_state=random.integers(2**31)), random.normal(0, 2, 3)
 
-    def force(x: Floats, v: Floats, water: Floats) -> Floats:
+    def force(x, v, water):
         tangent, normal = frames(x)
         load = np.zeros((30, 3))
         resistance = add_section_forces(
@@ -120,7 +118,7 @@ def test_the_force_turns_with_the_body_and_ignores_a_common_current(seed: int) -
     )
 
 
-def test_a_rigid_body_at_an_angle_feels_the_lift_of_a_slender_wing(slender: BodyPlan) -> None:
+def test_a_rigid_body_at_an_angle_feels_the_lift_of_a_slender_wing(slender):
     """Lift of a straight body in steady motion is the shed momentum ¼πρb² u w (Jones 1946)."""
     plan = msgspec.structs.replace(slender, skin_drag=0.0, cross_drag=0.0)
     body = build_body(plan)
@@ -136,7 +134,7 @@ def test_a_rigid_body_at_an_angle_feels_the_lift_of_a_slender_wing(slender: Body
     np.testing.assert_allclose(total @ tangent[0], 0.5 * edge * w * w, rtol=1e-12)
 
 
-def test_a_gliding_body_slows_as_skin_drag_says(slender: BodyPlan) -> None:
+def test_a_gliding_body_slows_as_skin_drag_says(slender):
     """m dU/dt = -½ρSC U|U| gives U = U0 / (1 + U0 t ½ρSC / m)."""
     body = build_body(slender)
     state = at_rest(body)
@@ -148,14 +146,14 @@ def test_a_gliding_body_slows_as_skin_drag_says(slender: BodyPlan) -> None:
     assert body.mass @ state.v[:, 0] / body.mass.sum() == pytest.approx(expected, rel=0.02)
 
 
-def test_a_prescribed_wave_gives_lighthills_thrust(slender: BodyPlan) -> None:
+def test_a_prescribed_wave_gives_lighthills_thrust(slender):
     """A travelling wave has mean thrust ½ m (⟨W²⟩ - U²⟨h'²⟩) at the tail's edge (Lighthill)."""
     sections = make_sections(msgspec.structs.replace(slender, skin_drag=0.0, cross_drag=0.0))
     body = build_body(slender)
     length, speed = slender.length, 4.0
     wave, omega, amplitude = 2 * np.pi / length, 2 * np.pi * 0.3, 0.02
 
-    def nodes(t: float) -> tuple[Floats, Floats]:
+    def nodes(t):
         x = body.rest.copy()
         x[:, 0] += speed * t
         behind = -body.rest[:, 0]
@@ -183,7 +181,7 @@ def test_a_prescribed_wave_gives_lighthills_thrust(slender: BodyPlan) -> None:
     assert np.mean(thrust) == pytest.approx(expected, rel=0.12)
 
 
-def test_half_the_step_gives_the_same_swim(slender: BodyPlan) -> None:
+def test_half_the_step_gives_the_same_swim(slender):
     plan = msgspec.structs.replace(
         slender, muscle_stiffness=150.0, cross_stiffness=80.0, other_stiffness=80.0,
         masses=(1.1, 6.6, 11.0, 6.6, 3.3, 2.2, 0.66),
@@ -218,7 +216,7 @@ DACE = np.array([
 ])  # fmt: skip
 
 
-def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender: BodyPlan) -> None:
+def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender):
     thrust = []
     for speed, height, alpha, heading, _ in DACE:
         spans = (*slender.section_heights[:-1], 100 * height)
@@ -238,9 +236,7 @@ def test_the_tail_of_a_dace_pushes_as_in_lighthills_table(slender: BodyPlan) -> 
     assert np.mean(thrust) == pytest.approx(0.21, abs=0.02)
 
 
-def test_a_body_four_times_as_stiff_swims_the_same_path_in_half_the_time(
-    slender: BodyPlan,
-) -> None:
+def test_a_body_four_times_as_stiff_swims_the_same_path_in_half_the_time(slender):
     """The pace of a species: forces of water are quadratic in speed, those of muscles elastic."""
     quick = msgspec.structs.replace(
         slender, viscosity=2 * slender.viscosity,

@@ -21,7 +21,7 @@ OARS = Oars(3.4, 1.7, 0.8, 4.0, 120.0, 1.5)
 ROWERS = [name for name in shipped_species() if load_species(name).row]
 
 
-def test_a_fin_that_is_held_is_a_plate_in_the_flow() -> None:
+def test_a_fin_that_is_held_is_a_plate_in_the_flow():
     """Tu eq. 4.16: area · speed² · sin² of the angle to the flow, on both sides."""
     area = np.pi / 4 * OARS.length * OARS.width
     expected = -2 * area * 5.0**2 * np.sin(MIDDLE) ** 2
@@ -30,7 +30,7 @@ def test_a_fin_that_is_held_is_a_plate_in_the_flow() -> None:
     assert thrust(OARS, 1.5 * np.pi, 5.0) == 0.0  # edge-on
 
 
-def test_a_fin_that_flaps_pushes_up_and_down_alike() -> None:
+def test_a_fin_that_flaps_pushes_up_and_down_alike():
     """A plate halfway into the flow: at rest half of area · (tip speed)² · mean of share²."""
     flapping = OARS._replace(flaps=True)
     assert thrust(flapping, 0.5 * np.pi, 2.0) == pytest.approx(thrust(flapping, 1.5 * np.pi, 2.0))
@@ -42,7 +42,7 @@ def test_a_fin_that_flaps_pushes_up_and_down_alike() -> None:
 
 
 @pytest.mark.parametrize("flaps", [False, True])
-def test_speed_is_proportional_to_the_frequency_of_strokes(flaps: bool) -> None:
+def test_speed_is_proportional_to_the_frequency_of_strokes(flaps):
     """All forces are quadratic: the stride is constant."""
     slow, quick = (
         steady_stroke(OARS._replace(period=period, flaps=flaps), 240) for period in (4.0, 2.0)
@@ -50,14 +50,14 @@ def test_speed_is_proportional_to_the_frequency_of_strokes(flaps: bool) -> None:
     np.testing.assert_allclose(quick, 2 * slow, rtol=1e-6)
 
 
-def test_a_heavy_fish_rows_at_the_speed_of_the_balance() -> None:
+def test_a_heavy_fish_rows_at_the_speed_of_the_balance():
     speeds = steady_stroke(OARS._replace(mass=1e4), 240)
     assert speeds.mean() == pytest.approx(balanced_speed(OARS), rel=2e-3)
     assert np.ptp(steady_stroke(OARS._replace(mass=30.0), 240)) > 20 * np.ptp(speeds)
 
 
 @pytest.mark.parametrize("name", ROWERS)
-def test_a_hull_coasts_with_its_drag_and_rows_within_measured_speeds(name: str) -> None:
+def test_a_hull_coasts_with_its_drag_and_rows_within_measured_speeds(name):
     """1/U grows in proportion to time; labriform swimmers do 0.3 to 1.5 L/s at 2 to 5 Hz."""
     species = load_species(name)
     body, length = build_body(species.body), species.length_cm

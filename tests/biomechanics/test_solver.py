@@ -1,5 +1,4 @@
 import timeit
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -14,36 +13,34 @@ from subsea.biomechanics.body import (
     MUSCLES,
     NODES,
     UNITS,
-    Body,
-    Floats,
     build_body,
 )
 from subsea.biomechanics.reactive_water import NO_SECTIONS
-from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, simulate
+from subsea.biomechanics.simulation import at_rest, copy_state, simulate
 from subsea.biomechanics.solver import ROWS, STEP, advance, assemble, factorize, substitute
 from subsea.fish.species import Species, load_species
 
 
-def to_band(matrix: Floats) -> Floats:
+def to_band(matrix):
     band = np.zeros((ROWS, HALF_BANDWIDTH + 1))
     for k in range(HALF_BANDWIDTH + 1):
         band[: NODES - k, k] = np.diagonal(matrix, k)
     return band
 
 
-def from_band(band: Floats) -> Floats:
+def from_band(band):
     matrix = np.diag(band[:NODES, 0])
     for k in range(1, HALF_BANDWIDTH + 1):
         matrix += np.diag(band[: NODES - k, k], k) + np.diag(band[: NODES - k, k], -k)
     return matrix
 
 
-def padded(load: Floats) -> Floats:
+def padded(load):
     return np.concatenate([load, np.zeros((ROWS - NODES, 3))])
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 1e3))
-def test_the_factorised_solution_is_that_of_a_dense_solver(seed: int, stiffness: float) -> None:
+def test_the_factorised_solution_is_that_of_a_dense_solver(seed, stiffness):
     random = np.random.default_rng(seed)
     matrix = np.diag(random.uniform(1, 200, NODES))
     for i, j in UNITS:
@@ -59,20 +56,20 @@ def test_the_factorised_solution_is_that_of_a_dense_solver(seed: int, stiffness:
     )
 
 
-def test_the_smallest_pivot_tells_an_indefinite_matrix() -> None:
+def test_the_smallest_pivot_tells_an_indefinite_matrix():
     matrix = np.eye(NODES)
     matrix[3, 3] = -1.0
     assert factorize(to_band(matrix)) <= 0
 
 
-def assembled(body: Body, x: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+def assembled(body, x, v):
     band, load, strain = to_band(np.zeros((23, 23))), np.zeros((ROWS, 3)), np.array([np.inf, 0.0])
     muscle = body.length[:MUSCLES] * 0.9
     assemble(x, v, body.material, muscle, STEP, band, load, strain)
     return from_band(band), load[:NODES], strain
 
 
-def test_forces_and_matrix_are_those_of_voigt_units(species: Species) -> None:
+def test_forces_and_matrix_are_those_of_voigt_units(species):
     body = build_body(species.body)
     random = np.random.default_rng(5)
     x, v = body.rest + random.normal(0, 0.05, (23, 3)), random.normal(0, 1, (23, 3))
@@ -95,17 +92,17 @@ def test_forces_and_matrix_are_those_of_voigt_units(species: Species) -> None:
     np.testing.assert_allclose(strain, [ratios.min(), ratios.max()])
 
 
-def test_a_squeezed_body_keeps_its_matrix_definite(species: Species) -> None:
+def test_a_squeezed_body_keeps_its_matrix_definite(species):
     body = build_body(species.body)
     matrix = assembled(body, 0.7 * body.rest, np.zeros((23, 3)))[0]
     assert np.linalg.eigvalsh(matrix).min() > 0
 
 
-def in_vacuum(species: Species) -> Body:
+def in_vacuum(species):
     return build_body(species.body)._replace(drag=0.0, sections=NO_SECTIONS)
 
 
-def test_momentum_is_kept_in_a_vacuum(species: Species) -> None:
+def test_momentum_is_kept_in_a_vacuum(species):
     body = in_vacuum(species)
     state = at_rest(body)
     state.v[:] = np.random.default_rng(3).normal(0, 0.5, (23, 3))
@@ -114,7 +111,7 @@ def test_momentum_is_kept_in_a_vacuum(species: Species) -> None:
     np.testing.assert_allclose(body.mass @ state.v, before, rtol=1e-11)
 
 
-def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier: Species) -> None:
+def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier):
     """A small swing in the softest mode follows cos(ωt) exp(-δt) of the linear theory."""
     body = in_vacuum(fusilier)
     stiffness = np.zeros((NODES, 3, NODES, 3))
@@ -138,7 +135,7 @@ def test_a_free_vibration_has_the_frequency_of_its_eigenmode(fusilier: Species) 
     np.testing.assert_allclose(swing, np.cos(omega * time) * np.exp(-delta * time), atol=0.05)
 
 
-def with_one_unit(unit: int, viscosity: float = 0.0) -> Body:
+def with_one_unit(unit, viscosity=0.0):
     """A body in a vacuum with only one viscoelastic unit left: two nodes on a spring."""
     body = in_vacuum(load_toml(resource_path("docs/tu_fusilier.toml"), Species))
     only = np.arange(len(UNITS)) == unit
@@ -146,7 +143,7 @@ def with_one_unit(unit: int, viscosity: float = 0.0) -> Body:
 
 
 @pytest.mark.parametrize(("unit", "viscosity"), [(0, 0.0), (30, 0.6), (90, 1.5)])
-def test_two_nodes_on_a_unit_are_a_damped_oscillator(unit: int, viscosity: float) -> None:
+def test_two_nodes_on_a_unit_are_a_damped_oscillator(unit, viscosity):
     body, (i, j) = with_one_unit(unit, viscosity), UNITS[unit]
     reduced = body.mass[i] * body.mass[j] / (body.mass[i] + body.mass[j])
     omega, delta = np.sqrt(30.0 / reduced), viscosity / (2 * reduced)
@@ -163,13 +160,13 @@ def test_two_nodes_on_a_unit_are_a_damped_oscillator(unit: int, viscosity: float
     np.testing.assert_allclose(stretch / pull, expected, atol=0.02)
 
 
-def test_two_nodes_keep_their_energy_and_turn_about_their_centre() -> None:
+def test_two_nodes_keep_their_energy_and_turn_about_their_centre():
     """Energy of stretching, swinging and spinning; momentum and spin by their closed forms."""
     body, (i, j) = with_one_unit(40), UNITS[40]
     state = at_rest(body)
     state.v[i], state.v[j] = (0.3, -0.2, 0.5), (-0.1, 0.4, 0.2)
 
-    def of(state: BodyState) -> tuple[float, Floats, Floats]:
+    def of(state):
         two = [i, j]
         stretch = np.linalg.norm(state.x[j] - state.x[i]) - body.length[40]
         energy = 0.5 * body.mass[two] @ (state.v[two] ** 2).sum(axis=1) + 15.0 * stretch**2
@@ -183,7 +180,7 @@ def test_two_nodes_keep_their_energy_and_turn_about_their_centre() -> None:
         np.testing.assert_allclose(other, one, rtol=allowed, atol=allowed)
 
 
-def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier: Species) -> None:
+def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier):
     """Forces, assembly, factors and three right-hand sides, beside the solve alone."""
     body = build_body(fusilier.body)
     state = at_rest(body)
@@ -194,25 +191,25 @@ def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier: Sp
     lower, right = np.ascontiguousarray(band[:NODES].T), load[:NODES].copy()
     still, none = np.zeros(3), np.zeros((NODES, 3))
 
-    def fastest(work: Callable[[], object]) -> float:
+    def fastest(work):
         return min(timeit.repeat(work, number=1, repeat=60))
 
-    def steps() -> None:
+    def steps():
         x, v, watch = copy_state(state)
         advance(x, v, body.material, muscles, still, none, STEP, watch)
 
-    def solves() -> None:
+    def solves():
         for _ in range(100):
             solveh_banded(lower, right, lower=True, check_finite=False)
 
     assert fastest(steps) <= 0.4 * fastest(solves)
 
 
-def contractions() -> Floats:
+def contractions():
     return np.random.default_rng(7).uniform(0, 0.2, (1, MUSCLES)) * np.ones((240, 1))
 
 
-def turn_about(axis: int, angle: float) -> Floats:
+def turn_about(axis, angle):
     turn = np.eye(3)
     a, b = [k for k in range(3) if k != axis]
     turn[[a, b], [a, b]] = np.cos(angle)
@@ -220,7 +217,7 @@ def turn_about(axis: int, angle: float) -> Floats:
     return turn
 
 
-def test_a_body_that_starts_at_another_attitude_moves_the_same(species: Species) -> None:
+def test_a_body_that_starts_at_another_attitude_moves_the_same(species):
     body = build_body(species.body)
     turn = turn_about(0, 0.4) @ turn_about(1, -1.1) @ turn_about(2, 2.0)
     one = at_rest(body)
@@ -234,7 +231,7 @@ def test_a_body_that_starts_at_another_attitude_moves_the_same(species: Species)
     )
 
 
-def test_a_fish_adrift_in_a_current_moves_as_in_still_water(species: Species) -> None:
+def test_a_fish_adrift_in_a_current_moves_as_in_still_water(species):
     body = build_body(species.body)
     current = np.array([0.4, -0.2, 0.9])
     still, adrift = at_rest(body), at_rest(body)
@@ -245,7 +242,7 @@ def test_a_fish_adrift_in_a_current_moves_as_in_still_water(species: Species) ->
     np.testing.assert_allclose(carried - time[:, None, None] * current, frames, atol=1e-8)
 
 
-def test_a_current_carries_a_limp_body_along(fusilier: Species) -> None:
+def test_a_current_carries_a_limp_body_along(fusilier):
     body = build_body(fusilier.body)
     state = at_rest(body)
     current = np.array([0.0, 0.0, 1.0])
@@ -257,10 +254,10 @@ def test_a_current_carries_a_limp_body_along(fusilier: Species) -> None:
     assert 0.8 < speeds[-1] < 1.0
 
 
-def test_runs_repeat_to_the_last_bit() -> None:
+def test_runs_repeat_to_the_last_bit():
     body = build_body(load_species("fusilier").body)
 
-    def run() -> BodyState:
+    def run():
         state = at_rest(body)
         simulate(body, state, contractions())
         return state

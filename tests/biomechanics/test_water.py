@@ -4,21 +4,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, Floats, build_body
+from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, build_body
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.water import add_water_force
-from subsea.fish.species import Species, load_species
+from subsea.fish.species import load_species
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
-def force_on(x: Floats, v: Floats, water: Floats, drag: float = 1.0) -> Floats:
+def force_on(x, v, water, drag=1.0):
     force = np.zeros((23, 3))
     add_water_force(x, v, water, drag, force)
     return force
 
 
-def oracle(x: Floats, v: Floats, water: Floats, drag: float) -> Floats:
+def oracle(x, v, water, drag):
     force = np.zeros((23, 3))
     for corners, weight in zip(TRIANGLES, TRIANGLE_WEIGHTS, strict=True):
         a, b, c = x[corners]
@@ -31,7 +31,7 @@ def oracle(x: Floats, v: Floats, water: Floats, drag: float) -> Floats:
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 3))
-def test_the_kernel_is_equation_4_3_triangle_by_triangle(seed: int, drag: float) -> None:
+def test_the_kernel_is_equation_4_3_triangle_by_triangle(seed, drag):
     random = np.random.default_rng(seed)
     body = build_body(load_species("fusilier").body)
     x = body.rest + random.normal(0, 0.1, (23, 3))
@@ -41,7 +41,7 @@ def test_the_kernel_is_equation_4_3_triangle_by_triangle(seed: int, drag: float)
     )
 
 
-def test_a_plate_broadside_meets_area_times_speed_squared(fusilier: Species) -> None:
+def test_a_plate_broadside_meets_area_times_speed_squared(fusilier):
     x = build_body(fusilier.body).rest * [1, 1, 1e-4]
     outline = np.concatenate([x[[0, 1, 5, 9, 13, 17, 21]], x[[22, 20, 16, 12, 8, 4]]])[:, :2]
     p, q = outline, np.roll(outline, -1, axis=0)
@@ -53,7 +53,7 @@ def test_a_plate_broadside_meets_area_times_speed_squared(fusilier: Species) -> 
     )
 
 
-def test_a_plate_under_a_steady_force_reaches_its_terminal_velocity(fusilier: Species) -> None:
+def test_a_plate_under_a_steady_force_reaches_its_terminal_velocity(fusilier):
     """Broadside, v(t) = u tanh(F t / m u) with u = √(F / µA)."""
     thin = build_body(msgspec.structs.replace(fusilier.body, half_widths=(0.3,) * 5))
     sideways = np.tile([0.0, 0.0, 1.0], (23, 1))
@@ -76,14 +76,14 @@ def test_a_plate_under_a_steady_force_reaches_its_terminal_velocity(fusilier: Sp
     np.testing.assert_allclose(state.x[:, :2], plate.rest[:, :2], atol=0.1)
 
 
-def test_doubling_the_speed_quadruples_the_force(species: Species) -> None:
+def test_doubling_the_speed_quadruples_the_force(species):
     x = build_body(species.body).rest
     v = np.random.default_rng(1).normal(0, 1, (23, 3))
     still = np.zeros(3)
     np.testing.assert_allclose(force_on(x, 2 * v, still), 4 * force_on(x, v, still))
 
 
-def test_water_only_takes_energy_from_a_body(species: Species) -> None:
+def test_water_only_takes_energy_from_a_body(species):
     x = build_body(species.body).rest
     for seed in range(20):
         v = np.random.default_rng(seed).normal(0, 1, 3) * np.ones((23, 1))
@@ -91,7 +91,7 @@ def test_water_only_takes_energy_from_a_body(species: Species) -> None:
 
 
 @pytest.mark.parametrize("water", [(0.5, 0.0, 0.0), (0.0, -0.3, 1.2)])
-def test_only_the_relative_velocity_counts(species: Species, water: tuple[float, ...]) -> None:
+def test_only_the_relative_velocity_counts(species, water):
     x = build_body(species.body).rest
     v = np.random.default_rng(2).normal(0, 1, (23, 3))
     moved = force_on(x, v + water, np.array(water))

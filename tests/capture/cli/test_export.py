@@ -1,18 +1,13 @@
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
-
-import pytest
 
 from capture.cli.main import main
 from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
 
 
-def test_each_format_prints_a_line_for_each_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_each_format_prints_a_line_for_each_file(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("subsea.export.skinning.ROUNDS", 1)  # fitting joints is tested elsewhere
     vat = ["fusilier_vat.png", "fusilier_basecolor.png", "fusilier.glb", "fusilier-remap_info.json"]
     for form, files in (
@@ -29,7 +24,7 @@ def test_each_format_prints_a_line_for_each_file(
         assert {path for path in out.rglob("*") if path.is_file()} == {out / one for one in files}
 
 
-def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
+def test_detail_and_root_reach_the_files(tmp_path):
     small = ["export", "fusilier", "--to", "vat", "--detail", "3"]
     assert main([*small, "--out", str(tmp_path / "a")]) == 0
     assert main([*small, "--root", "baked", "--out", str(tmp_path / "b")]) == 0
@@ -43,7 +38,7 @@ def test_detail_and_root_reach_the_files(tmp_path: Path) -> None:
     assert glb.stat().st_size < (tmp_path / "c" / "fusilier_vat" / "fusilier.glb").stat().st_size
 
 
-def test_wrong_commands_are_errors_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_commands_are_errors_of_one_line(capsys):
     for arguments, expected in (
         (["fusiler", "--to", "usd"], "did you mean 'fusilier'?"),
         (["", "--to", "gltf"], "unknown species ''"),
@@ -62,9 +57,7 @@ def test_wrong_commands_are_errors_of_one_line(capsys: pytest.CaptureFixture[str
         assert not out and err.count("\n") == 1 and expected in err
 
 
-def test_an_own_species_is_exported_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_own_species_is_exported_by_name(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     mine, shipped = own_species_file("my-fish"), species_file("fusilier")
     mine.parent.mkdir(parents=True)
@@ -78,12 +71,10 @@ def test_an_own_species_is_exported_by_name(
     assert (tmp_path / "my-fish.usdc").is_file()
 
 
-def test_an_interrupted_export_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_interrupted_export_leaves_nothing(tmp_path, monkeypatch, capsys):
     """While joints are fitted, which takes longest."""
 
-    def interrupt(*_: object) -> None:
+    def interrupt(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("subsea.export.skinning._fit_weights", interrupt)
@@ -94,7 +85,7 @@ def test_an_interrupted_export_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_leaves_nothing(tmp_path: Path) -> None:
+def test_a_full_disk_leaves_nothing(tmp_path):
     """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
     for form in ("vat", "usd", "gltf"):
         arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"

@@ -18,7 +18,7 @@ from tests.support.recording import known_turn
 pytestmark = pytest.mark.usefixtures("known_turns")
 
 
-def one_line(capsys: pytest.CaptureFixture[str]) -> str:
+def one_line(capsys):
     out, err = capsys.readouterr()
     assert not out
     assert err.startswith("subsea-capture: ")
@@ -27,7 +27,7 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.nightly
-def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) -> None:
+def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path):
     for folder in ("one", "two"):
         known_turn.cache_clear()
         assert main(["record", "moon_wrasse", "--out", str(tmp_path / folder)]) == 0
@@ -37,9 +37,7 @@ def test_a_recording_can_be_read_and_repeats_to_the_last_byte(tmp_path: Path) ->
     assert read_repertoire(one).recorded_names() == list(expected)
 
 
-def test_wrong_commands_are_errors_of_one_line_with_code_2(
-    recorded: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_commands_are_errors_of_one_line_with_code_2(recorded, capsys):
     for arguments, expected in (
         (["recrod"], "did you mean 'record'?"),
         (["record", "fusiler"], "did you mean 'fusilier'?"),
@@ -73,14 +71,7 @@ def test_wrong_commands_are_errors_of_one_line_with_code_2(
         ("export fusilier --to usd", "fusilier.usdc", "a USD stage (.usdc)"),
     ],
 )
-def test_a_file_of_another_kind_is_not_replaced(
-    recorded: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    command: str,
-    name: str,
-    noun: str,
-) -> None:
+def test_a_file_of_another_kind_is_not_replaced(recorded, tmp_path, capsys, command, name, noun):
     obj = tmp_path / "fish.obj"
     obj.write_text("v 0 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\n")
     notes = tmp_path / "out" / name
@@ -94,9 +85,7 @@ def test_a_file_of_another_kind_is_not_replaced(
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] in ([notes], [])
 
 
-def test_an_installed_package_is_not_written_into(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_installed_package_is_not_written_into(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(record, "make_segment", pytest.fail)  # the folder is checked first
     monkeypatch.setattr(record_command, "resource_path", lambda name: tmp_path / name)
     assert main(["record", "fusilier"]) == 2
@@ -105,15 +94,13 @@ def test_an_installed_package_is_not_written_into(
 
 
 @pytest.fixture
-def copy(recorded: Path, tmp_path: Path) -> Path:
+def copy(recorded, tmp_path):
     """A repertoire file of the fusilier to damage."""
     return Path(shutil.copy(recorded, tmp_path / "copy.h5"))
 
 
-def test_damaged_and_newer_files_are_errors_of_one_line(
-    copy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def fails(*words: str) -> None:
+def test_damaged_and_newer_files_are_errors_of_one_line(copy, tmp_path, capsys):
+    def fails(*words):
         for command in (["inspect", str(copy)], ["plot", str(copy), "--out", str(tmp_path)]):
             assert main(command) == 2
             line = one_line(capsys)
@@ -131,9 +118,7 @@ def test_damaged_and_newer_files_are_errors_of_one_line(
     fails("not a repertoire")
 
 
-def test_missing_plans_and_segments_are_reported(
-    copy: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_missing_plans_and_segments_are_reported(copy, capsys):
     with h5py.File(copy, "a") as file:
         file.attrs["provenance"] = np.bytes_("{}")
     assert main(["inspect", str(copy)]) == 2
@@ -146,16 +131,14 @@ def test_missing_plans_and_segments_are_reported(
 
 
 @pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+def quick(monkeypatch):
     """Costs as on a machine that does nothing else."""
     monkeypatch.setattr(simulated, "step_cost", lambda *_: 3.0)
     monkeypatch.setattr(simulated, "replay_cost", lambda *_: 0.05)
     monkeypatch.setattr(simulated, "frame_cost", lambda *_: 0.02)
 
 
-def test_inspect_shows_segments_and_measures(
-    recorded: Path, quick: None, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_inspect_shows_segments_and_measures(recorded, quick, capsys):
     assert main(["inspect", str(recorded)]) == 0  # though aims are missed
     out = capsys.readouterr().out
     assert "turn_right_sharp" in out
@@ -167,9 +150,7 @@ def test_inspect_shows_segments_and_measures(
 
 
 @pytest.mark.nightly
-def test_a_fish_that_misses_a_target_is_code_1(
-    copy: Path, quick: None, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fish_that_misses_a_target_is_code_1(copy, quick, capsys):
     """The same file, but its sharp turn claims to be one of 20° more."""
     with h5py.File(copy, "a") as file:
         file["segments/turn_left_sharp"].attrs["turn_deg"] += 20.0
@@ -178,12 +159,10 @@ def test_a_fish_that_misses_a_target_is_code_1(
     assert [line.split("  ")[0] for line in short] == ["recorded turn of 90°"]
 
 
-def test_an_interrupted_recording_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_interrupted_recording_leaves_nothing(tmp_path, monkeypatch, capsys):
     calls = []
 
-    def interrupted(*arguments: object, **options: object) -> None:
+    def interrupted(*arguments, **options):
         calls.append(arguments)
         raise KeyboardInterrupt
 
@@ -194,7 +173,7 @@ def test_an_interrupted_recording_leaves_nothing(
     assert one_line(capsys).startswith("subsea-capture: interrupted")
 
 
-def test_help_lists_commands_and_gives_examples(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_lists_commands_and_gives_examples(capsys):
     assert main([]) == 0
     listed = capsys.readouterr().out
     for command in ("record", "learn", "inspect", "plot", "mesh", "export"):

@@ -1,16 +1,11 @@
 """`subsea-capture validate`: its results and its errors of one line."""
 
 import json
-from pathlib import Path
-
-import pytest
 
 from capture.cli.main import main
 
 
-def test_every_species_gets_a_row_of_each_kind(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_species_gets_a_row_of_each_kind(tmp_path, capsys):
     page, report, plots = tmp_path / "page.md", tmp_path / "report.json", tmp_path / "plots"
     words = ["validate", "fusilier", "spotted_eagle_ray", "--plots", str(plots)]
     assert main([*words, "--report", str(page), "--json", str(report)]) == 0
@@ -28,9 +23,7 @@ def test_every_species_gets_a_row_of_each_kind(
     ]
 
 
-def test_wrong_words_are_errors_of_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_words_are_errors_of_one_line(tmp_path, capsys):
     mine = tmp_path / "mine.md"
     mine.write_text("# Mine\n")
     for arguments, expected in (

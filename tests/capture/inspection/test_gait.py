@@ -7,10 +7,10 @@ from capture.inspection.gait import muscle_work, tension_work
 from capture.recording.trial import beat_contraction, steady_beat
 from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
-from subsea.biomechanics.body import NODES, UNITS, Body, Floats, build_body
+from subsea.biomechanics.body import NODES, UNITS, build_body
 from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.fins import contraction_step, straightness, sweep
-from subsea.biomechanics.simulation import NO_FORCE, STILL, BodyState, copy_state
+from subsea.biomechanics.simulation import NO_FORCE, STILL, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import Species
@@ -24,9 +24,7 @@ STEPS = 400
     contraction=st.floats(0.0, 1.0),
     lag=st.floats(-np.pi, np.pi),
 )
-def test_the_work_of_a_muscle_is_the_area_of_its_work_loop(
-    stiffness: float, stroke: float, contraction: float, lag: float
-) -> None:
+def test_the_work_of_a_muscle_is_the_area_of_its_work_loop(stiffness, stroke, contraction, lag):
     """Length a cos φ, rest b cos(φ + lag): tension over length has the area π c a b sin lag."""
     ends = 2 * np.pi * np.arange(STEPS + 1) / STEPS
     lengths = 4.0 + stroke * np.cos(ends)[:, None]
@@ -36,12 +34,12 @@ def test_the_work_of_a_muscle_is_the_area_of_its_work_loop(
     np.testing.assert_allclose(work, area, atol=1e-3 * stiffness * stroke)
 
 
-def test_a_muscle_that_shortens_against_a_load_does_work() -> None:
+def test_a_muscle_that_shortens_against_a_load_does_work():
     lengths, rests = np.array([[4.0], [3.0]]), np.array([[2.0]])
     assert tension_work(np.array([10.0]), lengths, rests) == pytest.approx(15.0)
 
 
-def lost(body: Body, state: BodyState, contraction: Floats) -> float:
+def lost(body, state, contraction):
     """Losses to water and viscosity in g cm²/tu², step by step."""
     total = 0.0
     i, j = UNITS.T
@@ -57,7 +55,7 @@ def lost(body: Body, state: BodyState, contraction: Floats) -> float:
     return total
 
 
-def test_water_and_viscosity_dissipate_the_work_of_muscles(name: str) -> None:
+def test_water_and_viscosity_dissipate_the_work_of_muscles(name):
     species = load_toml(resource_path(f"docs/tu_{name}.toml"), Species)
     body = build_body(species.body)
     beat = beat_contraction(species.swim, 1.0)
@@ -68,7 +66,7 @@ def test_water_and_viscosity_dissipate_the_work_of_muscles(name: str) -> None:
     assert used < work < 1.08 * used
 
 
-def test_the_contraction_step_is_the_steepest_of_the_beat(species: Species) -> None:
+def test_the_contraction_step_is_the_steepest_of_the_beat(species):
     """A sine of contraction c over N steps is steepest at c l π / N."""
     body, swim = build_body(species.body), species.swim
     steps = swim.ticks_per_beat * STEPS_PER_TICK
@@ -77,7 +75,7 @@ def test_the_contraction_step_is_the_steepest_of_the_beat(species: Species) -> N
     assert step == pytest.approx(longest * np.pi / steps, 1e-3)
 
 
-def test_straightness_and_sweep_of_a_known_path() -> None:
+def test_straightness_and_sweep_of_a_known_path():
     """A fish on a circle turns by the same angle each beat and strays by the circle's sagitta."""
     angle, radius = 0.01, 100.0
     turns = angle * np.arange(11)

@@ -13,20 +13,19 @@ from capture.inspection.kinematics import (
     turning_radius,
 )
 from capture.recording.segment import make_segment
-from subsea.repertoire import Repertoire
 
 TICK_S = 0.033
 STATIONS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])
 
 
-def wave(wavelength: float = 0.95, beats: int = 2, ticks: int = 31) -> np.ndarray:
+def wave(wavelength=0.95, beats=2, ticks=31):
     """The published carangiform wave (ticks, 7), body lengths."""
     phase = 2 * np.pi * (STATIONS / wavelength - beats * np.arange(ticks)[:, None] / ticks)
     return np.asarray(published_envelope("carangiform", STATIONS) * np.sin(phase))
 
 
 @pytest.mark.parametrize("wavelength", [0.6, 0.95, 1.3])
-def test_a_travelling_wave_has_its_envelope_length_and_frequency(wavelength: float) -> None:
+def test_a_travelling_wave_has_its_envelope_length_and_frequency(wavelength):
     found = travelling_wave(wave(wavelength), STATIONS, TICK_S)
     assert found.wavelength == pytest.approx(wavelength, rel=1e-6)
     assert found.envelope == pytest.approx(published_envelope("carangiform", STATIONS), rel=0.01)
@@ -38,14 +37,14 @@ def test_a_travelling_wave_has_its_envelope_length_and_frequency(wavelength: flo
     assert envelope_deviation("carangiform", raised) == pytest.approx((0.03, 0.7), abs=1e-3)
 
 
-def test_eels_may_lie_between_two_envelopes() -> None:
+def test_eels_may_lie_between_two_envelopes():
     found = travelling_wave(wave(), STATIONS, TICK_S)
     for alpha, off in ((1.0, 0.0), (1.5, 0.0), (2.0, 0.0), (0.0, 0.1 - 0.1 / np.e)):
         eel = found._replace(envelope=0.1 * np.exp(alpha * (STATIONS - 1)))
         assert envelope_deviation("anguilliform", eel)[0] == pytest.approx(off, abs=1e-9)
 
 
-def test_the_radius_of_a_circle() -> None:
+def test_the_radius_of_a_circle():
     angle = np.linspace(0, 1.2, 60)
     middle = 7.0 * np.stack([np.sin(angle), 1 - np.cos(angle)], axis=-1)
     assert path_radius(middle, angle) == pytest.approx(7.0, rel=1e-3)
@@ -54,7 +53,7 @@ def test_the_radius_of_a_circle() -> None:
     assert np.isnan(path_radius(middle, 0 * angle))
 
 
-def carried(repertoire: Repertoire, heading: np.ndarray, radius: float) -> np.ndarray:
+def carried(repertoire, heading, radius):
     """The body at rest (t, 23, 3) along a circle to the left, with headings (t,) in rad."""
     turn = np.zeros((len(heading), 3, 3))
     turn[:, 0, 0] = turn[:, 2, 2] = np.cos(heading)
@@ -65,7 +64,7 @@ def carried(repertoire: Repertoire, heading: np.ndarray, radius: float) -> np.nd
     return np.asarray(body @ np.swapaxes(turn, 1, 2) + place[:, None])
 
 
-def test_a_rigid_body_on_a_circle_turns_with_its_radius(repertoire: Repertoire) -> None:
+def test_a_rigid_body_on_a_circle_turns_with_its_radius(repertoire):
     frames = carried(repertoire, np.linspace(0.0, 1.5, 40), 30.0)
     for cyclic in (False, True):
         segment = make_segment(frames, repertoire.body_length_cm, "left", "sharp", cyclic)
@@ -73,7 +72,7 @@ def test_a_rigid_body_on_a_circle_turns_with_its_radius(repertoire: Repertoire) 
         assert found == pytest.approx(30.0, rel=1e-3)
 
 
-def test_angle_and_duration_of_an_escape(repertoire: Repertoire) -> None:
+def test_angle_and_duration_of_an_escape(repertoire):
     """Ten ticks to 120 degrees at an even rate, then rest."""
     angle = np.radians(120) * np.minimum(np.arange(21) / 10, 1.0)
     segment = make_segment(
@@ -82,7 +81,7 @@ def test_angle_and_duration_of_an_escape(repertoire: Repertoire) -> None:
     assert escape(segment, TICK_S) == pytest.approx((120.0, 9 * TICK_S), rel=1e-6)
 
 
-def test_the_wave_of_a_repertoire_beats_once_a_cycle(repertoire: Repertoire) -> None:
+def test_the_wave_of_a_repertoire_beats_once_a_cycle(repertoire):
     segment = repertoire.segments["swim_fast"]
     found = body_wave(segment, repertoire)
     assert found.frequency == pytest.approx(1 / (len(segment.nodes) * repertoire.tick_s))

@@ -3,12 +3,10 @@ import pytest
 
 from capture.inspection.simulated import measure_simulated, replay
 from capture.recording.record import motion_of
-from subsea.fish.species import Species
-from subsea.repertoire import Repertoire
 
 
 @pytest.mark.nightly
-def test_every_measure_keeps_its_limit(repertoire: Repertoire, species: Species) -> None:
+def test_every_measure_keeps_its_limit(repertoire, species):
     report = list(measure_simulated(motion_of(species), repertoire))
     # The cost depends on what else this machine does; everything else must hold anywhere.
     short = [m for m in report if not m.passed and "µs" not in m.value]
@@ -16,7 +14,7 @@ def test_every_measure_keeps_its_limit(repertoire: Repertoire, species: Species)
     assert len(report) > 20
 
 
-def test_a_cycle_can_be_replayed_without_end(repertoire: Repertoire) -> None:
+def test_a_cycle_can_be_replayed_without_end(repertoire):
     swim = repertoire.segments["swim_fast"]
     way = replay(swim, np.zeros(3), np.eye(3), 40)[len(swim.nodes) - 1 :: len(swim.nodes)]
     strides = np.diff(way.mean(axis=1), axis=0)

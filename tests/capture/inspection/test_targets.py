@@ -18,16 +18,14 @@ from capture.inspection.targets import Measure, Range, at_least, at_most, compar
         (Range(0.15, 0.25), [0.15, 0.25], [0.14, 0.26], "0.15-0.25 L"),
     ],
 )
-def test_a_target_holds_its_ends_and_never_nan(
-    target: Range, inside: list[float], outside: list[float], text: str
-) -> None:
+def test_a_target_holds_its_ends_and_never_nan(target, inside, outside, text):
     assert target.holds(*inside)
     assert not any(target.holds(value) for value in [*outside, math.nan])
     assert not target.holds(*inside, outside[0])
     assert target.text(" L") == text
 
 
-def test_a_line_judges_both_targets_by_all_its_values() -> None:
+def test_a_line_judges_both_targets_by_all_its_values():
     assert compare("roll, pitch", (0.02, 0.3), ".3f", "°", at_most(1), at_most(0.1)) == Measure(
         "roll, pitch", "0.020°, 0.300°", "≤ 1°", True, "≤ 0.1°", False
     )

@@ -13,18 +13,15 @@ from capture.inspection.top_view import (
     speeds,
     top_view,
 )
-from subsea.repertoire import Repertoire
 
 LENGTH, TICK_S, FRAMES = 20.0, 0.033, 12
 
 
-def test_ahead_is_real_and_left_is_imaginary() -> None:
+def test_ahead_is_real_and_left_is_imaginary():
     assert above(np.array([2.0, 5.0, 3.0])) == 2 - 3j
 
 
-def test_the_midline_goes_from_the_nose_through_the_rings_to_the_tail(
-    known_repertoire: Repertoire,
-) -> None:
+def test_the_midline_goes_from_the_nose_through_the_rings_to_the_tail(known_repertoire):
     line = midline(known_repertoire.rest_nodes)
     np.testing.assert_allclose(line[0, 0] - line[:, 0], [0.0, 2.0, 5.0, 10.0, 14.7, 17.8, 20.0])
     np.testing.assert_allclose(line[:, 1:], 0, atol=1e-12)
@@ -37,8 +34,8 @@ def test_the_midline_goes_from_the_nose_through_the_rings_to_the_tail(
     [("swim_fast", 0.10, 0), ("turn_left_gradual", 0.06, 1), ("turn_right_gradual", 0.06, -1)],
 )
 def test_the_offset_from_a_straight_or_circular_path_is_the_given_wave(
-    known_repertoire: Repertoire, name: str, amplitude: float, side: int
-) -> None:
+    known_repertoire, name, amplitude, side
+):
     segment = known_repertoire.segments[name]
     found = lateral_offset(segment, cycles=3)
     found = found - found.mean(axis=0)
@@ -53,7 +50,7 @@ def test_the_offset_from_a_straight_or_circular_path_is_the_given_wave(
 
 
 @pytest.mark.parametrize("name", ["turn_left_gradual", "turn_right_gradual", "swim_slow"])
-def test_a_cycle_is_replayed_along_its_path(known_repertoire: Repertoire, name: str) -> None:
+def test_a_cycle_is_replayed_along_its_path(known_repertoire, name):
     """It begins straight ahead, and then curves to its side."""
     segment = known_repertoire.segments[name]
     nose = top_view(segment, 10).midline[:, 0]  # in this motion the nose doesn't sway
@@ -64,9 +61,7 @@ def test_a_cycle_is_replayed_along_its_path(known_repertoire: Repertoire, name: 
         assert np.angle(steps[0]) == pytest.approx(0, abs=1e-9)
 
 
-def test_a_sharp_turn_is_measured_from_the_body_axis(
-    known_repertoire: Repertoire,
-) -> None:
+def test_a_sharp_turn_is_measured_from_the_body_axis(known_repertoire):
     segment = known_repertoire.segments["turn_left_sharp"]
     np.testing.assert_array_equal(
         lateral_offset(segment, 3)[:, -1], segment.nodes[:, 21:, 2].mean(axis=1)
@@ -74,7 +69,7 @@ def test_a_sharp_turn_is_measured_from_the_body_axis(
     assert len(top_view(segment, 3).origin) == FRAMES
 
 
-def test_the_speed_is_that_of_the_mean_of_all_nodes(known_repertoire: Repertoire) -> None:
+def test_the_speed_is_that_of_the_mean_of_all_nodes(known_repertoire):
     still = known_repertoire.segments["swim_fast"]
     stiff = dataclasses.replace(
         still,
@@ -86,7 +81,7 @@ def test_the_speed_is_that_of_the_mean_of_all_nodes(known_repertoire: Repertoire
 
 
 @pytest.mark.parametrize("cyclic", [True, False])
-def test_the_spectrum_finds_sines_and_their_amplitudes(cyclic: bool) -> None:
+def test_the_spectrum_finds_sines_and_their_amplitudes(cyclic):
     time = 0.02 * np.arange(100)
     values = 5 + 3 * np.sin(2 * np.pi * 4 * time) + 0.5 * np.cos(2 * np.pi * 12 * time)
     hertz, amplitude = spectrum(values, 0.02, cyclic)

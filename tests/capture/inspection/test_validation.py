@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from capture.inspection.validation import FULL_TEMPO, ROW_TEMPO, bainbridge, validate
-from subsea.base.findings import MISSING, RangeCheck
+from subsea.base.findings import MISSING
 from subsea.fish.measured import load_measured
 from subsea.fish.species import load_species, repertoire_file
 from subsea.motor import controller, playback
-from subsea.repertoire import Repertoire, read_repertoire
+from subsea.repertoire import read_repertoire
 
 
-def found_in(repertoire: Repertoire) -> dict[str, RangeCheck]:
+def found_in(repertoire):
     species = load_species(repertoire.species)
     return {one.quantity: one for one in validate(repertoire, species, load_measured()).findings}
 
 
-def test_an_adult_beats_by_froude_similarity(repertoire: Repertoire) -> None:
+def test_an_adult_beats_by_froude_similarity(repertoire):
     found = found_in(repertoire)
     species = load_species(repertoire.species)
     adult = 0.5 * sum(species.size_cm)
@@ -39,7 +39,7 @@ def test_an_adult_beats_by_froude_similarity(repertoire: Repertoire) -> None:
     )
 
 
-def test_segments_that_a_file_lacks_are_not_recorded(repertoire: Repertoire) -> None:
+def test_segments_that_a_file_lacks_are_not_recorded(repertoire):
     segments = {
         name: segment for name, segment in repertoire.segments.items() if "cstart" not in name
     }
@@ -51,7 +51,7 @@ def test_segments_that_a_file_lacks_are_not_recorded(repertoire: Repertoire) -> 
     assert found["cstart_left_wide: angle"].value == pytest.approx(turned, abs=25)
 
 
-def test_eels_and_rays_have_measures_of_their_own() -> None:
+def test_eels_and_rays_have_measures_of_their_own():
     eel, ray = (
         found_in(read_repertoire(repertoire_file(name)))
         for name in ("ribbon_eel", "spotted_eagle_ray")
@@ -62,10 +62,10 @@ def test_eels_and_rays_have_measures_of_their_own() -> None:
     assert all(np.isfinite(one.value) for one in ray.values())
 
 
-def test_bainbridges_line() -> None:
+def test_bainbridges_line():
     assert [bainbridge(f) for f in (5.0, 10.0, 20.0)] == [2.75, 6.5, 14.0]
 
 
-def test_tempos_are_those_of_playback() -> None:
+def test_tempos_are_those_of_playback():
     assert playback.TEMPO[1] == controller.CSTART_TEMPO == FULL_TEMPO
     assert controller.ROW_TEMPO == ROW_TEMPO

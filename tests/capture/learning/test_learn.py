@@ -13,7 +13,6 @@ from capture.learning import improve
 from capture.learning import swim as learn_swim
 from capture.learning.fitness import (
     GAIT_LIMITS,
-    GaitMeasures,
     excess,
     measure_gait,
     missed,
@@ -40,7 +39,7 @@ NUMBERS = re.compile(
 )
 
 
-def detuned(path: Path) -> Path:
+def detuned(path):
     """A fusilier that beats too weakly and nearly without a lag, with remarks of its owner."""
     text = SHIPPED.read_text(encoding="utf-8")
     assert text.count("contraction = [0.444, 0.527]") == 1
@@ -59,7 +58,7 @@ class Lesson(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def lesson(tmp_path_factory: pytest.TempPathFactory) -> Lesson:
+def lesson(tmp_path_factory):
     """Results of the command for a detuned fish, run once."""
     path = detuned(tmp_path_factory.mktemp("learn") / "mine.toml")
     before = path.read_bytes()
@@ -71,7 +70,7 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Lesson:
 
 
 @pytest.mark.nightly
-def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
+def test_a_detuned_fish_learns_to_swim_faster(lesson):
     assert lesson.code == 0
     old, new = load_detuned(lesson), load_toml(lesson.path, Species)
     before, after = (steady_gait(fish) for fish in (old, new))
@@ -83,20 +82,20 @@ def test_a_detuned_fish_learns_to_swim_faster(lesson: Lesson) -> None:
     assert not swim_faults(build_body(new.body), new.swim, 99)
 
 
-def steady_gait(fish: Species) -> GaitMeasures:
+def steady_gait(fish):
     body = build_body(fish.body)
     steady = steady_beat(body, beat_contraction(fish.swim, 1.0)).state
     return measure_gait(body, fish.swim, 1.0, steady)
 
 
-def load_detuned(lesson: Lesson) -> Species:
+def load_detuned(lesson):
     path = lesson.path.with_name("old.toml")
     path.write_bytes(lesson.before)
     return load_toml(path, Species)
 
 
 @pytest.mark.nightly
-def test_only_the_numbers_of_the_controllers_change(lesson: Lesson) -> None:
+def test_only_the_numbers_of_the_controllers_change(lesson):
     old, new = (text.splitlines(True) for text in (lesson.before, lesson.path.read_bytes()))
     assert len(old) == len(new)
     changed = [(a, b) for a, b in zip(old, new, strict=True) if a != b]
@@ -107,9 +106,7 @@ def test_only_the_numbers_of_the_controllers_change(lesson: Lesson) -> None:
         assert a.partition(b"#")[1:] == b.partition(b"#")[1:]
 
 
-def test_nothing_better_is_one_line_and_code_1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_nothing_better_is_one_line_and_code_1(tmp_path, capsys):
     path = tmp_path / "fish.toml"
     path.write_bytes(SHIPPED.read_bytes())
     inode = path.stat().st_ino
@@ -121,8 +118,8 @@ def test_nothing_better_is_one_line_and_code_1(
 
 
 def test_rejected_winners_are_reported_in_one_line_and_change_nothing(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+    monkeypatch, tmp_path, capsys
+):
     path = detuned(tmp_path / "fish.toml")
     before = path.read_bytes()
     monkeypatch.setattr(learn_swim, "gait_faults", lambda *fish: ["it circles"])
@@ -133,9 +130,7 @@ def test_rejected_winners_are_reported_in_one_line_and_change_nothing(
     assert path.read_bytes() == before
 
 
-def test_a_full_disk_leaves_the_old_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_leaves_the_old_file(monkeypatch, tmp_path, capsys):
     path = detuned(tmp_path / "fish.toml")
     before = path.read_bytes()
     fish = load_toml(path, Species)
@@ -145,7 +140,7 @@ def test_a_full_disk_leaves_the_old_file(
         improve, "learn", lambda *given, **options: LearnedControllers(new, None, [])
     )
 
-    def full(file: Path, data: bytes) -> None:
+    def full(file, data):
         file.open("wb").close()
         raise OSError(ENOSPC, "No space left on device")
 
@@ -165,7 +160,7 @@ def test_a_full_disk_leaves_the_old_file(
     assert path.read_bytes() == before
 
 
-def test_the_same_numbers_give_the_same_bytes(species: Species, name: str, tmp_path: Path) -> None:
+def test_the_same_numbers_give_the_same_bytes(species, name, tmp_path):
     source = resource_path(f"assets/species/{name}.toml")
     assert species.swim
     assert species.turn
@@ -174,7 +169,7 @@ def test_the_same_numbers_give_the_same_bytes(species: Species, name: str, tmp_p
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_same_seed_finds_the_same(method: str) -> None:
+def test_the_same_seed_finds_the_same(method):
     fish = load_toml(SHIPPED, Species)
     runs: list[list[Any]] = []
     for _ in range(2):
@@ -193,7 +188,7 @@ def test_the_same_seed_finds_the_same(method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
+def test_both_methods_approach_the_least_of_a_bowl(method):
     aim = np.array([0.3, 0.7, 0.5])
     told: list[object] = []
     tried = search(
@@ -210,13 +205,13 @@ def test_both_methods_approach_the_least_of_a_bowl(method: str) -> None:
     assert np.all((np.array([one.point for one in tried]) >= 0) & (np.array(tried[0].point) <= 1))
 
 
-def test_similar_candidates_are_skipped() -> None:
+def test_similar_candidates_are_skipped():
     near, far = (0.5, 0.5 + MIN_DISTANCE / 2), (0.5, 0.5 + 2 * MIN_DISTANCE)
     tried = [Evaluation(3.0, far), Evaluation(2.0, near), Evaluation(1.0, (0.5, 0.5))]
     assert [one.loss for one in distinct(tried)] == [1.0, 3.0]
 
 
-def test_a_search_leaves_the_random_numbers_of_others_alone() -> None:
+def test_a_search_leaves_the_random_numbers_of_others_alone():
     np.random.seed(3)  # noqa: NPY002
     expected = np.random.random(4)  # noqa: NPY002
     np.random.seed(3)  # noqa: NPY002
@@ -224,17 +219,15 @@ def test_a_search_leaves_the_random_numbers_of_others_alone() -> None:
     np.testing.assert_array_equal(np.random.random(4), expected)  # noqa: NPY002
 
 
-def test_a_winner_that_fails_verification_gives_way_to_the_next(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_winner_that_fails_verification_gives_way_to_the_next(monkeypatch, tmp_path):
     fish = load_toml(detuned(tmp_path / "fish.toml"), Species)
     verified, turned = [], []
 
-    def faults(body: object, swim: object, seed: int) -> list[str]:
+    def faults(body, swim, seed):
         verified.append(swim)
         return ["it circles"] if len(verified) <= 3 else []
 
-    def refitted(body: object, swim: object, turn: object, *rest: object) -> object:
+    def refitted(body, swim, turn, *rest):
         turned.append(swim)
         return turn if len(turned) == 2 else None
 
@@ -250,14 +243,12 @@ def test_a_winner_that_fails_verification_gives_way_to_the_next(
     assert sum("rejected: it cannot turn" in note for note in found.notes) == 1
 
 
-def test_interrupted_learning_reports_the_best_and_leaves_the_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_interrupted_learning_reports_the_best_and_leaves_the_file(monkeypatch, tmp_path, capsys):
     path = detuned(tmp_path / "fish.toml")
     before = path.read_bytes()
     calls = []
 
-    def loss(*arguments: object) -> float:
+    def loss(*arguments):
         calls.append(arguments)
         if len(calls) == 4:
             raise KeyboardInterrupt
@@ -273,12 +264,10 @@ def test_interrupted_learning_reports_the_best_and_leaves_the_file(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_errors_are_reported_before_the_search(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_errors_are_reported_before_the_search(monkeypatch, capsys):
     monkeypatch.setattr(improve, "learn", lambda *a, **b: pytest.fail("searched before"))
 
-    def fails(arguments: list[str], expected: str) -> None:
+    def fails(arguments, expected):
         assert main(["learn", *arguments]) == 2
         out, err = capsys.readouterr()
         assert not out and err.count("\n") == 1 and expected in err
@@ -297,9 +286,7 @@ def test_errors_are_reported_before_the_search(
     fails(["fusilier"], "learning needs cma: run `make bench`\n")
 
 
-def test_an_installed_package_is_not_written_into(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_installed_package_is_not_written_into(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         improve,
         "resource_path",
@@ -309,7 +296,7 @@ def test_an_installed_package_is_not_written_into(
     assert "--out" in capsys.readouterr().err
 
 
-def test_points_of_the_box_are_controllers(species: Species) -> None:
+def test_points_of_the_box_are_controllers(species):
     body = build_body(species.body)
     again = swim_at(body, species.swim, swim_point(body, species.swim))
     assert again.ticks_per_beat == species.swim.ticks_per_beat
@@ -320,7 +307,7 @@ def test_points_of_the_box_are_controllers(species: Species) -> None:
     assert turned.amplitude == species.turn.amplitude
 
 
-def test_no_point_of_the_box_contracts_faster_than_a_muscle_can() -> None:
+def test_no_point_of_the_box_contracts_faster_than_a_muscle_can():
     fish = load_toml(SHIPPED, Species)
     body = build_body(fish.body)
     for ticks in (8, 14, 24):
@@ -331,7 +318,7 @@ def test_no_point_of_the_box_contracts_faster_than_a_muscle_can() -> None:
         assert max(swim.contraction) > 0.59 or step > 0.98 * S_MAX
 
 
-def test_hold_times_of_the_shipped_bends_are_found_again() -> None:
+def test_hold_times_of_the_shipped_bends_are_found_again():
     """They agree with those of the file, which were found by bisection on the same gait."""
     species = load_toml(SHIPPED, Species)
     body = build_body(species.body)
@@ -341,7 +328,7 @@ def test_hold_times_of_the_shipped_bends_are_found_again() -> None:
         assert new.hold_ticks == pytest.approx(old.hold_ticks, abs=0.4)
 
 
-def test_losing_the_shape_is_the_greatest_loss() -> None:
+def test_losing_the_shape_is_the_greatest_loss():
     fish = load_toml(SHIPPED, Species)
     body = build_body(fish.body)
     sound = swim_loss(body, fish.swim, 1)
@@ -350,13 +337,13 @@ def test_losing_the_shape_is_the_greatest_loss() -> None:
     assert sound < lame < 100 <= torn
 
 
-def test_economy_weighs_the_logarithm_of_the_cost(species: Species) -> None:
+def test_economy_weighs_the_logarithm_of_the_cost(species):
     body = build_body(species.body)
     loss = [swim_loss(body, species.swim, 1, weight) for weight in (0.0, 1.0)]
     assert np.exp(loss[1] - loss[0]) == pytest.approx(steady_gait(species).cost, rel=1e-3)
 
 
-def test_a_fish_that_does_not_swim_can_still_learn() -> None:
+def test_a_fish_that_does_not_swim_can_still_learn():
     fish = load_toml(SHIPPED, Species)
     assert fish.muscles
     lame = msgspec.structs.replace(fish.swim, contraction=(0.0, 0.0), ticks_per_beat=40)
@@ -366,7 +353,7 @@ def test_a_fish_that_does_not_swim_can_still_learn() -> None:
     assert "old controller is faulty" in found.notes[0]
 
 
-def test_missing_a_limit_counts_relative_to_it() -> None:
+def test_missing_a_limit_counts_relative_to_it():
     tail = GAIT_LIMITS["tail"]
     assert excess(0.2, tail) == 0
     assert excess(0.3, tail) == pytest.approx(0.2)

@@ -1,7 +1,6 @@
 """Measures of a travelling wave in closed form, and the search of a real body."""
 
 import json
-from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -43,7 +42,7 @@ AT = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])
 TICKS, LENGTH, STRIDE = 16, 20.0, 12.0
 
 
-def travelling_wave(half: float, waves: float) -> np.ndarray:
+def travelling_wave(half, waves):
     """Nodes (17, 23, 3) of a beat: sections (AT) sway by ``half`` L, ``waves`` on the body."""
     time = np.arange(TICKS + 1)[:, None] / TICKS
     x = -AT * LENGTH + STRIDE * time
@@ -54,7 +53,7 @@ def travelling_wave(half: float, waves: float) -> np.ndarray:
     return frames
 
 
-def test_a_wave_has_its_amplitude_length_and_bend() -> None:
+def test_a_wave_has_its_amplitude_length_and_bend():
     beat = travelling_wave(0.1, 1.25)
     across = lateral(beat) / LENGTH
     np.testing.assert_allclose(np.ptp(across, axis=0) / 2, 0.1, rtol=1e-2)
@@ -66,7 +65,7 @@ def test_a_wave_has_its_amplitude_length_and_bend() -> None:
     assert rear_bend(bent, AT) == pytest.approx(17.0)
 
 
-def test_every_point_of_the_box_is_a_body_that_the_step_bears() -> None:
+def test_every_point_of_the_box_is_a_body_that_the_step_bears():
     fish = load_species("fusilier")
     volume = outline_volume(fish.surface, fish.body.length)
     rng = np.random.default_rng(4)
@@ -84,7 +83,7 @@ def test_every_point_of_the_box_is_a_body_that_the_step_bears() -> None:
     assert again.half_widths == fish.body.half_widths
 
 
-def test_grades_differ_by_frequency() -> None:
+def test_grades_differ_by_frequency():
     fish = load_species("fusilier")
     body = build_body(fish.body)
     swim = msgspec.structs.replace(fish.swim, slow=0.8, medium=0.7)
@@ -95,10 +94,8 @@ def test_grades_differ_by_frequency() -> None:
     assert np.all(np.diff(speeds) > 0)
 
 
-def test_an_interrupted_search_ends_as_an_uninterrupted_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def task(name: str) -> LearningTask:
+def test_an_interrupted_search_ends_as_an_uninterrupted_one(tmp_path, monkeypatch):
+    def task(name):
         return LearningTask("fusilier", load_species("fusilier"), True, 5, 2, tmp_path / name)
 
     monkeypatch.setattr(whole, "MAX_VERIFIED", 0)
@@ -116,7 +113,7 @@ def test_an_interrupted_search_ends_as_an_uninterrupted_one(
     assert read_journal(tmp_path / "cut") == read_journal(tmp_path / "whole")
 
 
-def test_a_journal_of_another_search_or_a_damaged_one_is_not_used(tmp_path: Path) -> None:
+def test_a_journal_of_another_search_or_a_damaged_one_is_not_used(tmp_path):
     path = tmp_path / "journal"
     for text in ("", "[]", '{"searches": 3}', '{"searches": [["a"]], "key": "k"}', "\x00"):
         path.write_text(text, encoding="utf-8")
@@ -127,9 +124,7 @@ def test_a_journal_of_another_search_or_a_damaged_one_is_not_used(tmp_path: Path
     assert Journal(path, "other").remembered(lambda given: 2.0)(0) == 1.0
 
 
-def test_the_command_writes_finished_species_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_finished_species_once(tmp_path, monkeypatch, capsys):
     fish = load_species("fusilier")
     assert fish.muscles
     swim = msgspec.structs.replace(fish.swim, slow=0.7, slow_ticks=30, medium_ticks=20, burst=1.05)
@@ -138,7 +133,7 @@ def test_the_command_writes_finished_species_once(
     )
     asked: list[str] = []
 
-    def learned(task: LearningTask) -> whole.Learned:
+    def learned(task):
         asked.append(task.name)
         Journal(task.journal, whole.key_of(task)).save()
         fails = task.name == "clownfish" and asked.count("clownfish") == 1
@@ -162,9 +157,7 @@ def test_the_command_writes_finished_species_once(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["clownfish.toml", "fusilier.toml"]
 
 
-def test_options_that_contradict_each_other_are_reported(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_options_that_contradict_each_other_are_reported(capsys):
     for arguments, words in (
         (["fusilier", "clownfish"], "give --body or --gait too"),
         (["--gait"], "name species or give --all"),

@@ -1,31 +1,29 @@
 """Pages of pictures: which are written, and what they hold."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from PIL import Image
 
 from capture.plots.pages import plot_repertoire
 from subsea.base.errors import UserError
-from subsea.repertoire import Repertoire, read_repertoire
+from subsea.repertoire import read_repertoire
 
 
-def some(repertoire: Repertoire, *names: str) -> Repertoire:
+def some(repertoire, *names):
     """The repertoire with these segments alone."""
     segments = {name: repertoire.segments[name] for name in names}
     return dataclasses.replace(repertoire, segments=segments)
 
 
-def look(path: Path) -> NDArray[np.uint8]:
+def look(path):
     """The grey page, pixels (height, width)."""
     with Image.open(path) as picture:
         return np.asarray(picture.convert("L"))
 
 
-def test_every_segment_and_the_repertoire_get_a_page(recorded: Path, tmp_path: Path) -> None:
+def test_every_segment_and_the_repertoire_get_a_page(recorded, tmp_path):
     chosen = some(read_repertoire(recorded), "turn_left_sharp", "swim_fast")
     written = plot_repertoire(chosen, tmp_path / "plots")
     names = ["fusilier_swim_fast.png", "fusilier_turn_left_sharp.png", "fusilier.png"]
@@ -38,9 +36,7 @@ def test_every_segment_and_the_repertoire_get_a_page(recorded: Path, tmp_path: P
 
 
 @pytest.mark.nightly
-def test_motion_without_plans_is_plotted_without_simulation(
-    known_repertoire: Repertoire, recorded: Path, tmp_path: Path
-) -> None:
+def test_motion_without_plans_is_plotted_without_simulation(known_repertoire, recorded, tmp_path):
     """Without a fish in the provenance there is no steering map to measure."""
     known = plot_repertoire(some(known_repertoire, "swim_fast"), tmp_path)
     assert [path.name for path in known] == ["known_swim_fast.png", "known.png"]
@@ -48,7 +44,7 @@ def test_motion_without_plans_is_plotted_without_simulation(
     assert len(look(known[-1])) < len(look(swum[-1]))
 
 
-def test_a_folder_that_cannot_be_made_is_named(recorded: Path, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_named(recorded, tmp_path):
     (tmp_path / "plots").write_text("in the way")
     with pytest.raises(UserError, match=r"plots.*: cannot write"):
         plot_repertoire(some(read_repertoire(recorded), "swim_fast"), tmp_path / "plots")

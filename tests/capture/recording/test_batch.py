@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -28,8 +27,8 @@ from capture.recording.batch import (
 from capture.recording.record import record_segment, segments_of
 from subsea.base import hdf5
 from subsea.base.errors import UserError
-from subsea.fish.species import Species, load_species, species_names
-from subsea.repertoire import Repertoire, write_repertoire
+from subsea.fish.species import load_species, species_names
+from subsea.repertoire import write_repertoire
 from subsea.repertoire.schema import FORMAT
 from tests.support.daily import only
 from tests.support.recording import each_once
@@ -42,7 +41,7 @@ WHOLE = len(OTHERS)  # segments of the first species
 
 
 @pytest.fixture(scope="module")
-def whole(repertoires: dict[str, Repertoire], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(repertoires, tmp_path_factory):
     """A folder with the files of an undisturbed recording."""
     folder = tmp_path_factory.mktemp("whole")
     for name in NAMES:
@@ -50,20 +49,20 @@ def whole(repertoires: dict[str, Repertoire], tmp_path_factory: pytest.TempPathF
     return folder
 
 
-def assert_same(folder: Path, whole: Path) -> None:
+def assert_same(folder, whole):
     """The same files, to the last byte, and nothing beside them."""
     assert sorted(path.name for path in folder.iterdir()) == [f"{name}.h5" for name in NAMES]
     for name in NAMES:
         assert (folder / f"{name}.h5").read_bytes() == (whole / f"{name}.h5").read_bytes()
 
 
-def changed(species: Species, table: str, **values: object) -> Species:
+def changed(species, table, **values):
     """The species with other values in one of its tables."""
     return structs.replace(species, **{table: structs.replace(getattr(species, table), **values)})
 
 
 @pytest.fixture(scope="module")
-def known(segments: dict[str, dict[str, batch.Recorded]]) -> dict[str, batch.Recorded]:
+def known(segments):
     """Segments that tests have swum."""
     return {
         f"{segment} of {load_species(name)}": recorded
@@ -73,12 +72,12 @@ def known(segments: dict[str, dict[str, batch.Recorded]]) -> dict[str, batch.Rec
 
 
 @pytest.fixture
-def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, batch.Recorded]) -> list[str]:
+def swum(monkeypatch, known):
     """The segments that are swum, in their order; each is simulated once for all tests."""
     names: list[str] = []
     record = each_once(known)
 
-    def swim(species: Species, segment: str) -> batch.Recorded:
+    def swim(species, segment):
         names.append(segment)
         return record(species, segment)
 
@@ -87,10 +86,8 @@ def swum(monkeypatch: pytest.MonkeyPatch, known: dict[str, batch.Recorded]) -> l
 
 
 @pytest.mark.parametrize("done", [4, WHOLE, WHOLE + len(EACH)])
-def test_an_interrupted_recording_continues_where_it_stopped(
-    done: int, whole: Path, tmp_path: Path, swum: list[str]
-) -> None:
-    def interrupt() -> None:
+def test_an_interrupted_recording_continues_where_it_stopped(done, whole, tmp_path, swum):
+    def interrupt():
         if len(swum) == done:
             raise KeyboardInterrupt
 
@@ -107,9 +104,7 @@ def test_an_interrupted_recording_continues_where_it_stopped(
     assert_same(tmp_path, whole)
 
 
-def test_an_up_to_date_repertoire_is_skipped_unless_forced(
-    whole: Path, tmp_path: Path, swum: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_up_to_date_repertoire_is_skipped_unless_forced(whole, tmp_path, swum, capsys):
     path = tmp_path / "fusilier.h5"
     path.write_bytes((whole / "fusilier.h5").read_bytes())
     before = path.stat().st_mtime_ns
@@ -123,9 +118,7 @@ def test_an_up_to_date_repertoire_is_skipped_unless_forced(
     assert swum == list(EACH)
 
 
-def test_damaged_segments_and_those_of_another_fish_are_recorded_again(
-    tmp_path: Path, swum: list[str]
-) -> None:
+def test_damaged_segments_and_those_of_another_fish_are_recorded_again(tmp_path, swum):
     species = load_species("fusilier")
     recorded = record_segment(species, "swim_slow")
     swims = ("swim_slow", "swim_medium", "swim_fast")
@@ -141,7 +134,7 @@ def test_damaged_segments_and_those_of_another_fish_are_recorded_again(
 
 
 @pytest.mark.parametrize("name", only(NAMES, species_names()))
-def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
+def test_a_segment_is_saved_exactly(name, tmp_path):
     species = load_species(name)
     recorded = record_segment(species, "turn_left_sharp")
     segment = recorded.segment
@@ -155,14 +148,12 @@ def test_a_segment_is_saved_exactly(name: str, tmp_path: Path) -> None:
         np.testing.assert_array_equal(theirs, ours)
 
 
-def test_neither_two_processes_nor_a_crash_of_one_change_the_files(
-    whole: Path, tmp_path: Path, save_turns: Callable[[str, Path], int]
-) -> None:
+def test_neither_two_processes_nor_a_crash_of_one_change_the_files(whole, tmp_path, save_turns):
     saved = [save_turns(name, tmp_path) for name in NAMES]
     killed: list[int] = []
     told: list[tuple[str, int]] = []
 
-    def kill_once() -> None:
+    def kill_once():
         for child in multiprocessing.active_children()[: 1 - len(killed)]:
             os.kill(child.pid or 0, signal.SIGKILL)
             killed.append(child.pid or 0)
@@ -181,8 +172,8 @@ def test_neither_two_processes_nor_a_crash_of_one_change_the_files(
         assert counts == list(range(first, len(segments_of(load_species(name))) + 1))
 
 
-def test_repeated_crashes_are_an_error_of_one_line(tmp_path: Path) -> None:
-    def kill() -> None:
+def test_repeated_crashes_are_an_error_of_one_line(tmp_path):
+    def kill():
         for child in multiprocessing.active_children():
             os.kill(child.pid or 0, signal.SIGKILL)
 
@@ -192,7 +183,7 @@ def test_repeated_crashes_are_an_error_of_one_line(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_a_fish_that_cannot_swim_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fish_that_cannot_swim_is_named(tmp_path, monkeypatch):
     limp = changed(load_species("fusilier"), "body", cross_stiffness=1.0)
     monkeypatch.setattr(batch, "load_species", lambda name: limp)
     with pytest.raises(UserError, match="fusilier, swim_slow: the body lost its shape"):
@@ -201,7 +192,7 @@ def test_a_fish_that_cannot_swim_is_named(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @contextmanager
-def full_disk(free: int) -> Iterator[None]:
+def full_disk(free):
     """No file grows beyond ``free`` bytes."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (free, before[1]))
@@ -211,7 +202,7 @@ def full_disk(free: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def write_empty(path: Path) -> bytes:
+def write_empty(path):
     """Write a repertoire without segments, which is not up to date; return its bytes."""
     with hdf5.writing(path) as file:
         file.attrs["format"] = hdf5.text(FORMAT)
@@ -219,9 +210,7 @@ def write_empty(path: Path) -> bytes:
 
 
 @pytest.mark.parametrize("free", [1000, 60_000, 500_000])
-def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(
-    free: int, tmp_path: Path, swum: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(free, tmp_path, swum, capsys):
     """The disk fills up in the first segment, in the fifth, or in the repertoire."""
     old = tmp_path / "fusilier.h5"
     before = write_empty(old)
@@ -250,9 +239,7 @@ sys.exit(cli.main(sys.argv[1:]))
 
 
 @pytest.mark.parametrize("number", only([signal.SIGINT], [signal.SIGINT, signal.SIGTERM]))
-def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
-    number: int, whole: Path, tmp_path: Path, swum: list[str]
-) -> None:
+def test_ctrl_c_leaves_the_old_repertoire_and_one_line(number, whole, tmp_path, swum):
     old = tmp_path / "fusilier.h5"
     before = write_empty(old)
     command = [sys.executable, "-c", SLOW, "record", "fusilier", "--out", str(tmp_path)]
@@ -272,7 +259,7 @@ def test_ctrl_c_leaves_the_old_repertoire_and_one_line(
     assert list(tmp_path.iterdir()) == [old]
 
 
-def test_ctrl_c_while_processes_start_prints_nothing_else(tmp_path: Path) -> None:
+def test_ctrl_c_while_processes_start_prints_nothing_else(tmp_path):
     """A terminal sends it to every process of the command."""
     command = [sys.executable, "-m", "capture", "record", "--all", "--jobs", "2"]
     with subprocess.Popen(

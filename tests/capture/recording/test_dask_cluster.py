@@ -5,10 +5,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from pathlib import Path
-from typing import Any
 
 import distributed
 import pytest
@@ -20,7 +17,7 @@ from subsea.base.errors import UserError
 from subsea.base.system import install_command
 from subsea.fish.species import load_species
 from subsea.jobs import dask_cluster as module
-from subsea.repertoire import Repertoire, write_repertoire
+from subsea.repertoire import write_repertoire
 
 NAMES = ["emperor_angelfish", "fusilier"]
 DASK = [sys.executable, "-m", "dask"]
@@ -30,7 +27,7 @@ WORKER = ["--no-nanny", "--nthreads", "1", "--no-dashboard", "--death-timeout", 
 class Cluster:
     """A scheduler and some workers, each a process."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder):
         self.folder = folder
         self.processes = ExitStack()
         with socket.socket() as free:
@@ -42,7 +39,7 @@ class Cluster:
         )
         self.workers = [self._start("worker", self.address, *WORKER) for _ in range(2)]
 
-    def _start(self, *arguments: str) -> "subprocess.Popen[bytes]":
+    def _start(self, *arguments):
         process = subprocess.Popen(
             [*DASK, *arguments],
             cwd=self.folder,
@@ -53,7 +50,7 @@ class Cluster:
         self.processes.callback(process.kill)
         return process
 
-    def wait(self) -> None:
+    def wait(self):
         """Until the scheduler answers."""
         port = int(self.address.rpartition(":")[2])
         for _ in range(300):
@@ -65,7 +62,7 @@ class Cluster:
 
 
 @pytest.fixture
-def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+def dask(tmp_path_factory):
     running = Cluster(tmp_path_factory.mktemp("dask"))
     with running.processes:
         running.wait()
@@ -73,16 +70,11 @@ def dask(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 @pytest.mark.nightly
-def test_a_worker_that_is_killed_midway_loses_nothing(
-    dask: Cluster,
-    repertoires: dict[str, Repertoire],
-    tmp_path: Path,
-    save_turns: Callable[[str, Path], int],
-) -> None:
+def test_a_worker_that_is_killed_midway_loses_nothing(dask, repertoires, tmp_path, save_turns):
     saved = sum(save_turns(name, tmp_path) for name in NAMES)
     done: dict[str, int] = {}
 
-    def tell(name: str, segments: int) -> None:
+    def tell(name, segments):
         done[name] = segments
         if sum(done.values()) == saved + 3:
             dask.workers[0].kill()
@@ -104,9 +96,9 @@ def test_a_worker_that_is_killed_midway_loses_nothing(
     ("lost", "line"), [("workers", "no worker for"), ("scheduler", "the scheduler has stopped")]
 )
 def test_a_lost_cluster_is_an_error_of_one_line_and_finished_segments_are_saved(
-    lost: str, line: str, dask: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def tell(name: str, segments: int) -> None:
+    lost, line, dask, tmp_path, monkeypatch
+):
+    def tell(name, segments):
         if segments == 2:
             monkeypatch.setattr(module, "NO_WORKER_S", 0.5)
             monkeypatch.setattr(module, "FETCH_S", 0.5)
@@ -121,17 +113,14 @@ def test_a_lost_cluster_is_an_error_of_one_line_and_finished_segments_are_saved(
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "ftp://x:1", ""])
 def test_an_address_without_a_scheduler_is_soon_an_error_of_one_line(
-    address: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    address, tmp_path, capsys, monkeypatch
+):
     assert module.CONNECT_S < 10.0  # Dask's own patience is 30 s
     monkeypatch.setattr(module, "CONNECT_S", 0.5)
     waited = []
     wait_for = asyncio.wait_for
 
-    def waiting(what: Any, timeout: float) -> Any:
+    def waiting(what, timeout):
         waited.append(timeout)
         return wait_for(what, timeout)
 
@@ -145,8 +134,8 @@ def test_an_address_without_a_scheduler_is_soon_an_error_of_one_line(
     assert err == f"subsea-capture: {address}: no Dask scheduler answers there\n"
 
 
-def test_a_client_waits_as_long_as_it_should(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def identify(address: str) -> None:
+def test_a_client_waits_as_long_as_it_should(monkeypatch):
+    async def identify(address):
         assert address == "tcp://there"
 
     monkeypatch.setattr(module, "_identify", identify)
@@ -157,15 +146,13 @@ def test_a_client_waits_as_long_as_it_should(monkeypatch: pytest.MonkeyPatch) ->
     assert given["timeout"] == 0.5
 
 
-def test_without_dask_the_error_names_the_extra(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_dask_the_error_names_the_extra(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "distributed", None)
     command = ["record", "fusilier", "--out", str(tmp_path), "--cluster", "tcp://127.0.0.1:9"]
     assert main(command) == 2
     assert f"--cluster needs Dask: run `{install_command('cluster')}`" in capsys.readouterr().err
 
 
-def test_a_worker_of_another_version_refuses() -> None:
+def test_a_worker_of_another_version_refuses():
     with pytest.raises(UserError, match="another version"):
         record_equally((("fusilier", "swim_slow"), load_species("fusilier"), "of yesterday"))

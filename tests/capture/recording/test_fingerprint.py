@@ -1,6 +1,5 @@
 import importlib
 
-import pytest
 from msgspec import structs
 
 from capture.recording import fingerprint as module
@@ -8,9 +7,7 @@ from capture.recording.fingerprint import code_of, fingerprint
 from subsea.fish.species import load_species
 
 
-def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(monkeypatch):
     species = load_species("fusilier")
     body, skin = species.body, species.skin
     assert body is not None
@@ -28,7 +25,7 @@ def test_it_depends_on_plans_and_code_and_not_on_names_and_colours(
     assert fingerprint(species) not in before
 
 
-def test_the_code_is_that_of_the_recorder_and_all_that_it_uses() -> None:
+def test_the_code_is_that_of_the_recorder_and_all_that_it_uses():
     """Functions of every module that `record` imports, but for files and species."""
     import grimp
 
@@ -69,13 +66,13 @@ def unused(x):
 """
 
 
-def test_code_is_found_by_what_uses_it_wherever_it_stands(tmp_path, monkeypatch) -> None:
+def test_code_is_found_by_what_uses_it_wherever_it_stands(tmp_path, monkeypatch):
     import capture
 
     (tmp_path / "tried").mkdir()
     monkeypatch.setattr(capture, "__path__", [*capture.__path__, str(tmp_path)])
 
-    def found(**files: str) -> list[str]:
+    def found(**files):
         for name, text in files.items():
             (tmp_path / "tried" / f"{name}.py").write_text(text)
         for cached in (module._module, module._is_module):
@@ -113,7 +110,7 @@ def double(x):
 '''
 
 
-def test_only_code_counts() -> None:
+def test_only_code_counts():
     for old, new, same in (
         ("Module", "The module", True),
         ('"""Attribute."""\n', "", True),

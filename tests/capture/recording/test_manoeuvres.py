@@ -10,14 +10,12 @@ from capture.recording.trial import Trial
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.fins import headings
 from subsea.biomechanics.simulation import at_rest, copy_state, simulate
-from subsea.fish.species import Species
-from subsea.repertoire import Repertoire
 
 LATENCY_TICKS = 2  # in which the head has begun to turn
 BENT_TICKS = 27  # in which it has turned most: 0.15 s at pace 2 and three times that tempo
 
 
-def played(repertoire: Repertoire, name: str):
+def played(repertoire, name):
     """World nodes (t, 23, 3) of a segment."""
     return replay(repertoire.segments[name], np.zeros(3), np.eye(3), 1)
 
@@ -31,13 +29,13 @@ def played(repertoire: Repertoire, name: str):
         ("turn_left_glide", 75, 114),
     ],
 )
-def test_turns_have_their_angle(repertoire: Repertoire, segment, least, most) -> None:
+def test_turns_have_their_angle(repertoire, segment, least, most):
     """Domenici and Blake 1997 for escapes; the last frame sways about the course."""
     assert least < repertoire.segments[segment].turn_deg < most
     assert 0.0 < repertoire.provenance["couples"][segment] < COUPLES[-1]
 
 
-def test_an_escape_turns_at_once_and_ends_fast(repertoire: Repertoire) -> None:
+def test_an_escape_turns_at_once_and_ends_fast(repertoire):
     for grade in ("moderate", "wide"):
         path = played(repertoire, f"cstart_left_{grade}")
         heading = headings(path)
@@ -49,7 +47,7 @@ def test_an_escape_turns_at_once_and_ends_fast(repertoire: Repertoire) -> None:
         assert end > 2 * begin
 
 
-def test_a_turn_from_rest_is_tight(repertoire: Repertoire) -> None:
+def test_a_turn_from_rest_is_tight(repertoire):
     """The path of the centre while it turns, over the angle, in body lengths per radian."""
     path = played(repertoire, "turn_left_rest")
     heading = headings(path)
@@ -59,7 +57,7 @@ def test_a_turn_from_rest_is_tight(repertoire: Repertoire) -> None:
     assert way / np.radians(heading[turned] - heading[0]) < 0.4
 
 
-def test_the_mirror_image_of_a_motion_is_a_motion(species: Species) -> None:
+def test_the_mirror_image_of_a_motion_is_a_motion(species):
     """The muscles of the other side make it, to rounding."""
     body = build_body(species.body)
     rng = np.random.default_rng(1)
@@ -72,9 +70,7 @@ def test_the_mirror_image_of_a_motion_is_a_motion(species: Species) -> None:
     np.testing.assert_allclose(mirrored(trial).state.v, other.v, atol=1e-9)
 
 
-def test_a_start_ends_at_medium_and_a_stop_at_rest(
-    species: Species, repertoire: Repertoire
-) -> None:
+def test_a_start_ends_at_medium_and_a_stop_at_rest(species, repertoire):
     medium = repertoire.segments["swim_medium"].speed_cm_s * repertoire.tick_s
     beat = species.swim.at("medium").ticks_per_beat
     begun = played(repertoire, "swim_start").mean(axis=1)
@@ -86,7 +82,7 @@ def test_a_start_ends_at_medium_and_a_stop_at_rest(
     assert bent < 0.02 * repertoire.body_length_cm
 
 
-def test_a_stop_coasts_on_where_the_swim_ended(species: Species) -> None:
+def test_a_stop_coasts_on_where_the_swim_ended(species):
     """Its first frame is steady swimming, so nothing jumps on entering."""
     trial = run_trial(species.muscles, "swim_stop")
     steady = run_trial(species.muscles, "swim_medium")

@@ -16,17 +16,16 @@ from subsea.base.errors import UserError
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
-from subsea.fish.species import Species
 
 
-def test_a_right_turning_fish_is_half_a_beat_ahead(species: Species) -> None:
+def test_a_right_turning_fish_is_half_a_beat_ahead(species):
     left = beat_phase(species.swim, 2, LEFT)
     np.testing.assert_allclose(beat_phase(species.swim, 2, RIGHT) - left, np.pi)
     assert left[0] == 0
     assert len(left) == 12
 
 
-def test_warm_up_lasts_until_the_loop_closes(species: Species) -> None:
+def test_warm_up_lasts_until_the_loop_closes(species):
     trial = steady_beat(build_body(species.body), beat_contraction(species.swim, 1.0))
     assert len(trial.frames) == species.swim.ticks_per_beat + 1
     assert trial.warm_up_beats >= MIN_WARM_UP
@@ -34,13 +33,13 @@ def test_warm_up_lasts_until_the_loop_closes(species: Species) -> None:
     np.testing.assert_array_equal(trial.frames[-1], trial.state.x)
 
 
-def test_a_body_that_buckles_is_a_fault_of_the_plan(species: Species) -> None:
+def test_a_body_that_buckles_is_a_fault_of_the_plan(species):
     bent = beat_contraction(species.swim, 1.0, (0.6, 0.6))
     with pytest.raises(UserError, match="lost its shape"):
         steady_beat(build_body(species.body), bent)
 
 
-def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species: Species) -> None:
+def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species):
     body = build_body(species.body)
     swimming = steady_beat(body, beat_contraction(species.swim, species.swim.medium)).state
     before = swimming.x.copy()
@@ -51,7 +50,7 @@ def test_a_sharp_turn_starts_where_swimming_ends_and_leaves_it_alone(species: Sp
     assert len(trial.frames) == beats * species.swim.at("medium").ticks_per_beat + 1
 
 
-def test_swimming_speed_follows_the_desired_speed(species: Species) -> None:
+def test_swimming_speed_follows_the_desired_speed(species):
     """swim-MC: any speed within reach, between the amplitudes that were measured too."""
     body, swim = build_body(species.body), species.swim
     speeds = speed_map(body, swim)
