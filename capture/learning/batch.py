@@ -5,7 +5,7 @@ evaluations, and its result once that is written. All journals are removed when 
 command is done.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from capture.learning.improve import writable_source, write_plans
 from capture.learning.journal import evaluations, read_journal, write_journal
-from capture.learning.report import report
+from capture.learning.lifelike import grade_waves, missed_aims
 from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole
 from capture.recording.fingerprint import fingerprint
 from subsea.base.errors import UserError
@@ -23,6 +23,8 @@ from subsea.base.file_kinds import check_results, toml_file
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.system import require
 from subsea.base.toml_files import load_toml
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.solver import TICK_S
 from subsea.fish.species import Species, shipped_species, species_file
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, process_pool
 
@@ -177,3 +179,37 @@ def is_done(plan: Plan) -> bool:
 def _mark(task: LearningTask, written: Species) -> str:
     """Identify a written result and the options of the command."""
     return f"{fingerprint(written, ROOT)} {task.body:d} {task.budget} {task.seed}"
+
+
+COLUMNS = (
+    "ticks",
+    "amplitude",
+    "L/s",
+    "stride, L",
+    "tail, L",
+    "Strouhal",
+    "wave, L",
+    "envelope, L",
+)
+
+
+def report(name: str, learned: Learned) -> Iterator[str]:
+    """Lines: a table of the grades, and the aims that the fast one misses."""
+    if learned.muscles is None:
+        why = f", the last candidate as {learned.notes[-1]}" if learned.notes else ""
+        yield f"{name}: nothing was found{why}; the file is unchanged, try a larger --budget"
+        return
+    plan, swim, turn = learned.muscles
+    body = build_body(plan)
+    waves = grade_waves(body, swim)
+    yield f"{name:<24}" + "".join(f"{column:>12}" for column in COLUMNS)
+    for grade, wave in waves.items():
+        ticks = swim.at(grade).ticks_per_beat
+        speed = wave.stride / (ticks * TICK_S)
+        values = (speed, wave.stride, wave.tail, wave.strouhal, wave.wavelength, wave.envelope)
+        cells = f"{ticks:>12}{swim.amplitude(grade):>12.3f}"
+        yield f"  {grade:<22}{cells}" + "".join(f"{value:>12.3f}" for value in values)
+    yield f"  turns: {', '.join(f'{row.angle:g}°' for row in turn.steering)}, sharp {turn.sharp:g}°"
+    missed = missed_aims(waves["fast"])
+    if missed:
+        yield f"  fast misses: {'; '.join(missed)}"

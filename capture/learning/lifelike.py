@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from capture.inspection.gait import muscle_work, swim_beats
+from capture.inspection.kinematics import published_envelope
 from capture.inspection.targets import Range, at_least, at_most
 from capture.learning.fitness import (
     DISTURBANCE,
@@ -47,8 +48,6 @@ RATIOS = (at_least(1.15), at_most(0.5), at_most(0.7))  # of their speeds over th
 POOR, OTHERS_MOST = 15.0, 10.0
 """Loss of a fast gait whose other grades are not tried, and the greatest of another grade."""
 
-# Borazjani & Sotiropoulos 2008: half amplitude over distance from the snout, in body lengths.
-ENVELOPE = (0.02, -0.08, 0.16)
 # Aims lie within the published ranges, because what is recorded differs a little from a trial.
 LIMITS = {
     "strouhal": Range(0.26, 0.35),  # Taylor et al. 2003; Eloy 2012
@@ -56,7 +55,7 @@ LIMITS = {
     "tail": Range(0.18, 0.22),  # Bainbridge 1958
     "envelope": at_most(0.019),
     "growth": at_least(1.1),
-    "bend": at_most(25.0),  # that of ENVELOPE at a wavelength of 0.95 L and joints 0.15 L apart
+    "bend": at_most(25.0),  # that of the envelope at a wavelength of 0.95 L and joints 0.15 L apart
     "wavelength": Range(0.9, 1.08),
     "snout": at_most(5.0),
     "contraction_step": at_most(S_MAX),
@@ -78,7 +77,7 @@ class Wave(NamedTuple):
     strouhal: float
     stride: float  # L/beat
     tail: float  # L, peak to peak
-    envelope: float  # L, greatest deviation of the half amplitude from ENVELOPE
+    envelope: float  # L, greatest deviation of the half amplitude from the published one
     deviation: float  # L, its mean size
     growth: float  # least ratio of the half amplitudes of neighbouring stations behind BEHIND
     bend: float  # degrees, greatest angle between neighbouring sections behind BEHIND
@@ -103,7 +102,7 @@ def measure_wave(body: Body, swim: SwimPlan, amplitude: float, state: BodyState)
     way = float(np.copysign(max(abs(way), MIN_DISTANCE), way))
     across = lateral(last) / length
     half = np.ptp(across, axis=0) / 2
-    off = np.abs(half - np.polynomial.polynomial.polyval(at, ENVELOPE))
+    off = np.abs(half - published_envelope("carangiform", at))
     drift, aside = straightness(frames, ticks)
     work = muscle_work(body, copy_state(state), beat)
     return Wave(

@@ -5,7 +5,7 @@ The libraries `cma` and `scipy` propose the points; the caller chooses among all
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -26,18 +26,11 @@ class Evaluation(NamedTuple):
 
 Candidate = TypeVar("Candidate")
 
-
-class Optimizer(Protocol[Candidate]):
-    """A search with a fixed method, budget and seed."""
-
-    def __call__(
-        self,
-        loss: Callable[[Candidate], float],
-        at: Callable[[Floats | tuple[float, ...]], Candidate],
-        start: Floats,
-    ) -> list[Evaluation]:
-        """Minimise ``loss`` over the candidates ``at(point)`` of the unit box."""
-        ...
+Optimizer = Callable[
+    [Callable[[Candidate], float], Callable[[Floats | tuple[float, ...]], Candidate], Floats],
+    list[Evaluation],
+]
+"""A search that minimises a loss over candidates at points of the unit box, from one on."""
 
 
 class _BudgetSpent(Exception):  # noqa: N818 - ends a search, no error

@@ -9,6 +9,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.lab.environments.living_sea import Outcome
+from subsea.lab.measures import headings
 from subsea.state import HUNGER, NOBODY, PREDATOR
 
 Reward = Callable[[Outcome], Array]
@@ -49,7 +50,7 @@ def school_reward(outcome: Outcome) -> Array:
     known = near != NOBODY
     other = np.maximum(near, 0)
     number = np.maximum(known.sum(axis=1), 1)
-    ahead = _ahead(fishes.orientation)
+    ahead = headings(fishes.orientation)
     cosine = np.einsum("ki,kmi->km", ahead[who], ahead[other])
     polarisation = (cosine * known).sum(axis=1) / number
     gap = np.linalg.norm(fishes.position[other] - fishes.position[who, None], axis=2)
@@ -58,9 +59,3 @@ def school_reward(outcome: Outcome) -> Array:
     cohesion = np.where(known.any(axis=1), np.exp(-distance / COHESION_BL), 0.0)
     collides = (known & (gap < COLLISION_BL * mean_length)).any(axis=1)
     return np.where(outcome.alive, polarisation + cohesion - collides, CAUGHT)
-
-
-def _ahead(q: Array) -> Array:
-    """Compute headings (n, 3) of orientations (n, 4)."""
-    w, x, y, z = q.astype(np.float64).T
-    return np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
