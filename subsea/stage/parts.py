@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from subsea.world.world import World
 
 
+LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
+
+
 class TheatrePart(DivePart):
     """Shows the dive in a theatre, on this computer or with others."""
 
@@ -372,9 +375,9 @@ class HeadsetPart(DivePart):
 
     def worn(self, dive: "Dive") -> Any:
         """Put the headset on; without one the dive goes on in the window."""
-        from subsea.stage.headset.display import LostHeadset, put_on
+        from subsea.stage.headset.display import put_on
 
-        self._lost, self._worn = LostHeadset(dive.kiosk), None
+        self._looked_s, self._worn = 0.0, None
         try:
             return put_on(dive.window_set, dive.gui, dive.note)
         except UserError as fault:
@@ -383,9 +386,11 @@ class HeadsetPart(DivePart):
 
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
         """Look for a lost headset, and begin a visit of a kiosk when it is put on."""
-        from subsea.stage.headset.display import put_on
+        self._looked_s += elapsed_s
+        if dive.kiosk and dive.picture.head is None and self._looked_s >= LOOK_S:
+            from subsea.stage.headset.display import put_on
 
-        if self._lost.due(elapsed_s, dive.picture.head is not None):
+            self._looked_s = 0.0
             try:
                 dive.put_on(put_on(dive.window_set, dive.gui, dive.note))
             except UserError:

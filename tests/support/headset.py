@@ -21,7 +21,7 @@ def turned(degrees: float, axis: tuple[float, float, float]) -> Any:
 
 
 class FakeHeadset:
-    """The interface of `headset.session.Headset`, with textures of the `context`."""
+    """The interface of `OpenXrHeadset`, with textures of the `context`."""
 
     def __init__(self, context: Any, size: tuple[int, int] = (120, 128)) -> None:
         self.name = "a headset of the tests"

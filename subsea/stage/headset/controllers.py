@@ -1,4 +1,4 @@
-"""The interface of a headset to the dive, and the controllers, or tracked hands, of its session.
+"""The controllers, or tracked hands, of a headset's session, and what a dive gets from it.
 
 Functions get the module `xr` from their caller, the one module that imports it. An action has the
 same name as its field of `Hand`. A button that a controller lacks is left out, or is on another
@@ -7,7 +7,7 @@ part if the dive cannot do without.
 
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -115,36 +115,6 @@ class HeadsetFrame(NamedTuple):
     tracked: bool  # False: the poses are the last known ones
     visible: bool  # False: the runtime shows something else, so nothing needs to be drawn
     textures: tuple[int, ...]  # OpenGL's names of one for each eye to draw into; () if not visible
-
-
-class Headset(Protocol):
-    """A session of a headset's runtime, in the OpenGL context that is current.
-
-    Every call may raise HeadsetLostError.
-    """
-
-    name: str  # of the runtime and of the headset, for people
-    sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
-    srgb: bool  # the textures hold values of sRGB, as a window does; False: linear ones
-    hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
-    worn: bool  # True while the runtime shows the dive: from VISIBLE on
-    focused: bool  # True while it takes input
-    recentred: bool  # True if the runtime asks to take the head in the last `begin` as home
-
-    def poll(self) -> None:
-        """Process events and read the hands; call once a picture."""
-
-    def begin(self) -> HeadsetFrame | None:
-        """Wait for the runtime and begin a frame; None, at once, while the session does not run."""
-
-    def end(self) -> None:
-        """Show the frame that `begin` returned; call it for each."""
-
-    def pulse(self, hand: int, strength: float, seconds: float) -> None:
-        """Vibrate the controller in a hand (0 left, 1 right), with a strength in [0, 1]."""
-
-    def close(self) -> None:
-        """End the session and release everything."""
 
 
 NO_HANDS = Hand(), Hand()

@@ -12,7 +12,7 @@ from subsea.base.arrays import Array
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
 from subsea.stage.headset.cabin import Cabin
-from subsea.stage.headset.controllers import Hand, Headset, HeadsetFrame, HeadsetLostError
+from subsea.stage.headset.controllers import Hand, HeadsetFrame, HeadsetLostError
 from subsea.stage.headset.head import (
     AT_ORIGIN,
     AT_REST,
@@ -28,7 +28,7 @@ from subsea.stage.headset.head import (
     on_observer,
     snapped,
 )
-from subsea.stage.headset.openxr import open_headset
+from subsea.stage.headset.openxr import OpenXrHeadset, open_headset
 from subsea.state import PREDATOR
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.gui import Gui
@@ -39,7 +39,6 @@ from subsea.view.rig import CameraPose, CameraRig, pose_from_angles
 from subsea.view.theatre_vessel import PANEL
 from subsea.world.world import TICK_S, World
 
-LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
 FADE_S, LONG_S = 1.5, 1800.0  # the picture fades in; time of use until a reminder
 CLICKED, UNCLICKED = 0.6, 0.4  # of a trigger
 PUSH_CM, FULL_PUSH_CM = 0.5, 4.0  # by which a solid moves the hull in a tick: felt; strongest
@@ -64,7 +63,12 @@ class HeadsetDisplay:
     """Connects a headset's session to the rig, the pilot and the gui of a dive."""
 
     def __init__(
-        self, headset: Headset, context: Any, gui: Gui, pilot: Pilot, note: Callable[[str], None]
+        self,
+        headset: OpenXrHeadset,
+        context: Any,
+        gui: Gui,
+        pilot: Pilot,
+        note: Callable[[str], None],
     ) -> None:
         """The `context` is the one that the session was opened in.
 
@@ -280,21 +284,6 @@ def _pointing(left: Hand, right: Hand, home: Home) -> GamepadState:
         climb = min(max(math.asin(min(max(up, -1.0), 1.0)) / FULL_CLIMB, -1.0), 1.0)
         axes[5 if climb > 0.0 else 4] = 2.0 * abs(climb) - 1.0
     return GamepadState("headset", buttons, axes)
-
-
-class LostHeadset:
-    """Says when to look for the headset of a kiosk that was lost."""
-
-    def __init__(self, seeks: bool) -> None:
-        self._seeks, self._looked_s = seeks, 0.0
-
-    def due(self, elapsed_s: float, worn: bool) -> bool:
-        """True if it is time to look, `elapsed_s` after the last call."""
-        self._looked_s += elapsed_s
-        if not self._seeks or worn or self._looked_s < LOOK_S:
-            return False
-        self._looked_s = 0.0
-        return True
 
 
 def hand_pulses(world: World, pilot: CameraPose) -> Array:

@@ -15,7 +15,6 @@ from subsea.stage.headset.controllers import (
     NO_HANDS,
     Controllers,
     Hand,
-    Headset,
     HeadsetFrame,
     HeadsetLostError,
     pose_of,
@@ -53,7 +52,7 @@ class _Swapchain(NamedTuple):
     textures: tuple[int, ...]  # their names in OpenGL
 
 
-def open_headset() -> Headset:
+def open_headset() -> "OpenXrHeadset":
     """Open a session that draws with the OpenGL context which is current in this thread.
 
     A UserError says in one line what is missing.
@@ -81,11 +80,20 @@ def describe_headset() -> HeadsetReport:
 
 
 class OpenXrHeadset:
-    """A `Headset` of the OpenXR runtime; `open_headset` makes it.
+    """The session of a headset, in the OpenGL context that is current; `open_headset` makes it.
 
-    While no picture is visible its frames have no textures. `begin` sets `recentred` for the
-    frame that it returns, the first one in the new space whose head is tracked.
+    Every call may raise HeadsetLostError. While no picture is visible its frames have no textures.
     """
+
+    name: str  # of the runtime and of the headset, for people
+    sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
+    srgb: bool  # the textures hold values of sRGB, as a window does; False: linear ones
+    hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
+    worn: bool  # True while the runtime shows the dive: from VISIBLE on
+    focused: bool  # True while it takes input
+    # True if the runtime asks to take the head in the last `begin` as home: in the first frame of
+    # a new space whose head is tracked.
+    recentred: bool
 
     def __init__(
         self, xr: Any, instance: Any, system: Any, extensions: set[str], made: ExitStack
@@ -94,7 +102,7 @@ class OpenXrHeadset:
         self._xr, self._instance = xr, instance
         self.name = f"{name_runtime(xr, instance)}: {name_system(xr, instance, system)}"
         self.state = "UNKNOWN"  # of the session, as OpenXR calls it
-        self.hands: tuple[Hand, Hand] = NO_HANDS
+        self.hands = NO_HANDS
         self.worn = self.focused = self.recentred = False
         self._views = xr.ViewConfigurationType.PRIMARY_STEREO
         binding, restore = graphics_binding(xr, instance, system)
