@@ -66,7 +66,7 @@ def read_json(path: Path) -> ImportedTheatre:
     data = read_input(path).removeprefix(b"\xef\xbb\xbf")
     try:
         content = msgspec.json.decode(data)
-    except (msgspec.DecodeError, UnicodeDecodeError) as fault:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
         raise UserError(f"not valid JSON ({fault})", file=path) from fault
     if isinstance(content, dict) and "nDisplay" in content:
         return read_ndisplay(path, content["nDisplay"])

@@ -36,6 +36,8 @@ from subsea.view.rig import Warp
 
 Size = tuple[int, int]
 MAX_BYTES = 512 * MIB
+MAX_TEXT = 64 * MIB  # of numbers as text, which take many times the memory
+BINARY = ".pfm", ".sgc", ".vwf"
 MAX_NODES = 2**24  # of a grid whose size a file states
 MASK_SIDE = 512  # pixels of the longer side of a mask: brightness is smooth
 
@@ -54,7 +56,8 @@ def read_mesh(path: Path, size: Size) -> MeasuredMesh:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise UserError(f"expected a warp file that ends in {', '.join(FORMATS)}", file=path)
-    measured = FORMATS[suffix](read_input(path, MAX_BYTES), size, str(path))
+    most = MAX_BYTES if suffix in BINARY else MAX_TEXT
+    measured = FORMATS[suffix](read_input(path, most), size, str(path))
     if suffix == ".csv" and (beside := frustum_file(path)).is_file():
         measured = measured._replace(view=parse_frustum(read_input(beside), str(beside)))
     return measured

@@ -34,16 +34,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
-from subsea.base.files import open_input
+from subsea.base.files import MIB, open_input
 from subsea.stage.theatre.measured_mesh import ViewAngles
-from subsea.stage.theatre.mesh_formats import parse_xml, sources_of
+from subsea.stage.theatre.mesh_formats import MAX_BYTES, parse_xml, sources_of
 from subsea.stage.theatre.pixel_files import parse_pfm, parse_png, stretched
 from subsea.stage.theatre.warp import from_grid, validated, without_invalid
 from subsea.view.rig import Warp
 
 Rect = tuple[float, float, float, float]
-Fetch = Callable[[str], bytes | None]  # the content of a path in an archive
+Fetch = Callable[[str, int], bytes | None]  # the content of a path in an archive, of limited size
 
+MAX_XML = 4 * MIB
+MAX_REGIONS = 256
+MAX_PIXELS = 2**27  # of the maps of all regions together: eight projectors of 4K
 MAX_SIDE = 2**14  # pixels of a projector
 XML_NAMES = ("mpcdi.xml", "mpacs.xml", "mpcdi1_.xml")  # the last: SGCT's calibrator
 PROFILES = {  # known, but not shown
@@ -85,18 +88,23 @@ def read_mpcdi(path: Path) -> MpcdiArchive:
             raise UserError(f"not a readable zip archive ({fault})", file=path) from fault
         members = {_plain(member.filename): member for member in archive.infolist()}
 
-        def fetch(name: str) -> bytes | None:
+        def fetch(name: str, most: int) -> bytes | None:
             if (member := members.get(_plain(name))) is None:
                 return None
+            where = f"{path}: {name!r}"
             try:
-                return archive.read(member)
+                with archive.open(member) as packed:
+                    data = packed.read(most + 1)  # the size in its header may be false
             except Exception as fault:  # as above
+                raise UserError(f"cannot be unpacked ({fault})", file=where) from fault
+            if len(data) > most:
                 raise UserError(
-                    f"cannot be unpacked ({fault})", file=f"{path}: {name!r}"
-                ) from fault
+                    f"larger than {most // MIB} MiB, expected a smaller file", file=where
+                )
+            return data
 
         for name in XML_NAMES:
-            if (xml := fetch(name)) is not None:
+            if (xml := fetch(name, MAX_XML)) is not None:
                 return _archive(parse_xml(xml, f"{path}: {name}"), fetch, str(path))
     raise UserError("no 'mpcdi.xml' in it, expected an MPCDI archive", file=path)
 
@@ -150,35 +158,43 @@ def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
     filesets = {fileset.get("region", ""): fileset for fileset in root.iterfind("files/fileset")}
     regions: dict[str, MpcdiRegion] = {}
     faults: list[str] = []
-    named = set()
-    for buffer in root.iterfind("display/buffer"):
-        for element in buffer.iterfind("region"):
-            name = element.get("id", "")
-            named.add(name)
-            at = f"{where}: region {name!r}"
-            files = {part.tag: part for part in filesets.get(name, ())}
+    elements = [
+        (buffer.get("id", ""), element)
+        for buffer in root.iterfind("display/buffer")
+        for element in buffer.iterfind("region")
+    ]
+    if not 1 <= len(elements) <= MAX_REGIONS:
+        counted = f"{len(elements)} regions in its buffers"
+        raise UserError(f"{counted}, expected 1 to {MAX_REGIONS}", file=where)
+    pixels = 0
+    for buffer, element in elements:
+        name = element.get("id", "")
+        at = f"{where}: region {name!r}"
+        files = {part.tag: part for part in filesets.get(name, ())}
+        try:
+            if name in regions:
+                raise UserError(f"{at}: is there twice, expected names that differ")
+            if pixels > MAX_PIXELS:
+                raise UserError(f"{at}: maps of those before it have more than {MAX_PIXELS} pixels")
+            region = _region(element, buffer, profile, at)
+            region = _with_warp(region, files, fetch, at)
+        except UserError as fault:
+            faults.append(str(fault))
+            continue
+        for kind in ("alpha", "beta"):
             try:
-                if name in regions:
-                    raise UserError(f"{at}: is there twice, expected names that differ")
-                region = _region(element, buffer.get("id", ""), profile, at)
-                region = _with_warp(region, files, fetch, at)
+                region = _with_map(region, kind, files, fetch, at)
             except UserError as fault:
-                faults.append(str(fault))
-                continue
-            for kind in ("alpha", "beta"):
-                try:
-                    region = _with_map(region, kind, files, fetch, at)
-                except UserError as fault:
-                    faults.append(f"{fault}; shown without it")
-            unused = [tag for tag, part in files.items() if tag not in USED and _path(part)]
-            faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
-            regions[name] = region
-    if not named:
-        raise UserError("no regions in its buffers, expected 1 or more", file=where)
+                faults.append(f"{fault}; shown without it")
+        unused = [tag for tag, part in files.items() if tag not in USED and _path(part)]
+        faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
+        regions[name] = region
+        maps = [picture for picture in (region.alpha, region.beta) if picture is not None]
+        pixels += sum(picture.shape[0] * picture.shape[1] for picture in maps)
     if not regions:
         more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
         raise UserError(f"{faults[0]}{more}")
-    lost = sorted(set(filesets) - named)
+    lost = sorted(set(filesets) - {element.get("id", "") for _, element in elements})
     faults.extend(f"{where}: files for region {name!r}, which is not there" for name in lost)
     return MpcdiArchive(profile, tuple(regions.values()), tuple(faults))
 
@@ -257,7 +273,7 @@ def _path(element: Element | None) -> str:
 
 
 def _fetched(fetch: Fetch, path: str, at: str) -> bytes:
-    if (data := fetch(path)) is None:
+    if (data := fetch(path, MAX_BYTES)) is None:
         raise UserError(f"{at} is not in the archive")
     return data
 

@@ -11,6 +11,7 @@ from PIL import Image
 from subsea.base.errors import UserError
 
 MAX_PICTURE = 256 * 2**20  # bytes of a file
+MAX_PIXELS = 2**24  # of a picture, which may be packed into far fewer bytes: 4096 by 4096
 _HEADER = re.compile(rb"(P[Ff])\s+(\d{1,9})\s+(\d{1,9})\s+([-+.\deE]{1,40})(\s)")
 
 
@@ -54,12 +55,19 @@ def parse_png(data: bytes, where: str) -> NDArray[np.float32]:
     grey: NDArray[np.float32]
     try:
         with Image.open(io.BytesIO(data), formats=("PNG",)) as image:
+            if image.width * image.height > MAX_PIXELS:
+                raise UserError(
+                    f"{image.width}×{image.height} pixels, expected {MAX_PIXELS} at most",
+                    file=where,
+                )
             if image.mode.startswith("I"):
                 grey = np.asarray(image).astype(np.float32) / np.float32(65535)
             elif image.mode in ("1", "L", "LA"):
                 grey = np.asarray(image.convert("L"), np.float32) / np.float32(255)
             else:
                 return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
+    except UserError:
+        raise
     except Exception as fault:  # Pillow raises nearly anything for a damaged file
         raise UserError("not a readable PNG picture", file=where) from fault
     grey = np.clip(grey, 0.0, 1.0)

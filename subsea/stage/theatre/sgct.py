@@ -27,6 +27,7 @@ from subsea.stage.theatre.measured_mesh import (
 from subsea.stage.theatre.mesh_formats import (
     FORMATS,
     MAX_BYTES,
+    MAX_TEXT,
     obj_mesh,
     read_mesh,
     regular_sources,
@@ -241,8 +242,11 @@ class _SgctReader(NamedTuple):
 
 
 def plain_path(name: str) -> str:
-    """Write a path with forward slashes."""
-    return name.replace("\\", "/")
+    """Write a path with forward slashes; a UserError for one of another computer."""
+    plain = name.replace("\\", "/")
+    if plain.startswith("//"):
+        raise UserError(f"file {name!r} is on another computer, expected one of this")
+    return plain
 
 
 def pixels_of(
@@ -459,7 +463,7 @@ def spherical_mirror(
         path = folder / plain_path(getattr(geometry, name))
         if path.suffix.lower() != ".obj":
             raise UserError("expected a mesh in an .obj file", file=path)
-        face = obj_mesh(read_input(path, MAX_BYTES), str(path), True)
+        face = obj_mesh(read_input(path, MAX_TEXT), str(path), True)
         x, y, u, v = face.vertices[:, :4].astype(np.float64).T
         places.append(np.column_stack([((2 * x - 1) / (size[0] / size[1]) + 1) / 2, y]))
         rays = np.column_stack([2 * u - 1, 2 * v - 1, -np.ones_like(u)])

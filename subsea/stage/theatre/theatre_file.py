@@ -41,6 +41,8 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Angle = Annotated[float, msgspec.Meta(ge=-360, le=360)]
 Name = Annotated[str, msgspec.Meta(pattern=NAME)]
+# Not //HOST/FILE: Windows would show a stranger's computer who the user is.
+File = Annotated[str, msgspec.Meta(pattern=r"^(?![/\\]{2})")]
 Extent = Annotated[float, msgspec.Meta(ge=-10, le=10)]
 Span = Annotated[float, msgspec.Meta(ge=0.001, le=10)]
 
@@ -148,8 +150,8 @@ class Channel(ScreenTable, frozen=True, kw_only=True):
     viewport: tuple[Annotated[int, msgspec.Meta(ge=0)], Annotated[int, msgspec.Meta(ge=0)],
                     Pixels, Pixels] | None = None  # fmt: skip
     blend: bool = False  # with all others that light the same part of the screen
-    warp: str | None = None  # a mesh of `mesh_formats.FORMATS`, relative to the theatre file
-    mask: str | None = None  # a PNG picture of factors, relative to the theatre file
+    warp: File | None = None  # a mesh of `mesh_formats.FORMATS`, relative to the theatre file
+    mask: File | None = None  # a PNG picture of factors, relative to the theatre file
     # x, y, width, height of the part that is shown, in shares of the screen from the lower left
     part: tuple[Extent, Extent, Span, Span] | None = None
     eye: Literal["left", "right"] | None = None  # of a projector for one eye; None: the mode's
@@ -163,7 +165,7 @@ class Archive(ScreenTable, frozen=True, kw_only=True):
 
     _needs_screen: ClassVar[bool] = False
 
-    file: str
+    file: File
     # Window of each region; None: the window of the same name.
     windows: dict[str, Name] | None = None
     buffer: str | None = None  # None: all of them
@@ -175,7 +177,7 @@ class Cluster(_Table, frozen=True, kw_only=True):
     master: Name
     address: str = "127.0.0.1:5560"
     timeout_s: Annotated[float, msgspec.Meta(ge=0.05, le=60)] = 2.0
-    keys: str | None = None  # a folder made by `subsea keys`
+    keys: File | None = None  # a folder made by `subsea keys`
 
     def __post_init__(self) -> None:
         """Refuse an invalid address."""

@@ -1,6 +1,8 @@
 """MPCDI archives: three projectors on a cylinder, there and back, and all that may be wrong."""
 
+import io
 import struct
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from subsea.base.errors import UserError
+from subsea.stage.theatre import mpcdi
 from subsea.stage.theatre.measured_mesh import ViewAngles
 from subsea.stage.theatre.mpcdi import MpcdiRegion, mask, read_mpcdi
 from subsea.view.rig import sources_at
@@ -226,7 +229,7 @@ def test_with_no_usable_projector_the_archive_is_refused_with_the_first_fault(re
         (b"</MPCDI>", b"</MPCDJ>", "mpcdi.xml: not readable XML \\(mismatched tag"),
         (b"utf-8", b"klingon", "not readable XML \\(unknown encoding"),
         (b"MPCDI", b"Theatre", "root 'theatre' of the XML, expected 'MPCDI'"),
-        (b"buffer", b"heap", "no regions in its buffers"),
+        (b"buffer", b"heap", "0 regions in its buffers, expected 1 to 256"),
         (b'xsize="', b'xsize="7', "of the buffer, expected shares of it"),
         (b'xsize="', b'xsize="nan', "xsize 'nan.*expected a number"),
     ],
@@ -258,6 +261,29 @@ def test_files_of_any_name_are_never_written(tmp_path, read, files, making):
     archive = read(named | {"mpcdi.xml": xml, "../../left.pfm": files["left.pfm"]})
     assert len(archive.regions) == 3
     assert {path.name for path in set(tmp_path.parent.rglob("*")) - before} <= {"theatre.mpcdi"}
+
+
+def test_zip_and_picture_bombs_are_refused(read, files):
+    zeros, huge = bytes(2**23), io.BytesIO()
+    with pytest.raises(UserError, match=r"'mpcdi.xml': larger than 4 MiB"):
+        read(files | {"mpcdi.xml": zeros})
+    Image.new("1", (9000, 9000)).save(huge, "PNG")
+    tracemalloc.start()
+    archive = read(files | {"maps/left-alpha.png": huge.getvalue()})
+    assert tracemalloc.get_traced_memory()[1] < 60e6
+    tracemalloc.stop()
+    assert "9000×9000 pixels, expected 16777216 at most; shown without it" in archive.faults[0]
+
+
+def test_the_pixels_of_all_maps_are_limited(read, files, monkeypatch):
+    two = 2 * 2 * 160 * 120
+    for most, left in ((two, 3), (two - 1, 2)):
+        monkeypatch.setattr(mpcdi, "MAX_PIXELS", most)
+        archive = read(files)
+        assert len(archive.regions) == left
+    assert (
+        f"region 'right': maps of those before it have more than {two - 1} p" in archive.faults[0]
+    )
 
 
 def test_a_mask_is_no_finer_than_the_window(read, files):

@@ -295,6 +295,7 @@ LEFT_OUT = {
     "overlay": ({}, {"overlay": "a.png"}, "`overlay`"),
     "key": ({"msaa": 4}, {}, "keys with no counterpart here: `msaa`"),
     "unknown": ({}, {"mesh": "a.xyz"}, "no known format"),
+    "elsewhere": ({}, {"mesh": r"\\host\a.obj"}, "is on another computer"),
     "user": ({}, {"user": "nobody"}, "user 'nobody' is not there"),
     "beyond": ({}, {"pos": {"x": 0.5, "y": 0}}, "expected shares"),
     "kind": ({}, {"projection": {"type": "HyperProjection"}}, "'HyperProjection' is unknown"),
@@ -346,6 +347,7 @@ def test_two_hundred_viewports_are_bounded(tmp_path):
     [
         ("{", "not valid JSON"),
         ('{"version": NaN}', "not valid JSON"),
+        ("[" * 100_000, "not valid JSON"),
         ("[]", "expected a table"),
         ('{"version": 2, "masteraddress": "a", "nodes": []}', "`version` 2, expected 1"),
         ('{"version": 1, "masteraddress": "a", "nodes": []}', "no viewport"),
