@@ -1,6 +1,8 @@
 """A kiosk whose power is cut, by `subsea soak --kiosk`."""
 
 import re
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +24,30 @@ def test_a_kiosk_survives_cuts_of_the_power_and_a_full_disk(display, capsys, mon
     )
     assert starts >= 2 and full >= 1 and saved < starts
     assert out.endswith("sound\n")
+
+
+@pytest.mark.parametrize(
+    ("order", "full", "code", "faults"),
+    [
+        ("run", False, None, []),
+        ("run", True, None, []),  # with a full disk
+        ("hang", False, None, ["no picture for 1 s"]),
+        ("2", False, 2, []),
+    ],
+)
+def test_a_start_is_watched(tmp_path, monkeypatch, order, full, code, faults):
+    monkeypatch.setattr(kiosk_soak, "STILL_S", 1.0 if faults else 60.0)
+    (tmp_path / "order").write_text(order)
+    program = Path(__file__).with_name("service_process.py")
+    kiosk = kiosk_soak._Kiosk([sys.executable, str(program), f"{tmp_path}/order"], tmp_path, full)
+    try:
+        assert kiosk.heard("READY=1", 120.0) == (code is None), kiosk.last_line()
+        assert kiosk.process.poll() == code
+        if code is None:
+            assert kiosk_soak._watch(kiosk, 1.5) == faults
+            assert kiosk_soak._end(kiosk) == []
+    finally:
+        kiosk.cut()
 
 
 def test_a_kiosk_that_cannot_begin_is_a_finding(capsys, monkeypatch, display):
