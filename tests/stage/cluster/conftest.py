@@ -1,6 +1,5 @@
 """Small equal worlds, free addresses, and nodes that run in threads."""
 
-import socket
 import threading
 import time
 from contextlib import ExitStack, closing
@@ -15,6 +14,7 @@ from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
+from tests.stage.console.conftest import free_port
 from tests.support.scenes import BARE
 
 TIMEOUT_S = 5.0  # a busy machine must not count as a late node
@@ -32,20 +32,13 @@ def seas():
     return [small_sea() for _ in range(3)]
 
 
-@pytest.fixture(scope="session")
-def make_address():
-    return free_address
-
-
 @pytest.fixture
 def address():
     return free_address()
 
 
 def free_address():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{taken.getsockname()[1]}"
+    return f"127.0.0.1:{free_port()}"
 
 
 class NodeThread(threading.Thread):

@@ -1,7 +1,6 @@
 """Three nodes of a theatre, as processes on one display; one of them dies, then the master."""
 
 import re
-import socket
 import subprocess
 import sys
 import time
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 
 from subsea.cli.main import main
-from tests.stage.console.conftest import Console, free_port
+from tests.stage.console.conftest import Client, free_port
 from tests.support.scenes import BARE
 from tests.support.windows import display_pixels
 
@@ -20,10 +19,7 @@ NODES = {"left": (-60, -20), "middle": (-20, 20), "right": (20, 60)}
 
 def theatre(folder):
     """A theatre file of three nodes side by side, with their keys."""
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        port = taken.getsockname()[1]
-    text = f'[cluster]\nmaster = "middle"\naddress = "127.0.0.1:{port}"\nkeys = "keys"\n'
+    text = f'[cluster]\nmaster = "middle"\naddress = "127.0.0.1:{free_port()}"\nkeys = "keys"\n'
     text += "timeout_s = 5.0\n"  # a busy machine must not count as dead
     for k, (name, (left, right)) in enumerate(NODES.items()):
         text += (
@@ -131,8 +127,7 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
     seam = np.abs(shown["middle"][:100, -1] - shown["right"][:100, 0]).mean()
     assert seam < 3.0  # of 255
 
-    presenter = Console.__new__(Console)
-    presenter.port, presenter.host = console, f"127.0.0.1:{console}"
+    presenter = Client(console)
     command = {"command": "blank", "on": True}
     assert presenter.ask("/api/commands", command)[0] == 200
     until(lambda: all(picture.max() <= 2.0 for picture in windows().values()))
@@ -160,11 +155,7 @@ def test_three_windows_show_one_sea_when_a_node_dies(hall):
     assert re.search(r"node left: .*dropped once; rejoined once", master.told)
     before = windows()
     for node in (nodes["right"], again):
-        node.until("waiting for the master at 127.0.0.1", 60.0)
-        end = time.monotonic() + 60.0
-        while node.told.count("waiting for the master") < 2:
-            assert time.monotonic() < end, node.told
-            time.sleep(0.1)
+        until(lambda node=node: node.told.count("waiting for the master at 127.0.0.1") == 2)
     time.sleep(1.0)
     after = windows()
     for name in ("left", "right"):  # the sea goes on, without words

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.stage.cluster.conftest import free_address
+
 NODE_PROCESS = Path(__file__).with_name("node_process.py")
 TICKS = 1000
 
@@ -48,8 +50,8 @@ class Process:
 
 
 @pytest.fixture(scope="module")
-def dive(tmp_path_factory, make_address):
-    folder, address = tmp_path_factory.mktemp("dive"), make_address()
+def dive(tmp_path_factory):
+    folder, address = tmp_path_factory.mktemp("dive"), free_address()
     crew = {}
 
     def start(call, role, pictures=0):

@@ -231,17 +231,13 @@ def test_a_leading_master_has_nodes_open_its_scenario(harness, seas, make_sea, m
     assert node.fault is None and harness.master.in_step() == []
     # Not a stranger, nor a node with other code.
     fault = refused(harness, harness.node(make_sea(seed=99), "middle"))
-    assert "not among the nodes" in fault
+    assert "not among the nodes of the theatre: left, right" in fault
+    assert told(harness, "node middle", "refused")
     ours = identity._program()
     monkeypatch.setattr(identity, "_program", lambda: ours | {"subsea/motor": "#01"})
     fault = refused(harness, harness.node(make_sea(seed=99), "right"))
-    assert "other code in subsea/motor" in fault
-
-
-def test_a_node_outside_the_theatre_is_refused(harness, seas):
-    fault = refused(harness, harness.node(seas[1], "middle"))
-    assert "not among the nodes of the theatre: left, right" in fault
-    assert told(harness, "node middle", "refused")
+    assert f"has subsea {__version__} with other code in subsea/motor" in fault
+    assert told(harness, "node right", "other code in subsea/motor", "refused")
 
 
 def test_repeated_attempts_do_not_flood_the_log(harness, seas):
@@ -398,9 +394,7 @@ def test_strangers_without_a_key_cannot_stop_the_dive(make_harness, seas, addres
         ("192.0.2.1:5560", "other computers reach it, so keys are needed"),
         ("[2001:db8::1]:5560", "so keys are needed"),
         ("0.0.0.0:5560", "no node can call it"),
-        *((address, "expected an IP address and a port")
-          for address in ("localhost:5560", "somewhere:5560", "127.0.0.1", "127.0.0.1:0",
-                          "127.0.0.1:99999", "127.0.0.1:٥٥٦٠")),
+        ("localhost:5560", "expected an IP address and a port"),
     ],
 )  # fmt: skip
 def test_invalid_addresses_are_refused(seas, address, words):
@@ -423,11 +417,3 @@ def test_invalid_keys_close_the_sockets(seas, address):
 def test_an_address_in_use_is_refused(harness, seas):
     with pytest.raises(UserError, match="cannot listen there"):
         Master(seas[1], ["left"], harness.address)
-
-
-def test_two_builds_of_one_version_are_told_apart(harness, seas, monkeypatch):
-    ours = identity._program()
-    monkeypatch.setattr(identity, "_program", lambda: ours | {"subsea/motor": "#01"})
-    fault = refused(harness, harness.node(seas[1], "left"))
-    assert f"has subsea {__version__} with other code in subsea/motor" in fault
-    assert told(harness, "node left", "other code in subsea/motor", "refused")

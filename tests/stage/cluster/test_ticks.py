@@ -1,8 +1,8 @@
 """Ticks of a cluster: those of a leader, and of a follower."""
 
-import socket
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,33 +11,20 @@ from subsea.base.errors import UserError
 from subsea.cli import main
 from subsea.dive.pilot import Pilot
 from subsea.dive.tick_source import LocalTicks
-from subsea.scenario.load import load_scenario
 from subsea.stage import setup as theatre_windows
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.master import Master
-from subsea.stage.cluster.ticks import FollowerTicks, LeaderTicks, tick_source_maker
+from subsea.stage.cluster.ticks import (
+    FollowerTicks,
+    LeaderTicks,
+    MasterScenario,
+    tick_source_maker,
+)
 from subsea.stage.theatre.load import load_theatre
 from subsea.submarine.vessel import NEUTRAL, Rail
 from subsea.world import snapshot
-from subsea.world.build import create_world
-from subsea.world.step import step
 from subsea.world.world import TICK_S
-
-
-@pytest.fixture(scope="module")
-def worlds():
-    made = [create_world(load_scenario("schooling")[0], fish=3) for _ in range(2)]
-    for world in made:
-        step(world, NEUTRAL)
-    return made
-
-
-@pytest.fixture
-def address():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return f"127.0.0.1:{taken.getsockname()[1]}"
 
 
 def pressed(action):
@@ -59,18 +46,18 @@ def cued(world):
 
 
 @pytest.mark.parametrize("tour", [None, along, cued])
-def test_a_follower_shows_the_pictures_of_its_leader(worlds, tour, address):
+def test_a_follower_shows_the_pictures_of_its_leader(seas, tour, address):
     pilot = Pilot() if tour else pressed("left")
-    lead = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), pilot, tour)
+    lead = LeaderTicks(Master(seas[0], ["left"], address, timeout_s=5.0), pilot, tour)
     assert pilot.helm(TICK_S) == NEUTRAL or not tour
-    follow = FollowerTicks(Follower(worlds[1], "left", "middle", address, timeout_s=0.5))
+    follow = FollowerTicks(Follower(seas[1], "left", "middle", address, timeout_s=0.5))
     shown, drawn, ended = [], [], threading.Event()
 
     def node():
         while not ended.is_set():
             alpha = follow.advance(100.0)  # its own time does not count
             if alpha is not None:
-                shown.append((alpha, worlds[1].state.tick, snapshot.checksum(worlds[1])))
+                shown.append((alpha, seas[1].state.tick, snapshot.checksum(seas[1])))
                 follow.swap(lambda: drawn.append("node"))
 
     assert follow.advance(1.0) is None
@@ -81,7 +68,7 @@ def test_a_follower_shows_the_pictures_of_its_leader(worlds, tour, address):
         led, end = [], time.monotonic() + 60.0
         while len(shown) < 30 and time.monotonic() < end:
             alpha = lead.advance(0.7 * TICK_S)
-            led.append((alpha, worlds[0].state.tick, snapshot.checksum(worlds[0])))
+            led.append((alpha, seas[0].state.tick, snapshot.checksum(seas[0])))
             lead.swap(lambda: drawn.append("master"))
             time.sleep(0.001)
     finally:
@@ -92,7 +79,7 @@ def test_a_follower_shows_the_pictures_of_its_leader(worlds, tour, address):
     assert set(shown) <= set(led)  # all pictures of the node, also between ticks
     assert shown[-20:] == led[led.index(shown[-20]) :][:20]  # and no later one is missing
     if tour:
-        over = worlds[0].state.submarine.position - worlds[0].state.fishes.position[0]
+        over = seas[0].state.submarine.position - seas[0].state.fishes.position[0]
         assert np.linalg.norm(over - (0.0, 0.0, 100.0)) < 30.0
     assert follow.waiting == ""
     assert follow.idle_s > 0.0
@@ -101,9 +88,9 @@ def test_a_follower_shows_the_pictures_of_its_leader(worlds, tour, address):
     assert line.startswith("node left: ")
 
 
-def test_a_follower_drifts_on_when_its_leader_is_lost(worlds, address):
-    lead = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), Pilot())
-    node = Follower(worlds[1], "left", "middle", address, timeout_s=0.1)
+def test_a_follower_drifts_on_when_its_leader_is_lost(seas, address):
+    lead = LeaderTicks(Master(seas[0], ["left"], address, timeout_s=5.0), Pilot())
+    node = Follower(seas[1], "left", "middle", address, timeout_s=0.1)
     follow = FollowerTicks(node)
     assert not node.lost  # before its first dive it stands still
     end = time.monotonic() + 60.0
@@ -111,24 +98,42 @@ def test_a_follower_drifts_on_when_its_leader_is_lost(worlds, address):
         lead.advance(0.0)
         follow.advance(0.0)
     lead.close()
-    tick, drawn = worlds[1].state.tick, []
+    tick, drawn = seas[1].state.tick, []
     node._heard_s -= 10.0
     follow.advance(0.0)
     assert follow.waiting == f"waiting for the master at {address}"
     assert follow.advance(2.5 * TICK_S) == pytest.approx(0.5)
-    assert worlds[1].state.tick == tick + 2
+    assert seas[1].state.tick == tick + 2
     follow.swap(lambda: drawn.append(True))  # waits for nobody
     assert drawn == [True]
-    again = LeaderTicks(Master(worlds[0], ["left"], address, timeout_s=5.0), Pilot())
+    again = LeaderTicks(Master(seas[0], ["left"], address, timeout_s=5.0), Pilot())
     while node.lost and time.monotonic() < end:
         again.advance(TICK_S)
         follow.advance(0.0)
-    while worlds[1].state.tick != worlds[0].state.tick and time.monotonic() < end:
+    while seas[1].state.tick != seas[0].state.tick and time.monotonic() < end:
         again.advance(0.0)
         follow.advance(0.0)
-    assert snapshot.checksum(worlds[1]) == snapshot.checksum(worlds[0])
+    assert snapshot.checksum(seas[1]) == snapshot.checksum(seas[0])
     follow.close()
     again.close()
+
+
+def test_a_node_opens_what_its_master_waits_with_once(seas, address):
+    """A fault is one line, and the sea before goes on."""
+    ticks = FollowerTicks(Follower(seas[1], "left", "middle", address))
+    opened, told = [], []
+    dive = SimpleNamespace(
+        tick_source=ticks, note=told.append,
+        open_world=lambda scenario, source, seed: opened.append((source.stem, seed)),
+    )  # fmt: skip
+    follower = MasterScenario()
+    for wanted in (("peaceful", 7), None, ("peaceful", 7), ("peaceful", 7), ("../sea", 1)):
+        ticks.wanted = wanted
+        follower.follow(dive)
+    assert opened == [("peaceful", 7)] and ticks.wanted is None
+    assert [line for line in told if "differ from the master's" in line] == told[:1]
+    assert "unknown scenario '../sea'" in told[1] and len(told) == 2
+    ticks.close()
 
 
 THEATRE = """
@@ -159,31 +164,31 @@ def theatre(folder, address, more=""):
     return load_theatre(str(path))
 
 
-def test_a_theatre_file_determines_leader_and_follower(tmp_path, worlds, address):
+def test_a_theatre_file_determines_leader_and_follower(tmp_path, seas, address):
     found = theatre(tmp_path, address)
     for node, kind, hands in (("right", LeaderTicks, True), ("left", FollowerTicks, False)):
-        ticks = tick_source_maker(*found, node, {})(worlds[0], Pilot())
+        ticks = tick_source_maker(*found, node, {})(seas[0], Pilot())
         assert isinstance(ticks, kind)
         assert (ticks.has_pilot, ticks.shared) == (hands, True)
         ticks.close()
 
 
 @pytest.mark.parametrize("resumes", [True, False])
-def test_a_leader_resumes_unless_told_otherwise(tmp_path, worlds, address, resumes):
+def test_a_leader_resumes_unless_told_otherwise(tmp_path, seas, address, resumes):
     found, asked = theatre(tmp_path, address), []
-    lead = tick_source_maker(*found, "right", {}, resumes)(worlds[0], Pilot())
+    lead = tick_source_maker(*found, "right", {}, resumes)(seas[0], Pilot())
     lead._master.resume = asked.append
     check = object()
     lead.resume(check)
     lead.close()
     assert asked == [check] * resumes
-    LocalTicks(worlds[0], Pilot()).resume(check)  # has nothing to resume
+    LocalTicks(seas[0], Pilot()).resume(check)  # has nothing to resume
 
 
-def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
+def test_a_node_with_another_view_is_refused(tmp_path, seas, address):
     found = theatre(tmp_path, address)
-    lead = tick_source_maker(*found, "right", view={"--display": "mono"})(worlds[0], Pilot())
-    follow = tick_source_maker(*found, "left", view={"--display": "anaglyph"})(worlds[1], Pilot())
+    lead = tick_source_maker(*found, "right", view={"--display": "mono"})(seas[0], Pilot())
+    follow = tick_source_maker(*found, "left", view={"--display": "anaglyph"})(seas[1], Pilot())
     end = time.monotonic() + 60.0
     try:
         with pytest.raises(
@@ -198,38 +203,30 @@ def test_a_node_with_another_view_is_refused(tmp_path, worlds, address):
         lead.close()
 
 
-def test_display_options_are_part_of_the_view(tmp_path, monkeypatch):
-    def caught(found, path, node, view, resumes, leads):
-        raise UserError(str(view))
+def test_options_of_the_command_reach_the_ticks(tmp_path, monkeypatch):
+    """Those of the display are part of the view."""
 
-    def view(*options):
+    def caught(found, path, node, view, resumes, leads):
+        raise UserError(f"{resumes} {view}")
+
+    def asked(*options):
         with pytest.raises(UserError) as met:
             main.run(["dive", "--theatre", str(path), "--node", "left", *options])
         return str(met.value)
 
     monkeypatch.setattr(theatre_windows, "tick_source_maker", caught)
     _, path = theatre(tmp_path, "127.0.0.1:5560")
-    ours = view()
-    assert view("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
-    others = [view("--display", "anaglyph"), view("--eye-distance", "7"), view("--comfort", "1")]
+    ours = asked()
+    assert asked("--swap-eyes", "--shrink", "2", "--quality", "low") == ours
+    assert asked("--no-resume") == ours.replace("True", "False", 1) != ours
+    others = [asked("--display", "anaglyph"), asked("--eye-distance", "7"), asked("--comfort", "1")]
     theatre(tmp_path, "127.0.0.1:5561")
-    assert len({ours, view(), *others}) == 5
+    assert len({ours, asked(), *others}) == 5
 
 
-def test_no_resume_is_passed_on(tmp_path, monkeypatch):
-    def caught(found, path, node, view, resumes, leads):
-        raise UserError(f"resumes: {resumes}")
-
-    monkeypatch.setattr(theatre_windows, "tick_source_maker", caught)
-    _, path = theatre(tmp_path, "127.0.0.1:5560")
-    for option, resumes in ((), True), (("--no-resume",), False):
-        with pytest.raises(UserError, match=f"resumes: {resumes}"):
-            main.run(["dive", "--theatre", str(path), "--node", "left", *option])
-
-
-def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, worlds):
+def test_faults_of_a_cluster_are_reported_before_a_world_is_made(tmp_path, seas):
     found = theatre(tmp_path, "127.0.0.1:5560")
-    assert isinstance(tick_source_maker(*found, None, {})(worlds[0], Pilot()), LocalTicks)
+    assert isinstance(tick_source_maker(*found, None, {})(seas[0], Pilot()), LocalTicks)
     with pytest.raises(UserError, match=r"hall\.toml:\d+: \[cluster\]: address .* keys are needed"):
         tick_source_maker(*theatre(tmp_path, "192.0.2.7:5560"), "left", {})
     found = theatre(tmp_path, "192.0.2.7:5560", 'keys = "ours"\n')

@@ -79,15 +79,11 @@ class FakeDive:
             time.sleep(0.01)
 
 
-class Console:
-    """A console, its dive, and a client."""
+class Client:
+    """A client of a console at a port of this computer."""
 
-    def __init__(self, options: ConsoleOptions) -> None:
-        self.options, self.board = options, Board()
-        self.dive = FakeDive(self.board)
-        self.server = ConsoleServer(options, self.board)
-        self.port = options.http.port
-        self.host = f"127.0.0.1:{self.port}"
+    def __init__(self, port: int) -> None:
+        self.port, self.host = port, f"127.0.0.1:{port}"
 
     def ask(self, path: str, content: Any = None, /, **headers: str) -> tuple[int, Any, Any]:
         """GET a path, or POST JSON; returns status, content and headers."""
@@ -106,6 +102,16 @@ class Console:
             return answer.status, json.loads(data) if "json" in kind else data, answer.headers
         finally:
             client.close()
+
+
+class Console(Client):
+    """A console, its dive, and a client."""
+
+    def __init__(self, options: ConsoleOptions) -> None:
+        super().__init__(options.http.port)
+        self.options, self.board = options, Board()
+        self.dive = FakeDive(self.board)
+        self.server = ConsoleServer(options, self.board)
 
     def close(self) -> None:
         self.server.close()

@@ -7,12 +7,14 @@ import urllib.request
 from io import BytesIO
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 
 from subsea.base.system import resource_path
 from subsea.stage.console import http
 from subsea.stage.console.commands import NAMES, ShowCaption, StartTour
-from subsea.stage.console.http import script_words
+from subsea.stage.console.http import RateLimit, script_words
 from tests.stage.console.conftest import STATE, TOKEN
 
 PAGE_TEXT = resource_path("assets/console/index.html").read_text()
@@ -215,3 +217,20 @@ def test_tls_and_a_token_as_for_other_computers(secure, certificate):
         old.maximum_version = ssl.TLSVersion.TLSv1_1
     with pytest.raises(OSError):
         urllib.request.urlopen(request, context=old, timeout=30)
+
+
+@given(st.lists(st.floats(0.0, 0.2), max_size=200))
+def test_no_more_than_the_rate_is_let_through(gaps):
+    now = [0.0]
+    limit = RateLimit(10.0, 5, lambda: now[0])
+    assert [limit.allow() for _ in range(6)] == [True] * 5 + [False]
+    now[0] = 60.0
+    passed = []
+    for gap in gaps:
+        now[0] += gap
+        if limit.allow():
+            passed.append(now[0])
+    assert len(passed) >= min(len(gaps), 5)
+    for k, begin in enumerate(passed):
+        within = sum(begin <= moment < begin + 1.0 for moment in passed[k:])
+        assert within <= 5 + 10 + 1

@@ -90,14 +90,6 @@ def png(values, bits=8):
     return file.getvalue()
 
 
-def compose_obj(warp):
-    """The bytes of an OBJ file of a warp, what the left eye sees."""
-    lines = [f"v {2 * x - 1:.9g} {2 * y - 1:.9g} 0" for x, y in warp.vertices[:, :2].tolist()]
-    lines += [f"vt {u:.9g} {v:.9g}" for u, v in warp.vertices[:, 2:4].tolist()]
-    lines += ["f " + " ".join(f"{i}/{i}" for i in face) for face in (warp.triangles + 1).tolist()]
-    return ("\n".join(lines) + "\n").encode()
-
-
 def compose_pfm(numbers, little_endian=True):
     """The bytes of a PFM file of numbers (height, width, 3 or 1), the upper row first."""
     height, width, count = numbers.shape
@@ -174,7 +166,6 @@ def making():
         zipped=zipped,
         png=png,
         pfm=pfm,
-        compose_obj=compose_obj,
         compose_pfm=compose_pfm,
         places_of=places_of,
         grid_of=grid_of,

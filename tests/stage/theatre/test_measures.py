@@ -2,7 +2,6 @@
 
 import pytest
 
-from subsea.base.errors import UserError
 from subsea.stage.theatre.measures import KINDS, MEASURES, ask, chosen
 
 
@@ -43,8 +42,3 @@ def test_an_option_is_not_asked_for():
     _, measures = ask({"width": 500.0}, read, print)
     assert measures["width"] == 500.0
     assert not any("width of the screen" in question for question in asked)
-
-
-def test_a_measure_of_another_kind_is_refused():
-    with pytest.raises(UserError, match="--radius is not for a wall, expected --projectors, "):
-        chosen("wall", {"radius": 100.0})

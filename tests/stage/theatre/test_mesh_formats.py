@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.mesh_formats import parse_bourke, parse_obj, read_warp
+from subsea.stage.theatre.theatre_writer import compose_obj
 from subsea.stage.theatre.warp import from_grid, validated
 from subsea.view.rig import sources_at
 
@@ -51,11 +52,11 @@ def test_a_point_that_shows_two_sources_is_split():
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_a_written_obj_shows_what_the_warp_did(making, seed):
+def test_a_written_obj_shows_what_the_warp_did(seed):
     x, y = np.meshgrid(np.linspace(0.1, 0.9, 12), np.linspace(0.9, 0.1, 9))
     wobble = np.random.default_rng(seed).uniform(-0.01, 0.01, (9, 12, 2))
     warp = validated(from_grid(np.stack([x, y], axis=-1) + wobble, SIZE), "x")
-    again = parse_obj(making.compose_obj(warp), SIZE, "x").warp
+    again = parse_obj(compose_obj(warp).encode(), SIZE, "x").warp
     np.testing.assert_allclose(sources_at(again, POINTS), sources_at(warp, POINTS), atol=1e-5)
 
 
