@@ -26,16 +26,20 @@ class FakeHeadset:
     def __init__(self, context: Any, size: tuple[int, int] = (120, 128)) -> None:
         self.name = "a headset of the tests"
         self.sizes = (size, size)
-        self.hands = (Hand(), Hand())
-        self.worn = self.focused = self.visible = self.tracked = self.running = True
+        self.rest()
         self.recentred = False
-        self.position, self.orientation = np.zeros(3), NOT_TURNED
         self.lost_in = ""  # the call that raises
         self.calls: list[str] = []
         self.shown: Callable[[], None] = lambda: None  # called when a frame ends
         self.textures = [context.texture(size, 4) for _ in self.sizes]
         self._framebuffers = [context.framebuffer([one]) for one in self.textures]
         self._made = [*self.textures, *self._framebuffers]
+
+    def rest(self) -> None:
+        """Put head and hands back to where they were."""
+        self.hands = (Hand(), Hand())
+        self.worn = self.focused = self.visible = self.tracked = self.running = True
+        self.position, self.orientation = np.zeros(3), NOT_TURNED
 
     def poll(self) -> None:
         """Note the call."""

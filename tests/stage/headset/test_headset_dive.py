@@ -1,52 +1,37 @@
-"""A dive in a headset: pictures of both eyes, controllers, the panel, and its end."""
-
-from contextlib import closing, contextmanager
+"""A dive in a headset: pictures of both eyes, controllers and the panel."""
 
 import numpy as np
 import pytest
 
-from subsea.base.errors import UserError
-from subsea.dive.options import DisplayOptions, DiveOptions
-from subsea.dive.part import planned
+from subsea.dive.settings import COMFORTS
 from subsea.stage.headset import display as headset_display
 from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
 from subsea.stage.headset.head import Pose
-from subsea.stage.parts import HeadsetPart, KioskPart
-from subsea.ui.dive import Dive
-from tests.support.headset import NOT_TURNED, FakeHeadset, turned
-
-SIZE = (320, 240)
+from tests.stage.headset.conftest import SIZE, diving
+from tests.support.headset import NOT_TURNED, turned
 
 
-def start(scenario, display="headset", kiosk=False):
-    options = DisplayOptions(display, SIZE, quality="low")
-    parts = [*[HeadsetPart()] * (display == "headset"), *[KioskPart()] * kiosk]
-    return Dive(planned(DiveOptions(str(scenario), seed=1, display=options, parts=parts)))
-
-
-@contextmanager
-def diving(scenario, monkeypatch, kiosk=False):
-    """A dive in a headset of the tests."""
-    made = []
-
-    def open_headset():
-        import moderngl
-
-        made.append(FakeHeadset(moderngl.create_context()))
-        return made[-1]
-
-    monkeypatch.setattr(headset_display, "open_headset", open_headset)
-    with closing(start(scenario, kiosk=kiosk)) as running:
-        yield running, made[0]
-    assert made[0].calls[-1] == "close"
+@pytest.fixture(scope="module")
+def dive(display, quiet):
+    """One dive for all tests of this file."""
+    with pytest.MonkeyPatch.context() as patch, diving(quiet, patch) as made:
+        yield made
 
 
 @pytest.fixture
-def worn(display, quiet, monkeypatch):
-    with diving(quiet, monkeypatch) as (running, headset):
-        running.picture.head._dark = 0.0  # it has faded in
-        yield running, headset
+def worn(dive):
+    """The dive at its beginning, with head and hands at rest."""
+    running, headset = dive
+    headset.rest()
+    running.menu.hide()
+    running.preferences.set_comfort(COMFORTS["usual"])
+    running.open_world(running.scenario, running.source, seed=1)
+    running.picture.head.recentre()
+    running.frame(0.0)
+    running.picture.head._dark = 0.0  # it has faded in
+    running.text.vignette.__init__(running.text.vignette.most)
+    return running, headset
 
 
 def test_each_frame_is_begun_and_ended_and_shows_the_sea_to_both_eyes(worn):
@@ -69,20 +54,6 @@ def test_a_turned_head_sees_something_else(worn):
     headset.orientation = turned(60.0, (0.0, 1.0, 0.0))
     running.frame(0.0)
     assert np.abs(headset.pictures() - ahead).mean() > 2.0
-
-
-def test_the_ticks_are_those_of_a_window(display, quiet, monkeypatch):
-    def played(running):
-        for _ in range(6):
-            running.frame(0.1)
-        return running.world.state.tick, running.world.state.fishes.position.copy()
-
-    with diving(quiet, monkeypatch) as (running, _):
-        tick, places = played(running)
-    with closing(start(quiet, "mono")) as running:
-        other_tick, other_places = played(running)
-    assert tick == other_tick > 10
-    np.testing.assert_array_equal(places, other_places)
 
 
 def test_the_sticks_steer_like_those_of_a_gamepad(worn):
@@ -184,59 +155,12 @@ def test_a_session_that_pauses_draws_only_the_window(worn):
     np.testing.assert_array_equal(headset.pictures(), kept)
 
 
-@pytest.mark.parametrize("call", ["poll", "begin", "end"])
-def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(worn, capsys, call):
-    running, headset = worn
-    running.frame(0.1)
-    headset.lost_in = call
-    running.frame(0.1)
-    out = capsys.readouterr().err.strip().splitlines()
-    assert out[-1] == "subsea: the headset's runtime ended; the dive goes on in the window"
-    assert headset.calls[-1] == "close"
-    tick = running.world.state.tick
-    for _ in range(3):
-        running.frame(0.1)
-    assert running.world.state.tick > tick and running.picture.display == "mono"
-    assert running.window_set.picture().std() > 3.0
-    assert len(running.picture.displays) > 3  # another mode can be chosen
-
-
-def test_a_kiosk_finds_its_headset_again(display, quiet, monkeypatch):
-    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
-        running.frame(0.1)
-        headset.lost_in = "end"
-        running.frame(0.1)
-        assert running.picture.head is None
-        running.frame(10.0)
-        assert running.picture.head is None
-        running.frame(6.0)
-        again = running.picture.head
-        assert again is not None and again.headset is not headset
-        running.frame(0.1)
-        assert again.headset.calls[-3:] == ["poll", "begin", "end"]
-        assert again.headset.pictures().std() > 3.0 or again._dark > 0.5
-
-
-def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
-    display, quiet, monkeypatch, capsys
-):
-    def none():
-        raise UserError("no OpenXR runtime is installed")
-
-    monkeypatch.setattr(headset_display, "open_headset", none)
-    with closing(start(quiet)) as running:
-        running.frame(0.1)
-        assert running.picture.head is None and running.window_set.picture().std() > 3.0
-    lines = capsys.readouterr().err.splitlines()
-    assert "subsea: no OpenXR runtime is installed; the dive goes on in the window" in lines
-
-
-def test_in_a_turn_a_rim_darkens_both_pictures(worn):
+def test_in_a_turn_a_rim_darkens_both_pictures(worn, monkeypatch):
     running, headset = worn
     running.frame(0.1)
     running.text.vignette.amount = 0.0
     clear = headset.pictures()
-    running.text.vignette.update = lambda *rest: None
+    monkeypatch.setattr(running.text.vignette, "update", lambda *rest: None)
     running.text.vignette.amount = 1.0
     running.frame(0.0)
     darker = clear - headset.pictures()
@@ -319,25 +243,3 @@ def test_the_picture_fades_in(worn):
     running.picture.head._dark = 0.0
     running.frame(0.0)
     assert headset.pictures().mean() > 3.0 * dark
-
-
-def test_in_a_kiosk_the_dive_begins_when_it_is_put_on_and_waits_when_it_is_put_off(
-    display, quiet, monkeypatch
-):
-    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
-        running.frame(0.1)
-        for _ in range(5):
-            running.frame(0.1)
-        assert running.world.state.tick > 10
-        headset.worn = False
-        running.frame(0.1)
-        tick, before = running.world.state.tick, running.world
-        for _ in range(5):
-            running.frame(0.1)
-        assert running.world.state.tick <= tick + 3
-        headset.worn, headset.position = True, np.array([1.0, 1.2, 0.0])
-        for _ in range(5):
-            running.frame(0.1)
-        assert running.world is not before and 3 < running.world.state.tick < 20
-        assert running.picture.head.home.position[0] == pytest.approx(1.0)  # the next visitor
-        assert not running.tours.timer.touring
