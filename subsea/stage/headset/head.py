@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.geometry.rotation import matrix
+from subsea.stage.theatre.measured_mesh import grid_triangles
 from subsea.view.camera import NEAR_CM, View, edge_tangents, look, off_axis
 from subsea.view.rig import CameraPose, CameraRig, DisplayPatch, Eye, Projection, Rect, Warp
 
@@ -60,12 +62,8 @@ AT_REST = tuple(
 
 def rotation_of(orientation: Array) -> Array:
     """The matrix (3, 3) of a quaternion x, y, z, w; its columns are the turned axes."""
-    x, y, z, w = np.asarray(orientation, np.float64) / np.linalg.norm(orientation)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
+    unit = np.asarray(orientation, np.float64) / np.linalg.norm(orientation)
+    return matrix(np.roll(unit, 1))
 
 
 def home_of(eyes: Sequence[HeadEye]) -> Home:
@@ -184,10 +182,8 @@ def mirror_patch(mirror: Mirror, eye: Eye, size: tuple[int, int]) -> DisplayPatc
     tangents = seen[:, :2] / np.maximum(seen[:, 2:], 1e-3)
     source = 0.5 + 0.5 * (tangents * (p[0, 0], p[1, 1]) - (p[0, 2], p[1, 2]))
     source = np.clip(source, 0.0, 1.0)
-    corner = (np.arange(ROWS)[:, None] * (COLUMNS + 1) + np.arange(COLUMNS)).ravel()
-    a, b, c, d = corner, corner + 1, corner + COLUMNS + 2, corner + COLUMNS + 1
-    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    warp = Warp(np.concatenate([shares, source, source], axis=1), triangles)
+    vertices = np.concatenate([shares, source, source], axis=1)
+    warp = Warp(vertices, grid_triangles(COLUMNS + 1, ROWS + 1))
     place, source_rect = (0, 0, *size), eye.viewport
     return DisplayPatch(place, source_rect, source_rect, shape=Projection.WARPED, warp=warp)
 

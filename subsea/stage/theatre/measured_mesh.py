@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
 from subsea.base.validation import convert
+from subsea.geometry.rotation import matrix
 from subsea.stage.theatre.theatre_file import Angles
 from subsea.stage.theatre.warp import mesh, validated, without_invalid
 from subsea.view.rig import Warp
@@ -78,14 +79,7 @@ def quaternion_rotation(quaternion: Array) -> Array:
     length = np.linalg.norm(q)
     if not 1e-6 < length < 1e6:
         return np.eye(3)
-    x, y, z, w = q / length
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return matrix(np.roll(q / length, 1))
 
 
 def turns(axis: int, degrees: float) -> Array:
