@@ -25,10 +25,11 @@ if TYPE_CHECKING:
     from subsea.stage.show_player import ShowScreens
     from subsea.ui.dive import Dive
     from subsea.ui.monitors import Installation
-    from subsea.world.world import World
 
 
 LOOK_S = 15.0  # between attempts to find the lost headset of a kiosk
+POINTER_S = 3.0  # until a resting pointer of a kiosk is hidden
+AGAIN_S = 1.0  # between attempts to take the keyboard back
 
 
 class TheatrePart(DivePart):
@@ -125,7 +126,6 @@ class ShowPart(DivePart):
     """Plays a show of several scenarios."""
 
     leads = waits = True
-    screens: "ShowScreens"
 
     def __init__(self, path: Path, tell: Callable[[str], object] = say) -> None:
         """`path` is the file of the show; `tell` takes its messages."""
@@ -164,42 +164,19 @@ class ShowPart(DivePart):
             raise fault
 
     def plan(self, options: "DiveOptions") -> "DiveOptions":
-        """Read the show; the dive begins in the scenario that is due."""
+        """Read the show, which takes this part's place; the dive begins in the scenario due."""
         from subsea.stage.show_player import ShowScreens
 
-        self.screens = ShowScreens(self.path, self._tell)
-        return replace(options, scenario=self.screens.first_scenario)
-
-    def restore(self, world: "World") -> None:
-        """Go on where a power cut ended the show."""
-        self.screens.restore(world)
-
-    def before(self, dive: "Dive", elapsed_s: float) -> bool:
-        """Go on; all is black and silent outside the opening hours."""
-        self.screens.update(dive, elapsed_s)
-        return self.screens.rest(dive)
-
-    def over(self, presented: "Presented") -> "Presented":
-        """Lay the black and the caption of the show under those of a presenter."""
-        return self.screens.under(presented)
-
-    def cue(self) -> None:
-        """Go on to the next item."""
-        self.screens.player.next_cue()
-
-    def end(self, dive: "Dive") -> None:
-        """Forget the state: the operator ended the show."""
-        self.screens.end()
-
-    def close(self) -> None:
-        """Wait until the state is saved."""
-        if hasattr(self, "screens"):
-            self.screens.close()
+        screens = ShowScreens(self.path, self._tell)
+        parts = tuple(screens if part is self else part for part in options.parts)
+        return replace(options, scenario=screens.first_scenario, parts=parts)
 
 
 def show_of(parts: Sequence[DivePart]) -> "ShowScreens | None":
-    """The show among the parts of a dive; None: no show is played."""
-    return next((part.screens for part in parts if isinstance(part, ShowPart)), None)
+    """The show among the planned parts of a dive; None: no show is played."""
+    from subsea.stage.show_player import ShowScreens
+
+    return next((part for part in parts if isinstance(part, ShowScreens)), None)
 
 
 class ConsolePart(DivePart):
@@ -311,7 +288,7 @@ class ConsolePart(DivePart):
 
 
 class KioskPart(DivePart):
-    """Keeps the dive of an exhibition in front, and counts its visits."""
+    """Keeps the dive of an exhibition in front, hides a resting pointer, and counts visits."""
 
     @staticmethod
     def add_options(parser: ArgumentParser) -> None:
@@ -340,19 +317,41 @@ class KioskPart(DivePart):
         )
 
     def opened(self, dive: "Dive") -> None:
-        """Keep the windows in front."""
-        from subsea.stage.kiosk import Kiosk
+        """Let only a key of the operator close the windows."""
+        import glfw
+
         from subsea.stage.show_player import DiveCount
 
-        self._kiosk, self._count, self._visits = Kiosk(dive.window_set.windows), DiveCount(say), 0
+        self._count, self._visits = DiveCount(say), 0
+        self._rested_s = self._away_s = 0.0
+        self._hidden = False
+        for window in dive.window_set.windows:
+            window.stays = True
+            glfw.set_window_attrib(window.handle, glfw.AUTO_ICONIFY, False)
 
     def begin(self, dive: "Dive") -> None:
         """Say which key leaves."""
         say(f"a kiosk: {dive.preferences.settings.kiosk.leave} leaves it, in its window")
 
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
-        """Hide a resting pointer, and count a new visit."""
-        self._kiosk.update(dive.tours.active, elapsed_s)
+        """Hide a resting pointer, take the keyboard back, and count a new visit."""
+        import glfw
+
+        windows = dive.window_set.windows
+        self._rested_s = 0.0 if dive.tours.active else self._rested_s + elapsed_s
+        hidden = self._rested_s > POINTER_S
+        if hidden != self._hidden:
+            self._hidden = hidden
+            mode = glfw.CURSOR_HIDDEN if hidden else glfw.CURSOR_NORMAL
+            for window in windows:
+                glfw.set_input_mode(window.handle, glfw.CURSOR, mode)
+        away = not any(window.focused for window in windows)
+        self._away_s = self._away_s + elapsed_s if away else 0.0
+        if self._away_s > AGAIN_S:
+            self._away_s, handle = 0.0, windows[0].handle
+            if glfw.get_window_attrib(handle, glfw.ICONIFIED):
+                glfw.restore_window(handle)
+            glfw.focus_window(handle)
         if dive.tours.visits > self._visits:
             self._visits = dive.tours.visits
             self._count.add(date.today())
@@ -448,7 +447,7 @@ class ServicePart(DivePart):
             return None
         from subsea.stage.service import write_unit
 
-        node = next((one.node for one in options.parts if isinstance(one, TheatrePart)), None)
+        node = next((part.node for part in options.parts if isinstance(part, TheatrePart)), None)
         out = None if self.unit == Path() else self.unit
         return write_unit(words, options, node, out)
 

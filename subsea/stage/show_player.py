@@ -11,7 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 import platformdirs
@@ -20,6 +20,7 @@ from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing
 from subsea.base.progress import count_noun, say
 from subsea.dive.captions import FADE_S, Caption, shown_s
+from subsea.dive.part import DivePart
 from subsea.dive.presented import Presented, with_show
 from subsea.scenario.schema import AUTOPILOT, Scenario
 from subsea.stage.show_file import (
@@ -211,20 +212,6 @@ def _described(item: ShowItem) -> str:
 STEP_S = 0.25  # longest step of a fade: a sea was loaded since the last picture
 
 
-class ShowStatus(msgspec.Struct, frozen=True, kw_only=True):
-    """A show at a moment, for a presenter."""
-
-    title: str
-    item: int  # from 1
-    items: int
-    scenario: str | None  # None: that of the item before
-    tour: str | None
-    elapsed_s: float
-    next: str  # what starts the next item: "cue", a time, seconds; empty: nothing
-    open: bool
-    shade: float  # 1: the screens are black
-
-
 class ShowPlayer:
     """The state of a running show. A console calls `next_cue` and `state`."""
 
@@ -249,20 +236,19 @@ class ShowPlayer:
         """Go on to the next item now, whatever it waits for."""
         self._cue = True
 
-    def state(self) -> ShowStatus:
-        """The state, for a presenter."""
-        one = self.item
-        return ShowStatus(
-            title=self.show.title,
-            item=self.progress.item + 1,
-            items=len(self.show.item),
-            scenario=one.scenario,
-            tour=one.tour,
-            elapsed_s=self.progress.elapsed_s,
-            next=waits_for(self.show, self.progress),
-            open=self.open,
-            shade=self.shade,
-        )
+    def state(self) -> dict[str, Any]:
+        """The state, for a presenter: docs/reference/console-interface.md."""
+        return {
+            "title": self.show.title,
+            "item": self.progress.item + 1,
+            "items": len(self.show.item),
+            "scenario": self.item.scenario,
+            "tour": self.item.tour,
+            "elapsed_s": self.progress.elapsed_s,
+            "next": waits_for(self.show, self.progress),
+            "open": self.open,
+            "shade": self.shade,
+        }
 
     @property
     def item(self) -> ShowItem:
@@ -312,10 +298,10 @@ class ShowPlayer:
         """The caption of the shown item, which comes with its first picture."""
         if self.shown is None or not self.show.item[self.shown].caption:
             return Caption()
-        one = self.show.item[self.shown]
-        left_s = shown_s(one.caption, one.caption_s) - self._caption_s
+        item = self.show.item[self.shown]
+        left_s = shown_s(item.caption, item.caption_s) - self._caption_s
         share = min(max(min(self._caption_s, left_s) / FADE_S, 0.0), 1.0)
-        return Caption(one.caption, share * share * (3.0 - 2.0 * share))
+        return Caption(item.caption, share * share * (3.0 - 2.0 * share))
 
     def _fade(self, elapsed_s: float) -> None:
         """Darken before another item and outside the hours, else lighten."""
@@ -342,8 +328,10 @@ SAVE_S = 15.0  # between two saved states
 REST_S = 0.1  # between two black pictures outside the opening hours
 
 
-class ShowScreens:
+class ShowScreens(DivePart):
     """The show of a dive. `player` has its state and takes cues."""
+
+    leads = True
 
     def __init__(self, path: Path, tell: Tell) -> None:
         """Read the show and its saved state.
@@ -371,7 +359,7 @@ class ShowScreens:
         self._black = False  # in the last picture
 
     def restore(self, world: World) -> None:
-        """Put the first world, before its first tick in a dive, into the saved state."""
+        """Put the first world, before its first tick, where a power cut ended the show."""
         saved, self._saved = self._saved, None
         if saved is None:
             return
@@ -383,8 +371,8 @@ class ShowScreens:
         self._since_s = saved.progress.elapsed_s
         self._tell(f"the show goes on at item {saved.shown + 1}, second {self._since_s:.0f}")
 
-    def update(self, dive: "Dive", elapsed_s: float) -> None:
-        """Go on, `elapsed_s` after the last picture."""
+    def before(self, dive: "Dive", elapsed_s: float) -> bool:
+        """Go on; all is black and silent outside the opening hours."""
         player = self.player
         player.update(elapsed_s)
         due, black = player.due, player.shade >= 1.0
@@ -395,10 +383,7 @@ class ShowScreens:
         if self._since_save_s > SAVE_S and player.open and player.shown == player.progress.item:
             self._since_save_s = 0.0
             self._store.save(player.progress, player.shown, lambda: snapshot.take(dive.world))
-
-    def rest(self, dive: "Dive") -> bool:
-        """Wait, and be silent, outside the opening hours; True while the screens are blank."""
-        closed, sound = self.player.closed, dive.sound
+        closed, sound = player.closed, dive.sound
         if closed and self._muted is None:
             self._muted = sound.settings.mute
             sound.change(mute=True)
@@ -409,11 +394,15 @@ class ShowScreens:
             time.sleep(REST_S)
         return closed
 
-    def under(self, presenter: Presented) -> Presented:
-        """The overlays of a presenter over the black and the caption of the show."""
-        return with_show(presenter, self.player.shade, self.player.caption())
+    def over(self, presented: Presented) -> Presented:
+        """Lay the black and the caption of the show under those of a presenter."""
+        return with_show(presented, self.player.shade, self.player.caption())
 
-    def end(self) -> None:
+    def cue(self) -> None:
+        """Go on to the next item."""
+        self.player.next_cue()
+
+    def end(self, dive: "Dive") -> None:
         """Forget the state: the operator ended the show, and the next one begins by the clock."""
         self._store.close()
         self._store.forget()
@@ -424,11 +413,11 @@ class ShowScreens:
 
     def _begin(self, dive: "Dive", number: int) -> None:
         """Show an item; one that cannot be shown keeps the sea before it."""
-        player, one = self.player, self.show.item[number]
-        keeps = self._fresh or (one.scenario is None and player.shown is not None)
+        player, item = self.player, self.show.item[number]
+        keeps = self._fresh or (item.scenario is None and player.shown is not None)
         since_s, self._fresh, self._since_s = self._since_s, False, 0.0
         start: tuple[Scenario, Path, int | None] | None = None
-        tour = one.tour
+        tour = item.tour
         try:
             scenario, source = open_item(self.show, self.path, number)
             if keeps or dive.open_world(scenario, source):

@@ -202,15 +202,15 @@ def test_screens_are_dark_between_items_and_outside_the_hours():
     running.go(2.0)
     assert (player.shown, player.shade) == (0, 0.0)
     running.go(120.0)
-    assert player.closed and not player.state().open
+    assert player.closed and not player.state()["open"]
     assert [line for line in running.told if "closes" in line]
     player.next_cue()
     running.go(1.0)
     assert player.closed
     running.now = clock(NINE + timedelta(days=7))
     running.go(1.5)
-    assert player.open and player.shown == 0 and player.state().item == 1
-    assert player.state().next.endswith(" s")
+    assert player.open and player.shown == 0 and player.state()["item"] == 1
+    assert player.state()["next"].endswith(" s")
 
 
 def test_a_jump_of_the_clock_is_one_line():

@@ -9,7 +9,7 @@ import pytest
 from subsea.cli.main import main
 from subsea.dive.settings import AttractSettings, Settings
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
-from subsea.stage.parts import ConsolePart, KioskPart, ShowPart
+from subsea.stage.parts import ConsolePart, KioskPart, ShowPart, show_of
 from subsea.stage.show_player import DiveCount, state_folder
 from subsea.ui.dive import Dive
 from tests.stage.console.conftest import local
@@ -51,10 +51,10 @@ def playlist(tmp_path, monkeypatch):
 
 
 def opened(path, coarse, told, *others):
-    show = ShowPart(path, told.append)
+    parts = [*others, ShowPart(path, told.append)]
     settings = Settings(attract=AttractSettings(after_min=0.0))
-    options = dive_options("any", (320, 240), coarse, settings=settings, parts=[*others, show])
-    return show.screens, Dive(options)
+    options = dive_options("any", (320, 240), coarse, settings=settings, parts=parts)
+    return show_of(options.parts), Dive(options)
 
 
 def test_a_presenter_sees_the_show_and_leads_it(display, user, coarse, playlist):
@@ -102,7 +102,7 @@ def test_a_show_of_items_and_two_cues(display, user, coarse, playlist):
         assert running.caption.words == "second words"
         assert running.tick_source.steering.tour is None  # the pilot steers
         user.glide(running, 4.0)
-        assert show.player.state().next == "cue" and show.player.state().item == 2
+        assert show.player.state()["next"] == "cue" and show.player.state()["item"] == 2
         world = running.world
         user.do("key", "n")
         user.until(running, lambda: show.player.shown == 2)
@@ -116,7 +116,7 @@ def test_a_show_of_items_and_two_cues(display, user, coarse, playlist):
         show.player.next_cue()
         user.glide(running, 2.0)
         assert running.world is not world and running.source.name == "first.toml"
-        show.end()
+        show.end(running)
     assert not (state_folder() / "show.state").exists()
 
 
@@ -137,7 +137,7 @@ def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, pla
         assert [line for line in told if line.startswith("the show goes on at item 2, second 1")]
         user.glide(running, 1.0)
         assert running.world.state.tick > 300 and again.player.shown == 1
-        again.end()
+        again.end(running)
 
 
 def test_a_damaged_state_is_one_line_and_the_show_begins(display, user, coarse, playlist):

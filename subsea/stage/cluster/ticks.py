@@ -3,9 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import msgspec
+from typing import TYPE_CHECKING, Any
 
 from subsea.base.errors import UserError, unknown
 from subsea.base.progress import say
@@ -26,20 +24,6 @@ if TYPE_CHECKING:
 
 PATIENCE_S = 0.02  # a follower waits for the next picture before it handles window events
 HOLD_S = 0.25  # longest wait of a follower while the master is silent
-
-
-class NodeStatus(msgspec.Struct, frozen=True):
-    """A node of a cluster, and how long the master waited for it."""
-
-    name: str
-    connected: bool
-    in_step: bool
-    last_ms: float  # of the last picture
-    mean_ms: float
-    longest_ms: float
-    late: int  # times that the master went on without it
-    dropped: int  # lost connections
-    diverged: int  # times that its world differed
 
 
 class LeaderTicks(TickSource):
@@ -84,21 +68,21 @@ class LeaderTicks(TickSource):
         drawn()
         self._master.swap()
 
-    def nodes(self) -> list[NodeStatus]:
-        """All nodes of the theatre but the master's own."""
+    def nodes(self) -> list[dict[str, Any]]:
+        """Describe all nodes but the master's own: docs/reference/console-interface.md."""
         return [
-            NodeStatus(
-                name=one.name,
-                connected=one.route is not None,
-                in_step=one.in_step,
-                last_ms=1e3 * one.waits.recent_s[-1] if one.waits.frames else 0.0,
-                mean_ms=1e3 * one.waits.mean_s,
-                longest_ms=1e3 * one.waits.longest_s,
-                late=one.waits.late,
-                dropped=one.waits.dropped,
-                diverged=one.waits.diverged,
-            )
-            for one in self._master.nodes.values()
+            {
+                "name": node.name,
+                "connected": node.route is not None,
+                "in_step": node.in_step,
+                "last_ms": 1e3 * node.waits.recent_s[-1] if node.waits.frames else 0.0,
+                "mean_ms": 1e3 * node.waits.mean_s,
+                "longest_ms": 1e3 * node.waits.longest_s,
+                "late": node.waits.late,
+                "dropped": node.waits.dropped,
+                "diverged": node.waits.diverged,
+            }
+            for node in self._master.nodes.values()
         ]
 
     def close(self) -> list[str]:
@@ -112,9 +96,7 @@ class FollowerTicks(TickSource):
     """The ticks of the master; while it is lost the world drifts on."""
 
     has_pilot, shared = False, True
-    wanted: tuple[str, int] | None = (
-        None  # name and seed of the scenario that the master waits with
-    )
+    wanted: tuple[str, int] | None = None  # name and seed of the master's scenario
 
     def __init__(self, node: "Follower") -> None:
         self._node, self._alpha, self.waiting = node, 1.0, node.waiting

@@ -2,7 +2,6 @@
 
 import ctypes
 import time
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -11,7 +10,6 @@ import numpy as np
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError, printable, unknown
 from subsea.base.progress import say
-from subsea.dive.captions import FaultState
 from subsea.dive.directed_camera import is_directed
 from subsea.dive.presented import NOTHING, Presentation
 from subsea.dive.ride import nearest_to_middle
@@ -19,12 +17,12 @@ from subsea.rendering.gl.context import GpuOwner, gl_function
 from subsea.scenario.load import load_scenario, scenario_names
 from subsea.scenario.schema import AUTOPILOT, DIRECTED
 from subsea.scenario.shoals import find_fish
-from subsea.stage.cluster.ticks import LeaderTicks, NodeStatus
+from subsea.stage.cluster.ticks import LeaderTicks
 from subsea.stage.console import commands
 from subsea.stage.console.board import Board
 from subsea.stage.console.options import ConsoleOptions
 from subsea.stage.console.server import ConsoleServer
-from subsea.stage.show_player import ShowScreens, ShowStatus
+from subsea.stage.show_player import ShowScreens
 from subsea.ui.menu import scenario_summaries
 from subsea.view.front_screen import front_view
 from subsea.world.step import cue_direction
@@ -83,65 +81,12 @@ class SmallPicture(GpuOwner):
         return np.frombuffer(self._buffer.read(), np.uint8).reshape(height, width, 4)[::-1]
 
 
-class Option(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A scenario or a species to choose."""
-
-    name: str
-    title: str = ""
-    living: int = 0
-
-
-class CueState(msgspec.Struct, frozen=True):
-    """A direction of the scenario."""
-
-    number: int
-    name: str
-    caption: str
-    begun: bool
-
-
-class FishState(msgspec.Struct, frozen=True):
-    """The fish that is followed or ridden."""
-
-    number: int
-    species: str
-    behind: bool
-
-
-class DiveState(msgspec.Struct, frozen=True, kw_only=True):
-    """The state of a dive, as the console shows it."""
-
-    title: str
-    scenario: str
-    scenarios: list[Option]
-    tours: list[str]
-    tour: str | None
-    cues: list[CueState]
-    next_cue: int | None
-    show: ShowStatus | None
-    caption: str
-    fish: FishState | None
-    species: list[Option]
-    quality: str
-    quality_now: str
-    volume: float  # 0: off
-    blank: bool
-    line_up: bool
-    nodes: list[NodeStatus]
-    several_computers: bool
-    loading: bool
-    pictures_a_s: float
-    up_s: float
-    fault: FaultState | None
-
-
 class RemoteControl:
     """Applies commands of the board between two frames, and publishes the dive on it."""
 
     def __init__(
-        self, dive: "Dive", board: Board, server: ConsoleServer | None = None,
-        show: ShowScreens | None = None,
-    ) -> None:  # fmt: skip
+        self, dive: "Dive", board: Board, server: ConsoleServer, show: ShowScreens | None = None
+    ) -> None:
         """`server` serves the board; `show` is the one that the dive plays."""
         self.presented = NOTHING  # over the picture
         self._dive, self._board, self._server, self._show = dive, board, server, show
@@ -153,21 +98,6 @@ class RemoteControl:
         self._frames = 0
         self._losses = 0  # of nodes, so far
         self._opened = True  # a scenario, which takes long, before this frame
-        self._commands: dict[type[commands.PresenterCommand], Callable[[Any], str]] = {
-            commands.OpenScenario: self._open_scenario,
-            commands.StartTour: self._start_tour,
-            commands.StopTour: self._stop_tour,
-            commands.StartCue: self._start_cue,
-            commands.NextItem: self._next_item,
-            commands.ShowCaption: self._show_caption,
-            commands.FollowFish: lambda one: self._ride(one.fish, behind=True),
-            commands.RideFish: lambda one: self._ride(one.fish, behind=False),
-            commands.LeaveFish: self._leave_fish,
-            commands.SetQuality: self._set_quality,
-            commands.SetVolume: self._set_volume,
-            commands.BlankScreens: self._blank,
-            commands.ShowLineUp: self._line_up,
-        }
         self._publish(0.0)
 
     def update(self, elapsed_s: float) -> None:
@@ -190,7 +120,7 @@ class RemoteControl:
         if now - self._state_s >= STATE_S:
             self._publish(self._frames / (now - self._state_s))
             self._frames, self._state_s = 0, now
-        if self._server is not None and (ended := self._server.check()):
+        if ended := self._server.check():
             self._dive.faults.say(ended)
 
     def beat(self) -> None:
@@ -208,19 +138,61 @@ class RemoteControl:
 
     def close(self) -> None:
         """Stop the server, and release the small picture."""
-        if self._server is not None:
-            self._server.close()
+        self._server.close()
         self._small.release()
 
     def _apply(self, command: commands.PresenterCommand) -> str:
         """Apply a command; returns what was done, or raises a UserError."""
-        return self._commands[type(command)](command)
-
-    def _open_scenario(self, command: commands.OpenScenario) -> str:
         dive = self._dive
-        if command.name not in (names := scenario_names()):  # not a path
-            raise unknown("scenario", command.name, names)
-        scenario, source, _ = load_scenario(command.name)
+        match command:
+            case commands.OpenScenario(name):
+                return self._open_scenario(name)
+            case commands.StartTour(name):
+                dive.tours.start(name)
+                return f"on tour {name}"
+            case commands.StopTour():
+                dive.tours.stop()
+                return "no tour"
+            case commands.StartCue(number):
+                return self._start_cue(number)
+            case commands.NextItem():
+                if self._show is None:
+                    raise UserError("no show is played: begin the dive with --playlist FILE")
+                self._show.cue()
+                return "on to the next item"
+            case commands.ShowCaption(text, seconds):
+                words = " ".join(printable(text.replace("\n", " ")).split())
+                self._presentation.show_caption(words, seconds or None)
+                return f"shows {words!r}" if words else "no caption"
+            case commands.FollowFish(fish):
+                return self._ride(fish, behind=True)
+            case commands.RideFish(fish):
+                return self._ride(fish, behind=False)
+            case commands.LeaveFish():
+                dive.ride_fish(None)
+                return "on the submarine"
+            case commands.SetQuality(quality):
+                dive.picture.choose(quality)
+                return dive.picture.quality_text
+            case commands.SetVolume(volume):
+                louder = {"volume": round(volume, 2)} if volume > 0.0 else {}
+                dive.sound.change(mute=not louder, **louder)
+                return dive.sound.text
+            case commands.BlankScreens(on):
+                self._presentation.blank = on
+                return "the screens are blank" if on else "the screens show the sea"
+            case commands.ShowLineUp(on):
+                self._presentation.pattern = on
+                if dive.picture.pattern != on:
+                    dive.picture.show_pattern(dive.overlay.help_hidden)
+                return "the screens show the test pattern" if on else "the screens show the sea"
+        raise NotImplementedError(type(command).__name__)
+
+    def _open_scenario(self, name: str) -> str:
+        dive = self._dive
+        if name not in (names := scenario_names()):  # not a path
+            raise unknown("scenario", name, names)
+        scenario, source, _ = load_scenario(name)
         if dive.menu.open:
             dive.menu.hide()
         self._opened = True
@@ -228,20 +200,12 @@ class RemoteControl:
         if not dive.open_world(scenario, source):
             raise UserError(dive.overlay.note_text)
         self._scenarios = _scenarios()
-        return f"opened {scenario.title or command.name}"
+        return f"opened {scenario.title or name}"
 
-    def _start_tour(self, command: commands.StartTour) -> str:
-        self._dive.tours.start(command.name)
-        return f"on tour {command.name}"
-
-    def _stop_tour(self, _: commands.StopTour) -> str:
-        self._dive.tours.stop()
-        return "no tour"
-
-    def _start_cue(self, command: commands.StartCue) -> str:
+    def _start_cue(self, wanted: int) -> str:
         dive = self._dive
         self._refuse_in_cluster()
-        number = self._next_cue if command.number < 0 else command.number
+        number = self._next_cue if wanted < 0 else wanted
         directions = dive.world.scenario.direction
         if number is None and directions:
             raise UserError("no cue is left: all directions have begun")
@@ -254,50 +218,11 @@ class RemoteControl:
             dive.timeline.touch()
         return f"started {directions[number].name or f'cue {number}'}"
 
-    def _next_item(self, _: commands.NextItem) -> str:
-        if self._show is None:
-            raise UserError("no show is played: begin the dive with --playlist FILE")
-        self._show.player.next_cue()
-        return "on to the next item"
-
-    def _show_caption(self, command: commands.ShowCaption) -> str:
-        words = " ".join(printable(command.text.replace("\n", " ")).split())
-        self._presentation.show_caption(words, command.seconds or None)
-        return f"shows {words!r}" if words else "no caption"
-
     def _ride(self, name: str, behind: bool) -> str:
-        dive = self._dive
         self._refuse_in_cluster()
         fish = self._fish(name)
-        dive.ride_fish(fish, behind)
+        self._dive.ride_fish(fish, behind)
         return f"on fish {fish}, a {self._species(fish)}"
-
-    def _leave_fish(self, _: commands.LeaveFish) -> str:
-        self._dive.ride_fish(None)
-        return "on the submarine"
-
-    def _set_quality(self, command: commands.SetQuality) -> str:
-        self._dive.picture.choose(command.quality)
-        return self._dive.picture.quality_text
-
-    def _set_volume(self, command: commands.SetVolume) -> str:
-        sound = self._dive.sound
-        if command.volume > 0.0:
-            sound.change(volume=round(command.volume, 2), mute=False)
-        else:
-            sound.change(mute=True)
-        return sound.text
-
-    def _blank(self, command: commands.BlankScreens) -> str:
-        self._presentation.blank = command.on
-        return "the screens are blank" if command.on else "the screens show the sea"
-
-    def _line_up(self, command: commands.ShowLineUp) -> str:
-        dive = self._dive
-        self._presentation.pattern = command.on
-        if dive.picture.pattern != command.on:
-            dive.picture.show_pattern(dive.overlay.help_hidden)
-        return "the screens show the test pattern" if command.on else "the screens show the sea"
 
     def _fish(self, name: str) -> int:
         """The living fish that a name means: the first of a species, or a UserError."""
@@ -337,22 +262,19 @@ class RemoteControl:
     def _publish(self, pictures_a_s: float, loading: bool = False) -> None:
         """Publish the state as JSON."""
         state = self._state(pictures_a_s, loading)
-        lost = sum(one.late + one.dropped + one.diverged for one in state.nodes)
+        nodes = state["nodes"]
+        lost = sum(node["late"] + node["dropped"] + node["diverged"] for node in nodes)
         if lost > self._losses:
-            away = [one.name for one in state.nodes if not one.in_step]
+            away = [node["name"] for node in nodes if not node["in_step"]]
             self._dive.faults.add(f"not in step: {', '.join(away)}" if away else "a node was late")
         self._losses = lost
         self._board.state = msgspec.json.encode(state)
-        about = {
-            "up_s": state.up_s,
-            "pictures_a_s": state.pictures_a_s,
-            "loading": loading,
-            "fault": state.fault,
-            "nodes": {one.name: one.in_step for one in state.nodes},
-        }
+        about = {key: state[key] for key in ("up_s", "pictures_a_s", "loading", "fault")}
+        about["nodes"] = {node["name"]: node["in_step"] for node in nodes}
         self._board.health = msgspec.json.encode(about)
 
-    def _state(self, pictures_a_s: float, loading: bool) -> DiveState:
+    def _state(self, pictures_a_s: float, loading: bool) -> dict[str, Any]:
+        """Describe the dive: docs/reference/console-interface.md."""
         dive = self._dive
         world, picture, sound = dive.world, dive.picture, dive.sound.settings
         scenario, began = world.scenario, world.state.directions.began
@@ -360,42 +282,51 @@ class RemoteControl:
         steering = ticks.steering
         tours = [AUTOPILOT, *[DIRECTED] * is_directed(scenario)]
         if not dive.shared:
-            tours += [one.name for one in scenario.tour]
+            tours += [tour.name for tour in scenario.tour]
         living = np.bincount(
             world.state.fishes.species[world.state.fishes.alive], minlength=len(scenario.species)
         )
-        return DiveState(
-            title=scenario.title,
-            scenario=dive.source.stem,
-            scenarios=self._scenarios,
-            tours=tours,
-            tour=dive.tours.current if steering is not None and steering.tour else None,
-            cues=[
-                CueState(k, one.name, one.caption or "", bool(began[k] >= 0))
-                for k, one in enumerate(scenario.direction)
+        return {
+            "title": scenario.title,
+            "scenario": dive.source.stem,
+            "scenarios": self._scenarios,
+            "tours": tours,
+            "tour": dive.tours.current if steering is not None and steering.tour else None,
+            "cues": [
+                {
+                    "number": number,
+                    "name": direction.name,
+                    "caption": direction.caption or "",
+                    "begun": bool(began[number] >= 0),
+                }
+                for number, direction in enumerate(scenario.direction)
             ],
-            next_cue=self._next_cue,
-            show=None if show is None else show.player.state(),
-            caption=dive.caption.words,
-            fish=None
+            "next_cue": self._next_cue,
+            "show": None if show is None else show.player.state(),
+            "caption": dive.caption.words,
+            "fish": None
             if ride is None
-            else FishState(ride.by.fish, self._species(ride.by.fish), ride.behind),
-            species=[
-                Option(name, living=int(count))
+            else {
+                "number": ride.by.fish,
+                "species": self._species(ride.by.fish),
+                "behind": ride.behind,
+            },
+            "species": [
+                {"name": name, "living": int(count)}
                 for name, count in zip(world.script.species, living, strict=True)
             ],
-            quality=picture.quality,
-            quality_now=picture.quality_text,
-            volume=0.0 if sound.mute else sound.volume,
-            blank=self._presentation.blank,
-            line_up=picture.pattern,
-            nodes=ticks.nodes() if isinstance(ticks, LeaderTicks) else [],
-            several_computers=dive.shared,
-            loading=loading,
-            pictures_a_s=round(pictures_a_s, 1),
-            up_s=round(time.monotonic() - self._begun_s, 1),
-            fault=self._dive.faults.state,
-        )
+            "quality": picture.quality,
+            "quality_now": picture.quality_text,
+            "volume": 0.0 if sound.mute else sound.volume,
+            "blank": self._presentation.blank,
+            "line_up": picture.pattern,
+            "nodes": ticks.nodes() if isinstance(ticks, LeaderTicks) else [],
+            "several_computers": dive.shared,
+            "loading": loading,
+            "pictures_a_s": round(pictures_a_s, 1),
+            "up_s": round(time.monotonic() - self._begun_s, 1),
+            "fault": dive.faults.state,
+        }
 
 
 def open_console(
@@ -415,5 +346,5 @@ def open_console(
     return RemoteControl(dive, board, server, show)
 
 
-def _scenarios() -> list[Option]:
-    return [Option(path.stem, head.title) for path, head in scenario_summaries().items()]
+def _scenarios() -> list[dict[str, str]]:
+    return [{"name": path.stem, "title": head.title} for path, head in scenario_summaries().items()]

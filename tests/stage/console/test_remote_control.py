@@ -25,7 +25,7 @@ from subsea.stage.console.commands import (
 from subsea.stage.console.remote_control import open_console
 from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
-from tests.stage.console.conftest import Console, free_port, local
+from tests.stage.console.conftest import Client, free_port, local
 from tests.support.scenes import BARE, scene
 from tests.support.windows import dive_options
 
@@ -142,7 +142,7 @@ def test_fishes_are_followed_and_ridden(boat, give):
 def test_a_tour_begins_and_ends(boat, give):
     give(StartTour("auto"))
     assert boat.tick_source.steering.tour is not None and boat.tours.timer.touring
-    assert remote(boat)._state(0.0, False).tour == "auto"
+    assert remote(boat)._state(0.0, False)["tour"] == "auto"
     give(StopTour())
     assert boat.tick_source.steering.tour is None and not boat.tours.timer.touring
     with pytest.raises(UserError, match="unknown tour 'nowhere'"):
@@ -151,7 +151,7 @@ def test_a_tour_begins_and_ends(boat, give):
 
 def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
     log = boat.world.state.directions
-    assert remote(boat)._state(0.0, False).next_cue == 0
+    assert remote(boat)._state(0.0, False)["next_cue"] == 0
     give(StartCue())
     user.glide(boat, 0.2)
     assert log.began[0] >= 0 and log.times[0] == 1 and remote(boat)._next_cue == 1
@@ -162,7 +162,7 @@ def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
         give(StartCue())
     with pytest.raises(UserError, match="cue 7: expected 0 to 1"):
         give(StartCue(7))
-    assert [one.begun for one in remote(boat)._state(0.0, False).cues] == [True, True]
+    assert [cue["begun"] for cue in remote(boat)._state(0.0, False)["cues"]] == [True, True]
     tick = boat.world.state.tick
     boat.timeline.go(0)
     assert log.began[0] < 0
@@ -208,7 +208,7 @@ def test_a_scenario_is_opened_behind_black_screens(boat, user, give):
         give(BlankScreens(True))
         user.glide(boat, 1.0)
         give(OpenScenario("another"))
-        assert boat.source.stem == "another" and remote(boat)._state(0.0, False).cues == []
+        assert boat.source.stem == "another" and remote(boat)._state(0.0, False)["cues"] == []
         user.glide(boat, 0.1)
         assert boat.tick_source.presented.blank == 1.0
         with pytest.raises(UserError, match="there are no directions"):
@@ -226,9 +226,7 @@ def test_a_picture_that_stood_still_is_a_fault(boat, user):
 
 def test_a_client_controls_the_dive_over_http(boat, user):
     """The server's thread answers while frames are drawn."""
-    client = Console.__new__(Console)
-    client.port = remote(boat)._server._options.http.port
-    client.host = f"127.0.0.1:{client.port}"
+    client = Client(remote(boat)._server._options.http.port)
     answers = []
 
     def work():
