@@ -66,6 +66,13 @@ def _is_private(group: int) -> bool:
     return False
 
 
+def refuse_shared(path: Path) -> None:
+    """Raise a UserError if others than the owner may read a secret."""
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if os.name == "posix" and mode & 0o077:
+        raise UserError(f"others may read it (mode {mode:o}); `chmod 600 {path}`", file=path)
+
+
 MIB = 1 << 20
 # Do not wait for the writer of a pipe; on Windows, do not change line ends.
 FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)

@@ -4,9 +4,7 @@ A folder holds the public NAME.key and NAME.key_secret, which only the computer 
 files are ZeroMQ certificates.
 """
 
-import os
 import re
-import stat
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +15,7 @@ import zmq.auth
 from zmq.utils import z85
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.files import check_folder, check_input, replacing
+from subsea.base.files import check_folder, check_input, refuse_shared, replacing
 from subsea.stage.theatre.theatre_file import NAME
 
 PUBLIC, SECRET = ".key", ".key_secret"
@@ -38,7 +36,6 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
     Only the owner can read secret files. If a name is invalid, or has keys already, nothing is
     written: UserError.
     """
-    _check_curve()
     for name in names:
         if not re.search(NAME, name):
             raise UserError(f"{name!r}: expected a name of letters, digits, - and _, 64 at most")
@@ -71,14 +68,11 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
 
 def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:
     """Read the pair of `name` and the public keys of `others`; UserError if one is missing."""
-    _check_curve()
     path = folder / f"{name}{SECRET}"
     public, secret = _read(path)
     if secret is None:
         raise UserError("holds no secret key", file=path)
-    mode = stat.S_IMODE(path.stat().st_mode)
-    if os.name == "posix" and mode & 0o077:
-        raise UserError(f"others may read it (mode {mode:o}); `chmod 600 {path}`", file=path)
+    refuse_shared(path)
     return Keys(public, secret, {other: _read(folder / f"{other}{PUBLIC}")[0] for other in others})
 
 
@@ -102,8 +96,3 @@ def _read(path: Path) -> tuple[bytes, bytes | None]:
     if sizes != {32}:
         raise UserError("holds no key of 40 letters, as Z85 has them", file=path)
     return public, secret
-
-
-def _check_curve() -> None:
-    if not zmq.has("curve"):
-        raise UserError("this ZeroMQ was built without CURVE; `pip install pyzmq` brings one")

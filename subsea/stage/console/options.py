@@ -1,11 +1,8 @@
 """Addresses, token and certificate of the console: the options of `subsea dive --console`."""
 
 import ipaddress
-import os
 import secrets
 import ssl
-import stat
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, NoReturn
@@ -13,10 +10,9 @@ from typing import NamedTuple, NoReturn
 import platformdirs
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.files import check_input, read_text, replacing
+from subsea.base.files import check_input, read_text, refuse_shared, replacing
 from subsea.stage.theatre.theatre_file import parse_address
 
-HTTP_ADDRESS, OSC_ADDRESS = "127.0.0.1:8880", "127.0.0.1:8881"  # default
 TOKEN_BYTES = 32  # of a generated token
 SHORTEST_TOKEN, LONGEST_TOKEN = 32, 256  # characters of one in a file
 
@@ -96,10 +92,7 @@ def make_token(path: Path) -> str:
 def read_token(path: Path) -> str:
     """Read a token; a UserError if it is short or if others may read the file."""
     text = read_text(path).strip()
-    with suppress(OSError):
-        mode = stat.S_IMODE(path.stat().st_mode)
-        if os.name == "posix" and mode & 0o077:
-            raise UserError(f"others may read it (mode {mode:o}); `chmod 600 {path}`", file=path)
+    refuse_shared(path)
     if not (SHORTEST_TOKEN <= len(text) <= LONGEST_TOKEN and text.isascii() and text.isprintable()):
         raise UserError(
             f"expected a token of {SHORTEST_TOKEN} to {LONGEST_TOKEN} letters and digits", file=path
