@@ -7,14 +7,14 @@ from pathlib import Path
 
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
-from subsea.base.files import check_file, replacing
+from subsea.base.files import replacing
 from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.layouts import layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measures import KINDS, MEASURES, ask, chosen
-from subsea.stage.theatre.theatre_writer import compose_layout, line_up, mesh_name
+from subsea.stage.theatre.theatre_writer import check_free, compose_layout, line_up, mesh_name
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def write_theatre(
     """
     out = wanted.out if wanted.out.suffix == ".toml" else Path(f"{wanted.out}.toml")
     picture = wanted.picture or out.with_suffix(".png")
-    _check_free(out, wanted.force)
+    check_free(out, wanted.force)
     check_result(picture, PICTURE, wanted.force)
     kind = wanted.kind
     if kind:
@@ -59,7 +59,7 @@ def write_theatre(
         if one.nodes is not None
     }
     for path in meshes:
-        _check_free(path, wanted.force)
+        check_free(path, wanted.force)
     options = " ".join(
         f"{one.option} {measures[one.name]:g}" for one in MEASURES if one.name in measures
     )
@@ -91,10 +91,3 @@ def draw_room(name: str, picture: Path, force: bool = False) -> None:
     with replacing(picture) as part:
         Image.fromarray(pixels).save(part, "PNG", optimize=True)
     print(f"the room: {picture}")
-
-
-def _check_free(path: Path, force: bool) -> None:
-    """Refuse to replace a file, which may hold measured values, unless forced."""
-    check_file(path)
-    if path.exists() and not force:
-        raise UserError("exists; choose another name, or give --force to replace it", file=path)

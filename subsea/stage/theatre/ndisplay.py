@@ -16,14 +16,13 @@ import msgspec
 import numpy as np
 
 from subsea.base.arrays import Array
-from subsea.base.errors import UserError, unknown
+from subsea.base.errors import UserError
 from subsea.base.validation import convert
 from subsea.stage.theatre.imported import HERE, ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.theatre_file import MAIN, Coordinate, Window
 from subsea.view.camera import axes_of
 
 MAX_DEPTH = 64  # of parents
-POLICIES = ("camera", "manual", "mesh", "mpcdi", "easyblend", "domeprojection", "vioso")
 Angle = Annotated[float, msgspec.Meta(ge=-3600, le=3600)]
 
 
@@ -213,11 +212,8 @@ class _NdisplayReader:
                 self.builder.leave_out(line)
 
     def _viewport(self, words: str, viewport: NdisplayViewport, window: Window) -> None:
-        kind = viewport.policy.type.lower()
-        if kind in POLICIES:
-            raise UserError(f"projection policy {kind!r}, expected 'simple'")
-        if kind != "simple":
-            raise unknown("projection policy", kind, ["simple"])
+        if viewport.policy.type.lower() != "simple":
+            raise UserError(f"projection policy {viewport.policy.type!r}, expected 'simple'")
         given = viewport.policy.parameters
         named = str(given.get("screen", given.get("screen_id")))
         screen = self.config.scene.screens.get(named)

@@ -50,9 +50,7 @@ def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) 
     }
     files = [*names.values(), *masks.values(), out]
     for file in files:
-        if file.exists() and not force:
-            raise UserError("is there already, expected a new name or --force", file=file)
-        check_file(file)
+        check_free(file, force)
     folder = os.path.relpath(path.parent, out.parent)
 
     def placed(file: str | None) -> str | None:
@@ -78,6 +76,13 @@ def write_theatre(theatre: Theatre, path: Path, out: Path, force: bool = False) 
             _write(masks[key], _png(mesh))
     _write(out, compose_theatre(moved, path).encode())
     return files
+
+
+def check_free(path: Path, force: bool) -> None:
+    """Refuse to replace a file, which may hold measured values, unless forced."""
+    check_file(path)
+    if path.exists() and not force:
+        raise UserError("exists; choose another name, or give --force to replace it", file=path)
 
 
 def compose_theatre(theatre: Theatre, source: Path) -> str:
