@@ -15,10 +15,10 @@ import numpy as np
 from picture_files import STYLE, output_folder, save_plot
 
 from subsea.dive.directed_camera import tour_steering
+from subsea.media.film_sound import FilmSound
 from subsea.scenario.load import load_scenario
 from subsea.sound.mixer import SoundLevels
-from subsea.sound.soundtrack import Soundtrack, render
-from subsea.sound.space import LAYOUTS, RATE, listener_of
+from subsea.sound.space import LAYOUTS, RATE
 from subsea.submarine.vessel import Helm
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -52,17 +52,15 @@ def record(sample: Sample) -> np.ndarray:
     """The samples (n, 2) of a part of a dive."""
     world = create_world(load_scenario(sample.scenario)[0])
     steer = sample.steer or tour_steering(world, "auto")
-    track = Soundtrack(LAYOUTS["stereo"])
+    track = FilmSound(LAYOUTS["stereo"], sample.start_s, SoundLevels(1.0), files=True)
     spent = time.process_time()
     stepping = 0.0
     while world.state.tick * TICK_S < sample.start_s + SECONDS:
         begin = time.process_time()
         step(world, steer(world))
         stepping += time.process_time() - begin
-        track.listen(world, listener_of(world, sample.fish))
-    samples = render(
-        track.moments, LAYOUTS["stereo"], sample.start_s, round(SECONDS * RATE), SoundLevels(1.0)
-    )
+        track.listen(world, sample.fish)
+    samples = track.whole(SECONDS)
     spent = time.process_time() - spent - stepping
     share = spent / (world.state.tick * TICK_S)
     level = 20.0 * np.log10(np.sqrt((samples**2).mean()))

@@ -1,5 +1,6 @@
 """The sound of a film, heard at the eye, tick by tick."""
 
+import wave
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,10 +8,9 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.file_kinds import SOUND, check_result
-from subsea.base.files import check_folder
+from subsea.base.files import check_folder, replacing
 from subsea.sound.mixer import Mixer, SoundLevels
 from subsea.sound.moment import GROUPS, Sources, hear, sources_of
-from subsea.sound.soundtrack import write_wav
 from subsea.sound.space import BLOCK, RATE, Layout, listener_of
 from subsea.world.world import World
 
@@ -98,3 +98,13 @@ def write_sound(sound: FilmSound, seconds: float, audio: Path | None, folder: Pa
         folder.mkdir(parents=True, exist_ok=True)
         for name, samples in sound.stems(seconds).items():
             write_wav(folder / f"{name}.wav", samples)
+
+
+def write_wav(path: Path, samples: Array) -> None:
+    """Write samples (n, c) in [-1, 1] as a WAV file of 16 bits, completely or not at all."""
+    words = np.round(32767.0 * np.clip(samples, -1.0, 1.0)).astype("<i2")
+    with replacing(path) as temporary, wave.open(str(temporary), "wb") as file:
+        file.setnchannels(words.shape[1])
+        file.setsampwidth(2)
+        file.setframerate(RATE)
+        file.writeframes(words.tobytes())

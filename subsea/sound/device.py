@@ -20,7 +20,6 @@ STEADY = 30  # blocks after which one that always waits is skipped, for a shorte
 SILENT_S = 2.0  # without a request of the device: it is gone
 AGAIN_S = 5.0  # between attempts to open one
 NO_EVENTS = np.zeros((0, len(EVENT_COLUMNS)))
-WHEN = EVENT_COLUMNS.index("when")
 
 Open = Callable[[int, Generator[Any, int, None]], Any]
 """Opens a device for a number of channels that asks a generator for samples."""

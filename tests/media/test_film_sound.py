@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from subsea.cli.main import main
+from subsea.media.film_sound import write_wav
 from subsea.sound.space import RATE
 from tests.support.scenes import BARE
 
@@ -118,3 +119,12 @@ def test_faults_are_one_line(more, message, tmp_path, capsys):
     assert message in told
     assert told.count("\n") == 1
     assert not (tmp_path / "b.mp4").exists()
+
+
+def test_a_wav_file(tmp_path):
+    samples = np.array([[0.0, 1.0], [-1.0, 0.5]])
+    write_wav(tmp_path / "a.wav", samples)
+    with wave.open(str(tmp_path / "a.wav")) as file:
+        assert (file.getnchannels(), file.getframerate(), file.getnframes()) == (2, RATE, 2)
+        words = np.frombuffer(file.readframes(2), "<i2").reshape(2, 2)
+    assert words == pytest.approx(np.array([[0, 32767], [-32767, 16384]]), abs=1)

@@ -21,7 +21,6 @@ from subsea.rendering.output.quality import Quality
 REACH_CM = 650.0  # of the map of fishes, from the eye
 DEEP_CM = 6000.0  # half the depth of that map
 MARGIN_CM = 40.0  # about all that stands
-NO_BOX = np.zeros((2, 3))
 
 Cast = Callable[[Any], object]  # draws with a program that has `u_view_projection`
 
