@@ -4,7 +4,6 @@ import os
 import platform
 import subprocess
 import sys
-import tempfile
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
@@ -103,24 +102,16 @@ def _cache() -> list[Finding]:
     from numba.core import config
 
     import subsea
+    from subsea.dive.warm_up import is_writable
 
     user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     beside = Path(subsea.__file__).parent
     places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [beside, user_cache]
     for place in places:
-        if _writable(place):
+        if is_writable(place):
             return [Finding("cache of kernels", True, str(place), ())]
     text = f"not writable: {places[0]}; set NUMBA_CACHE_DIR to a folder that is"
     return [Finding("cache of kernels", False, text, ())]
-
-
-def _writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
 
 
 def _fishes() -> list[Finding]:

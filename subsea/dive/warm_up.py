@@ -7,16 +7,10 @@ are cached on disk, where the dive finds them. A wheel ships them, and then noth
 
 import gc
 import hashlib
-import os
-import signal
-import subprocess
-import sys
 import tempfile
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
 
 import numpy as np
 from msgspec.structs import replace
@@ -24,7 +18,7 @@ from msgspec.structs import replace
 from subsea.base.disk_cache import cache_folder
 from subsea.base.files import make_own_folder
 from subsea.base.language import marked
-from subsea.base.source_stamp import ROOT, source_stamp
+from subsea.base.source_stamp import source_stamp
 from subsea.base.system import cores
 from subsea.behavior.table import FOREIGN_CODE, run_routine
 from subsea.frame.packet import pack
@@ -44,7 +38,6 @@ from subsea.world.build import create_world
 from subsea.world.world import TICK_S, World
 
 CLOCK = Clock(0, 0, TICK_S)
-MODULE = "subsea.dive.warm_up"  # run as a program by each process, which reads names of jobs
 SCENARIO, FISHES = "peaceful", 12  # the world of the jobs
 COMPILING = marked("compiling the fishes' code, once")
 ROCK = np.array([[0.0, 0.0, 10.0, 30.0, 20.0, 20.0, 0.0]])
@@ -145,8 +138,8 @@ def warm_up(
     if marker.exists() or shipped_code() == code_stamp():
         return
     processes = cores() if processes is None else processes
-    if processes > 1 and _can_write(marker.parent):
-        with _one_at_a_time(tell), suppress(OSError):  # no more processes may be started
+    if processes > 1 and is_writable(marker.parent):
+        with _one_at_a_time(tell), suppress(OSError):
             if marker.exists() or compile_all(processes, tell):
                 return
     tell(marked("compiling the fishes' code (a minute or more)"))
@@ -164,8 +157,8 @@ def _marker() -> Path:
     return folder / f"warm-{versions()['python']}-{processor().cpu}-{about[:32]}"
 
 
-def _can_write(folder: Path) -> bool:
-    """True if compiled code can be cached in a folder."""
+def is_writable(folder: Path) -> bool:
+    """True if a folder is there or can be made, and takes a file with content."""
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as probe:
@@ -197,19 +190,19 @@ def compile_all(processes: int, tell: Callable[[str], None]) -> bool:
 
     Returns False if a job fails. An exception, such as Ctrl-C, ends the processes.
     """
-    waiting: SimpleQueue[str] = SimpleQueue()
-    for job in JOBS:
-        waiting.put(job)
-    ended: SimpleQueue[bool] = SimpleQueue()
-    with ExitStack() as stack:
-        for _ in range(min(processes, len(JOBS))):
-            worker = _start(stack)
-            threading.Thread(target=_employ, args=(worker, waiting, ended), daemon=True).start()
-        for done in range(len(JOBS)):
-            tell(f"{COMPILING}: {done}/{len(JOBS)}")
-            if not ended.get():
+    from subsea.jobs.workers import process_pool  # most starts compile nothing
+
+    tell(f"{COMPILING}: 0/{len(JOBS)}")
+    pool = process_pool(min(processes, len(JOBS)))
+    try:
+        for done, (_, good) in enumerate(
+            pool(run_job, {job: job for job in JOBS}, lambda: None), 1
+        ):
+            if not good:  # its process crashed
                 return False
-        tell(f"{COMPILING}: {len(JOBS)}/{len(JOBS)}")
+            tell(f"{COMPILING}: {done}/{len(JOBS)}")
+    except Exception:
+        return False
     marker = _marker()
     for old in marker.parent.glob(f"{marker.name.rpartition('-')[0]}-*"):
         old.unlink(missing_ok=True)
@@ -217,64 +210,8 @@ def compile_all(processes: int, tell: Callable[[str], None]) -> bool:
     return True
 
 
-def _employ(
-    worker: "subprocess.Popen[str]", waiting: "SimpleQueue[str]", ended: "SimpleQueue[bool]"
-) -> None:
-    """Let a process run waiting jobs; report the end of each, and whether it succeeded."""
-    assert worker.stdin and worker.stdout
-    try:
-        while True:
-            job = waiting.get_nowait()
-            print(job, file=worker.stdin, flush=True)
-            ended.put(worker.stdout.readline() == f"{job}\n")
-    except Empty:
-        return
-    except (OSError, ValueError):  # it has crashed, or all are ended
-        ended.put(False)
-
-
-def _start(stack: ExitStack) -> "subprocess.Popen[str]":
-    """Start a process for jobs that ends with the stack or with this process.
-
-    -P: it imports nothing from the current folder.
-    """
-    paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
-    settings = {
-        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
-        "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # colours take 3% of the time
-    }
-    worker = subprocess.Popen(
-        [sys.executable, "-P", "-m", MODULE], env=os.environ | settings, text=True,
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    stack.enter_context(worker)
-    stack.callback(worker.kill)
-    return worker
-
-
-def jobs_to_do() -> Iterator[str]:
-    """Yield the jobs that this process gets on its standard input; end when that ends.
-
-    It ignores Ctrl-C, which its parent also gets, and ends at once with its parent.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    given: SimpleQueue[str] = SimpleQueue()
-
-    def read() -> None:
-        # Not through sys.stdin, whose lock a thread may not hold at exit.
-        with open(0, "rb", buffering=0) as lines:
-            for line in lines:
-                given.put(line.decode().strip())
-        os._exit(0)
-
-    threading.Thread(target=read, daemon=True).start()
-    while True:
-        job = given.get()
-        yield job
-        print(job, flush=True)
-
-
-if __name__ == "__main__":
+def run_job(job: str) -> bool:
+    """Compile the kernels of a job."""
     gc.set_threshold(200_000, 20, 20)  # the compiler's many objects: a sixth of its time
-    for job in jobs_to_do():
-        JOBS[job]()
+    JOBS[job]()
+    return True

@@ -6,10 +6,13 @@ yields each job with its result, in any order; None for a job whose process cras
 
 import os
 import signal
+import sys
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from multiprocessing import connection, get_context, resource_tracker
+from multiprocessing import connection, get_context, parent_process, resource_tracker
+from threading import Thread
+from types import ModuleType
 from typing import Any, TypeVar
 
 K = TypeVar("K")
@@ -76,10 +79,9 @@ def process_pool(number: int) -> Pool[Any]:
 def _start(work: Work, started: list[Any]) -> tuple[Any, Any]:
     """Start a process that runs jobs; return the parent's end of its pipe, and the process."""
     context = get_context("spawn")
-    resource_tracker.ensure_running()  # later, its start would let Ctrl-C through
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(work, theirs), daemon=True)
-    with _ctrl_c_blocked(), _one_thread():
+    with _ctrl_c_blocked(), _one_thread(), _main_hidden():
         process.start()
     started.append(process)
     theirs.close()  # so that a crash ends the pipe
@@ -87,7 +89,8 @@ def _start(work: Work, started: list[Any]) -> tuple[Any, Any]:
 
 
 def _serve(work: Work, pipe: Any) -> None:
-    """Run jobs until the parent ends."""
+    """Run jobs until the parent ends; then end at once."""
+    Thread(target=_end_with_parent, daemon=True).start()
     with suppress(EOFError, OSError):
         while True:
             argument = pipe.recv()
@@ -104,11 +107,33 @@ def _ctrl_c_blocked() -> Iterator[None]:
 
     A terminal sends Ctrl-C to all processes of a group; only the main one reacts, after this block.
     """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # later, its start would let Ctrl-C through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
+
+
+@contextmanager
+def _main_hidden() -> Iterator[None]:
+    """Let processes that are started inside not import the program: a script may lack a guard."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 @contextmanager

@@ -44,7 +44,8 @@ SHORT = """
 import sys
 from subsea.dive import warm_up
 from subsea.dive.warm_up import warm_up as run
-warm_up.MODULE = "tests.support.short_job"
+from tests.support.short_job import run as run_short
+warm_up.run_job = run_short
 told = lambda line: print(line, flush=True)
 """
 
@@ -98,19 +99,16 @@ def test_each_part_is_compiled_once_and_then_no_more(tmp_path):
     assert _jobs(tmp_path) == sorted(JOBS)
 
 
-def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path, monkeypatch):
-    held = tmp_path / "go on"
-    monkeypatch.setenv("HELD_UNTIL", str(held))
-    first = _program(tmp_path, "run(told, processes=2)")
+def test_of_two_at_once_one_waits_for_what_the_other_compiles(tmp_path):
+    first = _program(tmp_path, "warm_up.JOBS = {'waiting': None}; run(told, processes=2)")
     assert "once: 0/" in first.stdout.readline()
     second = _program(tmp_path, "run(told, processes=2)")
     assert second.stdout.readline() == "waiting for another dive, which compiles the fishes' code\n"
-    held.touch()
-    told, faults = second.communicate(timeout=200)
-    assert (second.returncode, told) == (0, ""), faults
-    _, faults = first.communicate(timeout=200)
-    assert first.returncode == 0, faults
-    assert _jobs(tmp_path) == sorted(JOBS)
+    (tmp_path / "jobs-go").touch()
+    for program in (first, second):
+        _, faults = program.communicate(timeout=200)
+        assert program.returncode == 0, faults
+    assert _jobs(tmp_path) == ["waiting"]
 
 
 def test_where_nothing_can_be_cached_nothing_is_compiled_in_vain(tmp_path):
@@ -130,18 +128,12 @@ def test_nobody_is_left_who_compiles(tmp_path, number):
     program = _program(
         tmp_path,
         """
-start = warm_up._start
-def started(stack):
-    worker = start(stack)
-    print(worker.pid, flush=True)
-    return worker
-warm_up._start = started
-warm_up.JOBS = {"endless": None, " endless": None}
+warm_up.JOBS = {"endless": None, "endless too": None}
 run(told, processes=2)
 """,
     )
+    program.stdout.readline()  # on the progress
     workers = [int(program.stdout.readline()) for _ in range(2)]
-    program.stdout.readline()
     if number == signal.SIGINT:
         os.killpg(program.pid, number)
     else:
