@@ -8,6 +8,8 @@
 //   GRADED  1: light is developed as the scenario's grade says
 //   BLOOM   1: light spreads around what is very bright
 //   LINEAR  1: the canvas holds light; 0: it holds what is to be shown, as a test pattern does
+#include "curve.glsl"
+
 uniform sampler2D u_picture;
 uniform sampler2D u_mask;
 uniform vec2 u_size;    // pixels of the output
@@ -19,12 +21,8 @@ uniform float u_apart;  // of a cube: half the eyes' separation over the distanc
 uniform float u_margin; // tangent of half a cube face's angle of view
 
 uniform sampler2D u_bloom;
-uniform vec3 u_gain;         // of a grade
-uniform float u_contrast;    // its power
-uniform float u_saturation;
 
 const float SPREAD = 0.5;   // share of the light that is too bright
-const float MIDDLE = 0.18;  // the grey that contrast leaves as it is
 const int PLAIN = 0, ROWS = 1, CHECKERS = 2, RED_CYAN = 3, DUBOIS = 4;
 const int FLAT = 0, WARPED = 1, EQUIRECTANGULAR = 2, DOME = 3, PANORAMA = 4;
 const float PI = 3.14159265358979;
@@ -41,31 +39,11 @@ in vec2 v_place;  // share of the place
 in vec4 v_seen;   // of a mesh: shares of the left eye's and the right eye's source
 out vec4 f_colour;
 
-// Narkowicz' fit of the ACES curve, on each channel and on the strongest. Curving each channel
-// would turn saturated colours toward yellow, cyan and magenta; so most of the hue is kept, but of
-// what is very bright, which burns out to white.
-vec3 filmic(vec3 x) {
-    vec4 y = vec4(x, max(max(x.r, x.g), max(x.b, 1e-4)));
-    vec4 curved = clamp(y * (2.51 * y + 0.03) / (y * (2.43 * y + 0.59) + 0.14), 0.0, 1.0);
-    return mix(curved.rgb, x * (curved.a / y.a), 0.4 - 0.4 * curved.a * curved.a);
-}
-
 // The power in it by roots, which processors have, within a third of a grey level (Taylor's fit).
 vec3 to_srgb(vec3 x) {
     vec3 a = sqrt(x), b = sqrt(a), c = sqrt(b);
     vec3 bright = 0.662002687 * a + 0.684122060 * b - 0.323583601 * c - 0.0225411470 * x;
     return mix(12.92 * x, bright, step(0.0031308, x));
-}
-
-// Developed as a grade says, about a middle grey.
-vec3 graded(vec3 x) {
-    x *= u_gain;
-    x = max(mix(vec3(dot(x, vec3(0.2126, 0.7152, 0.0722))), x, u_saturation), 0.0);
-    return MIDDLE * pow(x / MIDDLE, vec3(u_contrast));
-}
-
-vec3 curved(vec3 light) {
-    return LINEAR == 1 ? filmic(GRADED == 1 ? graded(light) : light) : light;
 }
 
 // What the canvas holds at a place in its own pixels, not mixed with what lies beside the source.

@@ -86,7 +86,7 @@ LONG = (
     "motor/test_switching.py",
     "behavior/test_courtship.py",
     "capture/cli/test_main.py",
-    "capture/cli/test_export.py",
+    "export/test_capture_export_command.py",
     "stage/test_show_dive.py",
     "world/test_snapshot.py",
     "world/test_threads.py",

@@ -27,16 +27,14 @@ from subsea.base.files import check_folder, replacing  # noqa: E402
 from subsea.base.progress import progress, say  # noqa: E402
 from subsea.base.source_stamp import source_stamp  # noqa: E402
 from subsea.base.system import require  # noqa: E402
-from subsea.export.clips import make_clips  # noqa: E402
-from subsea.export.dive_scene import record_scene  # noqa: E402
+from subsea.export.clips import all_points, make_clips  # noqa: E402
+from subsea.export.conventions import HOLDER, SENTENCE  # noqa: E402
 from subsea.export.gltf import write_gltf  # noqa: E402
 from subsea.export.gltf_scene import WRITER as GLTF  # noqa: E402
-from subsea.export.licence import HOLDER, SENTENCE  # noqa: E402
-from subsea.export.recording import SceneFilmOptions  # noqa: E402
-from subsea.export.scene import SceneOptions  # noqa: E402
+from subsea.export.options import SceneOptions  # noqa: E402
+from subsea.export.recording import SceneFilmOptions, record_scene  # noqa: E402
 from subsea.export.skinning import fit_skeleton  # noqa: E402
-from subsea.export.usd import write_usd  # noqa: E402
-from subsea.export.usd_parts import write_package  # noqa: E402
+from subsea.export.usd import write_package, write_usd  # noqa: E402
 from subsea.export.usd_scene import WRITER as USD  # noqa: E402
 from subsea.fish.species import load_species, repertoire_file, shipped_species, species_file  # noqa: E402
 from subsea.scenario.load import load_scenario  # noqa: E402
@@ -139,7 +137,7 @@ def stamp(item: Item, detail: int) -> str:
 def make_species(folder: Path, name: str, detail: int) -> None:
     """Write the models and the picture of a species."""
     model, clips = make_clips(name, detail)
-    write_gltf(folder, model, clips, False, fit_skeleton(model, clips))
+    write_gltf(folder, model, clips, False, fit_skeleton(model, all_points(clips)))
 
     def fill(inside: Path) -> Path:
         return write_usd(inside, model, clips, False)[0]

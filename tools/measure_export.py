@@ -17,14 +17,14 @@ import meshopt
 import numpy as np
 
 from subsea.export import COMPRESSIONS
-from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
-from subsea.export.clips import Clip, Model, make_clips, transform_points
-from subsea.export.dive_scene import record_scene
+from subsea.export.clips import Clip, Model, all_points, make_clips, transform_points
+from subsea.export.conventions import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.gltf_scene import WRITER as GLTF
-from subsea.export.recording import SceneFilmOptions
-from subsea.export.scene import Scene, SceneOptions
+from subsea.export.options import SceneOptions
+from subsea.export.recording import SceneFilmOptions, record_scene
+from subsea.export.scene import Scene
 from subsea.export.skinning import Skeleton, fit_skeleton
 from subsea.export.usd import write_usd
 from subsea.export.vat import encode, write_vat
@@ -163,7 +163,7 @@ def main() -> None:
         with TemporaryDirectory() as folder:
             exact.append(exact_row(Path(folder), model, clips))
             print(exact[-1], file=sys.stderr, flush=True)
-            rig = fit_skeleton(model, clips)
+            rig = fit_skeleton(model, all_points(clips))
             skeletons.append(skeleton_row(Path(folder), model, clips, rig))
             print(skeletons[-1], file=sys.stderr, flush=True)
     kinds = [f"{kind} | off" for kind in COMPRESSIONS]

@@ -1,7 +1,6 @@
 """Load a scenario into a world that is ready to run; draw without a window."""
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -68,8 +67,6 @@ def wake(world: World) -> None:
 @contextmanager
 def headless() -> Iterator[Any]:
     """An OpenGL context without a window; a UserError without OpenGL."""
-    # Messages of Mesa would hide the line that says what to install.
-    os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
     from subsea.rendering.gl.context import headless_context
 
     context = headless_context()

@@ -1,8 +1,7 @@
 """The mesh of a species, and each recorded segment as a clip of that mesh.
 
-Points are as in `shaders/fishes.vert` with closed mouth, spread fins and relaxed paired fins, of a
-typical adult: α times as large as the recorded fish and slower by √α, at the pace of its species,
-as in playback.
+`shaders/fishes.vert` computes the points. They are of a typical adult: α times as large as the
+recorded fish and slower by √α, at the pace of its species, as in playback.
 """
 
 from collections.abc import Mapping
@@ -14,21 +13,54 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
 from subsea.base.system import is_path
-from subsea.export.drawn_surface import Surface
 from subsea.export.fin_motion import FinPlayer
 from subsea.fish.color_sheet import sheet_of
+from subsea.fish.mesh import (
+    ABSENT,
+    BODY,
+    DETAILS,
+    FIN,
+    PECTORAL,
+    PELVIC,
+    fish_mesh,
+    species_vertices,
+)
 from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species, load_species, own_species, repertoire_file
-from subsea.fish.surface import rest_control_points
+from subsea.fish.surface import CONTROL_POINTS, rest_control_points
+from subsea.frame.packet import (
+    FINS,
+    IDENTITY,
+    INSTANCE_COLUMNS,
+    KIND,
+    ORIENTATION,
+    POSITION,
+    ROW_A,
+    ROW_B,
+    SCALE,
+)
 from subsea.geometry.rotation import matrix, multiply, normalised
+from subsea.rendering.fish.fishes import FishShape
+from subsea.rendering.fish.preview import without_variation
 from subsea.repertoire import Repertoire, Segment, read_repertoire
 
 OPAQUE = 250  # of 255; less opaque texels are blended
 ROUGHNESS = 0.45  # of a wet skin
+SWEEP_RAD = 0.35  # of relaxed paired fins, away from the body
+AT_EASE = (SWEEP_RAD, SWEEP_RAD, 0.0, 0.0, 0.0, 1.0, 0.0)  # as `frame.packet.FINS`
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+FIN_NAMES = {  # part and side of a vertex
+    "dorsal": (FIN, 1.0),
+    "ventral": (FIN, -1.0),
+    "pectoral_left": (PECTORAL, -1.0),
+    "pectoral_right": (PECTORAL, 1.0),
+    "pelvic_left": (PELVIC, -1.0),
+    "pelvic_right": (PELVIC, 1.0),
+}
 
 
 class Model(NamedTuple):
-    """The mesh of a species at rest: n vertices, those of the body before those of fins."""
+    """The mesh of a species at rest: n vertices, first of the body, then of fins."""
 
     name: str  # of its file
     length_cm: float
@@ -43,7 +75,7 @@ class Model(NamedTuple):
 
 
 class Clip(NamedTuple):
-    """A recorded segment in T frames; a cyclic one ends in its first pose."""
+    """A recorded segment in T frames. A cyclic segment ends in its first pose."""
 
     name: str
     fps: float
@@ -52,11 +84,73 @@ class Clip(NamedTuple):
     normals: Array  # (T, n, 3)
     position: Array  # (T, 3) cm, of the body frame; begins at the origin
     rotation: Array  # (T, 4) unit quaternions (w, x, y, z) of continuous sign; begins as identity
-    beats: int  # of the tail, in a cyclic one
+    beats: int  # of the tail, in a cyclic segment
+
+
+class Surface:
+    """The drawn surface of a species at a level of detail, without missing fins: n vertices."""
+
+    def __init__(self, species: Species, length_cm: float, detail: int) -> None:
+        """Prepare the surface of a recorded fish of this length; UserError without OpenGL."""
+        mesh = fish_mesh(DETAILS[detail])
+        self._exists = species_vertices(species.surface, mesh, DETAILS[detail])[:, 2] != ABSENT
+        number = np.cumsum(self._exists) - 1
+        once = mesh.triangles[: mesh.body + mesh.fins]
+        has = self._exists[once].all(axis=1)
+        self.triangles = number[once[has]].astype(np.int32)
+        self.body = int(has[: mesh.body].sum())
+        part, side = mesh.vertices[self._exists, 12], mesh.vertices[self._exists, 14]
+        self.solid = int((part == BODY).sum())
+        self.fins = {
+            name: np.flatnonzero((part == kind) & (side == sign))
+            for name, (kind, sign) in FIN_NAMES.items()
+            if ((part == kind) & (side == sign)).any()
+        }
+        self._shape = FishShape((species,), (length_cm,), detail)
+        alike = FishShape((without_variation(species),), (length_cm,), detail)
+        skin = alike.at(_instances(1), np.zeros((1, CONTROL_POINTS, 3))).skin[0]
+        self.uv = np.clip(skin[self._exists].astype(np.float64), 0.0, 1.0)
+
+    def at(self, control: Array, fins: Array | None = None) -> tuple[Array, Array]:
+        """Compute points and normals (T, n, 3) for control points (T, 426, 3).
+
+        `fins` (T, 7) are as in `state.Fishes`; None: at ease, with the mouth shut.
+        """
+        rows = _instances(len(control))
+        rows[:, ROW_A] = rows[:, ROW_B] = np.arange(len(control))
+        if fins is not None:
+            rows[:, FINS] = fins
+        return self.drawn(rows, control)
+
+    def drawn(self, instances: Array, control_points: Array) -> tuple[Array, Array]:
+        """Compute points and normals (T, n, 3) of instances (T, 23), in body axes.
+
+        Their poses are rows of `control_points` (rows, 426, 3). Points have the fish's own size.
+        """
+        rows = np.array(instances, np.float32)
+        rows[:, POSITION], rows[:, ORIENTATION], rows[:, KIND] = 0.0, UNTURNED, 0.0
+        shown = self._shape.at(rows, control_points)
+        # Single precision is too coarse for the sums over frames of what follows.
+        places = shown.places[:, self._exists].astype(np.float64)
+        return places, shown.normals[:, self._exists].astype(np.float64)
+
+    def tints(self, identities: Array) -> Array:
+        """Compute factors (k, 3) of the colours of fishes, which tell them from each other."""
+        rows = _instances(len(identities))
+        rows[:, IDENTITY] = identities
+        tone = self._shape.at(rows, np.zeros((1, CONTROL_POINTS, 3))).tone
+        return np.asarray(tone[:, 0, :3], np.float64)
+
+
+def _instances(number: int) -> Array:
+    """Instances (number, 23) of a fish at the origin in the first pose, with fins at ease."""
+    rows = np.zeros((number, INSTANCE_COLUMNS), np.float32)
+    rows[:, SCALE], rows[:, ORIENTATION], rows[:, FINS] = 1.0, UNTURNED, AT_EASE
+    return rows
 
 
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
-    """The mesh of a species at a level of detail, and a clip of each recorded segment.
+    """Make the mesh of a species at a level of detail, and a clip of each recorded segment.
 
     UserError for an unknown species, a path, or a faulty repertoire.
     """
@@ -75,7 +169,7 @@ def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:
 def clips_of(
     name: str, species: Species, repertoire: Repertoire, detail: int
 ) -> tuple[Model, list[Clip]]:
-    """Mesh and clips of a given species and repertoire."""
+    """Make mesh and clips of a given species and repertoire."""
     size, snout = repertoire.body_length_cm, float(repertoire.rest_nodes[0, 0])
     model, surface = model_of(name, species, size, snout, detail)
     scale = model.length_cm / size
@@ -84,20 +178,20 @@ def clips_of(
     fins = FinPlayer(species, repertoire, scale)
     clips = []
     for segment in repertoire.recorded_names():
-        one = repertoire.segments[segment]
-        control = one.control_points
-        control = place(coupling, one.nodes) if control is None else control
+        recorded = repertoire.segments[segment]
+        control = recorded.control_points
+        control = place(coupling, recorded.nodes) if control is None else control
         beats, moved = fins.clip(segment)
         shown = np.arange(len(moved)) % len(control)
         points, normals = surface.at(control[shown], moved)
-        if one.cyclic:
+        if recorded.cyclic:
             points[-1], normals[-1] = points[0], normals[0]
-        position, rotation = root_motion(one, beats)
+        position, rotation = root_motion(recorded, beats)
         clips.append(
             Clip(
                 name=segment,
                 fps=species.pace / (repertoire.tick_s * np.sqrt(scale)),
-                cyclic=one.cyclic,
+                cyclic=recorded.cyclic,
                 points=scale * points,
                 normals=normals,
                 position=scale * position,
@@ -111,7 +205,7 @@ def clips_of(
 def model_of(
     name: str, species: Species, recorded_cm: float, snout_cm: float, detail: int
 ) -> tuple[Model, Surface]:
-    """The mesh of a typical adult at rest, and the surface of the recorded fish.
+    """Make the mesh of a typical adult at rest, and the surface of the recorded fish.
 
     `recorded_cm` is the length of the recorded fish, `snout_cm` the x of its snout at rest.
     """
@@ -135,7 +229,7 @@ def model_of(
 
 
 def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
-    """Position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
+    """Compute position (T, 3), cm, and attitude (T, 4) of each frame relative to the first.
 
     A cyclic segment is repeated for a number of beats.
 
@@ -151,8 +245,13 @@ def root_motion(segment: Segment, beats: int = 1) -> tuple[Array, Array]:
     return np.array(position), np.array(rotation)
 
 
+def all_points(clips: list[Clip]) -> Array:
+    """Return the points (F, n, 3) of all clips, which follow each other."""
+    return np.concatenate([clip.points for clip in clips])
+
+
 def first_frames(clips: list[Clip]) -> list[int]:
-    """The number of each clip's first frame, when all clips follow one another."""
+    """Number the first frame of each clip, when all clips follow each other."""
     return np.cumsum([0, *(len(clip.points) for clip in clips[:-1])]).tolist()
 
 
@@ -174,7 +273,7 @@ def bake_root(clip: Clip) -> Clip:
 
 
 def transparent_triangles(model: Model) -> NDArray[np.bool_]:
-    """Which triangles (m,) show texels that are not opaque."""
+    """Find the triangles (m,) that show texels which are not opaque."""
     height, width = model.sheet.shape[:2]
     corners = model.uv[model.triangles]  # (m, 3, 2)
     weights = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
@@ -184,15 +283,23 @@ def transparent_triangles(model: Model) -> NDArray[np.bool_]:
     return np.asarray((model.sheet[row, column, 3] < OPAQUE).any(axis=1))
 
 
+def turned_to_normals(triangles: Ints, points: Array, normals: Array) -> Ints:
+    """Turn triangles (m, 3) to the side of the normals (n, 3) of their corners."""
+    turned = (_across(triangles, points) * normals[triangles].sum(axis=1)).sum(axis=1) < 0.0
+    return np.where(turned[:, None], triangles[:, ::-1], triangles).astype(np.int32)
+
+
+def _across(triangles: Ints, points: Array) -> Array:
+    """Compute a normal (m, 3) of each triangle, twice as long as its area."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
 def _facing(triangles: Ints, body: int, points: Array, normals: Array) -> tuple[Ints, int]:
     """Turn fin triangles to the side of their normals and drop degenerate ones.
 
-    Return also the number of the body's.
+    Return also the number of those of the body.
     """
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    turned = (across * normals[triangles].sum(axis=1)).sum(axis=1) < 0.0
-    turned[:body] = False
-    kept = (across**2).sum(axis=1) > 1e-16 * np.ptp(points[:, 0]) ** 4
-    facing = np.where(turned[:, None], triangles[:, ::-1], triangles)
-    return facing[kept], int(kept[:body].sum())
+    kept = (_across(triangles, points) ** 2).sum(axis=1) > 1e-16 * np.ptp(points[:, 0]) ** 4
+    fins = turned_to_normals(triangles[body:], points, normals)
+    return np.concatenate([triangles[:body], fins])[kept], int(kept[:body].sum())

@@ -7,19 +7,20 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force, number_reader
 from subsea.base.errors import UserError
 from subsea.dive import arguments as shared
-from subsea.export import COMPRESSIONS, PLAIN
+from subsea.export.options import add_detail, add_gltf
 
 GROUP = "dive and film"  # in the help
 
 
 def add(commands: Any) -> None:
-    """Add the command."""
+    """Add the command to the parser."""
     parser = add_command(
         commands,
         "export",
         "export a scene to other programs",
         "Writes the fishes with their motion, the camera, sand, stone, corals and seaweed of any\n"
-        "seconds of a dive: docs/how-to/export-scene.md. Frames are those of `subsea film`.\n"
+        "seconds of a dive: docs/how-to/export-scene.md. Frames are those of `subsea film`. Needs\n"
+        "OpenGL but no display.\n"
         "Targets:\n"
         "  usd   USD stage with points in each frame: OUT.usdc or OUT.usdz; needs the extra `usd`\n"
         "  gltf  glTF 2.0 with a skeleton for each fish: OUT.glb\n"
@@ -57,31 +58,16 @@ def add(commands: Any) -> None:
         metavar="LIST",
         help="of sand, stone, corals (and sponges), seaweed; or none (default: all)",
     )
-    parser.add_argument(
-        "--detail",
-        type=number_reader(int, 0, 3),
-        default=1,
-        metavar="N",
-        help="level of detail, 0 is the finest (default 1)",
-    )
+    add_detail(parser, 1)
     parser.add_argument(
         "--poses",
         type=number_reader(int, 1, 1000),
         metavar="N",
         help="usd: bake N poses of each species, and place instances of them",
     )
-    parser.add_argument(
-        "--morph", action="store_true", help="gltf: morph targets instead of skeletons"
-    )
+    add_gltf(parser)
     parser.add_argument(
         "--vat", action="store_true", help="gltf: a vertex animation texture of each species"
-    )
-    parser.add_argument(
-        "--compress",
-        choices=COMPRESSIONS,
-        default=PLAIN,
-        help="gltf: round numbers, or compress them and colours; needs the extra `meshopt` "
-        "(default none)",
     )
     parser.add_argument(
         "--instances",
@@ -103,9 +89,9 @@ def _groups(text: str) -> tuple[str, ...]:
 
 def run(options: Namespace) -> int:
     """Export the scene."""
-    from subsea.export.dive_scene import export_scene
-    from subsea.export.recording import SceneFilmOptions
-    from subsea.export.scene import GROUPS, SceneOptions
+    from subsea.export.options import SceneOptions
+    from subsea.export.recording import SceneFilmOptions, export_scene
+    from subsea.export.scene import GROUPS
     from subsea.scenario.load import load_scenario
 
     if options.record is not None:

@@ -1,7 +1,7 @@
-"""Fins and mouth of a fish that plays a segment, as in the dive (`motor/fins.py`).
+"""Move fins and mouth of a fish that plays a segment, as in the dive (`motor/fins.py`).
 
-In the dive fins, mouth and tail beat at rates of their own. So that a cyclic clip closes, it lasts
-as many beats of the tail as fit best, and fins and mouth beat a little faster or slower.
+In the dive fins, mouth and tail beat at different rates. A cyclic clip must close: it lasts as many
+beats of the tail as fit best, and fins and mouth beat a little faster or slower.
 """
 
 from itertools import product
@@ -26,10 +26,10 @@ LONG_S = 10.0  # in which the fins that do not beat come to rest
 
 
 class FinPlayer:
-    """One fish without a sea, whose fins are moved as those of the dive's fishes."""
+    """A fish without a sea, whose fins the dive moves."""
 
     def __init__(self, species: Species, repertoire: Repertoire, scale: float) -> None:
-        """`scale` is the size of the fish over that of the recorded one."""
+        """Make a fish; `scale` is its size over that of the recorded fish."""
         self._library = pack([repertoire], [coupling_of(species, repertoire)])
         self._fishes = fishes = empty(Fishes, n=1)
         fishes.scale[:], fishes.size_rate[:] = scale, 1.0 / np.sqrt(scale)
@@ -39,7 +39,7 @@ class FinPlayer:
         self._row_s = repertoire.tick_s * np.sqrt(scale) / species.pace
 
     def clip(self, name: str) -> tuple[int, Array]:
-        """The beats of the tail in a clip of a segment, and the fins (T, 7) in its frames.
+        """Count the beats of the tail in a clip of a segment; compute its fins (T, 7).
 
         Columns are those of `state.Fishes.fins`. A cyclic clip ends as it begins.
         """
@@ -60,11 +60,11 @@ class FinPlayer:
         return beats, np.array([*out, out[0]])
 
     def _share(self, segment: int) -> float:
-        """The speed that a fish wants when it plays a segment, as a share of its fast swim."""
+        """Return the speed that a fish wants in a segment, as a share of its fast swim."""
         if segment == STOP:
             return 0.0
-        own = self._library.speed[0]
-        return 1.0 if is_cstart(segment) else float(np.clip(own[segment] / own[FAST], 0.0, 1.0))
+        speed = self._library.speed[0]
+        return 1.0 if is_cstart(segment) else float(np.clip(speed[segment] / speed[FAST], 0.0, 1.0))
 
     def _begin(self, segment: int, share: float) -> None:
         fishes = self._fishes
@@ -73,14 +73,14 @@ class FinPlayer:
         fishes.fin_phase[:], fishes.breath[:] = 0.0, 0.0
 
     def _rates(self) -> Array:
-        """Rates of left fin, right fin and breath, rad/s."""
+        """Measure the rates of left fin, right fin and breath, rad/s."""
         self._step(0, TRIAL_S)
         fishes = self._fishes
         turned = np.array([*fishes.fin_phase[0], fishes.breath[0]], np.float64)
         return np.asarray(((turned + np.pi) % (2.0 * np.pi) - np.pi) / TRIAL_S)
 
     def _run(self, segment: int, rows: int) -> Array:
-        """Fins in all frames of a segment that is played once."""
+        """Compute the fins in all frames of a segment that is played once."""
         fishes = self._fishes
         fishes.segment[:] = segment
         fishes.tempo[:] = CSTART_TEMPO if is_cstart(segment) else 1.0
@@ -88,7 +88,7 @@ class FinPlayer:
         return np.array([self._step(row, self._row_s if row else 0.0) for row in range(rows)])
 
     def _at(self, row: int, phases: Array) -> Array:
-        """Fins at phases of left fin, right fin and breath."""
+        """Compute the fins at phases of left fin, right fin and breath."""
         self._fishes.fin_phase[0] = phases[:2]
         self._fishes.breath[0] = phases[2]
         return self._step(row, 0.0)
@@ -103,7 +103,10 @@ class FinPlayer:
 
 
 def _fitted(cycles: Array) -> tuple[int, Array]:
-    """The fewest beats in which numbers of cycles a beat are nearly whole, and those numbers."""
+    """Find the fewest beats in which all cycles are nearly whole, and the numbers of cycles.
+
+    `cycles` are those in one beat.
+    """
     best, least, whole = 1, np.inf, np.zeros_like(cycles)
     for beats in range(1, MOST_BEATS + 1):
         wanted = beats * cycles

@@ -1,11 +1,8 @@
-"""The binary container of glTF 2.0: JSON, then one buffer with all arrays.
+"""The binary container of glTF 2.0, whose arrays are stored exactly, or rounded and compressed.
 
-Names of the ways to store a glTF file, apart from what they need.
-
-How arrays are stored in a glTF file: as they are, or rounded and compressed.
-
-`quantised` needs KHR_mesh_quantization of the reader, `meshopt` also EXT_meshopt_compression.
-Keys of animations and texture coordinates are rounded as glTF itself allows.
+A file is JSON, then one buffer with all arrays. `quantised` needs KHR_mesh_quantization of the
+reader, `meshopt` also EXT_meshopt_compression. Keys of animations and texture coordinates are
+rounded as glTF itself allows.
 """
 
 import json
@@ -22,7 +19,7 @@ from subsea.base.errors import UserError
 from subsea.base.system import require
 from subsea.export import COMPRESSIONS, MESHOPT, PLAIN
 from subsea.export.clips import ROUGHNESS
-from subsea.export.licence import copyright_line
+from subsea.export.conventions import copyright_line
 
 QUANTIZATION, COMPRESSION = "KHR_mesh_quantization", "EXT_meshopt_compression"
 SHORT, BYTE, FULL_SHORT, FULL_BYTE = 32767, 127, 65535, 255  # greatest values: of ±1, and of 1
@@ -39,7 +36,7 @@ class PositionGrid(NamedTuple):
 
     @property
     def matrix(self) -> Array:
-        """From stored positions to metres (4, 4)."""
+        """Return the matrix (4, 4) from stored positions to metres."""
         out = np.eye(4)
         if self.half:
             out[:3, :3] *= self.half
@@ -47,7 +44,7 @@ class PositionGrid(NamedTuple):
         return out
 
     def node(self) -> dict[str, list[float]]:
-        """The same as properties of a node."""
+        """Return the grid as properties of a node."""
         if not self.half:
             return {}
         return {"translation": self.middle.tolist(), "scale": [self.half] * 3}
@@ -68,11 +65,11 @@ class Packing(NamedTuple):
 
     @property
     def rounds(self) -> bool:
-        """True if values are rounded to integers."""
+        """Tell if values are rounded to integers."""
         return self.kind != PLAIN
 
     def grid(self, points: Array, reach: float = 0.0) -> PositionGrid:
-        """The grid of points (..., 3), metres, and of offsets of up to `reach` along an axis."""
+        """Make the grid of points (..., 3) and offsets of up to `reach` along an axis, metres."""
         if not self.rounds:
             return PositionGrid(np.zeros(3), 0.0)
         low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
@@ -80,58 +77,56 @@ class Packing(NamedTuple):
         return PositionGrid((low + high) / 2.0, half)
 
     def positions(self, points: Array, grid: PositionGrid) -> Stored:
-        """Positions (n, 3), metres."""
+        """Store positions (n, 3), metres."""
         return self.offsets(points - grid.middle, grid)
 
     def offsets(self, ways: Array, grid: PositionGrid) -> Stored:
-        """Differences (n, 3) of positions, metres."""
-        if not grid.half:
-            return _single(ways)
-        return Stored(np.round(ways / grid.half * SHORT).astype(np.int16), True)
+        """Store differences (n, 3) of positions, metres."""
+        return self._rounded(ways / (grid.half or 1.0), SHORT, np.int16)
 
     def normals(self, normals: Array) -> Stored:
-        """Unit vectors (n, 3)."""
-        return Stored(_bytes(normals), True) if self.rounds else _single(normals)
+        """Store unit vectors (n, 3)."""
+        return self._rounded(normals, BYTE, np.int8)
 
     def turned_normals(self, change: Array) -> Stored:
-        """Differences (n, 3) of unit vectors; those beyond ±1 cannot be rounded."""
-        rounded = self.rounds and np.abs(change).max(initial=0.0) <= 1.0
-        return Stored(_bytes(change), True) if rounded else _single(change)
+        """Store differences (n, 3) of unit vectors; those beyond ±1 cannot be rounded."""
+        return self.normals(change) if np.abs(change).max(initial=0.0) <= 1.0 else _single(change)
 
     def coordinates(self, places: Array) -> Stored:
-        """Texture coordinates (n, 2) from 0 to 1."""
-        if not self.rounds:
-            return _single(places)
-        return Stored(np.round(places * FULL_SHORT).astype(np.uint16), True)
+        """Store texture coordinates (n, 2) or colours (n, 3) from 0 to 1."""
+        return self._rounded(places, FULL_SHORT, np.uint16)
 
     def weights(self, weights: Array) -> Stored:
-        """Weights (n, 4) of joints, of sum 1."""
-        if not self.rounds:
-            return _single(weights)
-        whole = np.round(weights * FULL_BYTE).astype(np.int64)
-        # The greatest takes the rest, so that the sum is exact.
-        rows = np.arange(len(whole))
-        whole[rows, weights.argmax(axis=1)] += FULL_BYTE - whole.sum(axis=1)
-        return Stored(whole.astype(np.uint8), True)
+        """Store weights (n, 4) of joints, of sum 1."""
+        stored = self._rounded(weights, FULL_BYTE, np.uint8)
+        if self.rounds:
+            # The greatest takes what is left, so that the sum is exact.
+            missing = FULL_BYTE - stored.values.sum(axis=1, dtype=np.int64)
+            stored.values[np.arange(len(weights)), weights.argmax(axis=1)] += missing.astype(
+                np.uint8
+            )
+        return stored
 
     def shares(self, shares: Array) -> Stored:
-        """Weights (...) of morph targets, 0 to 1."""
-        if not self.rounds:
-            return _single(shares)
-        return Stored(np.round(shares * FULL_BYTE).astype(np.uint8), True)
+        """Store weights (...) of morph targets, 0 to 1."""
+        return self._rounded(shares, FULL_BYTE, np.uint8)
 
     def rotations(self, turns: Array) -> Stored:
-        """Unit quaternions (T, 4)."""
-        if not self.rounds:
-            return _single(turns)
-        return Stored(np.round(turns * SHORT).astype(np.int16), True)
+        """Store unit quaternions (T, 4)."""
+        return self._rounded(turns, SHORT, np.int16)
 
     def lengths(self, values: Array, step: float) -> Stored:
-        """Positions (T, 3) of nodes, metres; `step` is what they may be off."""
+        """Store positions (T, 3) of nodes, metres; `step` is what they may be off."""
         return Stored(np.asarray(values, np.float32), step=step if self.rounds else 0.0)
 
+    def _rounded(self, values: Array, full: int, kind: type[np.integer[Any]]) -> Stored:
+        """Store `values` as they are, or as integers in steps of 1 / `full`."""
+        if not self.rounds:
+            return _single(values)
+        return Stored(np.round(np.clip(values, -1.0, 1.0) * full).astype(kind), True)
+
     def extensions(self) -> list[str]:
-        """Extensions of glTF that a reader needs."""
+        """List the extensions of glTF that a reader needs."""
         rounded = [QUANTIZATION] if self.rounds else []
         return rounded + ([COMPRESSION] if self.kind == MESHOPT else [])
 
@@ -140,7 +135,7 @@ EXACT = Packing()
 
 
 def packing_of(kind: str) -> Packing:
-    """The packing of a name; UserError without the package that it needs."""
+    """Return the packing of a name; UserError without the package that it needs."""
     if kind not in COMPRESSIONS:
         raise UserError(f"unknown compression {kind!r}, expected {', '.join(COMPRESSIONS)}")
     if kind == MESHOPT:
@@ -150,10 +145,6 @@ def packing_of(kind: str) -> Packing:
 
 def _single(values: Array) -> Stored:
     return Stored(np.asarray(values, np.float32))
-
-
-def _bytes(values: Array) -> NDArray[np.int8]:
-    return np.round(np.clip(values, -1.0, 1.0) * BYTE).astype(np.int8)
 
 
 TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}  # componentType
@@ -194,7 +185,7 @@ class GlbBuffer:
 
         Readers and files are quicker and smaller with few views.
         """
-        rows = [_rows(one.values) for one in arrays]
+        rows = [_rows(array.values) for array in arrays]
         kind, wide = rows[0].dtype.str[1:], rows[0].shape[1]
         size = rows[0].itemsize * wide
         stride = size + (-size % WORD if target == VERTICES else 0)
@@ -204,14 +195,14 @@ class GlbBuffer:
             if stride != size:
                 self.views[number]["byteStride"] = stride
         begin = 0
-        for one, part in zip(arrays, rows, strict=True):
+        for array, part in zip(arrays, rows, strict=True):
             self.accessors.append(
                 {"bufferView": number}
                 | ({"byteOffset": begin} if begin else {})
                 | {"componentType": TYPES[kind], "count": len(part)}
-                | ({"normalized": True} if one.normalised else {})
-                | {"type": SHAPES[one.values.shape[1:]]}
-                | ({} if one.step or wide not in BOUNDED else _bounds(part))
+                | ({"normalized": True} if array.normalised else {})
+                | {"type": SHAPES[array.values.shape[1:]]}
+                | ({} if array.step or wide not in BOUNDED else _bounds(part))
             )
             begin += len(part) * stride
         return list(range(len(self.accessors) - len(arrays), len(self.accessors)))
@@ -223,12 +214,12 @@ class GlbBuffer:
         """
         rows = _rows(values.values)
         moved = np.flatnonzero(rows.any(axis=1))
-        one = rows.itemsize * rows.shape[1]
+        size = rows.itemsize * rows.shape[1]
         short = len(rows) <= np.iinfo(np.uint16).max
         index = np.uint16 if short else np.uint32
         # Two views and their JSON take some hundred bytes.
-        sparse = (len(moved) or 1) * (one + index(0).itemsize) + 300
-        if not self.packing.rounds or sparse >= len(rows) * (one + -one % WORD):
+        sparse = (len(moved) or 1) * (size + index(0).itemsize) + 300
+        if not self.packing.rounds or sparse >= len(rows) * (size + -size % WORD):
             return self.add(values, VERTICES)
         moved = moved if len(moved) else np.zeros(1, np.int64)
         self.accessors.append(
@@ -250,17 +241,17 @@ class GlbBuffer:
         return len(self.accessors) - 1
 
     def buffers(self) -> list[dict[str, Any]]:
-        """The buffers of the file: the data, and what readers decompress them to."""
-        own: list[dict[str, Any]] = [{"byteLength": len(self.data)}]
+        """Describe the buffers of the file: the data, and the place to decompress them to."""
+        buffers: list[dict[str, Any]] = [{"byteLength": len(self.data)}]
         if self._unpacked:
             fallback = {COMPRESSION: {"fallback": True}}
-            own.append({"byteLength": self._unpacked, "extensions": fallback})
-        return own
+            buffers.append({"byteLength": self._unpacked, "extensions": fallback})
+        return buffers
 
     def extensions(self) -> list[str]:
-        """Extensions that a reader of these arrays needs."""
-        own = self.packing.extensions()
-        return own if self._unpacked else [name for name in own if name != COMPRESSION]
+        """List the extensions that a reader of these arrays needs."""
+        needed = self.packing.extensions()
+        return needed if self._unpacked else [name for name in needed if name != COMPRESSION]
 
     def _append(self, data: bytes) -> int:
         self.data += bytes(-len(self.data) % WORD)
@@ -270,45 +261,45 @@ class GlbBuffer:
     def _compressed(
         self, rows: list[NDArray[Any]], stride: int, target: int | None, step: float
     ) -> int | None:
-        """Append rows compressed; the number of their view, None if they are stored as they are."""
+        """Append rows compressed; return their view, or None if they cannot be made shorter."""
         if self.packing.kind != MESHOPT:
             return None
         import meshopt
 
         whole = rows[0] if len(rows) == 1 else np.concatenate(rows)
         size = len(whole) * stride
-        own: dict[str, Any] = {}
+        coded: dict[str, Any] = {}
         if target == INDICES:
-            own |= {"byteStride": whole.itemsize, "count": len(whole), "mode": "TRIANGLES"}
+            coded |= {"byteStride": whole.itemsize, "count": len(whole), "mode": "TRIANGLES"}
             data = meshopt.encode_gltf_buffer(whole[:, 0].astype(np.uint32), "TRIANGLES")
         else:
             if step:  # Fractions with a common exponent for a vector.
                 most = float(np.abs(whole).max()) or step
                 bits = min(max(math.ceil(math.log2(most / step)) + 2, 2), MOST_BITS)
                 packed = meshopt.encode_filter_exp(whole, bits, "SharedVector")
-                own["filter"] = "EXPONENTIAL"
+                coded["filter"] = "EXPONENTIAL"
             else:
                 flat = _padded(whole, stride).reshape(-1)
                 width = stride if stride % WORD == 0 else WORD
                 packed = np.concatenate([flat, np.zeros(-len(flat) % width, np.uint8)])
                 packed = packed.reshape(-1, width)
                 size = packed.size
-            own |= {"byteStride": packed.shape[1], "count": len(packed), "mode": "ATTRIBUTES"}
+            coded |= {"byteStride": packed.shape[1], "count": len(packed), "mode": "ATTRIBUTES"}
             data = meshopt.encode_gltf_buffer(packed, "ATTRIBUTES")
         if len(data) >= size:
             return None
-        own |= {"buffer": 0, "byteOffset": self._append(data), "byteLength": len(data)}
+        coded |= {"buffer": 0, "byteOffset": self._append(data), "byteLength": len(data)}
         begin = self._unpacked + -self._unpacked % WORD
         self._unpacked = begin + size
         view = {"buffer": 1, "byteOffset": begin, "byteLength": size}
         view |= {"target": target} if target else {}
         view |= {"byteStride": stride} if target == VERTICES else {}
-        self.views.append(view | {"extensions": {COMPRESSION: own}})
+        self.views.append(view | {"extensions": {COMPRESSION: coded}})
         return len(self.views) - 1
 
 
 def material(name: str, looks: dict[str, Any], texture: int = 0) -> dict[str, Any]:
-    """A material with the colours of a texture; `looks` are its blending and sides."""
+    """Describe a material with the colours of a texture; `looks` are its blending and sides."""
     skin = {
         "baseColorTexture": {"index": texture},
         "metallicFactor": 0.0,
@@ -318,23 +309,23 @@ def material(name: str, looks: dict[str, Any], texture: int = 0) -> dict[str, An
 
 
 def asset(species: Iterable[str], extras: dict[str, Any]) -> dict[str, Any]:
-    """The property `asset` of a file with these species."""
+    """Describe the property `asset` of a file with these species."""
     notice = copyright_line(species)
     return {"version": "2.0", "generator": "subsea", "copyright": notice, "extras": extras}
 
 
-def glb(content: dict[str, Any], buffer: GlbBuffer) -> bytes:
-    """The bytes of a .glb file of JSON content and a buffer."""
-    needed = buffer.extensions()
-    used = needed + [name for name in content.get("extensionsUsed", []) if name not in needed]
-    required = needed + content.get("extensionsRequired", [])
+def glb(content: dict[str, Any], buffer: GlbBuffer, needs: Sequence[str] = ()) -> bytes:
+    """Return the bytes of a .glb file of JSON content and a buffer.
+
+    `needs` are extensions that a reader of the content needs.
+    """
     content = content | {
         "accessors": buffer.accessors,
         "bufferViews": buffer.views,
         "buffers": buffer.buffers(),
     }
-    content |= {"extensionsUsed": used} if used else {}
-    content |= {"extensionsRequired": required} if required else {}
+    if extensions := [*buffer.extensions(), *needs]:
+        content |= {"extensionsUsed": extensions, "extensionsRequired": extensions}
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % WORD)
     data = bytes(buffer.data) + bytes(-len(buffer.data) % WORD)
@@ -351,7 +342,7 @@ def glb(content: dict[str, Any], buffer: GlbBuffer) -> bytes:
 
 
 def _rows(values: NDArray[Any]) -> NDArray[Any]:
-    """An array as rows (n, k) of numbers; the columns of matrices one after another."""
+    """Reshape an array to rows (n, k) of numbers; columns of matrices follow one another."""
     rows = np.swapaxes(values, 1, 2) if values.ndim == 3 else values
     return np.ascontiguousarray(rows).reshape(len(values), -1)
 
@@ -361,7 +352,7 @@ def _bounds(rows: NDArray[Any]) -> dict[str, Any]:
 
 
 def _padded(rows: NDArray[Any], stride: int) -> NDArray[np.uint8]:
-    """The bytes (n, stride) of rows, filled up with zeros."""
+    """Return the bytes (n, stride) of rows, filled up with zeros."""
     raw = rows.view(np.uint8).reshape(len(rows), -1)
     if raw.shape[1] == stride:
         return raw

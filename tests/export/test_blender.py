@@ -10,8 +10,9 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from subsea.export import gltf_scene, usd_scene
-from subsea.export.axes import METRES
-from subsea.export.scene import Scene, SceneOptions
+from subsea.export.conventions import METRES
+from subsea.export.options import SceneOptions
+from subsea.export.scene import Scene
 from subsea.geometry.rotation import matrix
 
 ROOT = Path(__file__).parents[2]

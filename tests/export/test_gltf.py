@@ -9,8 +9,8 @@ import pytest
 
 from capture.cli.main import main
 from subsea.export import MESHOPT, QUANTISED
-from subsea.export.axes import Y_UP, to_metres
-from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.clips import Clip, Model, all_points, make_clips, transform_points
+from subsea.export.conventions import Y_UP, to_metres
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
@@ -31,7 +31,7 @@ def fitted(known: str) -> Exported:
     model, clips = make_clips(known, 3)
     if known not in BAKED:
         clips = [clip for clip in clips if clip.name in WIDEST]
-    return model, clips, fit_skeleton(model, clips)
+    return model, clips, fit_skeleton(model, all_points(clips))
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,13 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.export import COMPRESSIONS, MESHOPT, PLAIN, QUANTISED
-from subsea.export.axes import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
+from subsea.export.conventions import METRES, WORLD_Y_UP, Y_UP, Z_UP, sheet_png, to_metres
 from subsea.export.gltf_scene import WRITER
-from subsea.export.png import sheet_png
-from subsea.export.scene import Scene, SceneExtent, SceneMesh, SceneOptions
-from subsea.export.skinning import fit_to_points
+from subsea.export.options import SceneOptions
+from subsea.export.scene import Scene, SceneMesh
+from subsea.export.skinning import fit_skeleton
 from subsea.geometry.rotation import matrix
+from tests.export.conftest import extent_of
 from tests.support.gltf_reader import NodeMoment, Reader
 
 VARIANTS = {"skin": {}, "morph": {"morph": True}, "vat": {"vat": True}}
@@ -91,7 +92,7 @@ def files(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[
     """A file of each variant and compression."""
     out = {}
     with pytest.MonkeyPatch.context() as patch:  # each file would do the same again
-        patch.setattr("subsea.export.gltf_scene.fit_to_points", _once(fit_to_points))
+        patch.setattr("subsea.export.gltf_scene.fit_skeleton", _once(fit_skeleton))
         patch.setattr("subsea.export.gltf.sheet_png", _once(sheet_png))
         for name, kind in MADE:
             path = tmp_path_factory.mktemp(name) / "scene.glb"
@@ -278,13 +279,7 @@ def test_the_file_says_what_it_is(
 
 def test_compression_and_an_estimate(scene: Scene, files: dict[tuple[str, str], Path]) -> None:
     """Each kind is smaller than the one before it; sizes are known beforehand."""
-    models = [scene.models[one.model] for one in scene.fishes]
-    extent = SceneExtent(
-        frames=scene.frames,
-        vertices=tuple(len(one.rest) for one in models),
-        triangles=tuple(len(one.triangles) for one in models),
-        species=tuple(one.model for one in scene.fishes),
-    )
+    extent = extent_of(scene)
     sizes = {}
     for (variant, kind), path in files.items():
         folder = path.with_name("scene_vat")

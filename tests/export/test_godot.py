@@ -12,7 +12,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from subsea.export.gltf_scene import WRITER
-from subsea.export.scene import Scene, SceneOptions
+from subsea.export.options import SceneOptions
+from subsea.export.scene import Scene
 from tests.support.gltf_reader import Reader
 
 FOLDER = Path(__file__).parents[2] / "tools" / "godot"

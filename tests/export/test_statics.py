@@ -6,6 +6,7 @@ import pytest
 from subsea.dive.start import start_world
 from subsea.export.scene import GROUPS, SceneMesh
 from subsea.export.statics import StillMoment, moment_of, static_meshes
+from subsea.habitat.seaweed import KINDS
 from subsea.rendering.reef.coral import bake
 from subsea.world.world import World
 from tests.support.scenes import BARE
@@ -15,7 +16,10 @@ TABLES = """
 position_cm = [-50.0, 150.0]
 spread_cm = 250.0
 number = 60
+"""
+SEAWEED = """
 [[seaweed]]
+kind = "{}"
 position_cm = [-250.0, -200.0]
 spread_cm = 60.0
 clusters = 2
@@ -26,7 +30,7 @@ clusters = 2
 def sea(tmp_path_factory: pytest.TempPathFactory) -> World:
     """A small sea with a rock, some growths and seaweed."""
     file = tmp_path_factory.mktemp("sea") / "grown.toml"
-    file.write_text(BARE.read_text() + TABLES)
+    file.write_text(BARE.read_text() + TABLES + "".join(map(SEAWEED.format, KINDS)))
     return start_world(str(file))
 
 
@@ -93,10 +97,12 @@ def test_stone_is_coarser_at_a_coarser_level(sea: World) -> None:
 
 
 def test_seaweed_is_that_of_the_moment(sea: World) -> None:
-    (now,) = meshes(sea, "seaweed")
-    (then,) = static_meshes(sea, ("seaweed",), 1, StillMoment(9.0, 0.0, np.zeros(3)))
-    assert now.name == "seaweed_ribbon"
-    roots = sea.state.seaweed.node[:, 0, :2]
-    near = np.linalg.norm(now.points[:, None, :2] - roots, axis=2).min(axis=0)
-    assert near.max() < 5.0
-    assert 0.0 < np.abs(now.points - then.points).max() < 20.0
+    """Of each kind all plants stand at their roots, and wave."""
+    now = meshes(sea, "seaweed")
+    then = static_meshes(sea, ("seaweed",), 1, StillMoment(9.0, 0.0, np.zeros(3)))
+    assert [mesh.name for mesh in now] == [f"seaweed_{kind}" for kind in KINDS]
+    for kind, (here, later) in enumerate(zip(now, then, strict=True)):
+        roots = sea.state.seaweed.node[sea.state.seaweed.kind == kind, 0, :2]
+        near = np.linalg.norm(here.points[:, None, :2] - roots, axis=2).min(axis=0)
+        assert near.max() < 5.0
+        assert 0.0 < np.abs(here.points - later.points).max() < 20.0

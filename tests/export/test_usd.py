@@ -9,8 +9,8 @@ import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
 from subsea.base.errors import UserError
-from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
+from subsea.export.conventions import Y_UP, to_metres
 from subsea.export.usd import write_usd
 from subsea.geometry.rotation import matrix
 

@@ -10,8 +10,9 @@ from pxr import Usd
 
 from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import picture_maker, ready_world
+from subsea.export.options import SceneOptions
 from subsea.export.recording import SceneFilmOptions
-from subsea.export.scene import Scene, SceneOptions
+from subsea.export.scene import Scene
 from subsea.export.usd_scene import WRITER
 from subsea.frame.packet import pack
 from subsea.media.film import reach

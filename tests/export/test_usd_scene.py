@@ -12,11 +12,12 @@ from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
 from subsea.base.errors import UserError
 from subsea.export import usd_scene
-from subsea.export.axes import WORLD_Y_UP, to_metres
-from subsea.export.png import sheet_png
-from subsea.export.scene import Scene, SceneExtent, SceneOptions
-from subsea.export.usd_scene import WRITER
+from subsea.export.conventions import WORLD_Y_UP, sheet_png, to_metres
+from subsea.export.options import SceneOptions
+from subsea.export.scene import Scene
+from subsea.export.usd_scene import WRITER, _representatives, bake_poses
 from subsea.geometry.rotation import matrix
+from tests.export.conftest import extent_of
 
 WHOLE = SceneOptions()
 
@@ -185,12 +186,7 @@ def test_the_same_scene_is_the_same_bytes(dive: Scene, tmp_path: Path) -> None:
 
 
 def test_the_estimate_is_near_the_bytes(dive: Scene, file: Path) -> None:
-    extent = SceneExtent(
-        dive.frames,
-        tuple(len(dive.models[fish.model].rest) for fish in dive.fishes),
-        tuple(len(dive.models[fish.model].triangles) for fish in dive.fishes),
-        tuple(fish.model for fish in dive.fishes),
-    )
+    extent = extent_of(dive)
     pictures = sum(path.stat().st_size for path in (file.parent / "bare_textures").iterdir())
     still = sum(24 * len(one.points) + 12 * len(one.points) for one in dive.statics)
     still += sum(12 * len(one.triangles) for one in dive.statics)
@@ -234,3 +230,36 @@ def file_limit() -> Iterator[Callable[[int], None]]:
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("model", [0, 1])
+def test_more_poses_are_nearer(dive: Scene, model: int) -> None:
+    errors = []
+    for number in (1, 8, 64):
+        poses = bake_poses(dive, model, number)
+        assert 1 <= len(poses.points) <= number
+        assert poses.pose.shape == (dive.frames, len(poses.fishes))
+        assert poses.pose.min() >= 0 and poses.pose.max() < len(poses.points)
+        assert poses.most_percent >= poses.rms_percent > 0.0
+        errors.append(poses.rms_percent)
+    assert errors[2] < 0.5 * errors[1] < 0.5 * errors[0]
+
+
+def test_the_printed_error_is_that_of_the_vertices(dive: Scene) -> None:
+    poses = bake_poses(dive, 0, 8)
+    far = []
+    for k, fish in enumerate(poses.fishes.tolist()):
+        points, _ = dive.points(fish)
+        shown = dive.fishes[fish].scale * poses.points[poses.pose[:, k]]
+        far.append(np.linalg.norm(shown - points, axis=2) / dive.fishes[fish].length_cm)
+    assert 100.0 * np.sqrt(np.mean(np.square(far))) == pytest.approx(poses.rms_percent, rel=1e-6)
+    assert 100.0 * np.max(far) == pytest.approx(poses.most_percent, rel=1e-6)
+
+
+def test_representatives_find_separate_clusters() -> None:
+    rng = np.random.default_rng(3)
+    middles = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]])
+    samples = np.repeat(middles, 40, axis=0) + rng.normal(0.0, 0.3, (120, 2))
+    chosen = _representatives(samples, 3)
+    assert sorted(chosen // 40) == [0, 1, 2]
+    assert len(_representatives(np.zeros((9, 2)), 4)) == 1  # all alike: one is enough

@@ -11,10 +11,9 @@ import pytest
 from PIL import Image
 
 from subsea.base.errors import UserError
-from subsea.export.axes import Y_UP, to_metres
 from subsea.export.clips import Clip, Model, make_clips, transform_points
-from subsea.export.png import png16
-from subsea.export.vat import write_vat
+from subsea.export.conventions import Y_UP, to_metres
+from subsea.export.vat import png16, write_vat
 from subsea.geometry.rotation import matrix
 from subsea.rendering.gl.context import headless_context
 

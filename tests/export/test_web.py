@@ -21,8 +21,9 @@ from subsea.base.errors import UserError
 from subsea.dive.directed_camera import tour_steering
 from subsea.dive.start import headless, picture_maker, start_world
 from subsea.export import web
+from subsea.export.options import SceneOptions
 from subsea.export.recording import SceneFilmOptions, make_scene, record_frames
-from subsea.export.scene import SceneExtent, SceneOptions
+from subsea.export.scene import SceneExtent
 from subsea.export.statics import static_meshes
 from subsea.export.web import WORDS
 from subsea.frame.packet import PackOptions, pack
@@ -316,7 +317,7 @@ def test_options_of_other_formats_and_other_folders_are_refused(written, tmp_pat
     check(written.folder, SceneOptions())
     with pytest.raises(UserError, match="is a file, expected a folder"):
         check(tmp_path / "thesis.txt", SceneOptions())
-    extent = SceneExtent(10, (600,) * 4, (1000,) * 4, (0,) * 4)
+    extent = SceneExtent(frames=10, fishes=4, species=1, vertices=600, triangles=1000)
     assert web.WRITER.estimate(extent, SceneOptions()) > web.PAGE_BYTES
 
 

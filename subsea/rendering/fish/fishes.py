@@ -4,9 +4,10 @@ All species are drawn by the same calls: their skins share one atlas, other cons
 in one uniform block, and each instance has the index of its species.
 """
 
+from functools import cache
 from itertools import accumulate
 from math import ceil, cos, radians, sin, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -26,10 +27,11 @@ from subsea.fish.mesh import (
 )
 from subsea.fish.species import CourtshipColours, Species
 from subsea.fish.surface import PaddlePlan
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
+from subsea.frame.packet import INSTANCE_COLUMNS, ROW_A, ROW_B, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
 from subsea.rendering.fish.speck import COARSEST, Speck, places, speck
 from subsea.rendering.gl.context import GpuOwner, replace_data
+from subsea.rendering.gl.feedback import VertexFeedback
 from subsea.rendering.gl.id_buffer import FISH, object_id
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.shaders import (
@@ -46,6 +48,8 @@ FINE = 2  # levels whose fins are drawn after all bodies
 SPECK, OWN_IDS, CAST = ("SPECK",), ("OWN_IDS",), ("CAST",)
 NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
+
+AT_ONCE = 128  # instances of a `FishShape`
 
 # Texels around each skin that repeat its border: one texel at the coarsest mipmap.
 GUTTER = 2**COARSEST
@@ -220,6 +224,61 @@ def _defines(own: tuple[str, ...], defines: tuple[str, ...]) -> tuple[str, ...]:
 def _texels(points: Array) -> Array:
     """Control points (rows, n, 3) as texels (rows, n, 4)."""
     return np.pad(np.asarray(points, np.float32), ((0, 0), (0, 0), (0, 1)))
+
+
+class DrawnVertices(NamedTuple):
+    """Vertices of T fishes as the vertex shader computes them, float32."""
+
+    places: Array  # (T, n, 3) cm, world
+    normals: Array  # (T, n, 3)
+    skin: Array  # (T, n, 2) texture coordinates on the skin of the species
+    tone: Array  # (T, n, 4) factors of red, green and blue, and of saturation
+
+
+class FishShape:
+    """Computes the vertices of fishes by `shaders/fishes.vert`, at one level of detail."""
+
+    def __init__(
+        self, species: tuple[Species, ...], length_cm: tuple[float, ...], level: int
+    ) -> None:
+        """Prepare species of these recorded lengths; UserError without OpenGL."""
+        self._mesh, detail = fish_mesh(DETAILS[level]), DETAILS[level]
+        self._own = np.array([species_vertices(one.surface, self._mesh, detail) for one in species])
+        rows = [
+            row
+            for pair in zip(species, length_cm, strict=True)
+            for row in look(*pair, (0.0, 0.0, 1.0, 1.0))
+        ]
+        self._looks = np.array([*rows, *frames()], "f4")
+        self._shader = _shape_shader(len(species))
+
+    def at(self, instances: Array, control_points: Array) -> DrawnVertices:
+        """Compute all vertices of instances (T, 23) from control points (rows, 426, 3)."""
+        parts = [
+            self._part(instances[first : first + AT_ONCE], control_points)
+            for first in range(0, len(instances), AT_ONCE)
+        ]
+        return DrawnVertices(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def _part(self, instances: Array, control_points: Array) -> list[Array]:
+        instances = np.array(instances, "f4")
+        used, row = np.unique(instances[:, [ROW_A, ROW_B]].astype(int), return_inverse=True)
+        instances[:, [ROW_A, ROW_B]] = row.reshape(-1, 2)
+        return self._shader.run(
+            [
+                (self._mesh.vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
+                (instances, f"{INSTANCE_FORMAT}/i", *INSTANCE_ATTRIBUTES),
+            ],
+            (len(instances), len(self._mesh.vertices)),
+            {"u_table": _texels(control_points[used]), "u_vertices": self._own},
+            {"Looks": self._looks},
+        )
+
+
+@cache
+def _shape_shader(kinds: int) -> VertexFeedback:
+    outputs = {"v_world": 3, "v_normal": 3, "v_skin": 2, "v_tone": 4}
+    return VertexFeedback("fishes", outputs, SPECIES=kinds)
 
 
 def joined(meshes: list[Mesh]) -> tuple[Array, Ints, list[int]]:

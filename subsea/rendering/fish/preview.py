@@ -71,7 +71,7 @@ class FishPreview(GpuOwner):
         super().__init__()
         self._context = context
         self._measure(species)
-        plain = _without_variation(species)
+        plain = without_variation(species)
         scene = RenderScene(
             species=(plain,),
             control_points=np.zeros((1, CONTROL_POINTS, 3), np.float32),
@@ -92,7 +92,7 @@ class FishPreview(GpuOwner):
         """Replace the shape, and the skin sheet if given."""
         self._measure(species)
         self._fishes.update(
-            (_without_variation(species),), (species.length_cm,), None if sheet is None else [sheet]
+            (without_variation(species),), (species.length_cm,), None if sheet is None else [sheet]
         )
 
     def draw(
@@ -191,6 +191,6 @@ class FishPreview(GpuOwner):
         self.size = size
 
 
-def _without_variation(species: Species) -> Species:
-    """The species without individual variation of its skin."""
+def without_variation(species: Species) -> Species:
+    """Return the species without individual variation of its skin."""
     return structs.replace(species, skin=structs.replace(species.skin, variation=ALIKE))

@@ -138,6 +138,8 @@ def avoid_full_disk() -> None:
 def headless_context() -> Any:
     """Make a context without a window; UserError if OpenGL is missing or too old."""
     avoid_full_disk()
+    # Messages of Mesa would hide the line that says what to install.
+    os.environ.setdefault("EGL_LOG_LEVEL", "fatal")
     try:  # moderngl raises plain Exceptions
         context = _create(standalone=True, backend="egl")
     except Exception as egl_fault:

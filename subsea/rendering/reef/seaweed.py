@@ -1,6 +1,7 @@
 """Drawing seaweed: ribbons bent along the chains of leaves in the vertex shader."""
 
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -10,6 +11,7 @@ from subsea.frame.in_sight import LEAF_TEXELS
 from subsea.frame.packet import Packet
 from subsea.kernels import kernel
 from subsea.rendering.gl.context import GpuOwner, replace_data
+from subsea.rendering.gl.feedback import VertexFeedback
 from subsea.rendering.gl.id_buffer import SEAWEED
 from subsea.rendering.gl.programs import ProgramVariants
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
@@ -111,6 +113,46 @@ class SeaweedRenderer(GpuOwner):
                 array.render(moderngl.TRIANGLES, instances=end - first)
                 total += triangles * (end - first)
         return total
+
+
+class BentFronds(NamedTuple):
+    """Vertices of F fronds as the vertex shader computes them, float32, and their triangles."""
+
+    kind: Ints  # (F,)
+    places: Array  # (F, v, 3) cm, world
+    normals: Array  # (F, v, 3)
+    colours: Array  # (F, v, 3) linear, as at the middle of the frond
+    along: Array  # (F, v) share of its length
+    triangles: Ints  # (m, 3) of each
+
+
+def bent_fronds(leaves: Array, coarse: bool, eye: Array, time_s: float) -> BentFronds:
+    """Compute the near fronds on leaves (k, 10, 4), which are texels of a packet.
+
+    Stems are ribbons that face `eye` (3,), in cm. UserError without OpenGL.
+    """
+    ribbons, triangles = ribbon(*(COARSE if coarse else FINE))
+    seen = np.ones((1, len(leaves)), np.bool_)
+    fronds, _ = fronds_of(leaves, seen, 0, len(leaves), FRONDS_AT[2])
+    kind = leaves[fronds[:, 0].astype(int), 0, 3].astype(int)
+    if not len(fronds):
+        nothing = np.zeros((0, len(ribbons), 3), np.float32)
+        return BentFronds(kind, nothing, nothing, nothing, nothing[..., 0], triangles)
+    still = np.eye(4, dtype="f4").tobytes()
+    places, normals, colours, shares = _bending().run(
+        [(ribbons, "2f4", "a_place"), (fronds, "3f4/i", "a_frond")],
+        (len(fronds), len(ribbons)),
+        {"u_leaves": leaves},
+        u_eye=tuple(map(float, eye)), u_time=float(time_s),
+        # A large picture: no frond is widened to a pixel.
+        u_view_projection=still, u_projection=still, u_size=(1e9, 1e9),
+    )  # fmt: skip
+    return BentFronds(kind, places, normals, colours, shares[..., 0], triangles)
+
+
+@cache
+def _bending() -> VertexFeedback:
+    return VertexFeedback("seaweed", {"v_world": 3, "v_normal": 3, "v_colour": 3, "v_place": 4})
 
 
 @kernel

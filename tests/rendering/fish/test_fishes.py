@@ -1,16 +1,14 @@
-"""The vertex shader against numpy, and the levels of detail against each other."""
+"""The vertex shader against splines, and the levels of detail against each other."""
 
 import dataclasses
 from itertools import pairwise
 
-import moderngl
 import numpy as np
 import pytest
 from msgspec import structs
 from scipy.interpolate import BSpline
 
 from subsea.base.system import resource_path
-from subsea.export.drawn_surface import SWEEP_RAD, Surface
 from subsea.fish import paint
 from subsea.fish.face import GAPE_RAD
 from subsea.fish.mesh import (
@@ -20,8 +18,6 @@ from subsea.fish.mesh import (
     FIN,
     PECTORAL,
     PELVIC,
-    VERTEX_ATTRIBUTES,
-    VERTEX_FORMAT,
     finest_basis,
     fish_mesh,
     sample_indices,
@@ -43,11 +39,10 @@ from subsea.fish.surface import (
 from subsea.geometry.curves import greville
 from subsea.geometry.rotation import matrix
 from subsea.rendering.fish import fishes
-from subsea.rendering.fish.fishes import INSTANCE_ATTRIBUTES, INSTANCE_FORMAT, frames, look
+from subsea.rendering.fish.fishes import AT_ONCE, FishShape
 from subsea.rendering.fish.preview import FINS as AT_EASE
 from subsea.rendering.fish.preview import FishPreview, Orbit
 from subsea.rendering.fish.speck import speck
-from subsea.rendering.gl.shaders import set_uniforms, source
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
 
@@ -55,17 +50,17 @@ PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
 
 
-@pytest.fixture(scope="module")
-def shaded(context, scene):
+def shaded(level, packet, scene, stiff=None):
     """World positions and normals (n, 3) of one fish's vertices, as the shader computes them."""
-    compiled = context.program(
-        vertex_shader=source("fishes.vert", SPECIES=len(scene.species)),
-        varyings=("v_world", "v_normal"),
-    )
-    yield lambda level, packet, scene=scene, stiff=None: _shaded(
-        context, compiled, scene, level, packet, stiff
-    )
-    compiled.release()
+    species = scene.species
+    if stiff is not None:
+        species = tuple(
+            structs.replace(one, surface=structs.replace(one.surface, stiff_fins=stiff))
+            for one in species
+        )
+    shape = FishShape(species, scene.recorded_length_cm, level)
+    drawn = shape.at(packet.instances[:1], scene.control_points)
+    return drawn.places[0], drawn.normals[0]
 
 
 def dressed(scene, species, level):
@@ -73,52 +68,6 @@ def dressed(scene, species, level):
     return MESHES[level], species_vertices(
         scene.species[species].surface, MESHES[level], DETAILS[level]
     )
-
-
-def _shaded(context, program, scene, level, packet, stiff):
-    mesh = MESHES[level]
-    own = [dressed(scene, k, level)[1] for k in range(len(scene.species))]
-    rows, points = scene.control_points.shape[:2]
-    table = np.zeros((rows, points, 4), np.float32)
-    table[..., :3] = scene.control_points
-    textures = []
-    for unit, texels in enumerate((table, np.array(own, np.float32))):
-        size = texels.shape[1], texels.shape[0]
-        textures.append(context.texture(size, 4, texels.tobytes(), dtype="f4"))
-        textures[-1].use(unit)
-    looks = np.array(
-        [
-            look(one, length, (0.0, 0.0, 1.0, 1.0))
-            for one, length in zip(scene.species, scene.recorded_length_cm, strict=True)
-        ],
-        np.float32,
-    )
-    if stiff is not None:
-        looks[:, 3, 3] = stiff
-    block = context.buffer(looks.tobytes() + np.array(frames(), "f4").tobytes())
-    block.bind_to_uniform_block(0)
-    program["Looks"].binding = 0
-    vertices = context.buffer(mesh.vertices.tobytes())
-    instances = context.buffer(packet.instances.tobytes())
-    kept = [name for name in VERTEX_ATTRIBUTES if name in program]
-    assert kept == list(VERTEX_ATTRIBUTES)
-    array = context.vertex_array(
-        program,
-        [
-            (vertices, VERTEX_FORMAT, *VERTEX_ATTRIBUTES),
-            (instances, f"{INSTANCE_FORMAT}/i", *INSTANCE_ATTRIBUTES),
-        ],
-        skip_errors=True,
-    )
-    out = context.buffer(reserve=len(mesh.vertices) * 24)
-    target = context.simple_framebuffer((1, 1))  # without a window no other framebuffer is bound
-    target.use()
-    set_uniforms(program, u_table=0, u_vertices=1)
-    array.transform(out, moderngl.POINTS, vertices=len(mesh.vertices), instances=1)
-    result = np.frombuffer(out.read(), np.float32).reshape(-1, 6)
-    for held in (array, out, target, vertices, instances, block, *textures):
-        held.release()
-    return result[:, :3], result[:, 3:]
 
 
 def surface(control, u, v):
@@ -142,13 +91,11 @@ def surface(control, u, v):
 
 @pytest.mark.parametrize("species", [0, 1])
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_positions_and_normals_are_those_of_the_spline(
-    shaded, scene, make_packet, fish, species, level
-):
+def test_positions_and_normals_are_those_of_the_spline(scene, make_packet, fish, species, level):
     one = fish(species, (30.0, -12.0, -150.0), heading=0.8, weight=0.35, scale=1.3)
     packet = make_packet([one])
     mesh, own = dressed(scene, species, level)
-    position, normal = shaded(level, packet)
+    position, normal = shaded(level, packet, scene)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
     control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
@@ -173,37 +120,24 @@ def test_positions_and_normals_are_those_of_the_spline(
     assert checked == (mesh.vertices[:, PART] <= FIN).sum()
 
 
-SHAPES = {
-    "at ease": (SWEEP_RAD, SWEEP_RAD, 0.0, 0.0, 0.0, 1.0, 0.0),
-    "fins move": (0.9, 0.1, 0.4, -0.3, 0.0, 1.0, 0.0),
-    "a fin folds, the tail spreads": (0.5, 0.5, 0.0, 0.0, 0.0, 0.35, 0.4),
-    "a bite": (0.5, 0.5, 0.0, 0.0, 1.0, 1.0, 0.0),
-    "everything": (0.2, 1.1, -0.5, 0.6, 0.7, 0.6, 0.2),
-}
-
-
-@pytest.mark.parametrize("fins", SHAPES.values(), ids=SHAPES)
-@pytest.mark.parametrize("species", [0, 1])
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_what_is_exported_is_what_is_drawn(shaded, scene, make_packet, fish, species, level, fins):
-    """Includes moving fins and mouth; upright at the origin, heading along x."""
-    packet = make_packet([fish(species, (0.0, 0.0, 0.0), heading=0.0, weight=0.35)])
-    packet.instances[0, 12:19] = fins
-    drawn = shaded(level, packet)
-    row = packet.instances[0].astype(np.float64)
-    table = scene.control_points.astype(np.float64)
-    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
-    surface = Surface(scene.species[species], scene.recorded_length_cm[species], level)
-    exported = surface.at(control[None], row[None, 12:19])
-    for values, shown, most in zip(exported, drawn, (2e-4, 2e-3), strict=True):
-        x, y, z = values[0].T
-        np.testing.assert_allclose(np.stack([x, -z, y], axis=1), shown, atol=most)
+def test_many_fishes_at_once_are_as_each_alone(scene, make_packet, fish, level):
+    """Of both species, with other fins, and poses in any rows."""
+    kinds = [k % 2 for k in range(AT_ONCE + 9)]
+    packet = make_packet([fish(kind, (30.0 * k, 0.0, 0.0)) for k, kind in enumerate(kinds)])
+    packet.instances[:, 12:19] = np.random.default_rng(2).uniform(0.0, 0.9, (len(kinds), 7))
+    shape = FishShape(scene.species, scene.recorded_length_cm, level)
+    together = shape.at(packet.instances, scene.control_points)
+    for k in (0, 1, AT_ONCE, AT_ONCE + 8):
+        alone = shape.at(packet.instances[k : k + 1], scene.control_points)
+        for values, one in zip(together, alone, strict=True):
+            np.testing.assert_array_equal(values[k], one[0])
 
 
-def test_normals_of_the_body_point_outward(shaded, scene, make_packet, fish):
+def test_normals_of_the_body_point_outward(scene, make_packet, fish):
     packet = make_packet([fish(1, (0.0, 0.0, 0.0), heading=0.0)])
     mesh, own = dressed(scene, 1, 0)
-    position, normal = shaded(0, packet)
+    position, normal = shaded(0, packet, scene)
     flank = (mesh.vertices[:, PART] == BODY) & (mesh.vertices[:, ALONG] == 0.5)
     flank &= (own[:, 3] > 0.2) & (own[:, 3] < 0.7)
     assert flank.sum() > 50
@@ -213,7 +147,7 @@ def test_normals_of_the_body_point_outward(shaded, scene, make_packet, fish):
 
 
 @pytest.mark.parametrize("level", range(len(DETAILS)))
-def test_both_halves_meet_without_a_crease(shaded, scene, make_packet, fish, level):
+def test_both_halves_meet_without_a_crease(scene, make_packet, fish, level):
     """Normals of a straight body agree at its ridges, and point ahead at the snout."""
     straight = scene.control_points.copy()
     rest = rest_control_points(scene.species[0].surface, scene.recorded_length_cm[0], 6.0)
@@ -235,33 +169,33 @@ def test_both_halves_meet_without_a_crease(shaded, scene, make_packet, fish, lev
     np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0, atol=1e-4)
 
 
-def test_pectoral_fins_sweep_outward(shaded, make_packet, fish):
+def test_pectoral_fins_sweep_outward(scene, make_packet, fish):
     mesh = MESHES[0]
     paddles = mesh.vertices[:, PART] == PECTORAL
     reach = []
     for sweep in (0.0, 0.8):
         packet = make_packet([fish(0, (0, 0, 0), heading=0.0, weight=0.0, pectoral=(sweep, sweep))])
-        position, _ = shaded(0, packet)
+        position, _ = shaded(0, packet, scene)
         reach.append(-position[paddles, 1] * mesh.vertices[paddles, SIDE])
     assert reach[1].max() > reach[0].max() + 1.0
 
 
-def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(shaded, scene, make_packet, fish):
+def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(scene, make_packet, fish):
     mesh, own = dressed(scene, 0, 0)
     still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
     moved.instances[0, 17:19] = 0.5, 0.4  # folded by half, spread
     change = {}
-    for stiff in (0.0, 1.0):
-        places = [shaded(0, p, stiff=stiff)[0] for p in (still, moved)]
+    for stiff in (False, True):
+        places = [shaded(0, p, scene, stiff)[0] for p in (still, moved)]
         change[stiff] = np.abs(places[0] - places[1]).max(axis=1)
     fins = mesh.vertices[:, PART] == FIN
     tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > 0.95)
-    assert change[0.0][fins].max() > 0.5
-    assert change[0.0][tail].max() > 0.5
-    assert change[1.0].max() == 0.0
+    assert change[False][fins].max() > 0.5
+    assert change[False][tail].max() > 0.5
+    assert change[True].max() == 0.0
 
 
-def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(shaded, scene, make_packet, fish):
+def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(scene, make_packet, fish):
     """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
     species, size = scene.species[0], scene.recorded_length_cm[0]
     straight = scene.control_points.copy()

@@ -5,11 +5,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from subsea.base.command_line import add_command, add_force, number_reader
-from subsea.base.errors import UserError
+from subsea.base.command_line import add_command, add_force
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
-from subsea.export import COMPRESSIONS, PLAIN
+from subsea.export.options import add_detail, add_gltf, check_options
 
 KINDS = {
     ".glb": GLTF,
@@ -28,7 +27,8 @@ def add(commands: Any) -> None:
         commands,
         "export",
         "export a species and its motion to other programs",
-        "Writes mesh, texture and a clip for each segment: docs/how-to/export.md. Formats:\n"
+        "Writes mesh, texture and a clip for each segment: docs/how-to/export.md. Needs OpenGL\n"
+        "but no display. Formats:\n"
         "  gltf  glTF 2.0 with a fitted skeleton, or exact with --morph: OUT/SPECIES.glb\n"
         "  vat   vertex animation texture (OpenVAT) for game engines: OUT/SPECIES_vat/\n"
         "  usd   USD stage with points in each frame: OUT/SPECIES.usdc; needs the extra `usd`",
@@ -53,25 +53,8 @@ def add(commands: Any) -> None:
         default="apart",
         help="store the path as motion of the root (default) or in the points",
     )
-    parser.add_argument(
-        "--detail",
-        metavar="N",
-        type=number_reader(int, 0, 3),
-        default=0,
-        help="level of detail (default 0, the finest)",
-    )
-    parser.add_argument(
-        "--morph",
-        action="store_true",
-        help="gltf: morph targets instead of a skeleton",
-    )
-    parser.add_argument(
-        "--compress",
-        choices=COMPRESSIONS,
-        default=PLAIN,
-        help="gltf: round numbers, or compress them and colours; needs the extra `meshopt` "
-        "(default none)",
-    )
+    add_detail(parser, 0)
+    add_gltf(parser)
     add_force(parser)
     parser.set_defaults(run=run)
 
@@ -83,9 +66,7 @@ def run(options: argparse.Namespace) -> int:
     from subsea.export.usd import usd_files, write_usd
     from subsea.export.vat import vat_files, write_vat
 
-    for name in ("morph", "compress"):
-        if options.to != "gltf" and getattr(options, name) not in (False, PLAIN):
-            raise UserError(f"--{name} is for --to gltf, not {options.to}")
+    check_options(options, options.to)
     check_folder(options.out)
     model, clips = make_clips(options.species, options.detail)
     files = {"gltf": gltf_files, "vat": vat_files, "usd": usd_files}[options.to]
@@ -102,6 +83,7 @@ def run(options: argparse.Namespace) -> int:
 def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     from tqdm import tqdm
 
+    from subsea.export.clips import all_points
     from subsea.export.glb import packing_of
     from subsea.export.gltf import write_gltf
     from subsea.export.skinning import fit_skeleton
@@ -110,7 +92,7 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
     rig, told = None, "exact"
     if not options.morph:
         bar = partial(tqdm, desc="fitting joints", unit="round", leave=False, disable=None)
-        rig = fit_skeleton(model, clips, bar)
+        rig = fit_skeleton(model, all_points(clips), bar)
         told = (
             f"{len(rig.joints)} joints; vertices are off by {rig.rms_percent:.2f}% of the body "
             f"length (rms), {rig.most_percent:.2f}% at most"
