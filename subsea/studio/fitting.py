@@ -34,6 +34,7 @@ from subsea.studio.photograph import (
 from subsea.studio.side_view import (
     centred_matrix,
     make_fish_meshes,
+    outline,
     side_view,
     subdivide,
     to_picture,
@@ -231,11 +232,10 @@ def silhouette(plan: SurfacePlan, matrix: Array, shape: tuple[int, ...]) -> Bool
     """The pixels (h, w) that the species covers in its own shape."""
     out = np.zeros(shape[:2], np.uint8)
     rest = side_view(plan)
-    body = subdivide(rest.body)
-    rings = [np.concatenate([body[0], body[1:, -1], body[-1, -2::-1], body[-2:0:-1, 0]])]
+    rings = [outline(subdivide(rest.body))]
     rings += [
-        np.concatenate([one.root, subdivide(np.stack([one.root, one.edge]))[1, ::-1]])
-        for one in rest.fins.values()
+        np.concatenate([fin.root, subdivide(np.stack([fin.root, fin.edge]))[1, ::-1]])
+        for fin in rest.fins.values()
     ]
     for ring in rings:
         pixels = np.round(to_picture(matrix, ring) * 16.0).astype(np.int32)
@@ -347,8 +347,8 @@ def snap_to_outline(meshes: FishMeshes, colour: Bytes, mask: Bools) -> None:
     for width in COARSE_BLURS:
         relax(meshes, edge_field(mask, max(width * length, 1.0)), still=0.02, most=600)
         set_rest_shape(meshes)
-    outline = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
-    off = cv2.distanceTransform(1 - outline, cv2.DIST_L2, 5)
+    border = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+    off = cv2.distanceTransform(1 - border, cv2.DIST_L2, 5)
     near = np.exp(-0.5 * (off / max(EDGE_RANGE * length, 1.5)) ** 2).astype(np.float32)
     height = edge_field(colour, max(EDGE_BLUR * length, 1.0)).height * near
     down, right = np.gradient(height)

@@ -25,7 +25,6 @@ from subsea.fish.surface import (
 )
 from subsea.geometry.curves import basis_at, dense, greville, through
 from subsea.studio.deformable_mesh import (
-    BODY,
     DORSAL,
     VENTRAL,
     FishMeshes,
@@ -150,14 +149,11 @@ def subdivide(nodes: Array, times: int = FINER) -> Array:
     return nodes
 
 
+def outline(nodes: Array) -> Array:
+    """Return the border (k, 2) of a mesh (m, n, 2) in order, each node once."""
+    return np.concatenate([nodes[0], nodes[1:, -1], nodes[-1, -2::-1], nodes[-2:0:-1, 0]])
+
+
 def mesh_outlines(meshes: FishMeshes, times: int = FINER) -> list[Array]:
     """Closed outlines (k, 2) of all meshes; they overlap at the roots of fins."""
-    out = []
-    for name, one in meshes.parts.items():
-        nodes = subdivide(one.nodes, times)
-        if name == BODY:
-            ring = [nodes[0], nodes[1:, -1], nodes[-1, -2::-1], nodes[-2:0:-1, 0]]
-        else:
-            ring = [nodes[0], nodes[-1, ::-1]]
-        out.append(np.concatenate(ring))
-    return out
+    return [outline(subdivide(mesh.nodes, times)) for mesh in meshes.parts.values()]

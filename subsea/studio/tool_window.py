@@ -32,7 +32,6 @@ from subsea.ui.undo import History
 from subsea.ui.window import GlWindow
 
 T = TypeVar("T")
-Result = TypeVar("Result")
 Rect = tuple[float, float, float, float]  # left, top, width, height
 
 SIZE = 1280, 800  # of the window when it opens
@@ -59,57 +58,18 @@ THREADS = 2  # for work in the background
 
 
 class Task(NamedTuple):
-    """Work in progress."""
+    """Work in progress in another thread."""
 
     future: Future[Any]
-    finish: Callable[[], object]  # hands the result over; raises what the work raised
+    done: Callable[[Any], object]  # takes the result
+    failed: Callable[[], object]
     label: str  # what is being done, in a few words; "" to show nothing
 
-
-class BackgroundTasks:
-    """At most two tasks at a time; `wake` is called, in another thread, when one has ended."""
-
-    def __init__(self, wake: Callable[[], object]) -> None:
-        self._pool, self._wake = ThreadPoolExecutor(THREADS, "background"), wake
-        self._tasks: list[Task] = []
-
-    def submit(
-        self,
-        work: Callable[[], Result],
-        done: Callable[[Result], object],
-        label: str,
-        failed: Callable[[], object],
-    ) -> None:
-        """Run `work` in another thread; its task calls `done` with the result, or `failed`."""
-        future = self._pool.submit(work)
-
-        def finish() -> None:
-            if future.exception() is not None:
-                failed()
-            done(future.result())
-
-        self._tasks.append(Task(future, finish, label))
-        future.add_done_callback(lambda _: self._wake())
-
-    def ended(self) -> list[Task]:
-        """Remove the tasks that have ended, and return them to be finished."""
-        ended = [task for task in self._tasks if task.future.done()]
-        self._tasks = [task for task in self._tasks if task not in ended]
-        return ended
-
-    @property
-    def busy(self) -> bool:
-        """True if a task has not been finished."""
-        return bool(self._tasks)
-
-    @property
-    def label(self) -> str:
-        """State of the first task with a label."""
-        return next((task.label for task in self._tasks if task.label), "")
-
-    def close(self) -> None:
-        """Cancel what has not begun; do not wait for the rest."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+    def finish(self) -> None:
+        """Hand the result over; raise what the work raised."""
+        if self.future.exception() is not None:
+            self.failed()
+        self.done(self.future.result())
 
 
 class Tool(Protocol):
@@ -170,6 +130,7 @@ class ToolWindow:
         self._woken = False
         self._heard = 0  # input events until the last frame
         self._deferred: list[Callable[[], object]] = []
+        self._tasks: list[Task] = []
         with ExitStack() as undo:
             opening = open_windows("mono", size, title=title, without=without)
             undo.callback(opening.close)
@@ -186,8 +147,9 @@ class ToolWindow:
                 (names.menu_bar_bg, PANEL),
             ):
                 style.set_color_(name.value, (*rgb, 1.0))
-            self._tasks = BackgroundTasks(self.wake)
-            undo.callback(self._tasks.close)
+            self._pool = ThreadPoolExecutor(THREADS, "background")
+            # Cancel what has not begun; do not wait for the rest.
+            undo.callback(self._pool.shutdown, wait=False, cancel_futures=True)
             glfw.set_window_refresh_callback(self.window.handle, lambda handle: self.wake())
             self.tool = make(self)
             undo.callback(self.tool.close)
@@ -196,7 +158,12 @@ class ToolWindow:
     @property
     def busy(self) -> bool:
         """True if there is work in the background."""
-        return self._tasks.busy
+        return bool(self._tasks)
+
+    @property
+    def doing(self) -> str:
+        """The label of the first work in the background that has one."""
+        return next((task.label for task in self._tasks if task.label), "")
 
     @property
     def asking(self) -> bool:
@@ -239,7 +206,9 @@ class ToolWindow:
         If `work` raises, `failed` is called and the error shown. Meanwhile the status line shows
         the `label`.
         """
-        self._tasks.submit(work, done, label, failed)
+        future = self._pool.submit(work)
+        self._tasks.append(Task(future, done, failed, label))
+        future.add_done_callback(lambda _: self.wake())
 
     @contextmanager
     def panel(self, name: str, rect: Rect, titled: bool = True) -> Iterator[None]:
@@ -261,13 +230,15 @@ class ToolWindow:
 
     def request_close(self) -> None:
         """Close the window, after a question if there is unsaved work."""
+        self.leave_work(self._close)
+
+    def leave_work(self, act: Callable[[], object]) -> None:
+        """Call `act`, which gives up the present work; if that is unsaved, after a question."""
         if self.tool.history.unsaved:
-            self.ask(
-                "There is unsaved work.",
-                {"Save": self._save_and_close, DISCARD: self._close, "Go on": None},
-            )
+            answers = {"Save": lambda: self.save() and act(), DISCARD: act, "Go on": None}
+            self.ask("There is unsaved work.", answers)
         else:
-            self._close()
+            act()
 
     def interrupted(self) -> bool:
         """Handle Ctrl-C; return True if it ends the program: at once, or the second time."""
@@ -301,7 +272,9 @@ class ToolWindow:
         if not self.window.open:  # its close button
             glfw.set_window_should_close(self.window.handle, False)
             self.request_close()
-        for task in self._tasks.ended():
+        ended = [task for task in self._tasks if task.future.done()]
+        self._tasks = [task for task in self._tasks if task not in ended]
+        for task in ended:
             with self._errors_shown():
                 task.finish()
         self._message_age_s += elapsed_s
@@ -316,7 +289,7 @@ class ToolWindow:
         with self._errors_shown(), recovering_errors():
             due_s = self.tool.draw(elapsed_s)
         self._due_s = 0.0 if self._awake_s or self._question else due_s
-        if self._tasks.label:
+        if self.doing:
             self._due_s = min(self._due_s, POLL_S)
         if self._message_age_s < MESSAGE_S:
             self._due_s = min(self._due_s, MESSAGE_S - self._message_age_s + POLL_S)
@@ -395,16 +368,12 @@ class ToolWindow:
         canvas = imgui.get_background_draw_list()
         height = STATUS_HEIGHT * line
         place = 0.8 * line, size.y - height + (height - line) / 2 - 0.15 * line
-        if label := self._tasks.label:
+        if label := self.doing:
             dots = "." * (1 + int(time.perf_counter() / POLL_S) % 3)
             canvas.add_text((size.x - 16.0 * line, place[1]), colour(MARK), f"{label} {dots}")
         fresh = self._message_age_s < MESSAGE_S
         ink = (ERROR if self._is_error else MARK) if fresh else QUIET
         canvas.add_text(place, colour(ink), self.message if fresh else self.hint)
-
-    def _save_and_close(self) -> None:
-        if self.save():
-            self._close()
 
     def _close(self) -> None:
         self.open = False

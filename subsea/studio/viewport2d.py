@@ -18,6 +18,7 @@ ZOOM = 1.15  # per step of the wheel
 MOST_ZOOM, LEAST_ZOOM = 200.0, 0.1  # limits, relative to the fitted view
 MARGIN = 0.04  # around the fitted box, share of the view
 REACH = 0.6  # distance at which the pointer picks a point, text heights
+GRID = 0.14  # alpha of the lines of the grid
 NOWHERE = (math.nan, math.nan)
 
 
@@ -168,22 +169,14 @@ class Viewport2D:
             else:
                 canvas.add_circle_filled(place, radius, tint)
 
-    def text(
-        self, place: ArrayLike, text: str, ink: Rgb = QUIET, share: tuple[float, float] = (0, 0)
-    ) -> None:
-        """Draw text; `share` of its width and height lies left of and above the place."""
-        (x, y), box = self.on_screen(place).tolist(), imgui.calc_text_size(text)
-        at = x - share[0] * box.x, y - share[1] * box.y
-        canvas = imgui.get_window_draw_list()
-        canvas.add_text((at[0] + 1.0, at[1] + 1.0), colour(GLASS, 0.9), text)
-        canvas.add_text(at, colour(ink), text)
-
-    def caption(self, text: str, ink: Rgb = INK) -> None:
+    def caption(self, text: str) -> None:
         """Draw text in the upper left corner."""
-        gap = 0.4 * imgui.get_font_size()
-        self.text(self.from_screen(self.place[0] + gap, self.place[1] + gap), text, ink)
+        gap, canvas = 0.4 * imgui.get_font_size(), imgui.get_window_draw_list()
+        x, y = self.place[0] + gap, self.place[1] + gap
+        canvas.add_text((x + 1.0, y + 1.0), colour(GLASS, 0.9), text)
+        canvas.add_text((x, y), colour(INK), text)
 
-    def grid(self, ink: Rgb = QUIET, alpha: float = 0.14) -> None:
+    def grid(self) -> None:
         """Draw lines at round coordinates, about five text heights apart."""
         step = 5.0 * imgui.get_font_size() / self.scale
         step = next(
@@ -198,9 +191,9 @@ class Viewport2D:
         )
         low, high = min(y0, y1), max(y0, y1)
         for x in np.arange(math.ceil(x0 / step), math.floor(x1 / step) + 1) * step:
-            self.line([(x, low), (x, high)], ink, 1.0, alpha)
+            self.line([(x, low), (x, high)], QUIET, 1.0, GRID)
         for y in np.arange(math.ceil(low / step), math.floor(high / step) + 1) * step:
-            self.line([(x0, y), (x1, y)], ink, 1.0, alpha)
+            self.line([(x0, y), (x1, y)], QUIET, 1.0, GRID)
 
     def _zoom(self) -> None:
         """Fit or zoom the view, and locate the pointer."""

@@ -19,7 +19,6 @@ from subsea.ui.gui import button, wrapped_text
 
 PROGRESS = re.compile(r"(\d+)/(\d+)\D")
 PATIENCE_S = 10.0  # until a process that should stop is killed
-KEPT_LINES = 200
 
 
 class CommandProcess:
@@ -27,8 +26,7 @@ class CommandProcess:
 
     def __init__(self, arguments: list[str], wake: Callable[[], object] = lambda: None) -> None:
         """Start ``python -m MODULE …``; `wake` is called, in a thread, on every news."""
-        self.arguments = arguments
-        self.lines: list[str] = []  # the last ones
+        self.last = ""  # line
         self.doing, self.progress = "", 0.0  # the present stage, and its share done
         self.stopped = False  # on request
         self._wake = wake
@@ -50,11 +48,6 @@ class CommandProcess:
         if any(reader.is_alive() for reader in self._readers):
             return None
         return self._process.poll()
-
-    @property
-    def last(self) -> str:
-        """The last line."""
-        return self.lines[-1] if self.lines else ""
 
     def stop(self) -> None:
         """Ask it to stop, as Ctrl-C does."""
@@ -79,14 +72,13 @@ class CommandProcess:
             part = b""
             while piece := pipe.read1(4096):  # type: ignore[attr-defined]
                 *whole, part = re.split(rb"[\r\n]", part + piece)
-                for line in filter(None, (one.decode("utf-8", "replace").strip() for one in whole)):
-                    self.parse(line)
-            if part.strip():
-                self.parse(part.decode("utf-8", "replace").strip())
+                for line in whole:
+                    self.parse(line.decode("utf-8", "replace").strip())
+            self.parse(part.decode("utf-8", "replace").strip())
         self._wake()
 
     def parse(self, line: str) -> None:
-        """Take progress from a line of a progress bar, else keep the line."""
+        """Take progress from a line of a progress bar, else keep the line if it is not empty."""
         found = PROGRESS.search(line)
         if found and "%|" in line:
             done, total = map(int, found.groups())
@@ -95,7 +87,7 @@ class CommandProcess:
             self.doing += f" · {best[0]}" if best else ""
             self.progress = done / max(total, 1)
         else:
-            self.lines = [*self.lines, line][-KEPT_LINES:]
+            self.last = line or self.last
         self._wake()
 
 
@@ -150,7 +142,7 @@ class CaptureJobs:
 
     def ended(self) -> tuple[str, int] | None:
         """Return kind and exit code of a job that has ended since the last call."""
-        for dive in [one for one in self._dives if one.poll() is not None]:
+        for dive in [dive for dive in self._dives if dive.poll() is not None]:
             self._dives.remove(dive)
             if dive.returncode == USER_FAULT:
                 self.message = "The dive did not open: the terminal says why."

@@ -157,7 +157,7 @@ class FishBuilder:
     def draw_menu(self) -> None:
         """Draw New from…, disabled while a job works on the present fish."""
         if imgui.menu_item("New from…", "", False, not self.jobs.running)[0]:
-            self.window.defer(self._ask_for_new)
+            self.window.defer(partial(self.window.leave_work, self._begin_new))
         if self.jobs.running:
             imgui.set_item_tooltip("When Learn or Record has ended")
 
@@ -306,19 +306,6 @@ class FishBuilder:
     def _key(self) -> str:
         """The name by which commands know the species."""
         return self.path.stem if self.path else ""
-
-    def _ask_for_new(self) -> None:
-        if self.history.unsaved:
-            self.window.ask(
-                "There is unsaved work.",
-                {
-                    "Save": partial(self._save_then, self._begin_new),
-                    "Throw it away": self._begin_new,
-                    "Go on": None,
-                },
-            )
-        else:
-            self._begin_new()
 
     def _begin_new(self) -> None:
         self._before_naming = self.editing, self.path

@@ -18,7 +18,7 @@ from subsea.studio.deformable_mesh import (
     copy_meshes,
 )
 from subsea.studio.mesh_edit import MeshNode
-from subsea.studio.side_view import subdivide
+from subsea.studio.side_view import outline, subdivide
 from subsea.studio.skin_editor.document import SkinDocument
 from subsea.studio.viewport2d import PointDrag, Viewport2D
 from subsea.ui.gui import GLASS, INK, MARK
@@ -46,6 +46,14 @@ FAINT = 0.35  # alpha of parts that cannot be edited
 GRIPS = 9  # of the transform box: corners, sides, knob
 PULL_STEPS = 40  # of the springs in a frame, while a node is dragged
 CLICK = 3.0  # pointer units: a shorter drag is a click
+
+
+def same_line(label: str, gap: float = 0.0) -> None:
+    """Put the next widget beside the last, if there is room for its label."""
+    line = imgui.get_font_size()
+    imgui.same_line(0.0, imgui.get_style().item_spacing.x + gap * line)
+    if imgui.get_content_region_avail().x < imgui.calc_text_size(label).x + 2.0 * line:
+        imgui.new_line()
 
 
 class PhotoCanvas:
@@ -115,6 +123,26 @@ class PhotoCanvas:
                 if drag.dragged is not None and self._distance > CLICK:
                     view.line([place, drag.to], ANCHOR_INK, 1.5)
                 view.dots(place, INK, 5.5, ring=True)
+
+    def draw_options(self) -> None:
+        """Draw the choice of the mouse mode, and of what is shown."""
+        for number, (mode, (label, tip)) in enumerate(MODES.items()):
+            if number:
+                same_line(label)
+            if imgui.radio_button(label, self.mode == mode):
+                self.mode = mode
+            imgui.set_item_tooltip(tip)
+        same_line("Photograph Edges", gap=1.5)
+        if imgui.radio_button("Photograph", not self.edges):
+            self.edges = False
+        same_line("Edges")
+        if imgui.radio_button("Edges", self.edges):
+            self.edges = True
+        same_line("Mesh lines")
+        self.lines = imgui.checkbox("Mesh lines", self.lines)[1]
+        same_line("Whole picture")
+        if imgui.button("Whole picture"):
+            self.view.fit()
 
     def _drag_node(self, document: SkinDocument) -> tuple[MeshNode | None, PointDrag]:
         """Pull or anchor a node; return the one under the pointer."""
@@ -200,22 +228,16 @@ class PhotoCanvas:
 
     def _draw_meshes(self, meshes: FishMeshes) -> None:
         view = self.view
-        for name, one in meshes.parts.items():
+        for name, mesh in meshes.parts.items():
             alpha = 1.0 if name in self.parts else FAINT
-            ink, nodes = INKS[name], one.nodes
+            ink, nodes = INKS[name], mesh.nodes
             if self.lines:
                 for line in (*nodes[1:-1], *nodes.transpose(1, 0, 2)[1:-1]):
                     view.line(line, ink, 1.0, 0.32 * alpha)
-            fine = subdivide(nodes)
-            if name == BODY:
-                outline = np.concatenate(
-                    [fine[0], fine[1:, -1], fine[-1, -2::-1], fine[-2:0:-1, 0]]
-                )
-                view.line(outline, GLASS, 4.0, 0.35 * alpha, closed=True)
-                view.line(outline, ink, 2.0, 0.95 * alpha, closed=True)
-            else:
-                view.line(fine[-1], GLASS, 4.0, 0.35 * alpha)
-                view.line(fine[-1], ink, 2.0, 0.95 * alpha)
+            closed, fine = name == BODY, subdivide(nodes)
+            line = outline(fine) if closed else fine[-1]  # of a fin, its free edge
+            view.line(line, GLASS, 4.0, 0.35 * alpha, closed)
+            view.line(line, ink, 2.0, 0.95 * alpha, closed)
         view.dots(
             mesh_edit.node_places(meshes, mesh_edit.border_nodes(meshes, self.parts)),
             INK,

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from imgui_bundle import imgui
@@ -17,9 +18,12 @@ from subsea.fish.species import (
     own_species_file,
     repertoire_file,
     species_file,
+    species_names,
 )
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.repertoire import read_repertoire, write_repertoire
+from subsea.studio import mesh_edit
+from subsea.studio.deformable_mesh import BODY, DORSAL, VENTRAL
 from subsea.studio.draft import copy_draft, read_draft, save_draft
 from subsea.studio.dress import check_mesh, check_sheet, load_mesh, save_mesh
 from subsea.studio.fitting import FishFit, find_fish
@@ -28,11 +32,10 @@ from subsea.studio.photograph import Photograph, read_photograph
 from subsea.studio.preview_panel import PreviewPanel
 from subsea.studio.questions import NameDialog
 from subsea.studio.side_view import side_view
-from subsea.studio.skin_editor import panels
-from subsea.studio.skin_editor.document import SkinDocument, lift_from
-from subsea.studio.skin_editor.panels import MeshActions, PreviewOptions
-from subsea.studio.skin_editor.photo_canvas import MODES, PhotoCanvas
+from subsea.studio.skin_editor.document import MeshSliders, SkinDocument, lift_from
+from subsea.studio.skin_editor.photo_canvas import MODES, PhotoCanvas, same_line
 from subsea.studio.tool_window import ToolWindow, run_tool
+from subsea.ui.gui import CLAMP, button
 from subsea.ui.undo import History
 
 DEFAULT_SPECIES = "clownfish"
@@ -44,6 +47,12 @@ PREVIEW_SHARE = 0.55  # of the rest; the sheet has the remainder
 FRAME_S = 1.0 / 25.0  # while the fish swims ...
 BUSY_S = 0.2  # ... or there is work in the background
 IDLE_S = 60.0  # without input the fish stops swimming after this
+PARTS = {
+    "All": (BODY, DORSAL, VENTRAL),
+    "Body": (BODY,),
+    "Dorsal": (DORSAL,),
+    "Ventral": (VENTRAL,),
+}
 SQUARES = 8  # of the checkerboard behind the sheet, along a quarter of its width
 
 
@@ -71,12 +80,12 @@ class SkinEditor:
         self._naming: NameDialog | None = None
         self._renamed: dict[str, str] = {}  # shipped species -> the copies that were saved
         self._lifting: object | None = None  # identifies the sheet in progress that is wanted
-        self.options = PreviewOptions()
+        self.swims = True  # the fish in the preview ...
+        self.painted = False  # ... which shows the painted sheet, for comparison
         self.document = document = SkinDocument(photograph, name, flip)
         self.canvas = PhotoCanvas(window.context, _on_black(photograph), document.colour.shape)
         self.texture = ImageTexture(window.context, _on_squares(document.sheet))
         self.preview = PreviewPanel(window.context, document.species, document.sheet)
-        self._actions = MeshActions(self.choose, self.find, self.reset, document.flip)
         if mesh is not None and mesh.exists():
             document.load_mesh(mesh)
             document.begin_history()
@@ -257,7 +266,7 @@ class SkinEditor:
 
     def _update_preview(self) -> None:
         document = self.document
-        sheet = document.painted_sheet if self.options.painted else document.sheet
+        sheet = document.painted_sheet if self.painted else document.sheet
         self.preview.set_sheet(document.species, sheet)
 
     def _lift(self) -> None:
@@ -293,7 +302,7 @@ class SkinEditor:
         column = min(max(COLUMN_SHARE * width, COLUMN_LEAST * line), 0.5 * width)
         window.hint = MODES[self.canvas.mode][1]
         with window.panel("Photograph", (left, top, width - column, height), titled=False):
-            panels.draw_view_options(self.canvas)
+            self.canvas.draw_options()
             room = imgui.get_content_region_avail()
             self.canvas.draw(document, (room.x, room.y))
         left += width - column
@@ -301,13 +310,11 @@ class SkinEditor:
         shown = PREVIEW_SHARE * (height - panel)
         sheet = height - panel - shown
         with window.panel("The fish that wears it", (left, top, column, shown)):
-            scale = window.window.size[0] / window.window.points[0]
-            if panels.draw_preview(self.preview, self.options, scale, elapsed_s):
-                self._update_preview()
+            self._draw_preview(elapsed_s)
         with window.panel("The mesh", (left, top + shown, column, panel)):
-            panels.draw_mesh(document, self.canvas, self._actions, window.defer, self.searching)
+            self._draw_mesh()
         with window.panel("The sheet, which is saved", (left, top + height - sheet, column, sheet)):
-            panels.draw_sheet(self.texture, document.sheet.shape)
+            self._draw_sheet()
         if self._naming is not None and (confirmed := self._naming.draw()) is not None:
             key, title, self._naming = self._naming.key, self._naming.name, None
             if confirmed:
@@ -316,7 +323,82 @@ class SkinEditor:
             return 0.0
         if window.busy:
             return BUSY_S
-        return FRAME_S if self.options.swims and window.idle_s < IDLE_S else math.inf
+        return FRAME_S if self.swims and window.idle_s < IDLE_S else math.inf
+
+    def _draw_preview(self, elapsed_s: float) -> None:
+        """Draw the fish, and the choice of how it is shown."""
+        room, window = imgui.get_content_region_avail(), self.window.window
+        size = room.x, room.y - imgui.get_frame_height_with_spacing()
+        scale = window.size[0] / window.points[0]
+        self.preview.draw(size, scale, elapsed_s if self.swims else 0.0)
+        self.swims = imgui.checkbox("Swims", self.swims)[1]
+        for label, painted in (("After", False), ("Before", True)):
+            same_line(label)
+            if imgui.radio_button(label, self.painted == painted):
+                self.painted = painted
+                self._update_preview()
+
+    def _draw_mesh(self) -> None:
+        """Draw the species, the actions on the meshes, and the sliders."""
+        document, canvas, defer = self.document, self.canvas, self.window.defer
+        imgui.push_item_width(-7.5 * imgui.get_font_size())
+        if imgui.begin_combo("species", document.species.name):
+            for name in species_names():
+                if imgui.selectable(name.replace("_", " "), name == document.name)[0]:
+                    defer(lambda name=name: self.choose(name))  # type: ignore[misc]
+            imgui.end_combo()
+        if button("Place", not self.searching):
+            defer(self.find)
+        imgui.set_item_tooltip("Find the fish, and lay the mesh over it.")
+        imgui.same_line()
+        if imgui.button("Reset"):
+            defer(self.reset)
+        imgui.set_item_tooltip("Lay the mesh across the picture in its own shape.")
+        imgui.same_line()
+        if imgui.button("Flip"):
+            defer(document.flip)
+        imgui.set_item_tooltip("The fish heads the other way.")
+        imgui.same_line()
+        if imgui.button("Stop###relax" if document.relaxing else "Relax###relax"):
+            document.relax(not document.relaxing)
+        imgui.set_item_tooltip("Let the mesh snap to the edges, and come to rest.")
+        imgui.same_line()
+        if button("Lift anchors", bool(mesh_edit.anchored_nodes(document.meshes))):
+            document.meshes = mesh_edit.without_anchors(document.meshes)
+            document.record()
+        if document.error is not None:
+            imgui.text(f"outline: {100.0 * document.error:.1f} % of the length off the fish")
+            imgui.set_item_tooltip("Mean distance to the outline of the fish that was found.")
+        if document.fin_errors:
+            off = ", ".join(
+                f"{name} {100.0 * off:.1f} %" for name, off in document.fin_errors.items()
+            )
+            imgui.text(f"fins: {off} of the length off")
+            imgui.set_item_tooltip(
+                "Mean distance of the roots of the fins from the species' proportions."
+                "\nFins that are folded or taller count too."
+            )
+        imgui.align_text_to_frame_padding()
+        imgui.text_disabled("touch")
+        for label, parts in PARTS.items():
+            if all(part in document.meshes.parts for part in parts) or label == "All":
+                same_line(label)
+                if imgui.radio_button(label, canvas.parts == parts):
+                    canvas.parts = parts
+        _draw_sliders(document)
+        imgui.pop_item_width()
+
+    def _draw_sheet(self) -> None:
+        """Draw the sheet (h, w) as it will be saved."""
+        room = imgui.get_content_region_avail()
+        height, width = self.document.sheet.shape[:2]
+        scale = min(room.x / width, room.y / height)
+        corner = imgui.get_cursor_screen_pos()
+        x, y = corner.x + (room.x - scale * width) / 2, corner.y
+        imgui.get_window_draw_list().add_image(
+            imgui.ImTextureRef(self.texture.glo), (x, y), (x + scale * width, y + scale * height)
+        )
+        imgui.dummy((room.x, scale * height))
 
 
 def edit_skin(
@@ -344,6 +426,33 @@ def edit_skin(
         lambda window: SkinEditor(window, photograph, name, flip, mesh, out, force),
         "`subsea skin PHOTO --species NAME --auto` works",
     )
+
+
+def _draw_sliders(document: SkinDocument) -> None:
+    """Draw the settings of the forces on the meshes."""
+    for key, label, low, high, tip in (
+        ("tension", "tension", 0.0, 1.0, "Resistance to stretching."),
+        ("rigidity", "rigidity", 0.0, 0.6, "Resistance to bending."),
+        ("picture", "pull of edges", 0.0, 20.0, "Attraction of its border by edges."),
+        ("smoothing", "smoothing", 0.7, 12.0, "σ: from how far away edges attract."),
+        ("reach", "reach", 0.03, 1.0, "Distance from the pointer up to which the mesh follows."),
+    ):  # fmt: skip
+        value: Any = getattr(document.sliders, key)
+        _, value = imgui.slider_float(label, value, low, high, "%.2f", CLAMP)
+        imgui.set_item_tooltip(tip)
+        document.sliders = document.sliders._replace(**{key: value})
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("edges of")
+    known = document.fish_known
+    for label, found in (("all", False), ("the fish found", True)):
+        same_line(label)
+        imgui.begin_disabled(found and not known)
+        if imgui.radio_button(label, (document.sliders.found and known) == found):
+            document.sliders = document.sliders._replace(found=found)
+        imgui.end_disabled()
+    imgui.same_line()
+    if imgui.button("Usual"):
+        document.sliders = MeshSliders()
 
 
 def _on_black(photograph: Photograph) -> Bytes:

@@ -304,7 +304,7 @@ def test_the_fish_is_turned_by_the_pointer_and_swims(scene, user, spots):
     user.glide(window, 0.3)
     assert np.abs(shown(window)[crop] - before).max() > 60
     spots.click(window, "Swims")
-    user.until(window, lambda: not window.tool.options.swims)
+    user.until(window, lambda: not window.tool.swims)
     before = shown(window)[crop]
     user.glide(window, 0.3)
     assert np.array_equal(shown(window)[crop], before)
