@@ -8,6 +8,7 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
+from subsea.base.system import require
 from subsea.export.options import add_detail, add_gltf, check_options
 
 KINDS = {
@@ -62,19 +63,24 @@ def add(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code."""
     from subsea.export.clips import make_clips
-    from subsea.export.gltf import gltf_files
-    from subsea.export.usd import usd_files, write_usd
-    from subsea.export.vat import vat_files, write_vat
+
+    if options.to == "usd":
+        require("usd", "USD")
+        from subsea.export.usd import usd_files as files_of
+        from subsea.export.usd import write_usd as write
+    elif options.to == "vat":
+        from subsea.export.vat import vat_files as files_of
+        from subsea.export.vat import write_vat as write
+    else:
+        from subsea.export.gltf import gltf_files as files_of
 
     check_options(options, options.to)
     check_folder(options.out)
     model, clips = make_clips(options.species, options.detail)
-    files = {"gltf": gltf_files, "vat": vat_files, "usd": usd_files}[options.to]
-    for path in files(options.out, options.species):
+    for path in files_of(options.out, options.species):
         check_result(path, KINDS[path.suffix], options.force)
     if options.to == "gltf":
         return _export_gltf(options, model, clips)
-    write = {"vat": write_vat, "usd": write_usd}[options.to]
     for path in write(options.out, model, clips, options.root == "baked"):
         print(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
     return 0

@@ -13,6 +13,7 @@ from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
 from subsea.base.progress import count_noun, progress, say
+from subsea.base.system import require
 from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
 from subsea.dive.start import ready_world
@@ -102,6 +103,8 @@ def export_scene(target: str, film: SceneFilmOptions, options: SceneOptions) -> 
     """
     if target not in WRITERS:
         raise unknown("target", target, list(WRITERS))
+    if target == "usd":
+        require("usd", "USD")
     writer: SceneWriter = import_module(WRITERS[target]).WRITER
     for name in film.groups:
         if name not in GROUPS:

@@ -13,6 +13,7 @@ from subsea.base.arrays import Array
 from subsea.base.disk_cache import cached
 from subsea.export.clips import turned_to_normals
 from subsea.export.scene import SceneMesh
+from subsea.fish.raster import smoothstep
 from subsea.frame.in_sight import leaf_texels
 from subsea.frame.packet import RenderScene, make_scene
 from subsea.habitat.reef import KINDS
@@ -23,7 +24,7 @@ from subsea.rendering.gl.textures import tileable_noise
 from subsea.rendering.reef import rocks as rock_mesh
 from subsea.rendering.reef.coral import ALGAE, DULL, LOOKS, PlacedGrowths, contact, tints
 from subsea.rendering.reef.coral_kinds import LEVELS, forms
-from subsea.rendering.reef.coral_mesh import CoralMesh
+from subsea.rendering.reef.coral_mesh import CoralMesh, unit
 from subsea.rendering.reef.rocks import overgrown
 from subsea.rendering.reef.seaweed import bent_fronds
 from subsea.rendering.sea.ground_map import with_growths
@@ -88,10 +89,10 @@ def _sand(scene: RenderScene) -> Iterator[SceneMesh]:
     at = (points[:, :2] - ground.corner) / ground.size * texels - 0.5
     sky, rubble = (_sampled(light[..., k], at, wrap=False) for k in (1, 2))
     colours = _mix(TAN, PALE, np.clip(0.60 + 0.13 * broad, 0.0, 1.0))
-    film = 0.30 * _smooth(0.2, 1.6, -broad) + 0.9 * rubble
+    film = 0.30 * smoothstep(-broad, 0.2, 1.6) + 0.9 * rubble
     colours = _mix(colours, FILM, np.clip(film, 0.0, 0.85))
     yield SceneMesh(
-        "sand", "sand", points, _unit(normals), colours * _shade(sky), triangles.astype(np.int32),
+        "sand", "sand", points, unit(normals), colours * _shade(sky), triangles.astype(np.int32),
         False, ONCE, WHITE,
     )  # fmt: skip
 
@@ -106,7 +107,7 @@ def _stone(scene: RenderScene, detail: int) -> Iterator[SceneMesh]:
         mesh = levels[min(detail, len(levels) - 1)]
         vertices = mesh.vertices.astype(np.float64)
         yield SceneMesh(
-            f"stone_{number:03}", "stone", vertices[:, :3], _unit(vertices[:, 3:6]),
+            f"stone_{number:03}", "stone", vertices[:, :3], unit(vertices[:, 3:6]),
             _stone_colours(vertices), mesh.triangles.astype(np.int32), False, ONCE, WHITE,
         )  # fmt: skip
 
@@ -118,11 +119,11 @@ def _stone_colours(vertices: Array) -> Array:
     up = vertices[:, 5]
     bare = _mix(OCHRE, CREAM, np.clip(0.5 + 1.2 * algae, 0.0, 1.0))
     stone = _mix(DARK, bare, np.clip(0.62 - 0.35 * hollow, 0.0, 1.0))
-    crust = _mix(CORALLINE, VIOLET, _smooth(-0.1, 0.5, turf + 0.4 * hollow - 0.3 * up))
-    stone = _mix(stone, 0.8 * crust, 0.8 * _smooth(-0.02, 0.25, algae - 0.15 * up + 0.04))
-    stone = _mix(stone, TURF, 0.8 * _smooth(0.0, 0.32, 0.75 * turf + 0.55 * up - 0.34))
-    living = 0.55 * _mix(SPONGE, LEMON, _smooth(-0.1, 0.1, turf))
-    stone = _mix(stone, living, _smooth(0.40, 0.50, sponge - 0.12 * up))
+    crust = _mix(CORALLINE, VIOLET, smoothstep(turf + 0.4 * hollow - 0.3 * up, -0.1, 0.5))
+    stone = _mix(stone, 0.8 * crust, 0.8 * smoothstep(algae - 0.15 * up + 0.04, -0.02, 0.25))
+    stone = _mix(stone, TURF, 0.8 * smoothstep(0.75 * turf + 0.55 * up - 0.34, 0.0, 0.32))
+    living = 0.55 * _mix(SPONGE, LEMON, smoothstep(turf, -0.1, 0.1))
+    stone = _mix(stone, living, smoothstep(sponge - 0.12 * up, 0.40, 0.50))
     return np.asarray(0.85 * stone * _shade(vertices[:, rock_mesh.SKY]))
 
 
@@ -221,12 +222,3 @@ def _shade(sky: Array) -> Array:
 def _mix(a: Array, b: Array, share: Array) -> Array:
     """Mix two colours by shares (n,)."""
     return np.asarray(a + share[:, None] * (b - a))
-
-
-def _smooth(start: float, end: float, x: Array) -> Array:
-    t = np.clip((x - start) / (end - start), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
-
-
-def _unit(rows: Array) -> Array:
-    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))

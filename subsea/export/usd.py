@@ -5,7 +5,7 @@ meshes, because only fins are two-sided; transparent faces of the body, such as 
 are a subset.
 
 The stage of a species has points and normals in every frame. All clips follow one another on the
-time line; `customLayerData` holds their first and last frames.
+time line; `customLayerData` holds their first and last frames. Needs the extra `usd`.
 """
 
 import os
@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.files import replacing
-from subsea.base.system import require
 from subsea.export.clips import (
     ROUGHNESS,
     Clip,
@@ -50,8 +50,6 @@ def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: A
 
     `species` names the species in it. `notes` go to its custom data.
     """
-    from pxr import UsdGeom
-
     layer = stage.GetRootLayer()
     layer.documentation = copyright_line(species)
     layer.customLayerData = {"copyright": layer.documentation} | notes
@@ -66,8 +64,6 @@ def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: A
 
 def move(prim: Any, place: Array, rotation: Array, first: int = 0) -> None:
     """Set translation (T, 3), m, and orientation (T, 4) of frames from `first` on."""
-    from pxr import Gf, UsdGeom
-
     # OpenUSD uses an arc cosine: single precision would be too coarse.
     way, turn = prim.AddTranslateOp(), prim.AddOrientOp(UsdGeom.XformOp.PrecisionDouble)
     for k, (there, (w, *axis)) in enumerate(zip(place, rotation, strict=True)):
@@ -106,8 +102,6 @@ def animate(
     mesh: Any, part: MeshPart, shapes: Iterable[tuple[Array, Array]], first: int = 0
 ) -> None:
     """Set points, normals and extent in each frame of `shapes`: points, cm, and normals (n, 3)."""
-    from pxr import UsdGeom
-
     points, normals, extent = mesh.GetPointsAttr(), mesh.GetNormalsAttr(), mesh.GetExtentAttr()
     for frame, (where, ways) in enumerate(shapes, first):
         values = vectors(to_metres(where[part.vertices], Y_UP))
@@ -120,8 +114,6 @@ def still_mesh(
     stage: Any, path: Any, points: Array, normals: Array, triangles: NDArray[Any], two_sided: bool
 ) -> Any:
     """Define a mesh of points (n, 3), metres, normals (n, 3) and triangles (m, 3)."""
-    from pxr import UsdGeom, Vt
-
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(triangles), 3, np.int32)))
     corners = np.ascontiguousarray(triangles, np.int32).ravel()
@@ -137,8 +129,6 @@ def still_mesh(
 
 def _rest_mesh(stage: Any, path: Any, model: Model, part: MeshPart) -> Any:
     """Define a part of a model at rest, with its texture coordinates."""
-    from pxr import Sdf, UsdGeom, Vt
-
     points = to_metres(model.rest[part.vertices], Y_UP)
     normals = model.normals[part.vertices] @ Y_UP.T
     mesh = still_mesh(stage, path, points, normals, part.triangles, part.two_sided)
@@ -151,8 +141,6 @@ def _rest_mesh(stage: Any, path: Any, model: Model, part: MeshPart) -> Any:
 
 def preview_surface(stage: Any, path: Any, roughness: float) -> tuple[Any, Any]:
     """Define a material; return it and its UsdPreviewSurface."""
-    from pxr import Sdf, UsdShade
-
     material = UsdShade.Material.Define(stage, path)
     surface = UsdShade.Shader.Define(stage, path.AppendChild("surface"))
     surface.CreateIdAttr("UsdPreviewSurface")
@@ -164,8 +152,6 @@ def preview_surface(stage: Any, path: Any, roughness: float) -> tuple[Any, Any]:
 
 def primvar_reader(stage: Any, path: Any, name: str, size: int) -> Any:
     """Define a shader that reads vectors of a primvar of a mesh; return its output."""
-    from pxr import Sdf, UsdShade
-
     names = Sdf.ValueTypeNames
     reader = UsdShade.Shader.Define(stage, path)
     reader.CreateIdAttr(f"UsdPrimvarReader_float{size}")
@@ -175,8 +161,6 @@ def primvar_reader(stage: Any, path: Any, name: str, size: int) -> Any:
 
 def _skin_material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
     """Define a material with the texture as colour and, if `clear`, as opacity."""
-    from pxr import Sdf, UsdShade
-
     names = Sdf.ValueTypeNames
     material, surface = preview_surface(stage, path, ROUGHNESS)
     texture = UsdShade.Shader.Define(stage, path.AppendChild("sheet"))
@@ -197,8 +181,6 @@ def _skin_material(stage: Any, path: Any, sheet: str, clear: bool) -> Any:
 
 def bind(thing: Any, material: Any) -> None:
     """Bind a material to a mesh or a subset of its faces."""
-    from pxr import UsdShade
-
     UsdShade.MaterialBindingAPI.Apply(thing.GetPrim()).Bind(material)
 
 
@@ -207,8 +189,6 @@ def divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
 
     Some importers ignore the material of a mesh with subsets, so all faces are in one.
     """
-    from pxr import UsdGeom, UsdShade, Vt
-
     if not clear.any():
         return
     binding = UsdShade.MaterialBindingAPI(mesh)
@@ -220,15 +200,11 @@ def divide(mesh: Any, clear: NDArray[np.bool_], looks: dict[str, Any]) -> None:
 
 def vectors(values: Array) -> Any:
     """Convert rows (n, 3) to a USD array."""
-    from pxr import Vt
-
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
 
 
 def define(stage: Any, path: Any, kind: str) -> Any:
     """Define a prim of a kind: `assembly`, `group`, or `component` for one model such as a fish."""
-    from pxr import Usd, UsdGeom
-
     prim = UsdGeom.Xform.Define(stage, path)
     Usd.ModelAPI(prim).SetKind(kind)
     return prim
@@ -236,8 +212,6 @@ def define(stage: Any, path: Any, kind: str) -> Any:
 
 def identifier(name: str) -> str:
     """Return a name that USD accepts."""
-    from pxr import Tf
-
     return str(Tf.MakeValidIdentifier(name))
 
 
@@ -247,8 +221,6 @@ def stage_file(path: Path) -> Iterator[Path]:
 
     UserError if the library cannot write it.
     """
-    from pxr import Tf
-
     with replacing(path) as part:
         # The library needs the suffix, which an unfinished file does not have.
         plain = part.with_name(part.name + path.suffix)
@@ -267,8 +239,6 @@ def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
     `fill` returns the stage there. UserError if the package cannot be written. Equal content gives
     equal bytes.
     """
-    from pxr import Sdf, UsdUtils
-
     with (
         stage_file(out) as part,
         tempfile.TemporaryDirectory(prefix=part.name, dir=part.parent) as name,
@@ -292,11 +262,8 @@ def write_usd(folder: Path, model: Model, clips: list[Clip], baked: bool) -> lis
     """Write the stage NAME.usdc and its texture into `folder`; return both files.
 
     The motion of the root is that of the model's prim, or `baked` into the points. UserError
-    without usd-core or if a file cannot be written.
+    if a file cannot be written.
     """
-    require("usd", "USD")
-    from pxr import Usd
-
     file, sheet = usd_files(folder, model.name)
     stage = Usd.Stage.CreateInMemory(file.name)
     _fill(stage, sheet.name, model, clips, baked)

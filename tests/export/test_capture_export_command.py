@@ -51,6 +51,7 @@ def test_wrong_commands_are_errors_of_one_line(capsys):
         (["fusilier", "--to", "usd", "--morph"], "--morph is for --to gltf"),
         (["fusilier", "--to", "gltf", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
+        (["fusilier", "--to", "usd", "--out", "/proc/none"], "/proc/none"),
     ):
         assert main(["export", *arguments]) == 2
         out, err = capsys.readouterr()

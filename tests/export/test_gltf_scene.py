@@ -18,7 +18,7 @@ from subsea.export.options import SceneOptions
 from subsea.export.scene import Scene, SceneMesh
 from subsea.export.skinning import fit_skeleton
 from subsea.geometry.rotation import matrix
-from tests.export.conftest import extent_of
+from tests.export.conftest import extent_of, once
 from tests.support.gltf_reader import NodeMoment, Reader
 
 VARIANTS = {"skin": {}, "morph": {"morph": True}, "vat": {"vat": True}}
@@ -74,26 +74,13 @@ def scene(dive: Scene) -> Scene:
     )
 
 
-def _once(make: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function, computed once for each content of its last array."""
-    kept: dict[bytes, Any] = {}
-
-    def cached(*given: Any) -> Any:
-        key = np.ascontiguousarray(given[-1]).tobytes()
-        if key not in kept:
-            kept[key] = make(*given)
-        return kept[key]
-
-    return cached
-
-
 @pytest.fixture(scope="module")
 def files(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path]:
     """A file of each variant and compression."""
     out = {}
     with pytest.MonkeyPatch.context() as patch:  # each file would do the same again
-        patch.setattr("subsea.export.gltf_scene.fit_skeleton", _once(fit_skeleton))
-        patch.setattr("subsea.export.gltf.sheet_png", _once(sheet_png))
+        patch.setattr("subsea.export.gltf_scene.fit_skeleton", once(fit_skeleton))
+        patch.setattr("subsea.export.gltf.sheet_png", once(sheet_png))
         for name, kind in MADE:
             path = tmp_path_factory.mktemp(name) / "scene.glb"
             chosen = SceneOptions(compress=kind, instances=kind == QUANTISED, **VARIANTS[name])

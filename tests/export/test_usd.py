@@ -1,14 +1,14 @@
 """Our stages, read by OpenUSD, compared with playback."""
 
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
-from subsea.base.errors import UserError
+import capture.cli.main
+import subsea.cli.main
 from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.conventions import Y_UP, to_metres
 from subsea.export.usd import write_usd
@@ -144,19 +144,17 @@ def test_body_and_fins_have_the_texture(tmp_path: Path) -> None:
     assert model.rest[model.triangles[: model.body][faces], 0].max() < 0.0  # behind the middle
 
 
+@pytest.mark.parametrize(
+    ("main", "what"), [(capture.cli.main.main, "fusilier"), (subsea.cli.main.main, "peaceful")]
+)
 def test_without_usd_core_the_error_names_the_extra(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    main: Callable[[list[str]], int],
+    what: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    model, clips = make_clips("fusilier", detail=3)
-    monkeypatch.setitem(sys.modules, "pxr", None)
-    with pytest.raises(UserError, match="USD needs usd-core: run `make bench`"):
-        write_usd(tmp_path, model, clips, baked=False)
+    monkeypatch.setattr("subsea.base.system.find_spec", lambda name: None)
+    assert main(["export", what, "--to", "usd", "--out", str(tmp_path / "new")]) == 2
+    assert "USD needs usd-core: run `make bench`" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
-
-
-def test_a_failed_export_leaves_no_files(tmp_path: Path) -> None:
-    model, clips = make_clips("fusilier", detail=3)
-    (tmp_path / "out").write_text("no folder")
-    with pytest.raises(UserError, match="out"):
-        write_usd(tmp_path / "out", model, clips, baked=False)
-    assert [path.name for path in tmp_path.iterdir()] == ["out"]

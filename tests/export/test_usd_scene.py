@@ -17,7 +17,7 @@ from subsea.export.options import SceneOptions
 from subsea.export.scene import Scene
 from subsea.export.usd_scene import WRITER, _representatives, bake_poses
 from subsea.geometry.rotation import matrix
-from tests.export.conftest import extent_of
+from tests.export.conftest import extent_of, once
 
 WHOLE = SceneOptions()
 
@@ -26,14 +26,7 @@ WHOLE = SceneOptions()
 def encoded_once() -> Iterator[None]:
     """Encode each texture once."""
     with pytest.MonkeyPatch.context() as patch:
-        known: dict[bytes, bytes] = {}
-
-        def encode(sheet: np.ndarray) -> bytes:
-            key = sheet.tobytes()
-            known[key] = known.get(key) or sheet_png(sheet)
-            return known[key]
-
-        patch.setattr(usd_scene, "sheet_png", encode)
+        patch.setattr(usd_scene, "sheet_png", once(sheet_png))
         yield
 
 
