@@ -49,7 +49,7 @@ OURS = (
 
 
 def _registered() -> list[Behavior]:
-    """Load the behaviors of other packages; one that is none is left out with a line."""
+    """Load the behaviors of other packages, and say which are of another type."""
     behaviors = []
     for name, behavior in registry.load_all(registry.BEHAVIORS):
         if isinstance(behavior, Behavior):
