@@ -153,6 +153,7 @@ def test_the_outline_lies_in_the_scaffold_and_moves_with_it(flat: ModuleType, bo
     np.testing.assert_allclose(flat.outline_of(body, turned), expected, atol=1e-9)
 
 
+@pytest.mark.nightly
 def test_all_parts_are_drawn(
     flat: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -48,6 +48,7 @@ def test_strong_sinusoids_fold_the_body_and_weak_ones_do_not(
     assert shares[0.6] > 0.5
 
 
+@pytest.mark.nightly
 def test_one_diagonal_rolls_the_fish_and_both_do_not(ks: ModuleType, tmp_path: Path) -> None:
     found = ks.rolling(ks.QUICK, tmp_path)
     for name in ("fusilier", "emperor_angelfish"):
@@ -65,6 +66,7 @@ def test_one_diagonal_covers_the_same_hull(ks: ModuleType) -> None:
     assert len(triangles) < len(TRIANGLES)
 
 
+@pytest.mark.nightly
 def test_the_recompiled_kernel_agrees_for_the_same_hull(ks: ModuleType) -> None:
     from subsea.biomechanics.body import TRIANGLE_WEIGHTS
 

@@ -46,6 +46,7 @@ def test_no_picture_is_large():
     assert sum(sizes.values()) < 10_000_000
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("script", "draw"), [("make_reef_pictures", "plate"), ("make_spine_pictures", "beats")]
 )

@@ -159,6 +159,7 @@ print(sum(ease_goals.stats.cache_hits.values()), sum(ease_goals.stats.cache_miss
 """
 
 
+@pytest.mark.nightly
 def test_compiled_code_that_takes_pointers_is_kept(tmp_path):
     """A second process finds what the first has compiled."""
     found = []
