@@ -31,8 +31,7 @@ KINDS = {"fishes": FISH, "sand": SEABED, "stone": ROCK}
 @pytest.fixture(scope="module")
 def context() -> Iterator[Any]:
     context = headless_context()
-    with context:
-        yield context
+    yield context
     context.release()
 
 
@@ -43,7 +42,7 @@ def filmed(context: Any, options: SceneFilmOptions) -> Any:
     steer = tour_steering(world, "auto")
     alpha = reach(world, FRAME * TICK_S, steer, lambda: None)
     seen = views(rig, cockpit(world.state.submarine, alpha))
-    with picture_maker(context, world, rig, PRESETS["low"]) as renderer:
+    with context, picture_maker(context, world, rig, PRESETS["low"]) as renderer:
         packet = pack(world, seen, alpha)
         renderer.draw(packet)
         return renderer.id_maps(packet)
@@ -61,7 +60,8 @@ def test_fishes_sand_and_stone_cover_the_pixels_of_the_film(
         _, _, group, name, *_ = path.split("/")
         return KINDS[group] * 100 + numbers.get(name, 0)
 
-    found = label_map(context, stage, "/bare_sea/camera", FRAME, SIZE, label)
+    with context:
+        found = label_map(context, stage, "/bare_sea/camera", FRAME, SIZE, label)
     expected = film.kind * 100.0 + np.where(film.kind == FISH, film.number, 0)
     shares = {}
     for name, kind in KINDS.items():

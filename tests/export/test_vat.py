@@ -168,7 +168,9 @@ def test_a_16_bit_picture_is_read_back_unchanged(tmp_path: Path) -> None:
 
 def test_the_shader_of_the_documentation_decodes_it(tmp_path: Path) -> None:
     """Run as it is printed, on a texture of 16 bits."""
-    text = (Path(__file__).parents[2] / "docs" / "how-to" / "export.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs/developers/export-figures.md").read_text(
+        encoding="utf-8"
+    )
     body = text.partition("```glsl\n")[2].partition("```")[0]
     model, clips = make_clips("fusilier", detail=2)
     write_vat(tmp_path, model, clips, baked=False)

@@ -21,7 +21,7 @@ from subsea.lab.comparison import (
 from subsea.lab.report import measure
 from subsea.lab.sweep import Sweep, sweep
 from subsea.media.record import Origin
-from tests.support.records import INTENTIONS, a_record, row, still
+from tests.support.records import INTENTIONS, OLDEST_RECORD, a_record, row, still
 from tests.support.scenes import BARE
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "records.md"
@@ -135,9 +135,7 @@ def test_the_command_prints_draws_and_writes_groups(records, tmp_path, capsys):
 
 def test_an_older_record_is_a_group_of_unknown_origin(records, tmp_path, capsys):
     old = tmp_path / "old.h5"
-    old.write_bytes(
-        lzma.decompress((Path(__file__).with_name("record_version_2.h5.xz")).read_bytes())
-    )
+    old.write_bytes(lzma.decompress(OLDEST_RECORD.read_bytes()))
     assert main(["study", str(old), str(records[0])]) == 0
     assert "group 1: 1 record, records of unknown origin" in capsys.readouterr().out
 

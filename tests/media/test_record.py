@@ -1,7 +1,6 @@
 """Records: what other programs and older versions of this one make of them."""
 
 import lzma
-from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -10,9 +9,9 @@ import pytest
 from subsea.base.hdf5 import NO_VARIABLE
 from subsea.cli.main import main
 from subsea.media.record import COORDINATES, DIMENSIONS, FIELDS, read_record
+from tests.support.records import OLDEST_RECORD
 from tests.support.scenes import scene
 
-HERE = Path(__file__).parent
 CODES = {
     "intention": "intention_names",
     "segment": "segment_names",
@@ -105,7 +104,7 @@ def test_dimensions_without_values_are_no_variables(record):
 def test_a_record_of_the_first_release_is_read(tmp_path, capsys):
     """Its dimensions had no names, and nothing told its origin."""
     old = tmp_path / "old.h5"
-    old.write_bytes(lzma.decompress((HERE / "record_version_2.h5.xz").read_bytes()))
+    old.write_bytes(lzma.decompress(OLDEST_RECORD.read_bytes()))
     read = read_record(old)
     assert read.position.shape == (6, 4, 3)
     assert read.species_names == ["Ocellaris clownfish", "Yellowback fusilier"]

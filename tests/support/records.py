@@ -1,5 +1,7 @@
 """Tiny records of a simulation, for tests of measures."""
 
+from pathlib import Path
+
 import numpy as np
 
 from subsea.lab.measures import headings
@@ -7,6 +9,7 @@ from subsea.media.record import STATIONS, Record
 from subsea.repertoire import SEGMENTS
 from subsea.state import KINDS, WANDER
 
+OLDEST_RECORD = Path(__file__).with_name("record_version_2.h5.xz")  # of the first release
 TICK_S = 0.1
 LENGTH = 20.0  # cm; the bodies are 2 cm wide and 6 cm high
 INTENTIONS = ["avoid", "escape", "school", "eat", "mate", "leave", "wander"]

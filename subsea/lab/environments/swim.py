@@ -230,15 +230,18 @@ class SwimPicture:
         rest = rest_control_points(species.surface, species.length_cm, body.rest[0, 0])
         self._coupling = couple(species.surface.coupling, body.rest, rest)
         self._context = headless_context()
-        self._fish = FishPreview(self._context, species, paint(species))
+        with self._context:  # detached at its end: no window could open in this thread otherwise
+            self._fish = FishPreview(self._context, species, paint(species))
 
     def draw(self, x: Array) -> Bytes:
         """Draw the body with world nodes (23, 3), in the middle of a picture (360, 640, 3)."""
         points = place(self._coupling, x) - 0.5 * (x[5] + x[7])
-        self._fish.draw(points, ORBIT, SIZE)
-        return np.ascontiguousarray(self._fish.read_pixels())
+        with self._context:
+            self._fish.draw(points, ORBIT, SIZE)
+            return np.ascontiguousarray(self._fish.read_pixels())
 
     def release(self) -> None:
         """Free every OpenGL object."""
-        self._fish.release()
+        with self._context:
+            self._fish.release()
         self._context.release()

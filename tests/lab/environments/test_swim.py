@@ -1,5 +1,7 @@
 """One swimming body as an environment."""
 
+import ctypes
+
 import gymnasium
 import numpy as np
 import pytest
@@ -280,4 +282,8 @@ def test_a_picture_shows_the_body():
     assert picture.dtype == np.uint8
     fish = (np.abs(picture.astype(int) - picture[0, 0]) > 20).any(axis=2)
     assert 0.02 < fish.mean() < 0.5
+    current = ctypes.CDLL("libEGL.so.1").eglGetCurrentContext
+    current.restype = ctypes.c_void_p
+    assert not current()  # else Xlib would end the process when it opens a window
     env.close()
+    assert not current()
