@@ -24,7 +24,7 @@ bench: .venv/ready-bench
 # Types and format are checked beside the tests, and reported after them.
 test test-house nightly: .venv/ready-test
 	@{ $(BIN)/ruff format --check . && $(BIN)/ruff check . && $(BIN)/mypy; } >.venv/checks.log 2>&1 & \
-	$(BIN)/pytest -n 2 --dist loadfile $(TESTS) $(ARGS); tested=$$?; \
+	$(BIN)/pytest -n 2 --dist loadfile --max-worker-restart 0 $(TESTS) $(ARGS); tested=$$?; \
 	wait $$!; checked=$$?; cat .venv/checks.log; exit $$((tested | checked))
 test-house: TESTS = $(patsubst %,--ignore=tests/%,stage studio export lab docs tools)
 nightly: TESTS = --nightly
