@@ -1,7 +1,6 @@
 """Measure exported files: bytes and errors of each format and compression, as tables.
 
 .venv/bin/python tools/measure_export.py [--detail N] [SPECIES ...]
-.venv/bin/python tools/measure_export.py [--detail N] --scene SCENARIO
 
 Errors are distances of vertices from playback, in percent of the body length, over all frames of
 all segments: root mean square, and the largest. Files are read again by the reader of the tests.
@@ -9,7 +8,6 @@ all segments: root mean square, and the largest. Files are read again by the rea
 
 import argparse
 import sys
-import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,24 +15,16 @@ import meshopt
 import numpy as np
 
 from subsea.export import COMPRESSIONS
-from subsea.export.clips import Clip, Model, all_points, make_clips, transform_points
-from subsea.export.conventions import METRES, WORLD_Y_UP, Y_UP, Z_UP, to_metres
+from subsea.export.conventions import METRES, Y_UP, Z_UP, to_metres
+from subsea.export.clips import Clip, Model, make_clips, transform_points
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
-from subsea.export.gltf_scene import WRITER as GLTF
-from subsea.export.options import SceneOptions
-from subsea.export.recording import SceneFilmOptions, record_scene
-from subsea.export.scene import Scene
 from subsea.export.skinning import Skeleton, fit_skeleton
 from subsea.export.usd import write_usd
 from subsea.export.vat import encode, write_vat
 from subsea.fish.species import shipped_species
-from subsea.geometry.rotation import matrix
-from subsea.scenario.load import load_scenario
 from tests.support.gltf_reader import Reader
 
-SCENE_S = 3.0  # length of a scene
-FISHES = 5  # every fifth fish of a scene is read
 EVERY = 4  # of the clips with morph targets are read
 
 
@@ -106,57 +96,12 @@ def exact_row(folder: Path, model: Model, clips: list[Clip]) -> str:
     return " | ".join([f"| {model.name.replace('_', ' ')}", *cells]) + " |"
 
 
-def scene_errors(file: Path, scene: Scene) -> tuple[float, float]:
-    """Compute the root mean square and largest error of fishes of a scene."""
-    reader = opened(file)
-    moment = reader.worlds(scene.name, np.arange(scene.frames) / scene.fps)
-    names = [node.get("name") for node in reader.content["nodes"]]
-    offs = []
-    for fish in range(0, len(scene.fishes), FISHES):
-        one = scene.fishes[fish]
-        there = slice(one.first, one.last + 1)
-        found, _ = reader.node_points(names.index(f"{one.name}_mesh"), moment)
-        turns = matrix(scene.rotation[there, fish]).swapaxes(1, 2)
-        seen = scene.position[there, fish][:, None] + scene.points(fish)[0] @ turns
-        off = np.linalg.norm(found[there] - to_metres(seen, WORLD_Y_UP), axis=2)
-        offs.append(off.ravel() * 100.0 / (METRES * one.length_cm))
-    off = np.concatenate(offs)
-    return float(np.sqrt((off**2).mean())), float(off.max())
-
-
-def measure_scene(name: str, detail: int) -> None:
-    """Print the table of a scene."""
-    film = SceneFilmOptions(
-        out=Path("scene.glb"), loaded=load_scenario(name), start=4.0, seconds=SCENE_S, detail=detail
-    )
-    scene = record_scene(film)
-    print(f"{len(scene.fishes)} fishes, {scene.frames} frames, level {detail}")
-    print("| fishes | compression | bytes | off, rms (most) | seconds to write |")
-    print("| --- " * 5 + "|")
-    for variant in ({}, {"morph": True}, {"vat": True}):
-        for kind in COMPRESSIONS:
-            with TemporaryDirectory() as folder:
-                file, begin = Path(folder) / "scene.glb", time.monotonic()
-                files = GLTF.write(scene, file, SceneOptions(compress=kind, **variant))
-                took = time.monotonic() - begin
-                off = "-"
-                if "vat" not in variant:
-                    rms, most = scene_errors(file, scene)
-                    off = f"{rms:.4f}% ({most:.4f}%)"
-                label = next(iter(variant), "skeletons")
-                print(f"| {label} | {kind} | {size(files)} | {off} | {took:.0f} |", flush=True)
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scene", metavar="SCENARIO")
     parser.add_argument("species", nargs="*", default=shipped_species())
     parser.add_argument("--detail", type=int, choices=range(4), default=0)
     options = parser.parse_args()
-    if options.scene:
-        measure_scene(options.scene, options.detail)
-        return
     skeletons, exact = [], []
     for name in options.species:
         model, clips = make_clips(name, options.detail)

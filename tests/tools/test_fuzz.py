@@ -1,29 +1,19 @@
 """Damaged files are read or refused in one line, and the tool finds violations."""
 
-import importlib.util
 import os
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
-TOOL = Path(__file__).parents[2] / "tools" / "fuzz.py"
-
-
-@pytest.fixture(scope="module")
-def fuzz():
-    spec = importlib.util.spec_from_file_location("fuzz_tool", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
-    return tool
+from tools import fuzz
 
 
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
     rounds = 400 if pytestconfig.getoption("--nightly") else 8
     done = subprocess.run(
-        [sys.executable, TOOL, "--rounds", str(rounds), "--keep", tmp_path / "kept"],
+        [sys.executable, fuzz.__file__, "--rounds", str(rounds), "--keep", tmp_path / "kept"],
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
@@ -31,7 +21,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
     assert not (tmp_path / "kept").exists()
 
 
-def test_samples_are_sound(fuzz, tmp_path):
+def test_samples_are_sound(tmp_path):
     for name in fuzz.KINDS.keys() - {"record", "snapshot"}:  # these are made by what they are of
         kind = fuzz.KINDS[name]
         for sample in kind.samples(tmp_path)[:2]:
@@ -66,7 +56,7 @@ def never_comes_back(path):
     ],
     ids=["sound", "crash", "fault", "slow", "hang", "memory", "writing", "no words"],
 )
-def test_each_kind_of_reader_fault_is_found(fuzz, monkeypatch, tmp_path, capsys, read, found):
+def test_each_kind_of_reader_fault_is_found(monkeypatch, tmp_path, capsys, read, found):
     monkeypatch.setattr(fuzz, "SECONDS", 0.5)
     kind = fuzz.Kind(".toml", lambda folder: [b"a = 3"], read)
     number = fuzz.fuzz("any", kind, 2 if found is None else 1, 0, tmp_path / "kept")
@@ -76,7 +66,7 @@ def test_each_kind_of_reader_fault_is_found(fuzz, monkeypatch, tmp_path, capsys,
     assert (tmp_path / "kept" / "any-0-0.toml").exists() == (found is not None)
 
 
-def test_every_accident_happens(fuzz):
+def test_every_accident_happens():
     import random
 
     sample = b"[a]\nx = 3\ny = [1.5, 2]\n"

@@ -1,6 +1,5 @@
 """The tool starts every command, and finds commands that end badly."""
 
-import importlib.util
 import random
 import signal
 from pathlib import Path
@@ -9,19 +8,10 @@ import pytest
 
 from capture.cli.main import parsers as capture_parsers
 from subsea.cli.main import parsers
-
-TOOL = Path(__file__).parents[2] / "tools" / "fuzz_commands.py"
-
-
-@pytest.fixture(scope="module")
-def fuzz():
-    spec = importlib.util.spec_from_file_location("fuzz_commands_tool", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
-    return tool
+from tools import fuzz_commands as fuzz
 
 
-def test_every_command_gets_odd_values_and_files(fuzz):
+def test_every_command_gets_odd_values_and_files():
     known = {("subsea", name) for name in parsers()[1].choices}
     known |= {("capture", name) for name in capture_parsers()[1].choices}
     for kind in ("value", "file"):
@@ -32,7 +22,7 @@ def test_every_command_gets_odd_values_and_files(fuzz):
         assert len({tuple(case.words[:2]) for case in cases}) > 10
 
 
-def test_settings_have_keys_of_scenarios(fuzz):
+def test_settings_have_keys_of_scenarios():
     keys = {fuzz.odd_setting(random.Random(k)).partition("=")[0] for k in range(3000)}
     assert {"seed", "fish.0.number", "water.current_cm_s.0", "hook.depth_cm"} <= keys
 
@@ -53,12 +43,10 @@ def test_settings_have_keys_of_scenarios(fuzz):
         ("print('50%|###', file=sys.stderr, flush=True); open('pipe')", "", None),
     ],
 )
-def test_a_command_that_ends_badly_is_found(
-    fuzz, monkeypatch, tmp_path, program, redirection, found
-):
+def test_a_command_that_ends_badly_is_found(monkeypatch, tmp_path, program, redirection, found):
     monkeypatch.setattr(fuzz, "SECONDS", 3 if "pipe" in program else 60)
     monkeypatch.setattr(fuzz, "PATIENCE_S", 1)
-    fuzz.make_folder(tmp_path, TOOL)
+    fuzz.make_folder(tmp_path, Path(__file__))
     (tmp_path / "stub.py").write_text(f"import sys\n{program}\n")
     case = fuzz.Case(["stub", "test"], redirection)
     what = fuzz.finding(case, fuzz.end_of(case, tmp_path))
@@ -67,7 +55,7 @@ def test_a_command_that_ends_badly_is_found(
     assert what == found
 
 
-def test_an_interrupted_command_gets_its_signals(fuzz, tmp_path):
+def test_an_interrupted_command_gets_its_signals(tmp_path):
     wait = "signal.signal(signal.SIGTERM, lambda *unused: sys.exit(75))\ntime.sleep(60)\n"
     (tmp_path / "stub.py").write_text(f"import signal, sys, time\n{wait}")
     for number, code in ((signal.SIGTERM, 75), (signal.SIGINT, -signal.SIGINT)):

@@ -1,57 +1,44 @@
 """The report of a GPU: what fits the time is measured, the rest is named, nothing is lost."""
 
 import argparse
-import importlib.util
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
-import pytest
+from tools import gpu_report as tool
 
-TOOL = Path(__file__).parents[2] / "tools" / "gpu_report.py"
 PICTURES = {
     "school": {"share": 0.0, "most": 0, "mean": 0.0},
     "dome": {"share": 0.25, "most": 9, "mean": 0.5},
 }
 
 
-@pytest.fixture(scope="module")
-def tool():
-    spec = importlib.util.spec_from_file_location("gpu_report", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    sys.modules["gpu_report"] = tool  # for its dataclass
-    spec.loader.exec_module(tool)
-    yield tool
-    del sys.modules["gpu_report"]
-
-
-def chosen(tool, *only, shrink=1):
+def chosen(*only, shrink=1):
     return tool.cases(argparse.Namespace(frames=2, shrink=shrink, only=only or tool.GROUPS))
 
 
-def python(tool, name, program, **settings):
+def python(name, program, **settings):
     """A case that is a program of its own."""
     return tool.Case("paper", name, [sys.executable, "-c", program], "text", **settings)
 
 
-def test_everything_that_no_gpu_has_drawn_is_a_case(tool):
-    names = [f"{case.group}: {case.name}" for case in chosen(tool)]
+def test_everything_that_no_gpu_has_drawn_is_a_case():
+    names = [f"{case.group}: {case.name}" for case in chosen()]
     for preset in ("low", "medium", "high", "ultra"):
         for size in ("1280x720", "1920x1080", "3840x2160"):
             assert f"presets: {preset}, {size}" in names
     assert [n for n in names if n.startswith("fishes")][-1] == "fishes: 100,000"
-    assert {case.group for case in chosen(tool)} == {*tool.GROUPS}
-    small = [word for case in chosen(tool, "presets", shrink=10) for word in case.command]
+    assert {case.group for case in chosen()} == {*tool.GROUPS}
+    small = [word for case in chosen("presets", shrink=10) for word in case.command]
     assert "128x72" in small
     assert "1280x720" not in small
 
 
-def test_a_benchmark_becomes_a_row(tool, tmp_path):
-    case = chosen(tool, "presets", shrink=10)[0]
+def test_a_benchmark_becomes_a_row(tmp_path):
+    case = chosen("presets", shrink=10)[0]
     case.command += ["--scenario", "tests/support/bare_sea.toml"]
     case.most_s = 300.0
     assert tool.measure([case], 6.0, lambda: tool.write(tmp_path, [case], 6.0), lambda text: None)
@@ -62,11 +49,11 @@ def test_a_benchmark_becomes_a_row(tool, tmp_path):
     assert row in (tmp_path / "report.md").read_text()
 
 
-def test_faults_and_slow_cases_are_named_and_the_others_go_on(tool):
+def test_faults_and_slow_cases_are_named_and_the_others_go_on():
     found = [
-        python(tool, "broken", "print('some text'); raise SystemExit('no such GPU')"),
-        python(tool, "slow", "import time; print('begun', flush=True); time.sleep(60)", most_s=1.0),
-        python(tool, "sound", "print('a table')"),
+        python("broken", "print('some text'); raise SystemExit('no such GPU')"),
+        python("slow", "import time; print('begun', flush=True); time.sleep(60)", most_s=1.0),
+        python("sound", "print('a table')"),
     ]
     assert tool.measure(found, 1.0, lambda: None, lambda text: None)
     assert [case.state for case in found] == ["failed", "stopped", "done"]
@@ -77,21 +64,21 @@ def test_faults_and_slow_cases_are_named_and_the_others_go_on(tool):
     assert "a table" in page
 
 
-def test_what_no_longer_fits_is_left_out(tool):
-    found = [python(tool, "first", "pass")]
+def test_what_no_longer_fits_is_left_out():
+    found = [python("first", "pass")]
     assert tool.measure(found, 0.5 * tool.LEAST_S / 60.0, lambda: None, lambda text: None)
     assert (found[0].state, found[0].reason) == ("left out", "no time left")
 
 
-def test_stages_of_the_gpu_and_pictures_are_tables(tool):
-    (case, *_) = chosen(tool, "presets")
+def test_stages_of_the_gpu_and_pictures_are_tables():
+    (case, *_) = chosen("presets")
     case.result = {
         "renderer": "Some GPU", "machine": {"driver": "4.6", "cpu": "x", "cores": 8, "commit": "y"},
         "frame_ms": {"p50": 2.0, "p95": 3.0}, "fps": 500.0, "host_ms": 1.0,
         "cpu_ms": {"thread": 1.5}, "gpu_ms": {"all": 0.75, "water": 0.5, "fishes": 0.25},
         "triangles_mean": 1000.0, "draw_calls": 20,
     }  # fmt: skip
-    (pictures,) = chosen(tool, "pictures")
+    (pictures,) = chosen("pictures")
     pictures.result = PICTURES
     page = tool.page([case, pictures])
     assert "Some GPU; OpenGL 4.6; x, 8 cores; commit y" in page
@@ -101,12 +88,9 @@ def test_stages_of_the_gpu_and_pictures_are_tables(tool):
 
 
 def test_ctrl_c_keeps_what_is_measured(tmp_path):
-    program = f"""
-import importlib.util, sys
-spec = importlib.util.spec_from_file_location("gpu_report", {str(TOOL)!r})
-tool = importlib.util.module_from_spec(spec)
-sys.modules["gpu_report"] = tool
-spec.loader.exec_module(tool)
+    program = """
+import sys
+from tools import gpu_report as tool
 def own(program): return tool.Case("paper", program, [sys.executable, "-c", program], "text")
 tool.cases = lambda options: [own("print(7)"), own("import time; time.sleep(60)"), own("print(9)")]
 sys.exit(tool.main())
@@ -127,8 +111,8 @@ sys.exit(tool.main())
     assert {case["reason"] for case in kept[1:]} == {"interrupted"}
 
 
-def test_the_differences_of_stored_pictures_are_listed(tool, tmp_path):
-    (case,) = chosen(tool, "pictures")
+def test_the_differences_of_stored_pictures_are_listed(tmp_path):
+    (case,) = chosen("pictures")
     case.command += ["-k", "test_a_school_over_the_sand"]
     tool.run_case(case, 300.0)
     assert case.state == "done", case.reason

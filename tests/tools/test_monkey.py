@@ -1,15 +1,14 @@
 """The tool that sends random input to a dive finds its failures."""
 
-import importlib.util
 import random
 import subprocess
 import sys
 from itertools import islice, takewhile
-from pathlib import Path
 
 import pytest
 
-TOOL = Path(__file__).parents[2] / "tools" / "monkey.py"
+from tools import monkey
+
 BEAT = "import os, signal, sys, time\nfrom pathlib import Path\n"
 BEAT += "signal.signal(signal.SIGINT, lambda *unused: os._exit(130))\n"
 BEAT += "pulse = Path(sys.argv[1])\nshown = 0\n"
@@ -18,16 +17,8 @@ BEAT += "    pulse.write_text(str(shown + 20)); time.sleep(seconds)\n"
 FOR_EVER = "while True: beat()\n"
 
 
-@pytest.fixture(scope="module")
-def monkey():
-    spec = importlib.util.spec_from_file_location("monkey_tool", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
-    return tool
-
-
 @pytest.fixture
-def play(monkey, monkeypatch, tmp_path):
+def play(monkeypatch, tmp_path):
     """Play for a while with a program that takes a dive's place."""
     monkeypatch.setattr(monkey, "LOOK_S", 0.05)
     pulse, told = tmp_path / "pulse", tmp_path / "told"
@@ -72,7 +63,7 @@ def play(monkey, monkeypatch, tmp_path):
     ],
     ids=["sound", "code", "traceback", "panel", "warning", "hang", "stays"],
 )
-def test_each_kind_of_failure_is_found(play, monkey, monkeypatch, program, told):
+def test_each_kind_of_failure_is_found(play, monkeypatch, program, told):
     to_the_end = told is None or told.startswith("Ctrl-C")
     # Only who waits in vain is impatient: a sound dive may take its time.
     if told == "no picture for 1 s":
@@ -92,12 +83,12 @@ def test_a_dive_that_is_left_is_opened_again(play):
     assert opened == 2
 
 
-def test_memory_that_grows_is_found(monkey):
+def test_memory_that_grows_is_found():
     assert monkey.growth([5.0] * 3) == monkey.growth([100.0] * 40) == []
     assert monkey.growth([100.0 + k for k in range(40)]) == ["memory grew by 17%"]
 
 
-def test_the_same_seed_gives_the_same_events(monkey):
+def test_the_same_seed_gives_the_same_events():
     first, again = (list(islice(monkey.events(random.Random(3)), 3000)) for _ in range(2))
     assert first == again
     assert first != list(islice(monkey.events(random.Random(4)), 3000))
