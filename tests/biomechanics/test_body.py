@@ -1,5 +1,6 @@
 import numpy as np
 
+from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
     KINDS,
@@ -12,8 +13,6 @@ from subsea.biomechanics.body import (
     build_body,
     rest_nodes,
 )
-
-MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
 def pairs():

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import MUSCLES, build_body
 from subsea.biomechanics.controllers import (
     LEFT,
@@ -11,8 +12,6 @@ from subsea.biomechanics.controllers import (
 )
 from subsea.biomechanics.simulation import at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
-
-MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
 def swim(species, beats, amplitude, start=0.0, side=None):

@@ -4,12 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, build_body
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import load_species
-
-MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(5) for k in (1, 0, 3, 2)), 21, 22])
 
 
 def force_on(x, v, water, drag=1.0):
