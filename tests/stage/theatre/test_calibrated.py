@@ -158,12 +158,6 @@ def test_the_projectors_that_work_go_on_without_the_one_that_does_not(theatre, p
     assert {patch.output for patch in rig.patches} == {0, 2}
 
 
-def test_an_archive_of_nothing_usable_is_one_line(theatre, projectors, making):
-    with pytest.raises(UserError, match=r"all\.mpcdi: no 'mpcdi.xml' in it") as caught:
-        theatre({"readme.txt": b"hello"})
-    assert "\n" not in str(caught.value)
-
-
 def test_calibrated_projectors_of_a_dome_show_their_parts_of_its_picture(
     theatre, projectors, making
 ):

@@ -119,18 +119,6 @@ def test_circles_and_unknown_parents_are_left_out_with_a_line(tmp_path, content)
     assert any("parent 'nowhere'" in line for line in theatre.left_out)
 
 
-def test_viewports_beyond_the_most_are_left_out(tmp_path, content):
-    node = content["nDisplay"]["cluster"]["nodes"]["node_front"]
-    view = node["viewports"]["vp_front"]
-    node["window"] |= {"w": 1600}
-    node["viewports"] = {
-        f"v{k}": view | {"region": {"x": 16 * k, "y": 0, "w": 16, "h": 16}} for k in range(70)
-    }
-    theatre, _ = loaded(tmp_path, content)
-    assert len(theatre.channel) == 64
-    assert "viewports beyond the first 64" in theatre.left_out
-
-
 def test_faulty_files_are_refused_in_a_line(tmp_path, content):
     content["nDisplay"]["scene"]["screens"]["front"]["size"]["width"] = "wide"
     with pytest.raises(UserError) as error:

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from subsea.base.errors import UserError
-from subsea.base.files import read_input
 from subsea.stage.theatre.pixel_files import parse_pfm
 
 GRIDS = st.tuples(st.integers(1, 6), st.integers(1, 6), st.sampled_from([1, 3])).flatmap(
@@ -62,9 +61,3 @@ def test_mangled_bytes_are_numbers_or_one_line(making, junk, at):
             assert parse_pfm(data, "x").ndim == 3
         except UserError as fault:
             assert "\n" not in str(fault)
-
-
-def test_a_file_that_is_not_there_or_a_folder_is_one_line(tmp_path):
-    for path in (tmp_path / "none.pfm", tmp_path, tmp_path / "a\0b"):
-        with pytest.raises(UserError, match=r"cannot read|no such file"):
-            read_input(path, 100)

@@ -25,15 +25,6 @@ def written(tmp_path, text):
 
 
 @pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
-def test_every_theatre_that_is_shipped_works(name):
-    theatre, path = load_theatre(name)
-    found, faults = usable_channels(theatre, path)
-    assert len(found) == len(theatre.channel)
-    assert not faults
-    assert theatre.title
-
-
-@pytest.mark.parametrize("name", resource_names(FOLDER, ".toml"))
 def test_the_windows_of_a_shipped_theatre_do_not_cover_each_other(name):
     """On one computer with one monitor, which also shows the windows of all nodes."""
     windows = load_theatre(name)[0].window
