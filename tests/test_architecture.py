@@ -76,7 +76,7 @@ def test_class_names_are_unique():
         # `subsea simulate` runs on machines that have neither OpenGL nor windows.
         ("subsea.lab.simulate", ("moderngl", "glfw", "imgui_bundle", "av")),
         # A dive begins without what few dives need.
-        ("subsea.ui.dive_loop", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
+        ("subsea.ui.dive", ("h5py", "PIL", "zmq", "tqdm", "av", "scipy.linalg")),
     ],
 )
 def test_a_command_imports_only_what_it_needs(module, others):

@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
-AT_REST = "the sea is shown at rest"
 PICTURE = "the first picture of a moving sea"
 
 
@@ -82,9 +81,6 @@ def ends_of_parts(marks: list[tuple[str, float, float]]) -> dict[str, float]:
         else:
             done[part] = cpu, clock
             part = what
-    woken = next(k for k, (what, *_) in enumerate(marks) if what == "waking the fishes")
-    if marks[woken + 1][0] == "shown":  # not before there was a picture of the sea at rest
-        done[AT_REST] = marks[woken + 1][1:]
     done[PICTURE] = marks[last + 2][1:]  # after the window and the last message
     figures = {f"processor, until {what}": cpu for what, (cpu, _) in done.items()}
     return figures | {f"clock, until {what}": clock for what, (_, clock) in done.items()}

@@ -142,9 +142,9 @@ def run(options: Namespace) -> int:
                 display.mode, display.size, display.fullscreen, chosen.settings, first=first
             )
             undo.callback(opening.close)
-        fresh = "subsea.ui.dive_loop" not in sys.modules
+        fresh = "subsea.ui.dive" not in sys.modules
         gc.disable()
-        from subsea.ui.dive_loop import dive  # takes longer to load than everything before
+        from subsea.ui.dive import dive  # takes longer to load than everything before
 
         if fresh:  # modules stay: exclude their objects from garbage collection
             gc.freeze()
@@ -174,34 +174,11 @@ def _dive_options(options: Namespace, settings: "Settings") -> "DiveOptions":
         names = ("gaze", "look", "reins")
         shared.refuse(options, names, "dive: {} needs --eyes FISH or --follow FISH")
     shared.settle_size(options)
-    stereo, surround = shared.optics(options)
-    return DiveOptions(
-        scenario=options.scenario,
-        changes=options.changes,
-        seed=options.seed,
-        fish=options.fish,
-        seconds=options.seconds,
-        tour=options.tour,
-        see_brightness=options.see_brightness,
-        display=DisplayOptions(
-            mode=options.display,
-            size=options.size,
-            fullscreen=options.fullscreen,
-            stereo=stereo,
-            surround=surround,
-            quality=options.quality,
-            target_ms=options.target_ms,
-            diagrams=options.show,
-            wireframe=options.wireframe,
-        ),
-        start=StartOptions(
-            follow=options.follow,
-            eyes=options.eyes,
-            gaze=options.gaze,
-            colours=options.look,
-            teleop=options.reins,
-            pace=options.pace,
-        ),
-        settings=settings,
-        settings_file=options.settings or settings_path(),
+    given = Namespace(**vars(options), mode=options.display, diagrams=options.show)
+    given.stereo, given.surround = shared.optics(options)
+    given.colours, given.teleop = options.look, options.reins
+    given.display, given.start = (
+        kind(**shared.fields_of(kind, given)) for kind in (DisplayOptions, StartOptions)
     )
+    given.settings_file, given.settings = options.settings or settings_path(), settings
+    return DiveOptions(**shared.fields_of(DiveOptions, given))

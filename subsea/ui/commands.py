@@ -1,18 +1,19 @@
 """Commands of keys, buttons and panels in a dive, apart from steering."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle
 from subsea.dive.settings import Command, ControlName
 from subsea.dive.timeline import Timeline
-from subsea.ui.context import DiveContext
-from subsea.ui.inspector import Inspector
-from subsea.ui.menu import Menu
 from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
 from subsea.world.world import TICK_S
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 SHARED_TIME = marked("several computers show this dive: its time goes on")
 # These work while the menu is open.
@@ -25,8 +26,8 @@ WITH_MENU: tuple[Command, ...] = (
 class Commands:
     """Runs commands by name."""
 
-    def __init__(self, dive: DiveContext, menu: Menu, inspector: Inspector) -> None:
-        self._dive, self._menu, self._inspector = dive, menu, inspector
+    def __init__(self, dive: "Dive") -> None:
+        self._dive = dive
         self._functions: dict[Command, Callable[[], object]] = {
             "help": self._show_help,
             "desk": self._toggle_inspector,
@@ -59,9 +60,9 @@ class Commands:
 
     def run(self, command: Command) -> None:
         """Run a command. While the menu is open only a few work."""
-        if self._menu.open and command in ("menu", "alight"):
-            self._menu.back()
-        elif command in self._functions and (not self._menu.open or command in WITH_MENU):
+        if self._dive.menu.open and command in ("menu", "alight"):
+            self._dive.menu.back()
+        elif command in self._functions and (not self._dive.menu.open or command in WITH_MENU):
             self._functions[command]()
 
     def start_ride(
@@ -88,7 +89,7 @@ class Commands:
             self._toggle_pattern()
         else:
             self._dive.window.take_keyboard()  # Esc may have been pressed in another window
-            self._menu.show()
+            self._dive.menu.show()
 
     def _show_help(self) -> None:
         if not self._dive.picture.pattern:
@@ -99,7 +100,7 @@ class Commands:
             self._dive.overlay.note(translated("no desk here: several computers show this dive"))
         elif not self._dive.picture.pattern:
             self._dive.window.take_keyboard()
-            self._inspector.toggle()
+            self._dive.inspector.toggle()
 
     def _next_cue(self) -> None:
         for part in self._dive.parts:
@@ -151,7 +152,7 @@ class Commands:
         dive, picture = self._dive, self._dive.picture
         if picture.pattern or dive.shared:
             return
-        fish = self._inspector.chosen if self._inspector.open else None
+        fish = self._dive.inspector.chosen if self._dive.inspector.open else None
         if fish is None or (picture.ride is not None and picture.ride.by.fish == fish):
             fish = nearest_to_middle(dive.world, picture.views()[front_view(picture.rig)])
         if fish is not None:

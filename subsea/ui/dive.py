@@ -1,33 +1,34 @@
 """A dive: its windows, its world, and their frames."""
 
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from typing import Any
 
 from subsea.base.errors import UserError
+from subsea.base.interrupts import deferred_interrupts
 from subsea.base.language import marked, set_language, translated
 from subsea.base.progress import say
 from subsea.dive.captions import Caption, FaultLog, caption_of, draw_caption
-from subsea.dive.directed_camera import endless_tour, is_cut
+from subsea.dive.directed_camera import check_tour, endless_tour, is_cut
 from subsea.dive.live_sound import LiveSound
 from subsea.dive.options import DiveOptions
 from subsea.dive.part import GOES_ON, DivePart, LostDisplayError
 from subsea.dive.presented import NOTHING
 from subsea.dive.ride import Ride
 from subsea.dive.settings import Command, Settings
+from subsea.dive.start import ready_world
 from subsea.dive.tick_source import LocalTicks, TickSource, TickSourceMaker
 from subsea.dive.timeline import RATES, Timeline
-from subsea.jobs.background import CancelledByUserError
+from subsea.jobs.background import CancelledByUserError, run_in_background
 from subsea.media.screenshots import ScreenCapture, pictures_folder
 from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.scenario.shoals import with_total
+from subsea.scenario.shoals import find_fish, with_total
 from subsea.scenario.storage import held
 from subsea.sound.space import at_rest
 from subsea.ui.commands import Commands
-from subsea.ui.first_picture import Loader
 from subsea.ui.help_overlay import NOT_SHARED, HelpContent, help_content
 from subsea.ui.idle_tours import IdleTours
 from subsea.ui.inspector import Inspector
@@ -37,7 +38,6 @@ from subsea.ui.overlay import Overlay
 from subsea.ui.picture import ScenePicture
 from subsea.ui.preferences import Preferences
 from subsea.ui.text_layer import TextLayer
-from subsea.view.display_rigs import cockpit
 from subsea.view.rig import front
 from subsea.world.build import create_world
 from subsea.world.migrate import migrate
@@ -79,7 +79,7 @@ class Dive:
         self._check = check
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self.records_text = settings.pictures.instruments  # in pictures and films
-        self._loading, self._loader = True, Loader(self._wait)
+        self._loading = True
         self.pictures = 0  # of the sea, shown so far
         self.faults = FaultLog()
         tour = options.tour or settings.attract.tour
@@ -106,12 +106,12 @@ class Dive:
             undo.callback(self.picture.close)
             self.inspector, self.menu = Inspector(self), Menu(self, options.kiosk)
             undo.callback(self.menu.release)
-            self.commands = Commands(self, self.menu, self.inspector)
-            self.text = TextLayer(self, settings, self.menu, self.inspector)
+            self.commands = Commands(self)
+            self.text = TextLayer(self, settings)
             for part in self.parts:
                 part.opened(self)
             start = self.scenario, self.source, options.seed
-            self.world = self._loader.create(*start)
+            self.world = self._load(*start)
             self._wait(marked("starting OpenGL"))
             self._of_world = ExitStack()  # closed when the world is replaced
             undo.callback(lambda: self._of_world.close())
@@ -122,7 +122,7 @@ class Dive:
             self.tours = IdleTours(self, tour, after_s, start, options.kiosk)
             if options.tour is not None:
                 self.tours.timer.begin()
-            self._loading, self._first = False, None
+            self._loading = False
             undo.callback(self.shots.end)
             undo.callback(self.inspector.close)
             for part in self.parts:
@@ -184,7 +184,7 @@ class Dive:
                 world = create_world(scenario, seed, source=str(source))
                 migrate(before, world)
             else:
-                world = self._loader.create(scenario, source, seed)
+                world = self._load(scenario, source, seed)
         except UserError as fault:
             self.note_fault(str(fault))
             return False
@@ -276,9 +276,12 @@ class Dive:
             if not self.world.state.fishes.alive[ride.by.fish]:
                 self.ride_fish(None)
         picture.draw(self.overlay.help_hidden, self.inspector.chosen)
+        if self._first is not None:
+            self._first.keep(self.window_set.picture())
+            self._first = None
         if not self.records_text:
             self._record(elapsed_s, self.caption)
-        self.text.draw(elapsed_s, self.tours)
+        self.text.draw(elapsed_s)
         if self.records_text:
             self._record(elapsed_s)
         if (blank := self.tick_source.presented.blank) > 0.0:
@@ -294,22 +297,17 @@ class Dive:
         self.inspector.end_frame()
 
     def show_message(self, text: str) -> None:
-        """Fill the pilot's window with one line of text, or write it under a world at rest."""
-        first = self._first
+        """Fill the pilot's window with one line of text, over the first picture while loading."""
         blank = 0.0 if self._loading else self.tick_source.presented.blank
         if blank >= 1.0:
             self._present_black()
             return
         words, colon, figures = text.partition(": ")
         text = translated(words) + colon + figures
-        if self._loader.at_rest:
-            self.picture.draw(clear=False, chosen=None)
-            if first is not None:
-                first.keep(self.window_set.picture)
-        elif first is not None and first.known:
+        if self._first is not None and self._first.known:
             self._opening.show(text)
             return
-        self.text.message(text, fill=not self._loader.at_rest)
+        self.text.message(text)
         self.picture.blacken(blank)
         self.window_set.present()
 
@@ -335,6 +333,11 @@ class Dive:
         for part in self.parts:
             part.close()
 
+    def _load(self, scenario: Scenario, source: Path, seed: int | None) -> World:
+        """Make a world in a thread while the windows handle events."""
+        loaded = LoadedScenario(scenario, source)
+        return run_in_background(lambda tell: ready_world(loaded, seed, tell), self._wait)
+
     def _show_world(
         self, world: World, check: Callable[[], object] = lambda: None, tour: str | None = None
     ) -> None:
@@ -345,9 +348,6 @@ class Dive:
         with ExitStack() as undo:
             self.picture.open_world(world, check)
             undo.callback(self.picture.close_world)
-            if world.state.tick == 0:
-                self.picture.eye = cockpit(world.state.submarine, 1.0)
-                self._loader.wake(world)
             for part in self.parts:
                 part.restore(world)
             self.tick_source = self._make_ticks(world, self.pilot)
@@ -404,3 +404,41 @@ class Dive:
         if message is not None:
             say(message)
             self.show_message(message)
+
+
+def dive(options: DiveOptions, opening: Opening | None = None, notes: Sequence[str] = ()) -> int:
+    """Dive until the window is closed, the menu says so, or the time is over; exit code 0.
+
+    The parts of the options are planned. `opening` is the windows, if they are open already.
+    `notes` are lines to show at first.
+    """
+    start = options.start
+    fish_name = start.follow if start.eyes is None else start.eyes
+    # Report an unknown name before a window opens.
+    loaded = load_scenario(options.scenario, options.changes)
+    scenario = with_total(loaded.scenario, options.fish)
+    fish = None if fish_name is None else find_fish(fish_name, scenario)
+    if options.tour is not None or options.kiosk:
+        check_tour(scenario, options.tour or options.settings.attract.tour)
+    # An interrupt raised within compiled code or the window library could be lost.
+    with suppress(CancelledByUserError), deferred_interrupts() as check:
+        running = Dive(options, opening, check, loaded)
+        for line in notes:
+            running.overlay.note(line)
+        with closing(running):
+            if fish is not None:
+                running.ride_fish(fish, behind=start.eyes is None)
+                running.commands.start_ride(start.gaze, start.colours, start.teleop)
+            if start.pace is not None:
+                running.commands.set_pace(start.pace)
+            begun = last = time.perf_counter()
+            while running.window_set.open and (
+                options.seconds is None or last - begun < options.seconds
+            ):
+                check()
+                now = time.perf_counter()
+                running.frame(now - last)
+                last = now
+            running.end()
+            running.show_message(marked("closing"))  # it may take seconds, and a film is completed
+    return 0

@@ -1,12 +1,10 @@
 """The first picture of a dive, kept to show it at once when the same dive begins again.
 
 Loading takes seconds; the same scenario and seed begin with the same picture.
-
-Create a world, and show it at rest until its fishes can move.
 """
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +12,6 @@ import numpy as np
 
 from subsea.base.arrays import Bytes
 from subsea.base.disk_cache import keep, recall
-from subsea.dive.start import WAKING, wake
-from subsea.dive.warm_up import warm_up
-from subsea.jobs.background import run_in_background
-from subsea.scenario.schema import Scenario
-from subsea.world.build import create_world
-from subsea.world.world import World
 
 MOST_PX = 640  # of its width: it is shown for seconds
 
@@ -38,7 +30,6 @@ class FirstPicture:
         """Look up the picture of that name."""
         self._name, self._texture = name, None
         self._pixels: Bytes | None = None
-        self._read = False  # the picture of this dive
         try:
             pixels = recall(name, Bytes)
         except LookupError:
@@ -59,55 +50,13 @@ class FirstPicture:
             self._texture = context.texture((width, height), 3, data, alignment=1)
         return self._texture
 
-    def keep(self, read: Callable[[], Bytes]) -> None:
-        """Keep the picture (h, w, 3) that `read` gives for the next time.
-
-        Only the first call counts. It replaces one that an earlier version of the program drew.
-        """
-        if self._read:
-            return
-        self._read, pixels = True, read()
+    def keep(self, pixels: Bytes) -> None:
+        """Keep the picture (h, w, 3) for the next time, in place of the one that was known."""
         step = -(-pixels.shape[1] // MOST_PX)
-        small = np.ascontiguousarray(pixels[::step, ::step])
-        if self._pixels is None or not np.array_equal(small, self._pixels):
-            keep(self._name, small)
+        keep(self._name, np.ascontiguousarray(pixels[::step, ::step]))
 
     def release(self) -> None:
         """Free the texture."""
         if self._texture is not None:
             self._texture.release()
             self._texture = None
-
-
-Tell = Callable[[str], None]
-
-
-class Loader:
-    """Loads worlds in a thread."""
-
-    def __init__(self, look: Callable[[str | None], None]) -> None:
-        """`look` handles events meanwhile, shows lines on the progress, and may raise."""
-        self.at_rest = False  # True while a world is shown whose fishes cannot move yet
-        self._look = look
-
-    def create(self, scenario: Scenario, source: Path, seed: int | None) -> World:
-        """Create the world of a scenario at tick 0, with kernels compiled."""
-
-        def work(tell: Tell) -> World:
-            warm_up(tell)
-            return create_world(scenario, seed, progress=tell, source=str(source))
-
-        return run_in_background(work, self._look)
-
-    def wake(self, world: World) -> None:
-        """Make the first tick of a world that was created last, which is drawn already."""
-
-        def work(tell: Tell) -> None:
-            tell(WAKING)  # shows the world at once
-            wake(world)
-
-        self.at_rest = True
-        try:
-            run_in_background(work, self._look)
-        finally:
-            self.at_rest = False

@@ -5,12 +5,10 @@ Keys still steer.
 """
 
 import itertools
-import traceback
-import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import msgspec
 import numpy as np
@@ -22,11 +20,12 @@ from subsea.base.files import replacing
 from subsea.dive.minds_text import name_of
 from subsea.dive.ride import ASPECT, EDGE, WIDE
 from subsea.dive.settings import settings_path
-from subsea.jobs.background import CancelledByUserError
-from subsea.ui.context import DiveContext, PanelContext
 from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panels import PANELS
-from subsea.ui.picture import recovering_errors
+from subsea.ui.panels.fields import PanelContext
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 Area = tuple[float, float, float, float]  # left, top, width, height
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -130,7 +129,7 @@ PANEL = imgui.WindowFlags_.always_auto_resize.value | imgui.WindowFlags_.horizon
 class Inspector(PanelContext):
     """The bar and the windows of the panels."""
 
-    def __init__(self, dive: DiveContext) -> None:
+    def __init__(self, dive: "Dive") -> None:
         super().__init__(dive)
         self.shown: set[str] = set()  # names of open panels
         self.areas: dict[str, Area] = {}  # of drawn panels
@@ -176,8 +175,7 @@ class Inspector(PanelContext):
                 imgui.set_next_window_focus()
             drawn, stays = imgui.begin(name, True, PANEL)
             if drawn:
-                with self._contained(name), recovering_errors():
-                    PANELS[name](self)
+                PANELS[name](self)
             self._note_area(name)
             imgui.end()
             if not stays:
@@ -209,21 +207,6 @@ class Inspector(PanelContext):
             imgui.end_main_menu_bar()
         imgui.pop_style_var()
         imgui.pop_font()
-
-    @contextmanager
-    def _contained(self, what: str) -> Iterator[None]:
-        """Report an error within, close the panel `what` and continue the dive."""
-        try:
-            yield
-        except CancelledByUserError:
-            raise
-        except UserError as fault:
-            self.dive.note(str(fault))
-            self.shown.discard(what)
-        except Exception as fault:
-            self.dive.note(f"{what} failed: {type(fault).__name__}: {fault}")
-            self.shown.discard(what)
-            warnings.warn(traceback.format_exc(), RuntimeWarning, stacklevel=3)
 
     def _open_or_close(self, name: str) -> None:
         """Raise a panel that others cover; else open or close it."""
@@ -271,8 +254,10 @@ class Inspector(PanelContext):
             self.dive.timeline.touch()
         waiting, self._changed, self._after_frame = self._after_frame, False, []
         for act in waiting:
-            with self._contained("That"):
+            try:
                 act()
+            except UserError as fault:  # the GPU cannot, for example
+                self.dive.note(str(fault))
 
     def _drop_dead(self) -> None:
         world = self.dive.world

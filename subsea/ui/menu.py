@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 from imgui_bundle import imgui
@@ -21,9 +21,11 @@ from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
 from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.storage import read_thumbnail
-from subsea.ui.context import DiveContext
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 ROW = 1.75  # height of an entry, in heights of letters
 ABOUT = 0.65  # height of the line below an entry
@@ -102,7 +104,7 @@ QUALITIES = {
 class Menu:
     """Pages of entries. Entries act after the frame."""
 
-    def __init__(self, dive: DiveContext, kiosk: bool = False) -> None:
+    def __init__(self, dive: "Dive", kiosk: bool = False) -> None:
         """Start closed. In a `kiosk` it lacks entries that could block an exhibit."""
         self.dive, self.kiosk = dive, kiosk
         self.open = False

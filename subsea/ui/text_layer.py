@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from imgui_bundle import imgui
@@ -9,15 +10,14 @@ from imgui_bundle import imgui
 from subsea.dive import captions
 from subsea.dive.settings import ComfortSettings, Settings
 from subsea.frame.diagrams import Label
-from subsea.ui.context import DiveContext
-from subsea.ui.gui import BACKING, INK, SHADE, colour, draw_backing, fill_with_text, text_at_foot
+from subsea.ui.gui import BACKING, INK, SHADE, colour, draw_backing, fill_with_text
 from subsea.ui.hud import Vignette, draw_horizon, draw_sea_edge, edge_reading, instrument_reading
-from subsea.ui.idle_tours import IdleTours
-from subsea.ui.inspector import Inspector
-from subsea.ui.menu import Menu
 from subsea.view.front_screen import FrontView, TextViewport
 from subsea.view.rig import CameraRig
 from subsea.view.theatre_vessel import PANEL_SIZE
+
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
 
 LARGEST = 99.0  # factor on the size of letters, which the panel then limits
 LABEL_SIZE = 0.8  # factor on the size of letters
@@ -33,18 +33,16 @@ RED = (0.95, 0.15, 0.12)  # while a film is recorded
 class TextLayer:
     """Draws one frame of the gui over each picture."""
 
-    def __init__(
-        self, dive: DiveContext, settings: Settings, menu: Menu, inspector: Inspector
-    ) -> None:
+    def __init__(self, dive: "Dive", settings: Settings) -> None:
         self.vignette = Vignette(settings.comfort.vignette)
         self.horizon = settings.comfort.horizon  # whether to draw one at the helm
-        self._dive, self._menu, self._inspector = dive, menu, inspector
+        self._dive = dive
 
     def set_comfort(self, comfort: ComfortSettings) -> None:
         """Follow changed settings."""
         self.vignette.most, self.horizon = comfort.vignette, comfort.horizon
 
-    def draw(self, elapsed_s: float, tours: IdleTours) -> None:
+    def draw(self, elapsed_s: float) -> None:
         """Draw one frame, `elapsed_s` after the last.
 
         Draws nothing over the test pattern, which serves to measure projectors.
@@ -56,14 +54,14 @@ class TextLayer:
         self._begin(panel)
         if panel is None:
             _draw_labels(picture.labels, picture.front_view)
-        if not self._menu.open:  # nor draw a caption behind the help
+        if not dive.menu.open:  # nor draw a caption behind the help
             caption = dive.caption
             opacity = caption.opacity * (1.0 - overlay.covered)
             room = None if panel is not None else picture.rig
             draw_subtitle(caption._replace(opacity=opacity), room)
         if dive.tick_source.has_pilot:
             submarine = dive.world.state.submarine
-            at_helm = picture.ride is None and not tours.timer.touring
+            at_helm = picture.ride is None and not dive.tours.timer.touring
             tilts = at_helm and not picture.rig.level
             if tilts and self.horizon and picture.front_view and panel is None:
                 draw_horizon(picture.front_view, picture.eye.forward)
@@ -72,32 +70,29 @@ class TextLayer:
                 self.vignette.draw()
             elif picture.head is not None:  # it is drawn around each eye
                 self.vignette.most = dive.pilot.settings.comfort.headset_vignette
-            if not self._menu.open:
+            if not dive.menu.open:
                 now = instrument_reading(submarine, dive.pilot.throttle, dive.pilot.stopping)
                 overlay.draw(now, elapsed_s, self.status, not at_helm)
                 if at_helm:
                     edge = edge_reading(submarine, dive.world.scenario.bounds)
                     opacity = edge.opacity * (1.0 - overlay.covered)
                     draw_sea_edge(edge._replace(opacity=opacity))
-                self._inspector.draw()
-            tours.draw()
+                dive.inspector.draw()
+            dive.tours.draw()
         elif panel is not None:  # other computers show parts of it
             now = instrument_reading(dive.world.state.submarine, 0.0, False)
             overlay.hud.update(now, elapsed_s)
             overlay.hud.draw(now)
-        if self._menu.open:
-            self._menu.draw(elapsed_s)
+        if dive.menu.open:
+            dive.menu.draw(elapsed_s)
         if dive.shots.filming:
             _draw_film_mark(dive.shots.seconds)
         dive.gui.end()
 
-    def message(self, text: str, fill: bool = True) -> None:
-        """Fill the window with one line of text, or write it at the foot of the picture."""
+    def message(self, text: str) -> None:
+        """Fill the window with one line of text."""
         self._begin()
-        if fill:
-            fill_with_text(text)
-        else:
-            text_at_foot(text)
+        fill_with_text(text)
         self._dive.gui.end()
 
     @property

@@ -158,7 +158,7 @@ def test_the_command_prints_the_path_and_writes_the_file_once(home, capsys):
 def begun(monkeypatch):
     """A window, and the arguments with which windows and dives are begun."""
     asked, opened, window = [], [], SimpleNamespace(close=lambda: None)
-    monkeypatch.setattr("subsea.ui.dive_loop.dive", lambda *given: asked.append(given) or 0)
+    monkeypatch.setattr("subsea.ui.dive.dive", lambda *given: asked.append(given) or 0)
     monkeypatch.setattr(
         "subsea.ui.open_windows.open_windows",
         lambda *given, **named: opened.append(given) or window,

@@ -9,14 +9,29 @@ import numpy as np
 import pytest
 
 from subsea.ui.dive import Dive
+from subsea.ui.first_picture import FirstPicture
+from subsea.ui.open_windows import open_windows
 from tests.support.windows import dive_options
 
 SIZE = (320, 240)
 
 
+class Album(FirstPicture):
+    """Keeps first pictures in a list."""
+
+    def __init__(self):
+        super().__init__("none")
+        self.kept = []
+
+    def keep(self, pixels):
+        """Add a picture."""
+        self.kept.append(pixels)
+
+
 @pytest.fixture(scope="module")
 def boat(display, user, quiet):
-    with closing(Dive(dive_options(quiet, SIZE))) as running:
+    opening = open_windows("mono", SIZE, first=Album())
+    with closing(Dive(dive_options(quiet, SIZE), opening)) as running:
         user.glide(running, 0.2)
         yield running
 
@@ -30,6 +45,11 @@ def rested(boat, user):
     user.until(boat, lambda: np.linalg.norm(submarine.velocity) < 1.0)
     user.until(boat, lambda: abs(submarine.rates[0]) < 0.01)
     return boat
+
+
+def test_its_first_picture_is_kept_once(boat):
+    (kept,) = boat._opening.first.kept
+    assert kept.shape == (*SIZE[::-1], 3) and kept.std() > 5.0
 
 
 @pytest.mark.parametrize(("x", "sign"), [(-0.8, 1), (0.8, -1)])

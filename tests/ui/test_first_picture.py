@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from subsea.base import disk_cache
+from subsea.dive import start
+from subsea.ui.dive import Dive
 from subsea.ui.first_picture import MOST_PX, FirstPicture, picture_name
 from subsea.ui.open_windows import open_windows
+from tests.support.windows import dive_options
 
 SIZE = (320, 240)
 
@@ -21,32 +24,40 @@ def picture(height=90, width=160):
     return np.stack([255 * x // width, 255 * (height - y) // height, 0 * x], axis=2).astype("u1")
 
 
-def test_it_is_kept_once():
+def test_it_is_kept_by_its_name():
     first = FirstPicture("first_picture-a")
     assert not first.known
-    first.keep(picture)
-    first.keep(lambda: pytest.fail("only the first call counts"))
+    first.keep(picture())
     assert FirstPicture("first_picture-a").known
     assert not FirstPicture("first_picture-b").known
 
 
 def test_a_picture_of_an_earlier_version_is_replaced():
-    FirstPicture("first_picture-a").keep(picture)
-    FirstPicture("first_picture-a").keep(lambda: 255 - picture())
+    FirstPicture("first_picture-a").keep(picture())
+    FirstPicture("first_picture-a").keep(255 - picture())
     np.testing.assert_array_equal(FirstPicture("first_picture-a")._pixels, 255 - picture())
 
 
 def test_a_large_one_is_kept_smaller():
     first = FirstPicture("first_picture-a")
-    first.keep(lambda: picture(1080, 1920))
+    first.keep(picture(1080, 1920))
     assert FirstPicture("first_picture-a")._pixels.shape == (360, MOST_PX, 3)
 
 
 def test_a_damaged_one_counts_as_missing(tmp_path):
-    FirstPicture("first_picture-a").keep(picture)
+    FirstPicture("first_picture-a").keep(picture())
     (path,) = (tmp_path / "cache").iterdir()
     path.write_bytes(path.read_bytes()[:-100])
     assert not FirstPicture("first_picture-a").known
+
+
+def test_a_fault_while_loading_is_raised(display, quiet, monkeypatch):
+    def fail(tell):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(start, "warm_up", fail)
+    with pytest.raises(OSError, match="disk full"):
+        Dive(dive_options(quiet, SIZE))
 
 
 def test_its_name_depends_on_all_that_changes_the_picture(tmp_path):
@@ -60,7 +71,7 @@ def test_its_name_depends_on_all_that_changes_the_picture(tmp_path):
 
 
 def test_the_window_shows_it_at_once_with_the_text_at_its_foot(display, user):
-    FirstPicture("first_picture-a").keep(picture)
+    FirstPicture("first_picture-a").keep(picture())
     first = FirstPicture("first_picture-a")
     opening = open_windows("mono", SIZE, first=first)
     seen = []

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-from subsea.ui.context import PanelContext
 from subsea.ui.panels import (
     behavior,
     control,
@@ -11,6 +10,7 @@ from subsea.ui.panels import (
     placement,
 )
 from subsea.ui.panels import fish_picker as fish_view
+from subsea.ui.panels.fields import PanelContext
 
 Panel = Callable[[PanelContext], None]
 

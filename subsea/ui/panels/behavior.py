@@ -13,9 +13,8 @@ from subsea.behavior.table import INTENTIONS
 from subsea.dive.minds_text import SPAN, Chart, focus
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, KINDS, LIBIDO, MENTAL_STATES, Nature
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, button, colour
-from subsea.ui.panels.fields import Slider, radio_row
+from subsea.ui.panels.fields import PanelContext, Slider, radio_row
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S, World
 

@@ -6,9 +6,8 @@ from imgui_bundle import imgui
 
 from subsea.dive.timeline import RATES
 from subsea.frame.diagrams import DIAGRAMS
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP
-from subsea.ui.panels.fields import radio_row
+from subsea.ui.panels.fields import PanelContext, radio_row
 from subsea.view.camera import View
 from subsea.world.world import TICK_S
 

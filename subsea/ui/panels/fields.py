@@ -1,8 +1,8 @@
-"""Fields of panels: rows of choices, sliders, and tables of a scenario with their limits."""
+"""What panels share: their context, rows of choices, sliders, and tables of a scenario."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import msgspec
 from imgui_bundle import imgui
@@ -10,11 +10,41 @@ from msgspec import inspect
 
 from subsea.ui.gui import CLAMP
 
+if TYPE_CHECKING:
+    from subsea.ui.dive import Dive
+
 T = TypeVar("T")
 Table = TypeVar("Table", bound=msgspec.Struct)
 
 WIDE = 11.0  # of a field, in heights of letters
 UNITS = {"cm": "cm", "deg": "°", "s": "s", "cm_s": "cm/s", "per_s": "1/s"}
+
+
+class PanelContext:
+    """The interface of a panel to the world, used within a frame of the gui.
+
+    Changes act at once; a replacement of the world waits until after the frame.
+    """
+
+    def __init__(self, dive: "Dive") -> None:
+        self.dive = dive
+        self.chosen: int | None = None  # the fish that panels are about
+        self.dragging = False  # the pointer drags something other than a fish
+        self._changed = False
+        self._after_frame: list[Callable[[], object]] = []
+        self._states: dict[type, Any] = {}
+
+    def state(self, kind: type[T]) -> T:
+        """The object of this class that a panel keeps from frame to frame; made on first use."""
+        return self._states.setdefault(kind, kind())
+
+    def changed(self) -> None:
+        """Report a change to the world between two ticks, so that time can go back to it."""
+        self._changed = True
+
+    def later(self, act: Callable[[], object]) -> None:
+        """Call it after the current frame."""
+        self._after_frame.append(act)
 
 
 class Slider(NamedTuple):

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from subsea.dive.options import RETINA_COLOURS
 from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP
-from subsea.ui.panels.fields import radio_row
+from subsea.ui.panels.fields import PanelContext, radio_row
 from subsea.view.retina import Gaze
 from subsea.world.world import World
 

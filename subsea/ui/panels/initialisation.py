@@ -21,9 +21,8 @@ from subsea.scenario.schema import (
     MAX_SOLIDS,
     Scenario,
 )
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import INK, wrapped_text
-from subsea.ui.panels.fields import typed_whole
+from subsea.ui.panels.fields import PanelContext, typed_whole
 from subsea.world.inventory import KINDS, Counts, counts, with_counts
 from subsea.world.to_scenario import to_scenario
 

@@ -11,9 +11,8 @@ from msgspec.structs import replace
 
 from subsea.scenario.schema import MAX_SIMULATED
 from subsea.state import Physics
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import CLAMP, MARK, QUIET, button, colour
-from subsea.ui.panels.fields import Slider
+from subsea.ui.panels.fields import PanelContext, Slider
 from subsea.ui.panels.fish_picker import choose_fish
 
 WIDE, DIAL = 13.0, 5.0  # of a slider and across the dial, in heights of letters

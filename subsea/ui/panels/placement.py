@@ -19,9 +19,9 @@ from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
 from subsea.submarine.vessel import paths_of
-from subsea.ui.context import PanelContext
 from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
 from subsea.ui.panels import fields
+from subsea.ui.panels.fields import PanelContext
 from subsea.ui.undo import History
 from subsea.view.front_screen import FrontView
 from subsea.world import placement
