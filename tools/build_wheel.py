@@ -28,9 +28,8 @@ X86_64_V3 = (
     "+popcnt,+sahf,+sse,+sse2,+sse3,+sse4.1,+sse4.2,+ssse3,+xsave",
 )
 TARGETS = {"x86_64": X86_64_V3, "AMD64": X86_64_V3, "arm64": ("apple-m1", "")}
-# Textures with mipmaps, which depend on the graphics driver, and checked repertoires, which the
-# package has already.
-NOT_SHIPPED = "levels-", "read-"
+# Painted skins, which are large, and checked repertoires, which the package has already.
+NOT_SHIPPED = "_painted-", "read-"
 
 
 def target_settings() -> dict[str, str]:

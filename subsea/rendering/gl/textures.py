@@ -1,14 +1,10 @@
 """Tileable textures: noise, caustics, waves and the relief of stone.
 
-Mipmapped textures, cached on disk.
-
-A software renderer compiles a program for each format that it makes mipmaps of, which takes 0.05 s
-at every start.
+Mipmapped textures, whose texels are cached on disk.
 
 Pictures as textures for panels.
 """
 
-import ctypes
 from collections.abc import Callable
 from itertools import product
 from typing import Any, ParamSpec
@@ -18,15 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Bytes, Ints
-from subsea.base.disk_cache import cache_name, cached
-from subsea.rendering.gl.context import gl_function
+from subsea.base.disk_cache import cached
 
 P = ParamSpec("P")
 Texels = NDArray[Any]  # bytes, half or single floats (h, w, c), bottom row first
 
-# OpenGL enums; formats by the number of planes.
-TEXTURE_2D, MAX_LEVEL, UNSIGNED_BYTE, HALF_FLOAT = 0x0DE1, 0x813D, 0x1401, 0x140B
-PLANES = 0x1903, 0x8227, 0x1907, 0x1908
+# OpenGL enums of formats by the number of planes.
 HALVES, BYTES = (0x822D, 0x822F, 0x881B, 0x881A), (0x8229, 0x822B, 0x8051, 0x8058)
 SRGB8_ALPHA8 = 0x8C43  # for colours in sRGB
 ALL = 1000  # levels: down to one texel
@@ -61,35 +54,8 @@ def cached_texture(
     *given: P.args,
     **named: P.kwargs,
 ) -> Any:
-    """As `mipmapped`, of `make(*given, **named)`; texels and mipmaps are cached on disk."""
-
-    # `of` and `driver` are parts of the cache key.
-    def levels(of: str, driver: tuple[str, ...], last: int, srgb: bool) -> list[Texels]:
-        base = make(*given, **named)
-        texture = mipmapped(context, base, last, srgb)
-        texels = [base]
-        for level in range(1, min(max(base.shape[:2]).bit_length() - 1, last) + 1):
-            height, width = (max(side >> level, 1) for side in base.shape[:2])
-            data = np.frombuffer(texture.read(level=level), base.dtype)
-            texels.append(data.reshape(height, width, -1))
-        texture.release()
-        return texels
-
-    driver = context.info["GL_RENDERER"], context.info["GL_VERSION"]
-    base, *smaller = cached(levels, cache_name(make, *given, **named), driver, last, srgb)
-    texture = _plain(context, base, srgb)
-    texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-    # moderngl cannot upload single levels.
-    write = gl_function(context, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
-    limit = gl_function(context, "glTexParameteri", *[ctypes.c_int] * 3)
-    texture.use()
-    for level, data in enumerate(smaller, start=1):
-        height, width, planes = data.shape
-        form = PLANES[planes - 1], UNSIGNED_BYTE if data.dtype == np.uint8 else HALF_FLOAT
-        internal = _format(data, srgb)
-        write(TEXTURE_2D, level, internal, width, height, 0, *form, data.ctypes.data)
-    limit(TEXTURE_2D, MAX_LEVEL, len(smaller))
-    return texture
+    """As `mipmapped`, of `make(*given, **named)`, whose texels are cached on disk."""
+    return mipmapped(context, cached(make, *given, **named), last, srgb)
 
 
 def _plain(context: Any, texels: Texels, srgb: bool = False) -> Any:
