@@ -15,8 +15,8 @@ import meshopt
 import numpy as np
 
 from subsea.export import COMPRESSIONS
-from subsea.export.conventions import METRES, Y_UP, Z_UP, to_metres
 from subsea.export.clips import Clip, Model, all_points, make_clips, transform_points
+from subsea.export.conventions import METRES, Y_UP, Z_UP, to_metres
 from subsea.export.glb import packing_of
 from subsea.export.gltf import write_gltf
 from subsea.export.skinning import Skeleton, fit_skeleton
