@@ -80,7 +80,7 @@ def test_an_installed_wheel_films_outside_of_the_checkout(wheel, tmp_path):
     for path in (ROOT / "subsea").rglob("__pycache__/*"):
         if path.suffix in (".nbi", ".nbc") or path.name.startswith("warm-"):
             target = tmp_path / "lib" / path.relative_to(ROOT)
-            target.parent.mkdir(exist_ok=True)
+            target.parent.mkdir(exist_ok=True, parents=True)
             shutil.copy2(path, target)
     env = os.environ | {"PYTHONPATH": str(tmp_path / "lib")}
 

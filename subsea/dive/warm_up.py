@@ -154,7 +154,7 @@ def _marker() -> Path:
     """The file beside cached kernels that marks those of this code, Python and processor."""
     about = hashlib.sha256(repr((code_stamp(), versions(), processor())).encode()).hexdigest()
     folder = Path(height_at.stats.cache_path or cache_folder())
-    return folder / f"warm-{versions()['python']}-{processor().cpu}-{about[:32]}"
+    return folder / f"warm-{versions()['python']}-{processor().cpu}{FOREIGN_CODE}-{about[:32]}"
 
 
 def is_writable(folder: Path) -> bool:
