@@ -394,7 +394,9 @@ def test_strangers_without_a_key_cannot_stop_the_dive(make_harness, seas, addres
         ("192.0.2.1:5560", "other computers reach it, so keys are needed"),
         ("[2001:db8::1]:5560", "so keys are needed"),
         ("0.0.0.0:5560", "no node can call it"),
-        ("localhost:5560", "expected an IP address and a port"),
+        *((address, "expected an IP address and a port")
+          for address in ("localhost:5560", "somewhere:5560", "127.0.0.1", "127.0.0.1:0",
+                          "127.0.0.1:99999", "127.0.0.1:٥٥٦٠")),
     ],
 )  # fmt: skip
 def test_invalid_addresses_are_refused(seas, address, words):
