@@ -20,7 +20,7 @@ from subsea.base.files import make_own_folder
 from subsea.base.language import marked
 from subsea.base.source_stamp import source_stamp
 from subsea.base.system import cores
-from subsea.behavior.table import FOREIGN_CODE, run_routine
+from subsea.behavior.table import BEHAVIORS
 from subsea.frame.packet import pack
 from subsea.geometry.solids import height_at
 from subsea.habitat.stone import SUN
@@ -84,7 +84,8 @@ def _decisions() -> None:
 def _routines() -> None:
     world, nobody = _open_water(), np.zeros(0, np.int64)
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
-    run_routine(np.int64(0), nobody, fishes, minds, sea, world.nature, CLOCK)
+    for behavior in BEHAVIORS:
+        behavior.routine(nobody, fishes, minds, sea, world.nature, CLOCK)
     step.act(world, nobody, np.arange(len(fishes.species)), NEUTRAL, CLOCK)
 
 
@@ -146,15 +147,15 @@ def warm_up(
 
 
 def code_stamp() -> str:
-    """Hash the sources of all kernels of a dive, also those of other packages."""
-    return source_stamp(Path(__file__).resolve()) + FOREIGN_CODE
+    """Hash the sources of all kernels of a dive."""
+    return source_stamp(Path(__file__).resolve())
 
 
 def _marker() -> Path:
     """The file beside cached kernels that marks those of this code, Python and processor."""
     about = hashlib.sha256(repr((code_stamp(), versions(), processor())).encode()).hexdigest()
     folder = Path(height_at.stats.cache_path or cache_folder())
-    return folder / f"warm-{versions()['python']}-{processor().cpu}{FOREIGN_CODE}-{about[:32]}"
+    return folder / f"warm-{versions()['python']}-{processor().cpu}-{about[:32]}"
 
 
 def is_writable(folder: Path) -> bool:
