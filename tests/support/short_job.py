@@ -1,4 +1,4 @@
-"""Warm-up jobs that compile nothing: they record their names, fail, or never end."""
+"""Warm-up jobs that compile nothing: they record their names, wait, fail, or never end."""
 
 import os
 import time
@@ -12,7 +12,7 @@ def run(job):
         time.sleep(600.0)
     if job == "failing":
         raise OSError("it fails")
-    while "HELD_UNTIL" in os.environ and not Path(os.environ["HELD_UNTIL"]).exists():
+    while job == "waiting" and not Path(f"{os.environ['SHORT_JOBS']}-go").exists():
         time.sleep(0.05)
     with Path(os.environ["SHORT_JOBS"]).open("a") as file:
         file.write(f"{job}\n")
