@@ -202,7 +202,7 @@ def compile_all(processes: int, tell: Callable[[str], None]) -> bool:
             if not good:  # its process crashed
                 return False
             tell(f"{COMPILING}: {done}/{len(JOBS)}")
-    except Exception:
+    except Exception:  # of a job: the dive compiles that part itself, and reports what is wrong
         return False
     marker = _marker()
     for old in marker.parent.glob(f"{marker.name.rpartition('-')[0]}-*"):

@@ -1,4 +1,4 @@
-"""What all formats share: axes and units, the licence notice, and textures as PNG or WebP."""
+"""Convert axes and units, write the licence notice, and encode textures as PNG or WebP."""
 
 import io
 from collections.abc import Iterable

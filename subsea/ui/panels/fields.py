@@ -1,4 +1,4 @@
-"""What panels share: their context, rows of choices, sliders, and tables of a scenario."""
+"""Draw rows of choices, sliders and tables of a scenario in panels, and give panels the dive."""
 
 from collections.abc import Callable, Iterable
 from functools import cache

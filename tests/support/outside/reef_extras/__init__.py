@@ -1,1 +1,1 @@
-"""What somebody else adds: a command, a part of a dive, a format of theatres, a behavior."""
+"""A package that adds a command, a part of a dive, a format of theatres and a behavior."""
