@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 from subsea import __version__
 from subsea.base.errors import TransientError, UserError, nearest, printable, unknown
 from subsea.base.interrupts import INTERRUPTED, raised_interrupts
-from subsea.base.system import BASE_COMMAND
+from subsea.base.system import import_fault
 
 
 class _TolerantFile(io.FileIO):
@@ -156,8 +156,7 @@ def _reason(fault: Exception) -> str | None:
     if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
             return None
-        # A missing package, or a missing system library of a package.
-        return f"{fault}; run `{BASE_COMMAND}`"
+        return import_fault(fault)
     if isinstance(fault, FileNotFoundError) and not _has_folder():
         return "the current folder was deleted; change to another one"
     if isinstance(fault, OSError) and _is_full_disk(fault):  # of results or compiled code

@@ -31,6 +31,12 @@ EXTRAS = {
 }  # fmt: skip
 """For each extra: its modules and the names of their packages."""
 BASE_COMMAND = "make run" if CHECKOUT.is_file() else "pip install subsea"
+# The system libraries of Debian and Ubuntu, as in `tools/setup.sh`.
+HEADLESS = "libegl1 libgl1 libgl1-mesa-dri"
+WINDOW = "libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
+INSTALL_HEADLESS = f"sudo apt-get install --no-install-recommends {HEADLESS}"
+INSTALL_WINDOW = f"{INSTALL_HEADLESS} {WINDOW}"
+LIBRARY_SETTINGS = "LD_PRELOAD", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "PYTHONPATH"
 # Installed by `make bench`.
 BENCH = "console", "headset", "learn", "meshopt", "plot", "skin", "sweep", "usd", "web"
 
@@ -40,6 +46,19 @@ def install_command(extra: str) -> str:
     if not CHECKOUT.is_file():
         return f'pip install "subsea[{extra}]"'
     return "make bench" if extra in BENCH else f".venv/bin/uv sync --inexact --extra {extra}"
+
+
+def import_fault(fault: ImportError) -> str:
+    """Say why a package could not be imported, and what to do about it."""
+    text = str(fault).partition("\n")[0]
+    if isinstance(fault, ModuleNotFoundError):
+        return f"{text}; run `{BASE_COMMAND}`"
+    if "cannot open shared object file" in text:
+        return f"{text}; on Debian or Ubuntu: {INSTALL_WINDOW}"
+    # The packages are there. Another program's library was loaded in the place of theirs.
+    variables = [name for name in LIBRARY_SETTINGS if os.environ.get(name)]
+    remedy = f"try without {', '.join(variables)}" if variables else "install the packages again"
+    return f"a shared library does not fit: {text}; {remedy}"
 
 
 def missing_packages(extra: str) -> list[str]:

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from subsea.base.command_line import add_command
 from subsea.base.errors import UserError
-from subsea.base.system import BASE_COMMAND, EXTRAS, install_command, missing_packages
+from subsea.base.system import (
+    BASE_COMMAND,
+    EXTRAS,
+    INSTALL_WINDOW,
+    import_fault,
+    install_command,
+    missing_packages,
+)
 
 if TYPE_CHECKING:
     from subsea.ui.monitors import Monitor
@@ -211,7 +218,6 @@ def _monitor(monitor: "Monitor") -> Finding:
 
 def _display() -> list[Finding]:
     """Display, monitors, and the OpenGL of hidden windows."""
-    from subsea.ui.monitors import INSTALL
     from subsea.view.stereo import OTHER_STEREO
 
     try:
@@ -219,7 +225,7 @@ def _display() -> list[Finding]:
         from subsea.ui.monitors import on_display
         from subsea.ui.window import hidden_window
     except ImportError as fault:
-        return [Finding("display", False, f"{fault}; run `{INSTALL}`", DIVE)]
+        return [Finding("display", False, f"{import_fault(fault)}", DIVE)]
     try:
         with on_display() as display:
             findings = [
@@ -228,7 +234,7 @@ def _display() -> list[Finding]:
             ]
             with hidden_window() as loader:
                 if loader is None:
-                    text = opengl_remedy(INSTALL)
+                    text = opengl_remedy(INSTALL_WINDOW)
                     findings.append(Finding("OpenGL, window", False, text, DIVE))
                 else:
                     context = window_context(loader)

@@ -318,9 +318,8 @@ class KioskPart(DivePart):
 
     def opened(self, dive: "Dive") -> None:
         """Let only a key of the operator close the windows."""
-        import glfw
-
         from subsea.stage.show_player import DiveCount
+        from subsea.ui import glfw
 
         self._count, self._visits = DiveCount(say), 0
         self._rested_s = self._away_s = 0.0
@@ -335,7 +334,7 @@ class KioskPart(DivePart):
 
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
         """Hide a resting pointer, take the keyboard back, and count a new visit."""
-        import glfw
+        from subsea.ui import glfw
 
         windows = dive.window_set.windows
         self._rested_s = 0.0 if dive.tours.active else self._rested_s + elapsed_s

@@ -18,13 +18,13 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-import glfw
 from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.progress import say
 from subsea.studio.questions import Answers, Question
+from subsea.ui import glfw
 from subsea.ui.gui import MARK, QUIET, TEXT_PT, colour
 from subsea.ui.open_windows import open_windows
 from subsea.ui.picture import recovering_errors

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import glfw
-import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.base.errors import UserError
 from subsea.base.files import read_text

@@ -1,14 +1,10 @@
-"""The display, its monitors, and the placement of windows on them.
-
-Install commands for missing system libraries, as in `tools/setup.sh`.
-"""
+"""The display, its monitors, and the placement of windows on them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import glfw
-import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.base.errors import TransientError
 from subsea.sound.space import Layout
@@ -160,8 +156,3 @@ def reason(fault: Exception) -> str:
 
 def _list(connected: Sequence[Monitor]) -> str:
     return ", ".join(map(str, connected)) or "none"
-
-
-HEADLESS = "libegl1 libgl1 libgl1-mesa-dri"
-WINDOW = "libx11-6 libxext6 libxcursor1 libxi6 libxinerama1 libxrandr2 libxkbcommon0"
-INSTALL = f"sudo apt-get install --no-install-recommends {HEADLESS} {WINDOW}"

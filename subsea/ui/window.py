@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import glfw
-import imgui_bundle  # noqa: F401  # before glfw: it brings the one libglfw that both share
 
 from subsea.base.errors import UserError
+from subsea.base.system import INSTALL_WINDOW
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import (
     BUTTONS,
@@ -21,7 +21,7 @@ from subsea.dive.settings import (
 )
 from subsea.rendering.gl.context import avoid_full_disk, opengl_remedy
 from subsea.ui.gui import Gui
-from subsea.ui.monitors import INSTALL, Monitor, Screen, monitors, reason
+from subsea.ui.monitors import Monitor, Screen, monitors, reason
 from subsea.view.stereo import OTHER_STEREO
 
 NUDGE = 3.0  # pointer units: smaller movements are noise
@@ -111,7 +111,7 @@ class GlWindow:
                     f"(quad-buffered stereo: {reason(fault)}); try --display {OTHER_STEREO}"
                 ) from fault
             raise UserError(
-                f"no window with OpenGL 3.3 ({reason(fault)}); {opengl_remedy(INSTALL)}"
+                f"no window with OpenGL 3.3 ({reason(fault)}); {opengl_remedy(INSTALL_WINDOW)}"
             ) from fault
         self.pilot = pilot
         self.inside = False  # True if the pointer is in it

@@ -16,6 +16,7 @@ import moderngl
 import numpy as np
 
 from subsea.base.errors import UserError
+from subsea.base.system import INSTALL_HEADLESS
 from subsea.rendering.gl.shaders import ViewBuffer
 
 T = TypeVar("T")
@@ -113,7 +114,6 @@ def replace_data(buffer: Any, data: Any) -> None:
 
 BACK_BUFFERS = (0x0402, 0x0403)  # OpenGL's names for the left and right one
 REQUIRED = 330  # OpenGL 3.3 core
-INSTALL = "sudo apt-get install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri"
 # Variables that select drivers.
 DRIVER_SETTINGS = ("LIBGL_", "MESA_", "GALLIUM_", "EGL_", "__EGL_", "__GLX_")
 
@@ -250,4 +250,4 @@ def opengl_remedy(install: str) -> str:
 
 def _no_opengl(fault: Exception) -> UserError:
     reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
-    return UserError(f"no OpenGL 3.3 ({reason}); {opengl_remedy(INSTALL)}")
+    return UserError(f"no OpenGL 3.3 ({reason}); {opengl_remedy(INSTALL_HEADLESS)}")
