@@ -15,15 +15,15 @@ import pytest
 import yaml
 
 import subsea
-from tools.package_readme import description
+from tools.package_readme import PackageReadme
 
 ROOT = Path(__file__).parents[1]
 REPOSITORY = "https://example.org/somebody/subsea"
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """The wheel, built from the source distribution."""
+def dist(tmp_path_factory):
+    """A folder with the source distribution, unpacked, and the wheel that is built from it."""
     folder = tmp_path_factory.mktemp("dist")
     env = os.environ | {"SUBSEA_REPOSITORY": REPOSITORY}
 
@@ -37,7 +37,25 @@ def wheel(tmp_path_factory):
     with tarfile.open(sources) as archive:
         safe = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}  # from Python 3.11.4
         archive.extractall(folder, **safe)
-    return build("wheel", folder / sources.name.removesuffix(".tar.gz"))
+    build("wheel", folder / sources.name.removesuffix(".tar.gz"))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(dist):
+    """The wheel."""
+    [path] = dist.glob("*.whl")
+    return path
+
+
+def test_a_build_from_the_source_distribution_finds_the_readme(dist, monkeypatch):
+    """Without an address of the repository, the build reads the README again."""
+    monkeypatch.delenv("SUBSEA_REPOSITORY", raising=False)
+    metadata = {}
+    PackageReadme(str(dist / f"subsea-{subsea.__version__}"), {}).update(metadata)
+    text = metadata["readme"]["text"]
+    assert "# subsea" in text
+    assert "![" not in text and "](docs" not in text and "\n\n\n" not in text
 
 
 def test_the_wheel_holds_all_modules_and_resources_and_nothing_compiled(wheel):
@@ -70,8 +88,6 @@ def test_the_package_page_has_the_readme_with_links_that_work(wheel):
     here = f"{REPOSITORY}/(raw|blob)/v{subsea.__version__}/"
     files = [re.sub(here, "", target) for target in targets if target.startswith(REPOSITORY)]
     assert files and all((ROOT / name.partition("#")[0]).exists() for name in files)
-    plain = description((ROOT / "README.md").read_text(), "", subsea.__version__)
-    assert "](docs" not in plain and "# subsea" in plain
 
 
 def test_an_installed_wheel_films_outside_of_the_checkout(wheel, tmp_path):

@@ -2,7 +2,7 @@
 
 Links and pictures of the README are relative, which only works in a checkout. With the address of
 the repository in SUBSEA_REPOSITORY (https://HOST/OWNER/NAME) they lead there, to the files of this
-version; without it the description has no links to files.
+version; without it the description has neither pictures nor links to files.
 """
 
 import os
@@ -12,6 +12,7 @@ from typing import Any
 
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
+PICTURE = re.compile(r"^!\[[^\]]*\]\((?!https?:)[^)]+\)\n\n?", re.MULTILINE)
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?!https?:|#)([^)]+)\)")
 
 
@@ -34,13 +35,13 @@ class PackageReadme(MetadataHookInterface):
 
 
 def description(readme: str, repository: str, version: str) -> str:
-    """The README with absolute links, or without links to files if `repository` is empty."""
+    """Return the README with absolute links; without pictures and links for no `repository`."""
+    if not repository:
+        return LINK.sub(r"\2", PICTURE.sub("", readme))
 
-    def link(found: "re.Match[str]") -> str:
-        picture, text, path = found.groups()
-        if repository:
-            kind = "raw" if picture else "blob"
-            return f"{picture}[{text}]({repository}/{kind}/v{version}/{path})"
-        return "" if picture else text
+    def link(match: "re.Match[str]") -> str:
+        picture, text, path = match.groups()
+        kind = "raw" if picture else "blob"
+        return f"{picture}[{text}]({repository}/{kind}/v{version}/{path})"
 
     return LINK.sub(link, readme)
