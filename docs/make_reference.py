@@ -169,12 +169,12 @@ def settings() -> Iterator[str]:
             yield from controls()
             continue
         yield from (
-            table.type.cls.__doc__,
+            table.type.extra_json_schema["description"],
             "",
             "| key | default | range | what |",
             "| --- " * 4 + "|",
         )
-        for field in table.type.fields:
+        for field in table.type.type.fields:
             about = (field.type.extra_json_schema or {})["description"]
             about = re.sub(r"^[\d.]+ to [\d.]+: ", "", about)
             default = json.dumps(field.default)

@@ -240,7 +240,7 @@ Pixels = Annotated[int, Meta(ge=64, le=8192)]
 
 
 class MouseSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The pointer at the helm; its buttons are in `[controls]`."""
+    """The table `[mouse]`."""
 
     steer: Annotated[bool, Meta(description="whether the submarine turns to the pointer")] = True
     invert_pitch: Annotated[
@@ -253,7 +253,7 @@ class MouseSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 class GamepadSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The sticks of a gamepad; what they and its buttons do is in `[controls]`."""
+    """The table `[gamepad]`."""
 
     dead_zone: Annotated[
         float, Meta(ge=0, le=0.9, description="0 to 0.9: how far a stick moves before it counts")
@@ -267,7 +267,7 @@ class GamepadSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class ComfortSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Against motion sickness. The hull never rolls and never jerks."""
+    """The table `[comfort]`."""
 
     vignette: Annotated[
         float, Meta(ge=0, le=1, description="0 to 1: how much the rim darkens in fast turns")
@@ -299,7 +299,7 @@ COMFORTS = {
 
 
 class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The picture, where the command line says nothing else."""
+    """The table `[display]`."""
 
     mode: Annotated[str, Meta(description="as --display: mono, a mode for two eyes, or dome …")] = (
         "mono"
@@ -321,7 +321,7 @@ class DisplaySettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class AttractSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The tour that begins when there is no input."""
+    """The table `[attract]`."""
 
     after_min: Annotated[
         float, Meta(ge=0, le=1440, description="minutes without any input; 0: never")
@@ -332,7 +332,7 @@ class AttractSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Settings of --kiosk only."""
+    """The table `[kiosk]`."""
 
     leave: Annotated[str, Meta(description="the operator's key, which ends the dive")] = (
         "Ctrl+Shift+Q"
@@ -346,7 +346,7 @@ class KioskSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
 
 
 class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Pictures and films that are taken during a dive."""
+    """The table `[pictures]`."""
 
     folder: Annotated[
         str, Meta(description="where they go; empty: subsea in the user's pictures")
@@ -357,7 +357,7 @@ class PictureSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
 
 
 class SoundSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The sound of a dive."""
+    """The table `[sound]`."""
 
     volume: Annotated[float, Meta(ge=0, le=1, description="0 to 1: of everything")] = 0.8
     sea: Annotated[
@@ -383,14 +383,34 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     # Only those in the file: see `bindings`.
     controls: dict[str, list[str]] = msgspec.field(default_factory=dict)
-    mouse: MouseSettings = MouseSettings()
-    gamepad: GamepadSettings = GamepadSettings()
-    comfort: ComfortSettings = ComfortSettings()
-    display: DisplaySettings = DisplaySettings()
-    attract: AttractSettings = AttractSettings()
-    kiosk: KioskSettings = KioskSettings()
-    pictures: PictureSettings = PictureSettings()
-    sound: SoundSettings = SoundSettings()
+    mouse: Annotated[
+        MouseSettings,
+        Meta(description="The pointer at the helm; its buttons are in `[controls]`."),
+    ] = MouseSettings()
+    gamepad: Annotated[
+        GamepadSettings,
+        Meta(
+            description="The sticks of a gamepad; what they and its buttons do is in `[controls]`."
+        ),
+    ] = GamepadSettings()
+    comfort: Annotated[
+        ComfortSettings,
+        Meta(description="Against motion sickness. The hull never rolls and never jerks."),
+    ] = ComfortSettings()
+    display: Annotated[
+        DisplaySettings,
+        Meta(description="The picture, where the command line says nothing else."),
+    ] = DisplaySettings()
+    attract: Annotated[
+        AttractSettings,
+        Meta(description="The tour that begins when there is no input."),
+    ] = AttractSettings()
+    kiosk: Annotated[KioskSettings, Meta(description="Settings of --kiosk only.")] = KioskSettings()
+    pictures: Annotated[
+        PictureSettings,
+        Meta(description="Pictures and films that are taken during a dive."),
+    ] = PictureSettings()
+    sound: Annotated[SoundSettings, Meta(description="The sound of a dive.")] = SoundSettings()
 
     @property
     def bindings(self) -> Bindings:
@@ -505,8 +525,8 @@ def _rows(table: Any) -> Iterator[str]:
             inputs = json.dumps(list(control.inputs))
             yield f"# {key} = {inputs}  # {control.what}"
         return
-    yield f"# {table.type.cls.__doc__}"
-    for field in table.type.fields:
+    yield f"# {table.type.extra_json_schema['description']}"
+    for field in table.type.type.fields:
         default = field.default
         value = json.dumps(list(default) if isinstance(default, tuple) else default)
         about = field.type.extra_json_schema or {}

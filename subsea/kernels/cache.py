@@ -228,6 +228,15 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
             folder = SHIPPED / source.parent.relative_to(ROOT)
             self._shipped_file = ShippedFile(str(folder), base, stamp)
 
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        """Identify compiled code of a signature.
+
+        Numba adds a hash of the bytecode, which differs without docstrings (`python -OO`). The
+        stamp stands for the code of this project.
+        """
+        signature, target, (code, cells) = super()._index_key(signature, codegen)
+        return signature, target, (code if self._shipped_file is None else "", cells)
+
     def _load_overload(self, signature: Any, context: Any) -> Any:
         """Read the code of a signature from the user's cache, else the shipped code, else None."""
         code = super()._load_overload(signature, context)

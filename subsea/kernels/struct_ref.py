@@ -176,5 +176,7 @@ def _memory(name: str, kind: Kind, values: tuple[Any, ...]) -> Any:
         exec(compile(SOURCE.format(name=name.lower()), __file__, "exec"), names)
         _fillers[kind] = kernel(names[f"fill_{name.lower()}"])
     memory = np.zeros(FIELD_BYTES * len(values) // 8, np.int64)
-    assert _fillers[kind](memory.ctypes.data, values) <= memory.nbytes
+    written_bytes = _fillers[kind](memory.ctypes.data, values)
+    if written_bytes > memory.nbytes:
+        raise MemoryError(f"the fields of {name} take {written_bytes} bytes of {memory.nbytes}")
     return memory

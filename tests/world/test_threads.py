@@ -1,4 +1,8 @@
-"""The same world on any number of threads, bit for bit."""
+"""The same world on any number of threads and any processor, bit for bit."""
+
+import os
+import subprocess
+import sys
 
 import pytest
 
@@ -67,3 +71,31 @@ def test_it_does_not_matter_for_all_fishes(small_parts, name):
     alone = _dive(name, 1, 300, 10**6)
     for threads in (2, 3, 16):
         assert _dive(name, threads, 300, 10**6) == alone
+
+
+# Libraries choose their code by the processor. These settings stand for older and newer ones.
+PROCESSORS = {
+    "numpy": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
+    "OpenBLAS": {"OPENBLAS_CORETYPE": "Nehalem"},
+    "the C library": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-ERMS"},
+}
+CHILD = """
+import sys
+from tests.world.test_threads import _dive
+for name in sys.argv[1:]:
+    print(_dive(name, 1)[-1])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the C library of other systems has no setting")
+@pytest.mark.parametrize("library", only(("numpy",), sorted(PROCESSORS)))
+def test_the_processor_does_not_matter(library, pytestconfig):
+    names = SCENARIOS if pytestconfig.getoption("--nightly") else ["preying"]
+    done = subprocess.run(
+        [sys.executable, "-c", CHILD, *names],
+        env=os.environ | PROCESSORS[library], capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    try:
+        assert done.stdout.split() == [str(_dive(name, 1)[-1]) for name in names]
+    finally:
+        use_threads()
