@@ -28,8 +28,8 @@ X86_64_V3 = (
     "+popcnt,+sahf,+sse,+sse2,+sse3,+sse4.1,+sse4.2,+ssse3,+xsave",
 )
 TARGETS = {"x86_64": X86_64_V3, "AMD64": X86_64_V3, "arm64": ("apple-m1", "")}
-# Painted skins, which are large, and checked repertoires, which the package has already.
-NOT_SHIPPED = "_painted-", "read-"
+# Painted skins, which are painted as quickly, and checked repertoires, which the package has already.
+NOT_SHIPPED = "paint-", "read-"
 
 
 def target_settings() -> dict[str, str]:

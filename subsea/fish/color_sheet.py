@@ -6,6 +6,7 @@ A file begins with the top row, an array with the bottom row as in OpenGL.
 import tomllib
 import warnings
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +27,16 @@ def sheet_of(species: Species) -> Bytes:
 
 
 def sheets(species: Sequence[Species]) -> list[Bytes]:
-    """The sheets of many species, painted ones from the disk cache; UserError as in `read`."""
-    painted = [one for one in species if not one.skin.sheet]
-    done = iter(cached(paint.paint_all, tuple(painted)) if painted else [])
-    return [read(Path(one.skin.sheet)) if one.skin.sheet else next(done) for one in species]
+    """Read or paint the sheets of many species in parallel threads; UserError as in `read`.
+
+    Painted ones are kept on disk. numpy and the decompression of shipped ones release the GIL.
+    """
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(_kept_sheet, species))
+
+
+def _kept_sheet(species: Species) -> Bytes:
+    return sheet_of(species) if species.skin.sheet else cached(paint.paint, species)
 
 
 def read(path: Path) -> Bytes:

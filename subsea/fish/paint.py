@@ -8,8 +8,6 @@ mixed in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
 Patterns of skin textures: stripes, spots, patches, fin rays and blotches.
 """
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -163,13 +161,6 @@ EDGE_SHADE = 0.02  # width of the band along the edge of a wing, body lengths
 PORES = 0.0115  # from one scale of the lateral line to the next, body lengths
 CUT_SPINES, CUT_RAYS = 0.15, 0.05  # cuts in the membrane between them, share of the fin
 PADDLE_RAYS = 13
-
-
-def paint_all(species: Sequence[Species]) -> list[NDArray[np.uint8]]:
-    """Paint the skins of many species in parallel threads: numpy releases the GIL."""
-    cloud_noise(), grain_noise()  # shared: compute them before the threads start
-    with ThreadPoolExecutor() as pool:
-        return list(pool.map(paint, species))
 
 
 def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:

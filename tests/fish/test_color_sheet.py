@@ -81,7 +81,7 @@ def test_a_species_that_was_damaged_meanwhile_is_a_fault_in_one_line(own):
 def test_sheets_of_files_lie_among_painted_ones(own):
     sheet = picture()
     assign_sheet(own, sheet)
-    three = [load_species(name) for name in ("fusilier", "guppy", "clownfish")]
+    three = [load_species(name) for name in ("spotted_eagle_ray", "guppy", "clownfish")]
     first, second, third = sheets(three)
     np.testing.assert_array_equal(second, sheet)
     np.testing.assert_array_equal(first, paint.paint(three[0]))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from subsea.fish.paint import paint, paint_all
+from subsea.fish.paint import paint
 from subsea.fish.sheet_layout import (
     BODY,
     DORSAL,
@@ -59,12 +59,6 @@ def test_a_skin_is_repeatable_with_opaque_body_own_fins_and_the_eye_in_place(nam
     iris = texel(species, picture, eye.at + 0.77 * eye.radius, height)
     assert pupil[:3].max() < 60
     assert iris[:3].max() > pupil[:3].max() + 60
-
-
-def test_skins_painted_at_once_are_those_painted_alone():
-    some = [load_species(name) for name in ("clownfish", "spotted_eagle_ray")]
-    for one, picture in zip(some, paint_all(some), strict=True):
-        np.testing.assert_array_equal(picture, paint(one))
 
 
 def test_the_frames_share_the_sheet_without_overlap():

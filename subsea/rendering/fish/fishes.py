@@ -14,7 +14,7 @@ import numpy as np
 
 from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.disk_cache import cached
-from subsea.fish import paint, sheet_layout
+from subsea.fish import sheet_layout
 from subsea.fish.color_sheet import sheets
 from subsea.fish.face import GILL, jaws
 from subsea.fish.mesh import (
@@ -40,7 +40,7 @@ from subsea.rendering.gl.shaders import (
     required_defines,
     set_uniforms,
 )
-from subsea.rendering.gl.textures import cached_texture, mipmapped, table
+from subsea.rendering.gl.textures import mipmapped, table
 from subsea.rendering.output.quality import PRESETS, Quality
 
 FINE = 2  # levels whose fins are drawn after all bodies
@@ -348,15 +348,9 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
 
 
 def _atlas(context: Any, species: tuple[Species, ...], skins: list[Bytes] | None) -> Any:
-    """Make the atlas, a mipmapped sRGB texture; cached on disk if no skin comes from a file."""
-    if skins is None and not any(kind.skin.sheet for kind in species):
-        return cached_texture(context, COARSEST, True, _painted, species)
+    """Make the atlas, a mipmapped sRGB texture."""
     skins = sheets(species) if skins is None else skins
     return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
-
-
-def _painted(species: tuple[Species, ...]) -> Bytes:
-    return _side_by_side(paint.paint_all(species))
 
 
 def _side_by_side(skins: list[Bytes]) -> Bytes:
