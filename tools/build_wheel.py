@@ -28,7 +28,7 @@ X86_64_V3 = (
     "+popcnt,+sahf,+sse,+sse2,+sse3,+sse4.1,+sse4.2,+ssse3,+xsave",
 )
 TARGETS = {"x86_64": X86_64_V3, "AMD64": X86_64_V3, "arm64": ("apple-m1", "")}
-# Painted skins, which are painted as quickly, and checked repertoires, which the package has already.
+# Skins, which are painted as quickly, and checked repertoires, which the package has already.
 NOT_SHIPPED = "paint-", "read-"
 
 

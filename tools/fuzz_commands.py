@@ -5,9 +5,9 @@
 A command may succeed, or end with exit code 1, 2, 75 or 130 and one line. Anything else is a
 finding: a traceback, another code, a line that is not a message, more than SECONDS. A command that
 shows its progress is ended after PATIENCE_S and counted apart. Commands that open windows get no
-display; those of the kind `signal` get a virtual one (Xvfb), and Ctrl-C or SIGTERM within LASTS_S,
-sometimes twice. Prints how often each exit code came; exit code 1 if there is any finding. Needs
-Linux.
+display; those of the kinds `session` and `signal` get a virtual one (Xvfb), the latter also Ctrl-C
+or SIGTERM within LASTS_S, sometimes twice. Prints how often each exit code came; exit code 1 if
+there is any finding. Needs Linux.
 """
 
 import argparse
@@ -122,6 +122,7 @@ LASTING = [
     "subsea list scenarios",
     "subsea settings --write --force",
 ]
+OPENING = [text for text in LASTING if "dive" in text or "doctor" in text]  # windows
 SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
 WITH_SETTINGS = "simulate", "simulate", "film", "benchmark", "soak"  # commands with --set
 OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
@@ -143,6 +144,7 @@ class Case(NamedTuple):
     environment: Mapping[str, str] = MappingProxyType({})
     deleted: bool = False  # the working directory
     signals: tuple[tuple[float, signal.Signals], ...] = ()  # each after a pause, s
+    switches: tuple[str, ...] = ()  # of Python
 
 
 class End(NamedTuple):
@@ -309,6 +311,21 @@ def odd_environment(rng: random.Random) -> Case:
     return Case(chosen_command(rng, quick=True), environment=environment)
 
 
+def odd_session(rng: random.Random) -> Case:
+    """A command that opens windows, in a desktop session of any type, or in none."""
+    environment = {
+        "XDG_SESSION_TYPE": rng.choice(["x11", "wayland", "tty", "junk"]),
+        "WAYLAND_DISPLAY": rng.choice(["", "wayland-0", "/nowhere"]),
+        "DISPLAY": rng.choice(["", ":4711", "junk", display()]),
+    }
+    return Case(rng.choice(OPENING).split(), environment=environment)
+
+
+def switched(rng: random.Random) -> Case:
+    """A command under Python's own switches."""
+    return Case(rng.choice(LASTING).split(), switches=(rng.choice(["-O", "-OO", "-B", "-P"]),))
+
+
 def odd_folder(rng: random.Random) -> Case:
     """A command in a folder that was deleted."""
     return Case(odd_value(rng).words, deleted=True)
@@ -340,6 +357,8 @@ KINDS: dict[str, Callable[[random.Random], Case]] = {
     "stream": odd_stream,
     "locale": odd_locale,
     "environment": odd_environment,
+    "session": odd_session,
+    "switch": switched,
     "folder": odd_folder,
     "signal": interrupted,
 }
@@ -359,7 +378,7 @@ def end_of(case: Case, folder: Path) -> End:
     """Run a command and wait for its end."""
     errors = folder / "errors"
     leave = "mkdir gone; cd gone; rmdir ../gone; " if case.deleted else ""
-    start = shlex.join([sys.executable, "-m", *case.words])
+    start = shlex.join([sys.executable, *case.switches, "-m", *case.words])
     if case.signals:  # are for Python, not for a shell
         start = f"exec {start}"
     # The code is that of the command, not of the last program in a pipe.
@@ -441,7 +460,8 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
             findings += 1
             words = ascii([word[:80] for word in case.words])
             around = f"{case.redirection} {case.environment or ''}{' deleted' * case.deleted}"
-            print(f"{name}, round {number}: {what!a}\n    {words} {around}", flush=True)
+            switches = " ".join(case.switches)
+            print(f"{name}, round {number}: {what!a}\n    {switches} {words} {around}", flush=True)
     print(
         f"{name}: {rounds} commands, {findings} findings, ends {dict(sorted(ends.items()))}",
         flush=True,
