@@ -22,7 +22,7 @@ for program, *words in (
     (subsea, "film", folder + "/sea.png", *sea, "--seconds", "0.05", "--size", "96x64"),
     (subsea, "list", "scenarios"),
     (subsea, "settings", "--write"),
-    (capture, "inspect", "fusilier"),
+    (capture, "validate", "clownfish"),
 ):
     if code := program.main(words):
         raise SystemExit(f"{words}: {code}")
