@@ -24,7 +24,7 @@ from capture.learning.fitness import (
 from capture.learning.learn import LearnedControllers, learn
 from capture.recording.trial import beat_contraction, grade_contraction, steady_beat
 from subsea.base.errors import UserError
-from subsea.base.files import check_file, replacing
+from subsea.base.files import check_file, read_text, replacing
 from subsea.base.system import require, resource_path
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
@@ -47,7 +47,7 @@ def write_plans(source: Path, target: Path, muscles: Muscles) -> None:
 
 
 def _write(source: Path, target: Path, plans: dict[str, BodyPlan | SwimPlan | TurnPlan]) -> None:
-    text = source.read_bytes().decode("utf-8")
+    text = read_text(source)
     content = tomllib.loads(text)
     for name, plan in plans.items():
         old, new = content.get(name, {}), msgspec.to_builtins(plan)

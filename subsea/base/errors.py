@@ -44,13 +44,11 @@ class TransientError(UserError):
 
 
 def unreadable(path: Path, fault: OSError | ValueError) -> UserError:
-    """The error for a file that cannot be opened, or is not UTF-8 text."""
+    """The error for a file that cannot be opened or read."""
     if isinstance(fault, FileNotFoundError):
         return UserError("no such file", file=path)
     if isinstance(fault, IsADirectoryError):
         return UserError("cannot read (it is a folder)", file=path)
-    if isinstance(fault, UnicodeDecodeError):
-        return UserError("cannot read (not UTF-8 text)", file=path)
     reason = getattr(fault, "strerror", None) or str(fault).partition("\n")[0]
     return UserError(f"cannot read ({reason})", file=path)
 

@@ -2,15 +2,17 @@
 
 import csv
 import json
+import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 from subsea.base.errors import UserError
-from subsea.base.files import check_file
+from subsea.base.files import check_file, logical_lines, read_text, text_of
 
 MAX_JSON = 100_000_000  # bytes; no report is longer
 HEAD = 4096  # characters that identify a file of text
+VERTEX = re.compile(r"\s*v(\s+[-+.\deE]+){3}")
 OBJ_WORDS = ("mtllib", "usemtl", "o", "g", "s", "v", "vt", "vn", "vp", "f", "l", "p")
 
 
@@ -58,7 +60,7 @@ def csv_file(noun: str, *columns: str) -> FileKind:
     """CSV files with these first columns."""
 
     def fits(path: Path) -> bool:
-        with path.open(encoding="utf-8", newline="") as file:
+        with path.open(encoding="utf-8-sig", newline="") as file:
             return next(csv.reader([file.readline(HEAD)]), [])[: len(columns)] == [*columns]
 
     return FileKind(noun, fits)
@@ -70,17 +72,17 @@ def toml_file(noun: str, *tables: str) -> FileKind:
     def fits(path: Path) -> bool:
         import tomllib
 
-        with path.open("rb") as file:
-            return tomllib.load(file).keys() >= set(tables)
+        return tomllib.loads(read_text(path)).keys() >= set(tables)
 
     return FileKind(noun, fits)
 
 
 def _is_mesh(path: Path) -> bool:
-    with path.open(encoding="utf-8") as file:
-        *whole, _cut = file.read(HEAD).split("\n")
-    words = [line.split()[0] for line in whole if line.strip()]
-    return bool(words) and all(word in OBJ_WORDS or word[0] == "#" for word in words)
+    with path.open("rb") as file:
+        head = text_of(file.read(HEAD), path, foreign=True)
+    whole = [line for _, line in [*logical_lines(head)][:-1] if line.strip()]
+    known = (line.split()[0] in OBJ_WORDS or line.lstrip()[0] == "#" for line in whole)
+    return any(map(VERTEX.match, whole)) or (bool(whole) and all(known))
 
 
 FILM = signed("an MP4 film", b"ftyp", at=4)

@@ -12,6 +12,7 @@ import re
 import stat
 import tempfile
 import time
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -133,11 +134,46 @@ def read_input(path: Path, most: int = 16 * MIB) -> bytes:
 
 
 def read_text(path: Path, most: int = 16 * MIB) -> str:
-    """The text of a regular file in UTF-8, with line ends as they are; else a UserError."""
+    """The text of a regular file, with line ends as they are; else a UserError."""
+    return text_of(read_input(path, most), path)
+
+
+MARKS = {BOM_UTF8: "utf-8", BOM_UTF16_LE: "utf-16-le", BOM_UTF16_BE: "utf-16-be"}
+
+
+def text_of(data: bytes, file: Path | str, foreign: bool = False) -> str:
+    """Decode UTF-8, or what a byte-order mark names, and leave the mark out; else a UserError.
+
+    Other programs write names and comments in Latin-1, too, so `foreign` text may be Latin-1.
+    """
+    mark = next((mark for mark in MARKS if data.startswith(mark)), b"")
     try:
-        return read_input(path, most).decode("utf-8")
+        return data[len(mark) :].decode(MARKS.get(mark, "utf-8"))
     except UnicodeDecodeError as fault:
-        raise unreadable(path, fault) from fault
+        if foreign and not mark:
+            return data.decode("latin-1")
+        line = data.count(b"\n", 0, fault.start) + 1
+        raise UserError(
+            "cannot read (not UTF-8 text); save it as UTF-8", file=file, line=line
+        ) from fault
+
+
+def logical_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Number the lines of a text from 1, and join those that end in a backslash with the next.
+
+    The backslash ends a comment after ``#`` like any other character, as in a path of Windows.
+    """
+    begin, joined = 0, ""
+    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
+        begin = begin or number
+        joined += line
+        if line.endswith("\\") and "#" not in joined:
+            joined = f"{joined[:-1]} "
+        else:
+            yield begin, joined
+            begin, joined = 0, ""
+    if begin:
+        yield begin, joined
 
 
 def file_hash(path: Path) -> str:

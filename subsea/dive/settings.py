@@ -17,7 +17,7 @@ import platformdirs
 from msgspec import Meta, inspect
 
 from subsea.base.errors import UserError, nearest, unknown
-from subsea.base.files import read_input, replacing
+from subsea.base.files import read_text, replacing
 from subsea.base.toml_files import error_at, load_toml
 
 # Controls that act as long as an input is held.
@@ -450,7 +450,7 @@ def usual_settings(tell: Callable[[str], None]) -> Settings:
     """
     path = settings_path()
     try:
-        read_input(path)
+        read_text(path)
     except UserError as fault:
         if isinstance(fault.__cause__, FileNotFoundError | NotADirectoryError):
             return DEFAULTS

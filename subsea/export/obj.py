@@ -8,7 +8,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.base.files import read_input, replacing
+from subsea.base.files import logical_lines, read_input, replacing, text_of
 from subsea.biomechanics.body import Floats
 from subsea.geometry.tetrahedra import tetrahedral_weights
 from subsea.repertoire import Repertoire
@@ -19,12 +19,9 @@ MAX_DISTANCE = 3.0  # body lengths between the fish and a vertex
 
 def read_mesh(path: Path) -> tuple[list[str], Floats]:
     """Read the lines and vertices (n, 3) of a Wavefront OBJ file; UserError for a faulty one."""
-    try:
-        lines = read_input(path, MAX_BYTES).decode("utf-8").splitlines()
-    except UnicodeDecodeError as fault:
-        raise UserError("not a Wavefront OBJ file (not text)", file=path) from fault
-    vertices = []
-    for number, line in enumerate(lines, start=1):
+    lines, vertices = [], []
+    for number, line in logical_lines(text_of(read_input(path, MAX_BYTES), path, foreign=True)):
+        lines.append(line)
         if not _is_vertex(line):
             continue
         try:

@@ -14,7 +14,7 @@ import numpy as np
 from subsea.base.arrays import Bytes
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
-from subsea.base.files import check_input, replacing
+from subsea.base.files import check_input, read_text, replacing
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.fish import paint, sheet_layout
@@ -88,7 +88,7 @@ def assign_sheet(path: Path, sheet: Bytes) -> Path:
     Comments in the file stay. UserError as in `own_sheet_path`.
     """
     picture = own_sheet_path(path)
-    text = path.read_text(encoding="utf-8")
+    text = read_text(path)
     old = tomllib.loads(text)["skin"].get("sheet")
     was = {} if old is None else {"sheet": old}
     text = edit_toml(text, was, {"sheet": picture.name}, ("skin",), path)

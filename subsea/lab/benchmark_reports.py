@@ -23,7 +23,7 @@ import subsea
 from subsea.base.arrays import Array, summarize_ms
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import csv_file, json_file
-from subsea.base.files import read_input, replacing
+from subsea.base.files import read_text, replacing
 from subsea.base.report_files import DPI, STYLE
 from subsea.base.system import cores
 from subsea.base.validation import plain_words
@@ -299,9 +299,9 @@ class OlderReport(msgspec.Struct, frozen=True):
     machine: dict[str, Any] = {}
 
 
-def read_json(path: Path, command: str, decode: Callable[[bytes], T]) -> T:
+def read_json(path: Path, command: str, decode: Callable[[str], T]) -> T:
     """Read the report that a command wrote as JSON; a UserError names the fault."""
-    content = read_input(path, MAX_BYTES)
+    content = read_text(path, MAX_BYTES)
     try:
         return decode(content)
     except (ValueError, RecursionError) as fault:
@@ -315,7 +315,7 @@ def read_reports(path: Path) -> list[OlderReport]:
     return read_json(path, "subsea benchmark", _decoded)
 
 
-def _decoded(content: bytes) -> list[OlderReport]:
+def _decoded(content: str) -> list[OlderReport]:
     found = msgspec.json.decode(content)
     if isinstance(found, dict):
         found = found.get("ladder", [found])

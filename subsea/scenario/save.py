@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from subsea.base.errors import UserError
-from subsea.base.files import replacing
+from subsea.base.files import read_text, replacing
 from subsea.base.toml_edit import edit_toml, toml_value
 from subsea.base.toml_files import load_toml, locate_errors
 from subsea.base.toml_positions import Place
@@ -47,7 +47,7 @@ def scenario_text(scenario: Scenario, like: Path | None = None) -> str:
         # Write a new one if the old file is missing or cannot be edited.
         with suppress(UserError, OSError, ValueError):
             old = load_toml(like, Scenario)
-            text = _edited(like.read_bytes().decode("utf-8"), _short(old), _short(scenario))
+            text = _edited(read_text(like), _short(old), _short(scenario))
             if _read(text) == scenario:
                 return text
     text = _fresh(_short(scenario))

@@ -17,7 +17,7 @@ import msgspec
 import platformdirs
 
 from subsea.base.errors import UserError
-from subsea.base.files import MIB, read_input, remove_abandoned, replacing
+from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
 from subsea.base.progress import count_noun, say
 from subsea.dive.captions import FADE_S, Caption, shown_s
 from subsea.dive.part import DivePart
@@ -150,7 +150,7 @@ class DiveCount:
         self.days: dict[str, int] = {}
         remove_abandoned(self._path)
         try:
-            self.days = _counts(read_input(self._path).decode("utf-8", "replace"))
+            self.days = _counts(text_of(read_input(self._path), self._path, foreign=True))
         except UserError as fault:
             if not isinstance(fault.__cause__, FileNotFoundError):
                 self._tell(str(fault))

@@ -16,7 +16,7 @@ import numpy as np
 from msgspec import structs
 
 from subsea.base.errors import UserError
-from subsea.base.files import read_input, replacing
+from subsea.base.files import read_input, read_text, replacing, text_of
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.base.validation import convert
@@ -46,7 +46,7 @@ class SpeciesDraft:
 def read_draft(path: Path) -> SpeciesDraft:
     """Read a species file; UserError for a faulty one."""
     species = load_toml(path, Species)
-    text = path.read_bytes().decode("utf-8")  # keeps CRLF line ends
+    text = read_text(path)
     sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
     return SpeciesDraft(path.stem, tomllib.loads(text), species, text, sheet)
 
@@ -135,7 +135,7 @@ def to_toml(draft: SpeciesDraft) -> str:
 def changed_on_disk(path: Path, known: SpeciesDraft | None) -> bool:
     """True if the file differs from the draft that was read or written last."""
     try:
-        return read_input(path) != (known.text.encode("utf-8") if known else None)
+        return text_of(read_input(path), path, foreign=True) != (known.text if known else None)
     except UserError:
         return False  # nothing to lose, or saving reports the fault
 

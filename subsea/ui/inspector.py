@@ -16,7 +16,7 @@ from imgui_bundle import imgui
 from msgspec import Meta
 
 from subsea.base.errors import UserError
-from subsea.base.files import replacing
+from subsea.base.files import read_text, replacing
 from subsea.dive.minds_text import name_of
 from subsea.dive.ride import ASPECT, EDGE, WIDE
 from subsea.dive.settings import settings_path
@@ -104,8 +104,8 @@ def places_path() -> Path:
 
 def read_places() -> Places:
     """Read the places; none if the file is missing or damaged."""
-    with suppress(OSError, msgspec.MsgspecError, UnicodeDecodeError), places_path().open("rb") as f:
-        return msgspec.json.decode(f.read(LONGEST), type=Places)
+    with suppress(UserError, msgspec.MsgspecError):
+        return msgspec.json.decode(read_text(places_path(), LONGEST), type=Places)
     return {}
 
 

@@ -9,7 +9,7 @@ import msgspec
 from msgspec.structs import replace
 
 from subsea.base.errors import UserError
-from subsea.base.files import replacing
+from subsea.base.files import read_text, replacing
 from subsea.base.language import next_language, set_language
 from subsea.base.toml_edit import edit_toml
 from subsea.dive.settings import ComfortSettings, ControlName, Settings, is_key
@@ -76,11 +76,11 @@ class Preferences:
         if self._file is None or not changes:
             return
         try:
-            text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
+            text = read_text(self._file) if self._file.exists() else ""
             old = tomllib.loads(text)
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with replacing(self._file) as part:
-                part.write_text(edit_toml(text, old, _merged(old, changes)), encoding="utf-8")
+                part.write_bytes(edit_toml(text, old, _merged(old, changes)).encode("utf-8"))
         except (OSError, ValueError) as fault:
             raise UserError(f"the settings were not kept ({fault})", file=self._file) from fault
 
