@@ -34,7 +34,7 @@ def record_job(job: Job, species: Species) -> Recorded:
     try:
         return record_segment(species, job[1])
     except UserError as fault:
-        raise UserError(f"{job[0]}, {job[1]}: {fault}") from fault
+        raise type(fault)(f"{job[0]}, {job[1]}: {fault}") from fault
 
 
 def record_equally(given: tuple[Job, Species, str]) -> Recorded:

@@ -4,7 +4,6 @@ Standard output and error that outlive a closed pipe or a full disk.
 """
 
 import argparse
-import errno
 import io
 import math
 import os
@@ -17,7 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from subsea import __version__
-from subsea.base.errors import TransientError, UserError, nearest, printable, unknown
+from subsea.base.errors import TransientError, UserError, is_full_disk, nearest, printable, unknown
 from subsea.base.interrupts import INTERRUPTED, raised_interrupts
 from subsea.base.system import import_fault
 
@@ -60,7 +59,7 @@ def tolerant_output() -> Iterator[Callable[[], None]]:
         _flush(sys.stdout)
         fault = files["stdout"].fault if "stdout" in files else None
         if fault and not isinstance(fault, BrokenPipeError):
-            raise UserError(f"{fault.strerror}", file="standard output")
+            raise UserError(f"{fault.strerror}", file="standard output") from fault
 
     try:
         yield check
@@ -121,7 +120,7 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             return code
         except UserError as fault:
             print(f"{program}: {fault}", file=sys.stderr)
-            return TRANSIENT if isinstance(fault, TransientError) else 2
+            return TRANSIENT if isinstance(fault, TransientError) or is_full_disk(fault) else 2
         except KeyboardInterrupt as interrupt:
             print(": ".join([program, "interrupted", *interrupt.args]), file=sys.stderr)
             return INTERRUPTED
@@ -129,7 +128,7 @@ def run_command(program: str, run: Callable[[], int]) -> int:
             if not (reason := _reason(fault)):
                 raise
             print(f"{program}: {printable(reason)}", file=sys.stderr)
-            return TRANSIENT if _is_full_disk(fault) else 2
+            return TRANSIENT if is_full_disk(fault) else 2
 
 
 def _check_cpu_features() -> None:
@@ -159,13 +158,9 @@ def _reason(fault: Exception) -> str | None:
         return import_fault(fault)
     if isinstance(fault, FileNotFoundError) and not _has_folder():
         return "the current folder was deleted; change to another one"
-    if isinstance(fault, OSError) and _is_full_disk(fault):  # of results or compiled code
+    if isinstance(fault, OSError) and is_full_disk(fault):  # of results or compiled code
         return f"{f'{fault.filename}: ' if fault.filename else ''}{fault.strerror}"
     return None
-
-
-def _is_full_disk(fault: Exception) -> bool:
-    return isinstance(fault, OSError) and fault.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
 def _has_folder() -> bool:

@@ -22,7 +22,7 @@ import platformdirs
 
 from subsea.base.arrays import pack, unpack
 from subsea.base.errors import UserError
-from subsea.base.files import make_own_folder, open_own, replacing
+from subsea.base.files import OWN_MODE, make_own_folder, open_own, replacing
 from subsea.base.progress import say
 from subsea.base.source_stamp import ROOT, source_stamp
 
@@ -76,7 +76,7 @@ def keep(name: str, made: Any) -> None:
     if not _may_use(path.parent):
         return
     data = pack(name, made)
-    with suppress(UserError), replacing(path) as temporary:
+    with suppress(UserError), replacing(path, OWN_MODE) as temporary:
         temporary.write_bytes(data)
         _make_room(path.parent)
 

@@ -1,5 +1,6 @@
 """Errors that the user can fix, shown as one line without a stack trace."""
 
+import errno
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -41,6 +42,13 @@ class UserError(Exception):
 
 class TransientError(UserError):
     """An error that may pass by itself, such as a missing display: a service tries again."""
+
+
+def is_full_disk(fault: BaseException | None) -> bool:
+    """True if an error, or one that caused it, is that of a full disk or quota."""
+    while fault and getattr(fault, "errno", None) not in (errno.ENOSPC, errno.EDQUOT):
+        fault = fault.__cause__
+    return fault is not None
 
 
 def unreadable(path: Path, fault: OSError | ValueError) -> UserError:

@@ -5,10 +5,10 @@ Folders and files that nobody but the user can have written, for caches.
 Check and read input files: regular files of limited size.
 """
 
-import glob
 import hashlib
 import os
 import re
+import shutil
 import stat
 import tempfile
 import time
@@ -21,12 +21,16 @@ from io import BufferedReader
 from pathlib import Path
 from typing import BinaryIO
 
-from subsea.base.errors import UserError, unreadable
+from subsea.base.errors import TransientError, UserError, is_full_disk, unreadable
+
+OWN_MODE = 0o600  # of a file that only the user may read and write
 
 
 def make_own_folder(path: Path) -> None:
     """Make a folder for the user alone, if it is missing; PermissionError if others may write."""
-    path.mkdir(mode=0o700, parents=True, exist_ok=True)
+    for folder in (*reversed(path.parents), path):
+        if not folder.is_dir():
+            folder.mkdir(mode=0o700, exist_ok=True)
     if not _is_own(path.stat()):
         raise PermissionError("others may write to the folder or own it")
 
@@ -104,6 +108,25 @@ def open_input(path: Path) -> BufferedReader:
     except (OSError, ValueError) as fault:  # ValueError: a name with a zero byte
         raise unreadable(path, fault) from fault
     return file
+
+
+def refuse_locked(file: BufferedReader, path: Path) -> None:
+    """Raise a TransientError if another program has locked the file to write to it.
+
+    A file system without locks, as some networks and containers have, passes.
+    """
+    with suppress(ImportError):  # Windows, where opening a locked file fails
+        from fcntl import LOCK_NB, LOCK_SH, LOCK_UN, flock
+
+        try:
+            flock(file, LOCK_SH | LOCK_NB)
+            flock(file, LOCK_UN)
+        except BlockingIOError as fault:
+            raise TransientError(
+                "another program has locked it to write to it; close it there", file=path
+            ) from fault
+        except OSError:
+            pass
 
 
 def _check_kind(path: Path, status: os.stat_result) -> None:
@@ -187,6 +210,7 @@ def file_hash(path: Path) -> str:
 
 STALE_S = 86400.0  # age of a partial file whose process has certainly ended
 MAX_NAME = 200  # bytes; file systems allow 255 with what is added for a partial file
+ANY_MODE = 0o666  # less what the umask takes
 PART = re.compile(r"\.\d+\.part(\.\w+)?$")  # process ID; libraries may add a suffix
 
 
@@ -238,27 +262,30 @@ def _check_replaceable(path: Path) -> None:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Yield a hidden path beside `path` to write to; rename it to `path` at the end.
+def replacing(path: Path, mode: int = ANY_MODE) -> Iterator[Path]:
+    """Yield a new, empty, hidden file beside `path` to write to; rename it to `path` at the end.
 
-    Creates missing folders and replaces the target of a link. On an error, removes the partial file
-    and new folders and turns an OSError into a UserError. Also removes partial files of killed
-    processes that are at least a day old.
+    The file has the `mode` from its beginning, whatever the umask. Creates missing folders and
+    replaces the target of a link. On an error, removes the partial file and new folders and turns
+    an OSError into a UserError. Also removes partial files of killed processes that are at least a
+    day old.
     """
     _check_replaceable(path)
     real = Path(os.path.realpath(path))
-    temporary = real.with_name(f".{_short(real.name)}.{os.getpid()}.part")
+    temporary = _part_of(real)
     _remove_stale(real.parent)
     new: list[Path] = []
     try:
         new += [folder for folder in real.parents if not folder.exists()]
         real.parent.mkdir(parents=True, exist_ok=True)
+        create_part(temporary, mode)
         yield temporary
         temporary.replace(real)
     except OSError as fault:
         # HDF5 adds lines of its own to the text of an error.
         reason = os.strerror(fault.errno) if fault.errno else str(fault).partition("\n")[0]
-        raise UserError(f"cannot write ({reason})", file=path) from fault
+        kind = TransientError if is_full_disk(fault) else UserError
+        raise kind(f"cannot write ({reason})", file=path) from fault
     finally:
         with suppress(OSError):
             temporary.unlink()
@@ -267,17 +294,48 @@ def replacing(path: Path) -> Iterator[Path]:
                 folder.rmdir()
 
 
-def remove_abandoned(path: Path) -> None:
-    """Remove partial files of `path` whose processes, of this computer, have ended.
+def create_part(path: Path, mode: int = ANY_MODE) -> None:
+    """Create an empty file in place of a leftover, never through a link that others planted."""
+    path.unlink(missing_ok=True)
+    os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode))
+    if mode != ANY_MODE:
+        path.chmod(mode)
 
-    Only for files that no other computer writes.
+
+@contextmanager
+def partial_folder(path: Path) -> Iterator[Path]:
+    """Make a hidden folder beside `path` for files that are not whole; remove it at the end."""
+    folder = _part_of(path)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _part_of(path: Path) -> Path:
+    return path.with_name(f".{_short(path.name)}.{os.getpid()}.part")
+
+
+def remove_abandoned(folder: Path, name: str = "") -> None:
+    """Remove partial files and folders whose processes, of this computer, have ended.
+
+    Those of the file `name`, or of all files. Only for folders that no other computer writes.
     """
-    begin = f".{_short(path.name)}."
+    named = re.escape(_short(name)) if name else ".+"
     with suppress(OSError):
-        for part in path.parent.glob(f"{glob.escape(begin)}*.part"):
-            number = part.name[len(begin) :].removesuffix(".part")
-            if number.isdecimal() and len(number) < 10 and not _is_running(int(number)):
-                part.unlink(missing_ok=True)
+        for part in folder.iterdir():
+            match = re.fullmatch(rf"\.{named}\.(\d{{1,9}})\.part", part.name)
+            if match and not _is_running(int(match[1])):
+                _remove(part)
+
+
+def _remove(part: Path) -> None:
+    if part.is_dir() and not part.is_symlink():
+        shutil.rmtree(part)
+    else:
+        part.unlink(missing_ok=True)
 
 
 def _is_running(process: int) -> bool:
@@ -306,5 +364,5 @@ def _remove_stale(folder: Path) -> None:
             if not PART.search(part.name):
                 continue
             with suppress(OSError):  # another process may have removed it
-                if time.time() - part.stat().st_mtime > STALE_S:
-                    part.unlink()
+                if time.time() - part.lstat().st_mtime > STALE_S:
+                    _remove(part)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.errors import UserError
-from subsea.base.files import check_input, replacing
+from subsea.base.files import open_input, refuse_locked, replacing
 
 MAX_DATASET_BYTES = 256 * 2**20  # a repertoire has a few megabytes; more is a damaged header
 MAX_ATTRIBUTE_BYTES = 2**20
@@ -29,10 +29,12 @@ LAYOUT = {"libver": ("earliest", "v110"), "track_order": False}  # without times
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
     """Open `path` for reading; any fault of the file is one line that names it."""
-    check_input(path)
     try:
-        with h5py.File(path, "r") as file:
-            yield file
+        # A file of Python takes none of HDF5's locks, which some file systems do not have.
+        with open_input(path) as raw:
+            refuse_locked(raw, path)
+            with h5py.File(raw, "r") as file:
+                yield file
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, zlib.error) as fault:
         reason = str(fault).splitlines()[0] if str(fault) else type(fault).__name__
         raise UserError(f"not a readable HDF5 file ({reason})", file=path) from fault

@@ -8,8 +8,8 @@ The stage of a species has points and normals in every frame. All clips follow o
 time line; `customLayerData` holds their first and last frames. Needs the extra `usd`.
 """
 
+import errno
 import os
-import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
 from subsea.base.arrays import Array
-from subsea.base.errors import UserError
-from subsea.base.files import replacing
+from subsea.base.errors import TransientError, UserError
+from subsea.base.files import partial_folder, replacing
 from subsea.export.clips import (
     ROUGHNESS,
     Clip,
@@ -221,16 +221,15 @@ def stage_file(path: Path) -> Iterator[Path]:
 
     UserError if the library cannot write it.
     """
-    with replacing(path) as part:
-        # The library needs the suffix, which an unfinished file does not have.
-        plain = part.with_name(part.name + path.suffix)
+    with replacing(path) as part, partial_folder(part) as folder:
+        plain = folder / path.name  # the library needs the suffix
         try:
             yield plain
             plain.replace(part)
         except Tf.ErrorException as fault:
-            raise UserError(f"cannot write ({fault.args[0].commentary})", file=path) from fault
-        finally:
-            plain.unlink(missing_ok=True)
+            reason = fault.args[0].commentary
+            kind = TransientError if os.strerror(errno.ENOSPC) in reason else UserError
+            raise kind(f"cannot write ({reason})", file=path) from fault
 
 
 def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
@@ -239,18 +238,14 @@ def write_package(out: Path, fill: Callable[[Path], Path]) -> None:
     `fill` returns the stage there. UserError if the package cannot be written. Equal content gives
     equal bytes.
     """
-    with (
-        stage_file(out) as part,
-        tempfile.TemporaryDirectory(prefix=part.name, dir=part.parent) as name,
-    ):
-        folder = Path(name)
+    with stage_file(out) as part:
+        folder = part.with_name("content")
+        folder.mkdir()
         stage = fill(folder)
         for path in folder.iterdir():  # a package holds these times
             os.utime(path, (ZIP_EPOCH_S, ZIP_EPOCH_S))
-        package = folder / "package.usdz"
-        if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
+        if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(part)):
             raise UserError("cannot write the package", file=out)
-        package.replace(part)
 
 
 def usd_files(folder: Path, name: str) -> list[Path]:

@@ -16,7 +16,8 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -27,7 +28,7 @@ import numpy as np
 from numba.core import caching
 from numba.core.registry import cpu_target
 
-from subsea.base.files import make_own_folder, open_own
+from subsea.base.files import OWN_MODE, make_own_folder, open_own
 from subsea.base.source_stamp import ROOT, source_stamp
 
 SHIPPED = ROOT / "subsea" / "_data" / "kernels"
@@ -190,6 +191,13 @@ class VerifiedFile(caching.IndexDataCacheFile):  # type: ignore[misc]
         except (Exception, SystemExit):  # a damaged pickle may raise anything
             return None
         return data if of == [self._version, self._source_stamp, key] else None
+
+    @contextmanager
+    def _open_for_write(self, path: str) -> Iterator[Any]:
+        """Open a file that nobody else may write, whatever the umask: only such code is read."""
+        with super()._open_for_write(path) as file:
+            Path(file.name).chmod(OWN_MODE)
+            yield file
 
     def _load_index(self) -> Any:
         try:

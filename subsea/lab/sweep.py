@@ -20,7 +20,7 @@ import msgspec
 
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result, csv_file, signed
-from subsea.base.files import check_folder, read_input, replacing
+from subsea.base.files import check_folder, partial_folder, read_input, remove_abandoned, replacing
 from subsea.base.progress import count_noun, progress
 from subsea.base.system import require
 from subsea.base.toml_edit import toml_value
@@ -220,8 +220,10 @@ def sweep(
     try:
         if missing:
             out.mkdir(parents=True, exist_ok=True)
-            with TemporaryDirectory(dir=out, prefix=".records-") as folder:
-                given = {name: job._replace(folder=folder) for name, job in missing.items()}
+            for folder in (out, out / "runs", out / "records"):
+                remove_abandoned(folder)
+            with partial_folder(out / "records") as scratch:
+                given = {name: job._replace(folder=str(scratch)) for name, job in missing.items()}
                 with progress(len(jobs), "run", len(rows)) as count:
                     for name, result in pool(make_run, given, check):
                         if result is None:
@@ -312,7 +314,7 @@ def make_run(job: _Job) -> tuple[Row, bytes | None]:
             record_run(run, out)
             row = flat_measures(measure(read_record(out)))
         except UserError as fault:
-            raise UserError(f"{_describe(run)}: {fault}") from fault
+            raise type(fault)(f"{_describe(run)}: {fault}") from fault
         return row, out.read_bytes() if job.keep else None
 
 

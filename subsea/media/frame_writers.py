@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from subsea import __version__
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import FILM, PICTURE, check_results
-from subsea.base.files import check_folder, is_folder, replacing
+from subsea.base.files import check_folder, create_part, is_folder, replacing
 from subsea.media.film_sound import FilmSound
 from subsea.sound.space import RATE
 
@@ -74,6 +74,7 @@ def insert_boxes(path: Path, boxes: bytes) -> None:
     """Append boxes to the sample description of the pictures in an MP4 file, index first."""
     new = path.with_name(f"{path.name}.tagged")
     try:
+        create_part(new)
         with path.open("rb") as source, new.open("wb") as target:
             target.write(_read(source))  # ftyp
             target.write(_grown(_read(source), boxes, len(boxes)))  # moov

@@ -105,7 +105,7 @@ class ShowStore:
 
     def load(self) -> SavedShow | None:
         """Read the saved state of this show; None without one."""
-        remove_abandoned(self._path)
+        remove_abandoned(self._path.parent, self._path.name)
         try:
             data = read_input(self._path, MOST_BYTES)
             saved = msgspec.msgpack.decode(data, type=SavedShow)
@@ -148,7 +148,7 @@ class DiveCount:
         """`tell` reports once that the table cannot be read or written."""
         self._path, self._tell = state_folder() / "dives.csv", once(tell)
         self.days: dict[str, int] = {}
-        remove_abandoned(self._path)
+        remove_abandoned(self._path.parent, self._path.name)
         try:
             self.days = _counts(text_of(read_input(self._path), self._path, foreign=True))
         except UserError as fault:

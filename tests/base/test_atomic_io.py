@@ -1,12 +1,19 @@
 """A result is written whole, or nothing is left of it."""
 
+import errno
 import os
 import time
 
 import pytest
 
-from subsea.base.errors import UserError
-from subsea.base.files import check_file, check_folder, replacing
+from subsea.base.errors import TransientError, UserError
+from subsea.base.files import (
+    check_file,
+    check_folder,
+    partial_folder,
+    remove_abandoned,
+    replacing,
+)
 
 
 def test_checks_leave_no_files(tmp_path):
@@ -120,3 +127,51 @@ def test_pipes_and_devices_are_not_replaced(tmp_path):
             check_file(tmp_path / name)
         with pytest.raises(UserError, match="not a reg"), replacing(tmp_path / name) as temporary:
             temporary.write_text("")
+
+
+def test_partial_files_are_never_written_through_a_link(tmp_path):
+    other = tmp_path / "precious"
+    other.write_text("mine")
+    parts = [tmp_path / f".{name}.{os.getpid()}.part" for name in ("a.txt", "folder")]
+    for part in parts:
+        part.symlink_to(other)
+    with replacing(tmp_path / "a.txt") as temporary:
+        assert temporary == parts[0]
+        temporary.write_text("whole")
+    parts[1].unlink()
+    parts[1].mkdir()
+    (parts[1] / "leftover").symlink_to(other)
+    with partial_folder(tmp_path / "folder") as folder:
+        assert folder == parts[1] and not list(folder.iterdir())
+    assert other.read_text() == "mine"
+    assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "precious"}
+
+
+def test_secrets_are_never_readable_by_others(tmp_path):
+    before = os.umask(0)
+    try:
+        with replacing(tmp_path / "secret", 0o600) as temporary:
+            assert temporary.stat().st_mode & 0o777 == 0o600
+            temporary.write_text("word")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "secret").stat().st_mode & 0o777 == 0o600
+
+
+def test_a_full_disk_is_an_error_that_may_pass(tmp_path):
+    with pytest.raises(TransientError, match="cannot write"), replacing(tmp_path / "a.txt"):
+        raise OSError(errno.ENOSPC, "no room")
+
+
+def test_leftovers_of_ended_processes_are_removed(tmp_path):
+    mine, gone = os.getpid(), 7777777
+    for name in (f".a.txt.{mine}.part", f".a.txt.{gone}.part", f".b.txt.{gone}.part"):
+        (tmp_path / name).touch()
+    for number in (mine, gone):
+        (tmp_path / f".records.{number}.part" / "tmp").mkdir(parents=True)
+    remove_abandoned(tmp_path, "a.txt")
+    assert not (tmp_path / f".a.txt.{gone}.part").exists() and len(list(tmp_path.iterdir())) == 4
+    remove_abandoned(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f".a.txt.{mine}.part", f".records.{mine}.part"
+    }  # fmt: skip

@@ -19,6 +19,13 @@ from subsea.base.command_line import (
 from subsea.base.errors import TransientError, UserError
 
 
+def refused(fault):
+    """An error of the user that another one caused."""
+    error = UserError("cannot write", file="out.mp4")
+    error.__cause__ = fault
+    return error
+
+
 @pytest.mark.parametrize(
     ("fault", "code", "line"),
     [
@@ -36,6 +43,7 @@ from subsea.base.errors import TransientError, UserError
             75,
             "diver: /cache/x.nbi: No space left on device",
         ),
+        (refused(refused(OSError(errno.EDQUOT, "quota"))), 75, "diver: out.mp4: cannot write"),
     ],
 )
 def test_errors_that_a_user_can_fix_are_one_line(fault, code, line, capsys):

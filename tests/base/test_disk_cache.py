@@ -325,3 +325,16 @@ def test_a_shipped_result_needs_no_folder_of_the_user(shipped, tmp_path, monkeyp
     monkeypatch.setattr(disk_cache, "cache_folder", lambda: tmp_path / "file" / "kept")
     assert_squares(cached(shipped[0], 5, 2))
     assert not capsys.readouterr().err
+
+
+@pytest.mark.parametrize("mask", [0, 0o002])
+def test_files_are_for_the_user_alone_whatever_the_umask(module, place, mask):
+    maker = module(CODE)
+    before = os.umask(mask)
+    try:
+        for _ in range(2):
+            assert_squares(cached(maker.squares, 5))
+    finally:
+        os.umask(before)
+    assert maker.made == [5]
+    assert [path.stat().st_mode & 0o777 for path in place.iterdir()] == [0o600]

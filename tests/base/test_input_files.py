@@ -1,12 +1,14 @@
 """Input files are regular files; pipes and devices are refused before they are opened."""
 
+import errno
+import fcntl
 import os
 from pathlib import Path
 
 import pytest
 
 from subsea.base import hdf5
-from subsea.base.errors import UserError
+from subsea.base.errors import TransientError, UserError
 from subsea.base.files import check_input, read_input
 from subsea.base.toml_files import load_toml
 from subsea.dive.settings import read_settings, settings_path, usual_settings
@@ -121,3 +123,20 @@ def test_a_name_that_becomes_a_pipe_is_refused(tmp_path, monkeypatch):
 def test_an_empty_file_is_a_file(tmp_path):
     (tmp_path / "file").touch()
     assert check_input(tmp_path / "file") == 0
+
+
+def test_a_file_system_without_locks_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "file.h5"
+    with hdf5.writing(path) as file:
+        file.attrs["format"] = hdf5.text("a")
+    with path.open("rb") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        with pytest.raises(TransientError, match="another program has locked it to write to it"):
+            hdf5.format_of(path)
+
+        def none(*given):
+            raise OSError(errno.ENOLCK, "No locks available")
+
+        monkeypatch.setattr(fcntl, "flock", none)
+        monkeypatch.setenv("HDF5_USE_FILE_LOCKING", "TRUE")
+        assert hdf5.format_of(path) == "a"

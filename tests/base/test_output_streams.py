@@ -31,14 +31,14 @@ FULL = "diver: standard output: No space left on device"
 @pytest.mark.parametrize(
     ("word", "redirection", "code", "err"),
     [
-        ("0", ">/dev/full", 2, ["subsea: a message", FULL]),
+        ("0", ">/dev/full", 75, ["subsea: a message", FULL]),
         ("1", ">&-", 1, ["subsea: a message"]),
         ("1", "| head -1 >/dev/null", 1, ["subsea: a message"]),
         ("0", "2>/dev/full >/dev/null", 0, []),
         ("0", ">&- 2>&- <&-", 0, []),
         ("fault", ">/dev/full 2>/dev/full", 2, []),
         ("fault", ">/dev/full", 2, ["subsea: a message", "diver: no such fish"]),
-        ("--help", ">/dev/full", 2, [FULL]),
+        ("--help", ">/dev/full", 75, [FULL]),
     ],
 )
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")

@@ -135,3 +135,15 @@ def test_a_folder_that_others_may_write_is_not_used(tmp_path, monkeypatch):
     place.chmod(0o777)
     cache._make_folder.cache_clear()
     assert Path(KernelCache(_write).cache_path).parent != tmp_path
+
+
+@pytest.mark.parametrize("mask", [0, 0o002])
+def test_code_is_for_the_user_alone_whatever_the_umask(tmp_path, mask):
+    file = VerifiedFile(str(tmp_path), "kernel", "stamp")
+    before = os.umask(mask)
+    try:
+        file.save("key", "code")
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o777 for path in tmp_path.iterdir()} == {0o600}
+    assert file.load("key") == "code"

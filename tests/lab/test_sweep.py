@@ -213,11 +213,14 @@ def test_only_what_is_missing_or_differs_is_made_again(copy, monkeypatch):
     sweep(OPTIONS, copy, pool=counting(made), records=True)
     assert made == []
     runs = sorted((copy / "runs").iterdir())
+    left = [copy / ".records.7777777.part", copy / "runs/.a.json.7777777.part"]
+    (left[0] / "tmp").mkdir(parents=True)  # of a process that was killed
+    left[1].touch()
     runs[0].write_text("{}")
     runs[1].unlink()
     (copy / "records" / f"{runs[2].stem}.h5").unlink()
     sweep(OPTIONS, copy, pool=counting(made), records=True)
-    assert made == [3]
+    assert made == [3] and not any(path.exists() for path in left)
     assert (copy / "sweep.parquet").read_bytes() == before
     sweep(replace(OPTIONS, seeds=(1, 2, 3), values={"fish.1.number": ("1",)}), copy,
           pool=counting(made))  # fmt: skip

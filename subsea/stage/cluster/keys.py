@@ -15,7 +15,7 @@ import zmq.auth
 from zmq.utils import z85
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.files import check_folder, check_input, refuse_shared, replacing
+from subsea.base.files import OWN_MODE, check_folder, check_input, refuse_shared, replacing
 from subsea.stage.theatre.theatre_file import NAME
 
 PUBLIC, SECRET = ".key", ".key_secret"
@@ -54,14 +54,13 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
         public, secret = (key.decode() for key in zmq.curve_keypair())
         for suffix, what, mode in (
             (PUBLIC, "public key", 0o644),
-            (SECRET, "SECRET key, for nobody but that computer,", 0o600),
+            (SECRET, "SECRET key, for nobody but that computer,", OWN_MODE),
         ):
             text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
             if suffix == SECRET:
                 text += f'    secret-key = "{secret}"\n'
             written.append(folder / f"{name}{suffix}")
-            with replacing(written[-1]) as part:
-                part.touch(mode, exist_ok=False)  # with its mode, so that others never can read it
+            with replacing(written[-1], mode) as part:  # others can never read a secret
                 part.write_text(text)
     return written
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, NoReturn
 import platformdirs
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.files import check_input, read_text, refuse_shared, replacing
+from subsea.base.files import OWN_MODE, check_input, read_text, refuse_shared, replacing
 from subsea.stage.theatre.theatre_file import parse_address
 
 TOKEN_BYTES = 32  # of a generated token
@@ -83,8 +83,7 @@ def token_path() -> Path:
 def make_token(path: Path) -> str:
     """Write a new random token to a file that only the user can read; returns it."""
     token = secrets.token_urlsafe(TOKEN_BYTES)
-    with replacing(path) as part:
-        part.touch(0o600, exist_ok=False)  # created so, that others can never read it
+    with replacing(path, OWN_MODE) as part:
         part.write_text(f"{token}\n", encoding="ascii")
     return token
 
