@@ -62,6 +62,12 @@ def test_a_module_has_at_most_600_lines_or_says_why():
     assert not [path for path in long if not any(line.startswith(LONG) for line in texts[path])]
 
 
+def test_processes_of_python_run_no_code_of_the_current_folder():
+    for path in MODULES:
+        for option in re.findall(r"sys\.executable,\s*(\S+)", path.read_text(encoding="utf-8")):
+            assert option == '"-P",', path
+
+
 def test_class_names_are_unique():
     places = defaultdict(list)
     for where, node in definitions(ast.ClassDef):

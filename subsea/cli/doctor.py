@@ -172,7 +172,7 @@ def _headset() -> list[Finding]:
         return []
     try:  # a process of its own: the runtime is a library that may print, wait or crash
         done = subprocess.run(
-            [sys.executable, "-c", DESCRIBE_HEADSET],
+            [sys.executable, "-P", "-c", DESCRIBE_HEADSET],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

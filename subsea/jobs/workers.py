@@ -23,7 +23,9 @@ Work = Callable[[Any], Any]
 Pool = Callable[[Work, Mapping[K, Any], Check], Results[K]]
 
 POLL_S = 0.2
-THREADS = "OPENBLAS_NUM_THREADS", "SUBSEA_THREADS"  # of matrices, and of a tick
+# One thread for matrices and for a tick, and no code of the current folder, where spawned
+# processes would look first.
+ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "SUBSEA_THREADS": "1", "PYTHONSAFEPATH": "1"}
 MAX_ATTEMPTS = 3  # crashes of processes with the same job
 
 
@@ -81,7 +83,7 @@ def _start(work: Work, started: list[Any]) -> tuple[Any, Any]:
     context = get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(work, theirs), daemon=True)
-    with _ctrl_c_blocked(), _one_thread(), _main_hidden():
+    with _environment(), _ctrl_c_blocked(), _main_hidden():
         process.start()
     started.append(process)
     theirs.close()  # so that a crash ends the pipe
@@ -137,10 +139,10 @@ def _main_hidden() -> Iterator[None]:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
-    """Let processes that are started inside use one thread each, unless set otherwise."""
-    added = [name for name in THREADS if name not in os.environ]
-    os.environ.update(dict.fromkeys(added, "1"))
+def _environment() -> Iterator[None]:
+    """Set `ENVIRONMENT` for processes that are started inside, unless set otherwise."""
+    added = ENVIRONMENT.keys() - os.environ.keys()
+    os.environ.update({name: ENVIRONMENT[name] for name in added})
     try:
         yield
     finally:

@@ -114,7 +114,7 @@ def soak_kiosk(scenario: str, minutes: float, seed: int | None, playlist: Path |
             playlist.write_text(PLAYLIST.format(scenario=named), encoding="utf-8")
         load_show(playlist)
         command = [
-            sys.executable, "-m", "subsea", "dive", "--kiosk", "--playlist", str(playlist),
+            sys.executable, "-P", "-m", "subsea", "dive", "--kiosk", "--playlist", str(playlist),
             "--quality", "low",
         ]  # fmt: skip
         report = _rounds(command, folder, 60.0 * minutes, rng)

@@ -115,7 +115,7 @@ def check_dive(options: DiveOptions) -> None:
 def unit_text(words: Sequence[str], node: str | None = None) -> str:
     """Compose a unit for `subsea dive` with these options; their files get absolute paths."""
     python = str(Path(sys.executable).absolute())  # not what a link leads to
-    program = [python, "-m", "subsea", "dive"]
+    program = [python, "-P", "-m", "subsea", "dive"]
     for word in words:
         name, equals, value = word.partition("=")
         if equals and name in PATHS:

@@ -13,11 +13,15 @@ def no_check():
     pass
 
 
-def test_processes_give_the_results_of_this_process():
+def test_processes_give_the_results_of_this_process(tmp_path, monkeypatch):
+    for name in ("socket.py", "tempfile.py", "subsea.py", "tests.py"):  # never executed
+        (tmp_path / name).write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\n")
+    monkeypatch.chdir(tmp_path)
     jobs = {f"job {k}": k for k in range(5)}
     expected = {name: k * k for name, k in jobs.items()}
     assert dict(serial(work.square, jobs, no_check)) == expected
     assert dict(process_pool(2)(work.square, jobs, no_check)) == expected
+    assert not (tmp_path / "executed").exists()
     assert not multiprocessing.active_children()
 
 

@@ -23,8 +23,8 @@ def test_files_have_absolute_paths_and_names_stay(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["--kiosk", "--scenario", "mine.toml", "--theatre=hall.toml", "--node", "left"]
     found = shlex.split(command(unit_text(words, "left")))
-    assert Path(found[0]).is_absolute() and found[1:4] == ["-m", "subsea", "dive"]
-    assert found[4:] == [
+    assert Path(found[0]).is_absolute() and found[1:5] == ["-P", "-m", "subsea", "dive"]
+    assert found[5:] == [
         "--kiosk", "--scenario", f"{tmp_path}/mine.toml", f"--theatre={tmp_path}/hall.toml",
         "--node", "left",
     ]  # fmt: skip
@@ -63,7 +63,7 @@ def test_units_of_one_computer_a_master_and_a_node(
     assert out.splitlines()[0] == str(path)
     assert f"systemctl --user enable --now {name}" in out
     found = shlex.split(command(path.read_text()))
-    assert found[4:] == [*words, *kiosk]
+    assert found[5:] == [*words, *kiosk]
     assert main(["dive", *words, *kiosk, "--write-unit"]) == 0  # replaces its own
 
 

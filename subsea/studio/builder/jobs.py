@@ -31,7 +31,7 @@ class CommandProcess:
         self.stopped = False  # on request
         self._wake = wake
         self._process = subprocess.Popen(
-            [sys.executable, "-m", *arguments],
+            [sys.executable, "-P", "-m", *arguments],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
         assert self._process.stdout and self._process.stderr
@@ -158,7 +158,7 @@ class CaptureJobs:
         words = ["dive", "--scenario", SEA, "--set", f"{SHOAL}.species={key}", "--follow", key]
         self._dives.append(
             subprocess.Popen(
-                [sys.executable, "-m", "subsea", *words],
+                [sys.executable, "-P", "-m", "subsea", *words],
                 stdin=subprocess.DEVNULL,
                 start_new_session=True,  # Ctrl-C in the terminal is for the builder
             )
