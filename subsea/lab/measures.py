@@ -285,9 +285,13 @@ def changes_per_second(record: Record) -> Array:
 
 
 def meals(record: Record) -> Bools:
-    """Find the fish-ticks (T, n) in which something was eaten."""
+    """Find the fish-ticks (T, n) in which something was eaten.
+
+    A direction that holds the hunger of fishes moves their last meal, too, but to an earlier time.
+    """
     eaten = np.zeros_like(record.alive)
-    eaten[1:] = np.diff(record.last_meal, axis=0) > 0
+    before = record.time[:-1, None] - 0.5 * record.tick_s
+    eaten[1:] = (np.diff(record.last_meal, axis=0) > 0) & (record.last_meal[1:] > before)
     return eaten
 
 

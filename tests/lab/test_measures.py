@@ -202,6 +202,8 @@ def test_meals_are_new_times_of_the_last_one():
     eaten = np.array([[0, 3], [0, 3], [0.2, 3], [0.2, 3], [0.4, 3]], np.float32)
     record = a_record(still(5, (0, 0, -9), (0, 0, -9)), last_meal=eaten)
     assert meals(record).sum(axis=0).tolist() == [2, 0]
+    held = record.time[:, None] - [6.0, 0.0]  # by a direction; a meal in each tick
+    assert meals(record._replace(last_meal=held)).sum(axis=0).tolist() == [0, 4]
 
 
 def test_escapes_after_fear():

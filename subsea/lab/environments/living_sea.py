@@ -320,11 +320,12 @@ class LivingSea:
             order = TeleopCommands(who, turn, rise, speed, np.ones(len(who), np.bool_))
         meals = np.zeros(len(who))
         for _ in range(ticks):
-            eaten, before = minds.eaten[who], minds.last_meal[who]
+            eaten, before = minds.eaten[who], (self.world.state.tick - 0.5) * TICK_S
             step(self.world, order)
             # A digested stomach counts from 0 again.
             more = np.where(minds.eaten[who] > eaten, minds.eaten[who] - eaten, minds.eaten[who])
-            meals += np.where(minds.last_meal[who] != before, more, 0.0)
+            # A direction that holds the hunger moves the last meal to an earlier time.
+            meals += np.where(minds.last_meal[who] > before, more, 0.0)
         alive = self.world.state.fishes.alive[who]
         return Outcome(self.world, who, meals, alive, ticks * TICK_S)
 
