@@ -8,6 +8,7 @@ finding is saved in DIR (default fuzz-findings). Exit code 1 if there is any.
 """
 
 import argparse
+import codecs
 import io
 import multiprocessing
 import os
@@ -319,7 +320,7 @@ def damage(sample: bytes, suffix: str, rng: random.Random) -> bytes:
     """Damage a sample by one to four accidents typical of its kind."""
     accidents = [truncate, flip_bits, zero_range]
     if suffix in TEXT:
-        accidents += [*3 * [replace_number], *3 * [damage_lines], nest_brackets]
+        accidents += [*3 * [replace_number], *3 * [damage_lines], nest_brackets, save_elsewhere]
     if suffix == ".h5":
         accidents += 3 * [corrupt_hdf5]
     if suffix == ".mpcdi":
@@ -372,6 +373,21 @@ def damage_lines(data: bytes, rng: random.Random) -> bytes:
         case _:
             lines.insert(rng.randint(0, len(lines)), rng.choice(ODD_LINES))
     return b"".join(lines)
+
+
+def save_elsewhere(data: bytes, rng: random.Random) -> bytes:
+    """Save a text as the editor of another system does."""
+    text = data.decode("latin-1")
+    continued = text.replace(" ", " \\\n", rng.randrange(1, 4))
+    ways = [
+        codecs.BOM_UTF8 + data,
+        codecs.BOM_UTF16_LE + text.encode("utf-16-le")[: None if rng.random() < 0.8 else -1],
+        codecs.BOM_UTF16_BE + text.encode("utf-16-be"),
+        b"# \xe9\x85\xa0\n" + data,
+        data.replace(b"\n", rng.choice([b"\r\n", b"\r"])),
+        continued.encode("latin-1"),
+    ]
+    return rng.choice(ways)
 
 
 def nest_brackets(data: bytes, rng: random.Random) -> bytes:

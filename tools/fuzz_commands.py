@@ -123,6 +123,23 @@ LASTING = [
     "subsea settings --write --force",
 ]
 OPENING = [text for text in LASTING if "dive" in text or "doctor" in text]  # windows
+# Commands that start processes of Python.
+WITH_CHILDREN = [
+    "subsea sweep peaceful --seeds 1:2 --ticks 1 --fish 1 --jobs 2 --csv --out sweep",
+    "subsea doctor",
+    "capture record clownfish --jobs 2 --out record",
+]
+SWITCHES = [
+    *({"PYTHONOPTIMIZE": "1"}, {"PYTHONOPTIMIZE": "2"}, {"PYTHONSAFEPATH": "1"}),
+    *({"PYTHONDONTWRITEBYTECODE": "1"}, {"PYTHONHASHSEED": "0"}, {"PYTHONUTF8": "1"}),
+    *({"PYTHONUNBUFFERED": "1"}, {"PYTHONMALLOC": "debug"}, {"NUMBA_DISABLE_JIT": "1"}),
+]
+NO_LOCKS = """
+#include <errno.h>
+int flock(int file, int what) { errno = ENOLCK; return -1; }
+int lockf(int file, int what, long size) { errno = ENOLCK; return -1; }
+"""
+TRAP = "executed"
 SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
 WITH_SETTINGS = "simulate", "simulate", "film", "benchmark", "soak"  # commands with --set
 OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
@@ -144,7 +161,8 @@ class Case(NamedTuple):
     environment: Mapping[str, str] = MappingProxyType({})
     deleted: bool = False  # the working directory
     signals: tuple[tuple[float, signal.Signals], ...] = ()  # each after a pause, s
-    switches: tuple[str, ...] = ()  # of Python
+    mask: str = ""  # umask
+    trapped: bool = False  # modules in the working directory that nothing may execute
 
 
 class End(NamedTuple):
@@ -321,14 +339,40 @@ def odd_session(rng: random.Random) -> Case:
     return Case(rng.choice(OPENING).split(), environment=environment)
 
 
-def switched(rng: random.Random) -> Case:
-    """A command under Python's own switches."""
-    return Case(rng.choice(LASTING).split(), switches=(rng.choice(["-O", "-OO", "-B", "-P"]),))
-
-
 def odd_folder(rng: random.Random) -> Case:
     """A command in a folder that was deleted."""
     return Case(odd_value(rng).words, deleted=True)
+
+
+def odd_python(rng: random.Random) -> Case:
+    """A command under Python's own switches, or without numba's compiler."""
+    return Case(chosen_command(rng, quick=True), environment=rng.choice(SWITCHES))
+
+
+def without_locks(rng: random.Random) -> Case:
+    """A command on a file system without locks."""
+    environment = {"LD_PRELOAD": no_locks(), "HDF5_USE_FILE_LOCKING": rng.choice(["TRUE", "1", ""])}
+    return Case(chosen_command(rng, quick=True), environment=environment)
+
+
+def odd_umask(rng: random.Random) -> Case:
+    """A command that shares all its files, or with a group, or not even with itself."""
+    return Case(chosen_command(rng, quick=True), mask=rng.choice(["000", "002", "077", "277"]))
+
+
+def trapped(rng: random.Random) -> Case:
+    """A command in a folder full of modules with the names of others."""
+    return Case(rng.choice(WITH_CHILDREN).split(), trapped=True)
+
+
+@cache
+def no_locks() -> str:
+    """Compile a library that refuses all locks; its path. Needs a C compiler."""
+    library = Path(tempfile.gettempdir()) / f"no-locks-{os.getpid()}.so"
+    atexit.register(library.unlink)
+    compiler = ["cc", "-shared", "-fPIC", "-x", "c", "-", "-o", str(library)]
+    subprocess.run(compiler, input=NO_LOCKS, text=True, check=True)
+    return str(library)
 
 
 def interrupted(rng: random.Random) -> Case:
@@ -358,10 +402,23 @@ KINDS: dict[str, Callable[[random.Random], Case]] = {
     "locale": odd_locale,
     "environment": odd_environment,
     "session": odd_session,
-    "switch": switched,
     "folder": odd_folder,
     "signal": interrupted,
+    "python": odd_python,
+    "locks": without_locks,
+    "umask": odd_umask,
+    "traps": trapped,
 }
+
+
+def set_traps(folder: Path) -> None:
+    """Fill a working directory with modules that leave a file when they are executed."""
+    code = f"open({str(folder / TRAP)!r}, 'a').write(__name__)\n"
+    for name in ("socket", "tempfile", "re", "json", "numpy", "sitecustomize", "msgspec"):
+        (folder / f"{name}.py").write_text(code)
+    for name in ("subsea", "capture"):
+        (folder / name).mkdir()
+        (folder / name / "__init__.py").write_text(code)
 
 
 def make_folder(folder: Path, record: Path) -> None:
@@ -378,7 +435,13 @@ def end_of(case: Case, folder: Path) -> End:
     """Run a command and wait for its end."""
     errors = folder / "errors"
     leave = "mkdir gone; cd gone; rmdir ../gone; " if case.deleted else ""
-    start = shlex.join([sys.executable, *case.switches, "-m", *case.words])
+    start = shlex.join([sys.executable, "-m", *case.words])
+    if case.trapped:  # as users type it: Python itself looks into the folder for `-m`
+        set_traps(folder)
+        program = "subsea" if case.words[0] == "subsea" else "subsea-capture"
+        start = shlex.join([str(Path(sys.executable).with_name(program)), *case.words[1:]])
+    if case.mask:
+        leave += f"umask {case.mask}; "
     if case.signals:  # are for Python, not for a shell
         start = f"exec {start}"
     # The code is that of the command, not of the last program in a pipe.
@@ -402,7 +465,8 @@ def end_of(case: Case, folder: Path) -> End:
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    return End(code, _lines(errors))
+    executed = [f"executed {folder / TRAP}"] if (folder / TRAP).exists() else []
+    return End(code, _lines(errors) + executed)
 
 
 def _wait_for_handlers(process: "subprocess.Popen[bytes]") -> None:
@@ -460,8 +524,8 @@ def fuzz(name: str, rounds: int, seed: int, record: Path) -> int:
             findings += 1
             words = ascii([word[:80] for word in case.words])
             around = f"{case.redirection} {case.environment or ''}{' deleted' * case.deleted}"
-            switches = " ".join(case.switches)
-            print(f"{name}, round {number}: {what!a}\n    {switches} {words} {around}", flush=True)
+            around += f" {case.mask}{' trapped' * case.trapped}"
+            print(f"{name}, round {number}: {what!a}\n    {words} {around}", flush=True)
     print(
         f"{name}: {rounds} commands, {findings} findings, ends {dict(sorted(ends.items()))}",
         flush=True,

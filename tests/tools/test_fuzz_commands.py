@@ -17,7 +17,7 @@ def test_every_command_gets_odd_values_and_files():
     for kind in ("value", "file"):
         cases = [fuzz.KINDS[kind](random.Random(k)) for k in range(400)]
         assert {tuple(case.words[:2]) for case in cases} == known
-    for kind in ("stream", "locale", "environment", "folder"):
+    for kind in ("stream", "locale", "environment", "folder", "python", "umask"):
         cases = [fuzz.KINDS[kind](random.Random(k)) for k in range(200)]
         assert len({tuple(case.words[:2]) for case in cases}) > 10
 
@@ -63,3 +63,17 @@ def test_an_interrupted_command_gets_its_signals(tmp_path):
         assert fuzz.end_of(case, tmp_path).code == code
     case = fuzz.KINDS["signal"](random.Random(1))
     assert case.environment["DISPLAY"].startswith(":") and 1 <= len(case.signals) <= 2
+
+
+def test_executed_traps_are_found(monkeypatch, tmp_path):
+    program = tmp_path / "subsea"
+    program.write_text("#!/bin/sh\nPYTHONPATH= exec $PYTHON -c 'import socket'\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PYTHON", fuzz.sys.executable)
+    monkeypatch.setattr(fuzz.sys, "executable", str(tmp_path / "python"))
+    for switch, found in (("1", False), ("", True)):
+        case = fuzz.Case(["subsea", "x"], environment={"PYTHONSAFEPATH": switch}, trapped=True)
+        folder = tmp_path / f"folder{switch}"
+        folder.mkdir()
+        what = fuzz.finding(case, fuzz.end_of(case, folder))
+        assert bool(what and "executed" in what) == found
