@@ -4,6 +4,7 @@ Standard output and error that outlive a closed pipe or a full disk.
 """
 
 import argparse
+import errno
 import io
 import math
 import os
@@ -95,6 +96,8 @@ def _flush(stream: Any) -> None:
 
 
 TRANSIENT = 75  # exit code of an error that may pass by itself: EX_TEMPFAIL of sysexits.h
+# Python, the loader of libraries and the system say so without an error of a kind of its own.
+NO_MEMORY = "can't start new thread", "failed to map segment", os.strerror(errno.ENOMEM)
 NAME_WIDTH = 12  # of the column of commands in the help
 
 
@@ -152,6 +155,8 @@ def _reason(fault: Exception) -> str | None:
         if settings and begun and package not in sys.modules:  # its import failed
             first = str(fault).partition("\n")[0].rstrip(".")
             return f"{package} does not start with {', '.join(settings)} ({first})"
+    if isinstance(fault, MemoryError) or any(words in str(fault) for words in NO_MEMORY):
+        return "not enough memory; close other programs, or raise the limit (`ulimit -v`)"
     if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
             return None

@@ -18,9 +18,9 @@ from subsea.fish.surface import Curve, Extent, Share, SurfacePlan
 
 SHIPPED = "assets/species"  # folder of shipped species
 
-Positive = Annotated[float, msgspec.Meta(gt=0)]
+Positive = Annotated[float, msgspec.Meta(ge=1e-4)]  # body lengths
 Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
-Width = Annotated[float, msgspec.Meta(gt=0, le=1)]
+Width = Annotated[float, msgspec.Meta(ge=1e-4, le=1)]
 Around = Annotated[float, msgspec.Meta(ge=-3, le=3)]  # body lengths, on the body or beside it
 Colour = tuple[Share, Share, Share]  # linear RGB
 BodyLength = Annotated[float, msgspec.Meta(ge=2, le=300)]  # cm
@@ -105,7 +105,7 @@ class CourtshipColours(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
 
     of: Colour
     to: Colour
-    reach: Annotated[float, msgspec.Meta(gt=0, le=2)] = 0.35  # distance from `of`, linear RGB
+    reach: Annotated[float, msgspec.Meta(ge=0.001, le=2)] = 0.35  # distance from `of`, linear RGB
     saturation: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0  # factor for all colours
     brightness: Annotated[float, msgspec.Meta(ge=0, le=3)] = 1.0
 
@@ -141,8 +141,8 @@ class SkinPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
 
     def __post_init__(self) -> None:
         """Refuse a mouth that does not open forward."""
-        if self.mouth[0][0] >= self.mouth[1][0]:
-            raise ValueError("the corner of the mouth must lie behind its tip")
+        if self.mouth[1][0] - self.mouth[0][0] < 0.001:
+            raise ValueError("the corner of the mouth must lie 0.001 behind its tip, or more")
 
 
 class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -157,7 +157,7 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         1.0  # recorded frames a tick, at this size
     )
     least_speed: Share = 0.0  # of a ram ventilator, share of the fast swim's
-    home_cm: Annotated[float, msgspec.Meta(gt=0, le=1e4)] | None = None  # farthest from its home
+    home_cm: Annotated[float, msgspec.Meta(ge=1, le=1e4)] | None = None  # farthest from its home
     body: BodyPlan | None = None
     swim: SwimPlan | None = None
     turn: TurnPlan | None = None

@@ -4,9 +4,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from numba import njit
+from numba import config, njit
 
+from subsea.base.errors import UserError
 from subsea.kernels.cache import KernelCache
+
+if config.DISABLE_JIT:  # a tick would take minutes, and groups of arrays need compiled code
+    raise UserError("numba's compiler is off; unset NUMBA_DISABLE_JIT (or `disable_jit`)")
 
 
 def kernel(function: Callable[..., Any]) -> Any:

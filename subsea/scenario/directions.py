@@ -81,7 +81,7 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     event: Event | None = None
     of: FishSelector | None = None  # of the event; None: any fish, or the submarine for "passes"
     gate_cm: Place | None = None  # the place to pass ...
-    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1e5)] = 100.0  # ... within this distance
+    radius_cm: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)] = 100.0  # ... within this distance
     fewer_than: Annotated[int, msgspec.Meta(ge=1, le=100_000)] | None = None  # living fishes
     once: bool = True  # else each time that the conditions become true
     every_s: Annotated[float, msgspec.Meta(ge=0.1, le=1e5)] | None = None  # repeat while true
@@ -90,7 +90,9 @@ class Direction(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     who: FishSelector | None = None  # affected fishes
     path_cm: Annotated[list[Place], msgspec.Meta(min_length=1, max_length=200)] | None = None
     loop: bool = False  # repeat the path
-    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None  # None: cruising speed
+    speed_cm_s: Annotated[float, msgspec.Meta(ge=0.001, le=1000)] | None = (
+        None  # None: cruising speed
+    )
     hunger: Share | None = None
     libido: Share | None = None
     fear: Share | None = None

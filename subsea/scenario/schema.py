@@ -68,11 +68,11 @@ MAX_GROWTHS = 2000  # in all reefs together
 MAX_SEAWEED = 8000  # leaves in total; their nodes must fit into a texture
 AUTOPILOT, DIRECTED = "auto", "directed"  # reserved names of tours
 MAX_WAYPOINTS = 200  # of a tour
-Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Positive = Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 MAX_SEED = 2**32 - 1
 Seed = Annotated[int, msgspec.Meta(ge=0, le=MAX_SEED)]
 Rate = Annotated[float, msgspec.Meta(ge=0, le=1)]
-Size = Annotated[float, msgspec.Meta(gt=0, le=1000)]
+Size = Annotated[float, msgspec.Meta(ge=0.001, le=1000)]
 Celsius = Annotated[float, msgspec.Meta(ge=-2, le=40)]
 Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
@@ -183,8 +183,8 @@ class Pillar(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """A round pillar that stands on the seabed."""
 
     position_cm: tuple[Coordinate, Coordinate]
-    radius_cm: Annotated[float, msgspec.Meta(gt=0, le=1000)]
-    height_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # above the seabed at its middle
+    radius_cm: Annotated[float, msgspec.Meta(ge=0.001, le=1000)]
+    height_cm: Annotated[float, msgspec.Meta(ge=0.001, le=5000)]  # above the seabed at its middle
 
 
 class Rock(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -234,8 +234,10 @@ class Hook(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     """A baited hook that descends on a line (Tu §10.1)."""
 
     position_cm: tuple[Coordinate, Coordinate]
-    depth_cm: Annotated[float, msgspec.Meta(gt=0, le=5000)]  # how deep it hangs
-    speed_cm_s: Annotated[float, msgspec.Meta(gt=0, le=200)] = 30.0  # down, and up with the catch
+    depth_cm: Annotated[float, msgspec.Meta(ge=0.001, le=5000)]  # how deep it hangs
+    speed_cm_s: Annotated[float, msgspec.Meta(ge=0.001, le=200)] = (
+        30.0  # down, and up with the catch
+    )
     start_s: Annotated[float, msgspec.Meta(ge=0, le=1e6)] = 0.0
 
     @property
@@ -254,7 +256,9 @@ class SeaweedTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     clusters: Annotated[int, msgspec.Meta(ge=0, le=MAX_CLUSTERS)] = 1
     leaves: Annotated[int, msgspec.Meta(ge=1, le=MAX_LEAVES)] = 6  # of each cluster
     height_cm: Annotated[float, msgspec.Meta(ge=5, le=1000)] = 90.0
-    width_cm: Annotated[float, msgspec.Meta(gt=0, le=100)] | None = None  # None: by kind and height
+    width_cm: Annotated[float, msgspec.Meta(ge=0.001, le=100)] | None = (
+        None  # None: by kind and height
+    )
     colour: Colour | None = None  # linear RGB; None: the kind's
 
 
@@ -262,7 +266,7 @@ class Vent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     """A place where air bubbles leave the seabed (Tu §8.2)."""
 
     position_cm: tuple[Coordinate, Coordinate]
-    rate_per_s: Annotated[float, msgspec.Meta(gt=0, le=100)] = 12.0
+    rate_per_s: Annotated[float, msgspec.Meta(ge=0.001, le=100)] = 12.0
     size_cm: Annotated[float, msgspec.Meta(ge=0.05, le=10)] = 1.2  # largest diameter
 
 

@@ -346,8 +346,8 @@ def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
     """Clamp a length to the limits of its key; large ones to the centimetre."""
     value = float(round(value)) if value >= 20.0 else round(value, 1)
     for limit in _limits(get_type_hints(table, include_extras=True)[key]):
-        value = max(value, limit.ge if limit.ge is not None else value)
-        value = max(value, limit.gt + 0.1 if limit.gt is not None else value)
+        least = value if limit.ge is None else limit.ge
+        value = max(value, 0.1 if 0.0 < least < 0.1 else least)
         value = min(value, limit.le if limit.le is not None else value)
     return float(value)
 

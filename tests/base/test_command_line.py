@@ -18,6 +18,8 @@ from subsea.base.command_line import (
 )
 from subsea.base.errors import TransientError, UserError
 
+MEMORY = "diver: not enough memory; close other programs, or raise the limit (`ulimit -v`)"
+
 
 def refused(fault):
     """An error of the user that another one caused."""
@@ -43,6 +45,10 @@ def refused(fault):
             75,
             "diver: /cache/x.nbi: No space left on device",
         ),
+        (MemoryError(), 2, MEMORY),
+        (RuntimeError("can't start new thread"), 2, MEMORY),
+        (OSError(errno.ENOMEM, os.strerror(errno.ENOMEM)), 2, MEMORY),
+        (ImportError("x.so: failed to map segment from shared object"), 2, MEMORY),
         (refused(refused(OSError(errno.EDQUOT, "quota"))), 75, "diver: out.mp4: cannot write"),
     ],
 )

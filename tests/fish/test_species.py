@@ -21,6 +21,10 @@ FAULTS = {
         ("back = [[0.0, 0.007], [0.02, 0.03]", "back = [[0.0, 0.007], [0.0, 0.03]", "back"),
         ("gloss = 0.55", "gloss = 0.5\nmouth = [[0.1, 0.0], [0.1, 0.1]]", "mouth"),
         ("gloss = 0.55", "gloss = 0.5\ngills = 8", "skin.gills"),
+        ("gloss = 0.55", "gloss = 0.5\nmouth = [[0, 0], [1e-300, 0]]", "mouth"),
+        ("height = 0.014, r", "height = 0.3, r", "`height` of the eye is 0.3, expected -0.0"),
+        ("at = 0.085, h", "at = 0.9, h", "at most 0.5, got 0.9, at `surface.eye.at`"),
+        ("radius = 0.024", "radius = 1e-6", "at least 0.001"),
         (
             "[skin.cape]",
             "[skin.stripes]\ncolour = [0, 0, 0]\nspacing = 0.1\nshare = 0.5\n"
@@ -43,6 +47,8 @@ FAULTS = {
         ("spans = [3.11", "spans = [31.1", "spans[0] = 15.55; expected 0.103 to 9.22 cm"),
     ],
     "spotted_eagle_ray": [
+        ("at = 0.064", "at = 0.3", "`at` of the eye is 0.3, expected at most 0.16, on the head"),
+        ("height = 0.0295", "height = -0.3", "`height` of the eye"),
         ("radius = [0.0024, 0.0062]", "radius = [0.0062, 0.0024]", "radius"),
         ("radius = [0.0024, 0.0062]", "radius = [0.0024, 0.02]", "half the spacing"),
         ("chord = [0.07, 0.3]", "chord = [0.3, 0.07]", "chord"),

@@ -1,11 +1,15 @@
 """Importing subsea leaves numba as it is for other code."""
 
+import importlib
 import subprocess
 import sys
 
+import numba
 import numpy as np
 import pytest
 
+from subsea import kernels
+from subsea.base.errors import UserError
 from subsea.base.source_stamp import ROOT, source_stamp
 from subsea.kernels import kernel
 
@@ -101,3 +105,9 @@ def test_a_kernel_divides_by_zero_as_numpy_does_and_keeps_the_order_of_sums():
     for value in values:
         plain += value
     assert total(values) == plain
+
+
+def test_without_the_compiler_it_is_one_line(monkeypatch):
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
+    with pytest.raises(UserError, match="compiler is off; unset NUMBA_DISABLE_JIT"):
+        importlib.reload(kernels)

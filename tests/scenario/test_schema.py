@@ -222,6 +222,8 @@ HOOK = "[hook]\nposition_cm = [0.0, 0.0]\n"
 @pytest.mark.parametrize(
     ("table", "words"),
     [
+        ("[[reef]]\nposition_cm = [0.0, 0.0]\nspread_cm = 1e-200", ["reef[0].spread_cm", "0.001"]),
+        ("[[outcrop]]\nposition_cm = [0.0, 0.0]\nsize_cm = [5e-324, 9.0, 9.0]", ["size_cm"]),
         ("[[reef]]\nkinds = { fan = 0 }", ["`kinds` must give a weight above 0 to one of them"]),
         ("[[reef]]\nkinds = { fern = 1 }", ["kinds`; its keys are: "]),
         ("[[outcrop]]\nposition_cm = [0.0, 0.0]\nsize_cm = [50.0, 50.0, 50.0]\nrocks = 200\n" * 2,

@@ -35,7 +35,7 @@ MAIN = "main"  # the node of windows that name none
 FEWEST_PIXELS = 16  # a side of a window or of a part of one
 Pixels = Annotated[int, msgspec.Meta(ge=FEWEST_PIXELS, le=16384)]
 Offset = Annotated[int, msgspec.Meta(ge=-100_000, le=100_000)]
-Positive = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
+Positive = Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 Away = Annotated[float, msgspec.Meta(ge=50, le=1e5)]  # of surround screens, which hold both eyes
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e5, le=1e5)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
