@@ -3,7 +3,7 @@
 // eyes share its pixels, they are woven together. Defined when this is compiled, as a software
 // renderer would walk every branch for every pixel:
 //   WEAVE   how two eyes share pixels        SMOOTH  1: edges of a plain picture are smoothed
-//   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours
+//   SHAPE   what a pixel shows               MASKED  1: blended with its neighbours, 2: light is added
 //   MESH    1: a mesh says of which place
 //   GRADED  1: light is developed as the scenario's grade says
 //   BLOOM   1: light spreads around what is very bright
@@ -18,6 +18,7 @@ uniform vec4 u_right;   // ... and of the right one
 uniform vec2 u_shown;   // pixels of the place, were it not squeezed
 uniform vec3 u_wide;    // angle of a panorama, tilt and angle of a dome, rad
 uniform float u_apart;  // of a cube: half the eyes' separation over the distance of the screen
+uniform float u_gamma;  // of the projector
 uniform float u_margin; // tangent of half a cube face's angle of view
 
 uniform sampler2D u_bloom;
@@ -164,9 +165,11 @@ vec3 light() {
 
 void main() {
     vec3 colour = LINEAR == 1 ? to_srgb(light()) : light();
-    if (MASKED == 1) {
+    if (MASKED >= 1) {
         vec4 mask = texture(u_mask, v_place);
-        colour = colour * mask.rgb + mask.a;
+        colour *= mask.rgb;
+        if (MASKED == 2)
+            colour = pow(pow(colour, vec3(u_gamma)) + mask.a, vec3(1.0 / u_gamma));
     }
     // Half a grey level of fixed noise keeps the water's soft gradients from banding.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));

@@ -93,9 +93,10 @@ class DisplayPatch(NamedTuple):
     # For Projection.WARPED; or for surround projections, with u, v as shares of the wide picture,
     # or of the square of a dome.
     warp: Warp | None = None
-    # (h, w, 4), top row first, stretched over the place: factors of red, green and blue, and an
-    # offset, applied to the values sent to the projector; None: no mask.
+    # (h, w, 4), top row first, stretched over the place: factors on the values of red, green and
+    # blue that are sent to the projector, and light that is added to theirs; None: no mask.
     mask: Array | None = None
+    gamma: float = 2.2  # of the projector: light is the value to this power
     channel: int = 0  # index of the projector or screen, the same for both eyes
 
 

@@ -233,6 +233,7 @@ class ResolvePass(GpuOwner):
             u_left=left,
             u_right=right,
             u_wide=patch.wide,
+            u_gamma=patch.gamma,
             u_apart=patch.apart,
             u_shown=_shown(patch),
             u_margin=half_tangent(left[3] // ROWS) if patch.shape in CUBES else 1.0,
@@ -257,7 +258,7 @@ class ResolvePass(GpuOwner):
         """The program of a patch, compiled when first needed, and its vertex array."""
         patch = self.patches[number]
         smooth = self._smooth and linear and patch.weave == Weave.PLAIN and patch.shape not in CUBES
-        masked = patch.mask is not None
+        masked = 0 if patch.mask is None else 1 + bool(np.any(patch.mask[..., 3]))
         mesh = patch.warp is not None
         graded = linear and self._grade != UNGRADED
         key = tuple(

@@ -46,7 +46,7 @@ from subsea.stage.theatre.theatre_file import (
     Window,
     viewport,
 )
-from subsea.stage.theatre.warp import cropped, identity, rasterized, subdivided
+from subsea.stage.theatre.warp import continued, cropped, identity, rasterized, subdivided
 from subsea.view.rig import Projection, Rect, Warp, overlap
 from subsea.view.surround import ALL_ROUND, Surround
 
@@ -284,10 +284,10 @@ def _with_masks(usable: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
         x, y = (np.arange(n) + 0.5 for n in size)
         places = np.stack(np.meshgrid(x / size[0], 1.0 - y / size[1]), axis=-1).reshape(-1, 2)
         if channel.warp is not None:
-            shown = channel.warp.vertices[:, 2:4].T.astype(np.float64)
-            places = np.stack(
-                [rasterized(channel.warp, values, size).ravel() for values in shown], axis=1
-            )
+            count = len(channel.warp.vertices)
+            columns = *channel.warp.vertices[:, 2:4].T.astype(np.float64), np.ones(count)
+            drawn = np.stack([rasterized(channel.warp, column, size) for column in columns], axis=2)
+            places = continued(drawn[..., :2], drawn[..., 2] > 0).reshape(-1, 2).clip(0.0, 1.0)
         mask = blend_mask(lamps, together.index(channel), places).reshape(size[1], size[0], 4)
         if channel.mask is not None:  # the mesh's own brightness
             mask = mask * _resized(channel.mask, size)
@@ -334,20 +334,19 @@ def overlap_count(projectors: Sequence[Projector], number: int, places: Array) -
 
 
 def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> Array:
-    """Factors and offsets (n, 4) at places (n, 2) of the screen of projector `number`.
+    """Factors on values and offsets of light (n, 4) at places (n, 2) of projector `number`.
 
-    The projector gets value · factor + offset. Where fewer projectors shine than elsewhere, their
-    black is raised to that of the places where most do.
+    See `rig.DisplayPatch.mask`. Where fewer projectors shine than elsewhere, their black is raised
+    to that of the places where most do. White is dimmed for that alike everywhere.
     """
     projector = projectors[number]
     light = light_shares(projectors, number, places)
     here = overlap_count(projectors, number, places)
     most = max(_most_overlap(projectors), int(here.max(initial=1)))
     lifted = projector.black * (most - here) / np.maximum(here, 1)
-    added = lifted ** (1.0 / projector.gamma)
-    # Exact for black and white; with a raised black level grey is slightly too dark.
-    factor = (light * (1.0 - lifted) + lifted) ** (1.0 / projector.gamma) - added
-    return np.column_stack([factor, factor, factor, added])
+    white = 1.0 - max(other.black for other in projectors) * (most - 1)
+    factor = (light * white) ** (1.0 / projector.gamma)
+    return np.column_stack([factor, factor, factor, lifted])
 
 
 def _blend_weight(projectors: Sequence[Projector], number: int, places: Array) -> Array:

@@ -31,7 +31,7 @@ from subsea.stage.theatre.measured_mesh import (
 )
 from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.stage.theatre.vioso import parse_vioso
-from subsea.stage.theatre.warp import from_grid, mesh, rasterized, validated
+from subsea.stage.theatre.warp import continued, from_grid, mesh, rasterized, validated
 from subsea.view.rig import Warp
 
 Size = tuple[int, int]
@@ -116,7 +116,8 @@ def _brightness_mask(shown: Warp, light: Array, size: Size) -> NDArray[np.float3
     """Make a mask (h, w, 4) from the brightness (n,) of nodes, for a projector of `size`."""
     width, height = (max(round(MASK_SIDE * side / max(size)), 1) for side in size)
     mask = np.zeros((height, width, 4), np.float32)
-    mask[..., :3] = rasterized(shown, light, (width, height))[..., None]
+    lit = rasterized(shown, np.ones(len(light)), (width, height)) > 0
+    mask[..., :3] = continued(rasterized(shown, light, (width, height))[..., None], lit).clip(0, 1)
     return mask
 
 

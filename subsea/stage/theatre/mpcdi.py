@@ -115,12 +115,11 @@ def _plain(name: str) -> str:
 
 
 def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np.float32]:
-    """Factors on red, green and blue code values, and a black level that is added: (h, w, 4).
+    """Factors on red, green and blue code values, and light that is added: (h, w, 4).
 
     As large as the larger map, but at most `most` pixels. Light is code^gamma. By the standard
-    light L becomes A·L + B, with A = a (1 - b) and B = b. Here a code value c becomes f·c + k, with
-    k = B^(1/γ) and f = (A + B)^(1/γ) - k: the same for black and white, and for all values where
-    there is no beta map. k is the mean of three colours.
+    light L becomes A·L + B, with A = a (1 - b) and B = b, here the mean of three colours. So the
+    factor on code values is A^(1/gamma).
     """
     shapes = [given.shape for given in (region.alpha, region.beta) if given is not None]
     if not shapes:
@@ -135,9 +134,8 @@ def mask(region: MpcdiRegion, gamma: float, most: tuple[int, int]) -> NDArray[np
         beta = stretched(region.beta, width, height)
     for k in range(3):  # one after the other: pictures of projectors are large
         a, b = alpha[..., k] ** region.gamma, beta[..., k] ** region.gamma
-        factors[..., k] = (a * (1 - b) + b) ** (1 / gamma)
-        factors[..., 3] += b ** (1 / gamma) / 3
-    factors[..., :3] = np.maximum(factors[..., :3] - factors[..., 3:], 0.0)
+        factors[..., k] = (a * (1 - b)) ** (1 / gamma)
+        factors[..., 3] += b / 3
     return factors
 
 

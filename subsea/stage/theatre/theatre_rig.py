@@ -61,7 +61,8 @@ def theatre_rig(
             rects = [inner(rect) for rect in rects]
         patch = DisplayPatch(
             channel.place, rects[0], rects[-1], shape=channel.shape, wide=channel.surround.wide,
-            mask=channel.mask, output=windows.index(channel.window), channel=number,
+            mask=channel.mask, gamma=channel.gamma, output=windows.index(channel.window),
+            channel=number,
         )  # fmt: skip
         if channel.shape in CUBES:
             patch = patch._replace(apart=half / channel.distance_cm, warp=channel.warp)

@@ -4,9 +4,11 @@ A place is a point (x, y) of the projector, a source a point (u, v) of the pictu
 of width and height from the lower left corner.
 """
 
+from itertools import product
+
 import numpy as np
 
-from subsea.base.arrays import Array, Ints
+from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.errors import UserError
 from subsea.kernels import kernel
 from subsea.view.rig import LEAST_AREA, Warp
@@ -15,6 +17,7 @@ TOLERANCE_PX = 0.2  # largest error of a mesh at the points of its grid
 SLACK = 1e-3  # by which other programs' rounding may exceed 0 and 1
 FOLDED = 1e-3  # share of a mesh that may be folded over: a wrinkle at the rim of a measurement
 FARTHEST = 1e6  # of any coordinate
+NEIGHBOURS = [step for step in product((-1, 0, 1), repeat=2) if step != (0, 0)]
 _ONE_COLOUR = 1e-6  # share of a picture: a thousandth of its sides
 
 
@@ -144,6 +147,24 @@ def rasterized(warp: Warp, values: Array, size: tuple[int, int]) -> Array:
     picture = np.zeros((size[1], size[0]))
     _rasterize(warp.vertices[:, :2].astype(np.float64), warp.triangles, values, picture)
     return picture[::-1]
+
+
+def continued(picture: Array, lit: Bools) -> Array:
+    """A picture (h, w, c) that goes on steadily for a pixel beyond its `lit` (h, w) part.
+
+    Where a mask is coarser than its projector, pixels at the edge of a mesh mix in what lies beyond
+    it.
+    """
+    rows, columns = lit.shape
+    wide, known = np.pad(picture, ((2, 2), (2, 2), (0, 0))), np.pad(lit, 2)
+    total, count = np.zeros(picture.shape), np.zeros((rows, columns, 1))
+    for down, across in NEIGHBOURS:
+        near = np.s_[2 + down : 2 + down + rows, 2 + across : 2 + across + columns]
+        far = np.s_[2 + 2 * down : 2 + 2 * down + rows, 2 + 2 * across : 2 + 2 * across + columns]
+        steps = (known[near] & known[far])[..., None]
+        total += known[near][..., None] * (wide[near] + steps * (wide[near] - wide[far]))
+        count += known[near][..., None]
+    return np.where(lit[..., None] | (count == 0), picture, total / np.maximum(count, 1))
 
 
 def _extrapolated(grid: Array, axis: int) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.stage.theatre.warp import mesh
-from subsea.view.rig import CUBES, pose_from_angles, views
+from subsea.view.rig import CUBES, CameraRig, DisplayPatch, pose_from_angles, views
 from subsea.view.surround import Surround, directions
 from subsea.view.test_pattern import lineup
 
@@ -105,6 +105,17 @@ def test_blended_luminance_is_constant_within_two_percent(context, tmp_path, lev
         total += np.where(inside, np.interp(pixel, np.arange(count), row), 0.0)
     np.testing.assert_allclose(total, level**GAMMA, rtol=0.02)
     assert min(row.min() for row in light) < 0.1 * level**GAMMA  # it was blended at all
+
+
+@pytest.mark.parametrize("gamma", [1.8, 2.4])
+def test_a_mask_adds_light_not_values(context, gamma):
+    place, levels = (0, 0, 5, 1), np.array([0.0, 0.1, 0.3, 0.6, 1.0])
+    mask = np.tile([0.9, 0.8, 0.7, 0.05], (1, 5, 1)).astype(np.float32)
+    patch = DisplayPatch(place, place, place, mask=mask, gamma=gamma)
+    rig = CameraRig((5, 1), ((5, 1),), (), (patch,))
+    (picture,) = shown(context, rig, np.repeat(levels, 3).reshape(1, 5, 3))
+    light = (levels[:, None] * [0.9, 0.8, 0.7]) ** gamma + 0.05
+    np.testing.assert_allclose(picture[0], light ** (1 / gamma), atol=1.1 / 255)
 
 
 @pytest.mark.parametrize("name", ["dome", "equirectangular"])

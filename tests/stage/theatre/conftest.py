@@ -8,6 +8,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from subsea.stage.theatre.channels import usable_channels
+from subsea.stage.theatre.layouts import layout
+from subsea.stage.theatre.lenses import nodes_text
+from subsea.stage.theatre.load import load_theatre
+from subsea.stage.theatre.measures import chosen
+from subsea.stage.theatre.theatre_writer import compose_layout, mesh_name
 from subsea.stage.theatre.warp import mesh
 from subsea.view.rig import sources_at
 
@@ -171,3 +177,21 @@ def making():
         grid_of=grid_of,
         gamma=GAMMA,
     )
+
+
+@pytest.fixture
+def planned_channels(tmp_path):
+    """The channels of a new theatre with projectors of a size, read from its files."""
+
+    def channels(kind, size, **measures):
+        plan = layout(kind, chosen(kind, {"across": size[0], "down": size[1], **measures}))
+        path = tmp_path / "new.toml"
+        path.write_text(compose_layout(plan, "new", size, False, ""))
+        for one in plan.channels:
+            if one.nodes is not None:
+                (tmp_path / mesh_name("new", one.name)).write_text(nodes_text(one.nodes))
+        usable, faults = usable_channels(*load_theatre(str(path)))
+        assert not faults
+        return usable
+
+    return channels

@@ -108,6 +108,7 @@ def test_a_mesh_in_bourkes_format_with_its_brightness():
     assert np.isnan(found[outside]).all()
     assert mask.shape == (384, 512, 4)
     np.testing.assert_allclose(mask[192, [140, 370, 20]], [[1, 1, 1, 0], [0.25] * 3 + [0], [0] * 4])
+    np.testing.assert_allclose(mask[192, [127, 384], 0], [1, 0.25])  # pixels at its edge mix these
 
 
 def test_the_mask_of_a_narrow_picture_is_no_larger():
