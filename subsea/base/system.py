@@ -122,8 +122,15 @@ def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
         return Path(name)
     known = resource_names(folder, suffix)
     if name not in known:
-        raise unknown(kind, name, known)
+        raise unknown_name(kind, name, known, suffix)
     return resource_path(folder) / f"{name}{suffix}"
+
+
+def unknown_name(kind: str, name: str, known: list[str], *suffixes: str) -> UserError:
+    """The error for a name that is not known, or for a file with none of these suffixes."""
+    if Path(name).is_file():
+        return UserError(f"expected a {kind} file that ends in {', '.join(suffixes)}", file=name)
+    return unknown(kind, name, known)
 
 
 def cores() -> int:

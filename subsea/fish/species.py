@@ -7,8 +7,15 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import structs
 
-from subsea.base.errors import UserError, unknown
-from subsea.base.system import is_path, own_path, resource_names, resource_path, stems
+from subsea.base.errors import UserError
+from subsea.base.system import (
+    is_path,
+    own_path,
+    resource_names,
+    resource_path,
+    stems,
+    unknown_name,
+)
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.rowing import RowPlan
@@ -233,7 +240,7 @@ def species_file(name: str) -> Path:
     """The file of the species `name`, or the path `name`; UserError for an unknown name."""
     if is_path(name, ".toml"):
         return Path(name)
-    _check_known(name)
+    _check_known(name, ".toml")
     return (resource_path(SHIPPED) if is_shipped(name) else own_species()) / f"{name}.toml"
 
 
@@ -258,7 +265,7 @@ def repertoire_file(name: str) -> Path:
     """The repertoire of the species `name`, or the path `name`; UserError for an unknown name."""
     if is_path(name, ".h5"):
         return Path(name)
-    _check_known(name)
+    _check_known(name, ".h5")
     return repertoire_folder(name) / f"{name}.h5"
 
 
@@ -277,6 +284,6 @@ def load_species(name: str) -> Species:
     return structs.replace(species, skin=skin)
 
 
-def _check_known(name: str) -> None:
+def _check_known(name: str, suffix: str) -> None:
     if name not in (known := species_names()):
-        raise unknown("species", name, known)
+        raise unknown_name("species", name, known, suffix)

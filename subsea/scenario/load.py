@@ -4,8 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from subsea.base.errors import unknown
-from subsea.base.system import is_path, own_path, resource_names, resource_path, stems
+from subsea.base.system import (
+    is_path,
+    own_path,
+    resource_names,
+    resource_path,
+    stems,
+    unknown_name,
+)
 from subsea.base.toml_files import load_toml, locate_errors
 from subsea.scenario.checks import check_scenario
 from subsea.scenario.schema import Scenario
@@ -32,7 +38,7 @@ def scenario_file(name: str) -> Path:
     if is_path(name, ".toml"):
         return Path(name)
     if name not in (known := scenario_names()):
-        raise unknown("scenario", name, known)
+        raise unknown_name("scenario", name, known, ".toml")
     shipped = resource_path(SHIPPED) / f"{name}.toml"
     return shipped if shipped.exists() else own_scenarios() / f"{name}.toml"
 

@@ -187,7 +187,7 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
 
 def left_out(theatre: Theatre) -> tuple[str, ...]:
     """A line for each thing of another program's file that the theatre lacks."""
-    return theatre.left_out if isinstance(theatre, ImportedTheatre) else ()
+    return (*theatre.refused, *theatre.left_out) if isinstance(theatre, ImportedTheatre) else ()
 
 
 def describe(name: str, write: Path | None = None, force: bool = False) -> int:
@@ -233,11 +233,12 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
         others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
         print(f"master {master} at {address}, with {others}")
         faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
-    for fact in left_out(theatre):
+    refused = theatre.refused if isinstance(theatre, ImportedTheatre) else ()
+    for fact in left_out(theatre)[len(refused) :]:
         print(f"left out: {fact}")
-    for line in faults:
+    for line in (*refused, *faults):
         print(f"does not work: {line}")
-    return 1 if faults else 0
+    return 1 if refused or faults else 0
 
 
 def _words(one: ProjectorChannel) -> str:

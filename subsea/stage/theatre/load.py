@@ -10,7 +10,7 @@ import msgspec
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import read_input
 from subsea.base.registry import THEATRE_FORMATS, load, registered
-from subsea.base.system import named_or_file, resource_names
+from subsea.base.system import named_or_file, resource_names, unknown_name
 from subsea.base.toml_files import error_at, load_toml
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.measured_mesh import angles_of
@@ -49,6 +49,10 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
         path = Path(name)
         theatre: Theatre = reader(path)
     else:
+        path = Path(name)
+        if suffix not in ("", ".toml") and path.is_file():
+            suffixes = ".toml", *READERS, *(f".{other}" for other in others)
+            raise unknown_name("theatre", name, [], *suffixes)
         path = named_or_file(name, FOLDER, ".toml", "theatre")
         theatre = load_toml(path, Theatre)
     for key, fault in _faults(theatre):
@@ -78,11 +82,11 @@ def read_archive(path: Path) -> ImportedTheatre:
     builder = TheatreBuilder(path, path.stem)
     archive = read_mpcdi(path)
     for fault in archive.faults:
-        builder.leave_out(fault)
+        builder.refuse(fault)
     windows = {}
     for region in archive.regions:
         if region.frustum is None:
-            builder.leave_out(
+            builder.refuse(
                 f"region {region.name!r}: it has no frustum of its own; name the screen in a "
                 "theatre file with [[mpcdi]]"
             )
@@ -124,7 +128,7 @@ def read_maps(path: Path) -> ImportedTheatre:
         try:
             mesh = vioso_mesh(measured, f"{path}: map {name!r}")
         except UserError as fault:
-            builder.leave_out(f"{fault}")
+            builder.refuse(f"{fault}")
             continue
         window = builder.window(name, size=measured.size)
         if window is not None:

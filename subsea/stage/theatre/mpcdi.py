@@ -185,6 +185,7 @@ def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
             except UserError as fault:
                 faults.append(f"{fault}; shown without it")
         unused = [tag for tag, part in files.items() if tag not in USED and _path(part)]
+        unused += [part.tag for part in element if part.tag != "frustum"]  # such as a place
         faults.extend(f"{at}: its {tag!r} is not used" for tag in unused)
         regions[name] = region
         maps = [picture for picture in (region.alpha, region.beta) if picture is not None]
@@ -192,6 +193,8 @@ def _archive(root: Element, fetch: Fetch, where: str) -> MpcdiArchive:
     if not regions:
         more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
         raise UserError(f"{faults[0]}{more}")
+    others = {part.tag for part in root.iterfind("display/buffer/*")} - {"region"}
+    faults.extend(f"{where}: {tag!r} of a buffer is not used" for tag in sorted(others))
     lost = sorted(set(filesets) - {element.get("id", "") for _, element in elements})
     faults.extend(f"{where}: files for region {name!r}, which is not there" for name in lost)
     return MpcdiArchive(profile, tuple(regions.values()), tuple(faults))

@@ -23,6 +23,7 @@ from subsea.stage.theatre.theatre_file import MAIN, Coordinate, Window
 from subsea.view.camera import axes_of
 
 MAX_DEPTH = 64  # of parents
+QUIET = frozenset({"version", "assetPath", "customParameters", "diagnostics", "sync", "network"})
 Angle = Annotated[float, msgspec.Meta(ge=-3600, le=3600)]
 
 
@@ -125,7 +126,9 @@ def read_ndisplay(path: Path, content: Any) -> ImportedTheatre:
         config = convert(content, NdisplayConfig)
     except UserError as fault:
         raise UserError(fault.message, file=path, key=fault.key) from fault
-    return _NdisplayReader(path, config).theatre()
+    reader = _NdisplayReader(path, config)
+    reader.builder.leave_out_keys(content, NdisplayConfig, QUIET)
+    return reader.theatre()
 
 
 class _NdisplayReader:
@@ -209,7 +212,7 @@ class _NdisplayReader:
                 self._viewport(words, viewport, window)
             except UserError as fault:
                 line = f"viewport {words!r} of {name!r}: {fault}"
-                self.builder.leave_out(line)
+                self.builder.refuse(line)
 
     def _viewport(self, words: str, viewport: NdisplayViewport, window: Window) -> None:
         if viewport.policy.type.lower() != "simple":

@@ -35,6 +35,8 @@ from subsea.stage.theatre.mesh_formats import (
 )
 from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.stage.theatre.sgct_file import (
+    QUIET,
+    SgctConfig,
     SgctFov,
     SgctPoint,
     SgctProjection,
@@ -42,8 +44,9 @@ from subsea.stage.theatre.sgct_file import (
     SgctUser,
     SgctViewport,
     SgctWindow,
+    foreign_keys,
+    lowered,
     read_config,
-    unused_keys,
 )
 from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, MAIN, Window
 from subsea.stage.theatre.warp import mesh, validated
@@ -61,6 +64,7 @@ VIEWED = (".sgc", ".ol", ".skyskan")  # meshes whose view replaces that of their
 CM = 100.0  # of a metre
 PLANAR_M = 10.0  # default distance of a planar view
 DOME_M = 14.8  # default diameter of a fisheye's sphere
+ROOTS = 4  # folders in which a file is sought: that of the configuration, and those above
 NEAREST_CM = 50.0  # of surround screens
 # Faces of a cubemap on its picture of three columns and two rows, and how a view ahead is turned to
 # them: about x, then about y.
@@ -75,6 +79,7 @@ MIRROR_TILT = 45.0  # by which the front face is turned up
 
 def read_sgct(path: Path, content: Any) -> ImportedTheatre:
     """Build the theatre of a configuration's content; a UserError if nothing of it can be shown."""
+    content = lowered(content)
     config = read_config(path, content)
     title = config.meta.get("name") or config.meta.get("description") or path.stem
     users = {user.name: user for user in config.users}
@@ -105,9 +110,7 @@ def read_sgct(path: Path, content: Any) -> ImportedTheatre:
         name = MAIN if len(config.nodes) == 1 else f"node{number}"
         for k, window in enumerate(node.windows, 1):
             reader.window(window, name, window.name or f"window{k}")
-    if unused := sorted(unused_keys(content)):
-        words = ", ".join(f"`{key}`" for key in unused)
-        builder.leave_out(f"keys with no counterpart here: {words}")
+    builder.leave_out_keys(content, SgctConfig, QUIET)
     return builder.build()
 
 
@@ -146,7 +149,7 @@ class _SgctReader(NamedTuple):
             try:
                 self._viewport(viewport, made, name)
             except UserError as fault:
-                self.builder.leave_out(f"viewport {name!r}: {fault}")
+                self.builder.refuse(f"viewport {name!r}: {fault}")
 
     def _viewport(self, viewport: SgctViewport, window: Window, name: str) -> None:
         projection = viewport.projection
@@ -158,6 +161,9 @@ class _SgctReader(NamedTuple):
         if place is None:
             raise UserError(f"{wide:g}×{high:g} of its window at {x:g}, {y:g}, expected shares "
                             "from 0 to 1 of 16 pixels or more")  # fmt: skip
+        if foreign := foreign_keys(projection):
+            words = ", ".join(f"`{key}`" for key in foreign)
+            self.builder.leave_out(f"{words} of viewport {name!r}: not of a {projection.type}")
         if viewport.overlay or viewport.blacklevelmask:
             self.builder.leave_out(f"`overlay` or `blacklevelmask` of viewport {name!r}")
         if projection.type in ("CylindricalProjection", "CubemapProjection"):
@@ -170,7 +176,7 @@ class _SgctReader(NamedTuple):
         if viewport.eye in ("left", "right"):
             keys["eye"] = viewport.eye
         if viewport.blendmask:
-            keys["mask"] = plain_path(viewport.blendmask)
+            keys["mask"] = sought(self.builder.path.parent, viewport.blendmask)
         if "warp" in keys and keys.get("part") == (0.0, 0.0, 1.0, 1.0):
             del keys["part"]
         place = keys.pop("place", place)
@@ -192,7 +198,7 @@ class _SgctReader(NamedTuple):
             raise UserError(f"user {viewport.user!r} is not there"
                             + nearest(viewport.user, list(self.users)))  # fmt: skip
         user_m = self.eye_m if user is None else _eye(user)
-        mesh_file = plain_path(viewport.mesh) if viewport.mesh else None
+        mesh_file = sought(self.builder.path.parent, viewport.mesh) if viewport.mesh else None
         kind = projection.type
         if kind in ("PlanarProjection", "TextureMappedProjection"):
             keys = planar(projection, user_m, self.eye_m)
@@ -249,17 +255,26 @@ def plain_path(name: str) -> str:
     return plain
 
 
+def sought(folder: Path, name: str) -> str:
+    """The path of a file from `folder`, or from a folder above where only that one has it.
+
+    Programs such as OpenSpace keep meshes below the root of all configurations.
+    """
+    plain = plain_path(name)
+    ways = ["../" * up + plain for up in range(ROOTS)]
+    return next((way for way in ways if (folder / way).is_file()), plain)
+
+
 def pixels_of(
     size: tuple[int, int], x: float, y: float, width: float, height: float
 ) -> Rect | None:
     """Turn shares from the lower left into pixels x, y (from the upper left), width, height.
 
-    Edges that neighbours share stay shared. None if a side is too short, or beyond the window.
+    Edges that neighbours share stay shared. None if a side is too short.
     """
     left, right = (round(size[0] * edge) for edge in (x, x + width))
     top, bottom = (round(size[1] * (1 - edge)) for edge in (y + height, y))
-    within = 0 <= left < right <= size[0] and 0 <= top < bottom <= size[1]
-    if not within or min(right - left, bottom - top) < FEWEST_PIXELS:
+    if min(right - left, bottom - top) < FEWEST_PIXELS:
         return None
     return left, top, right - left, bottom - top
 
@@ -460,7 +475,7 @@ def spherical_mirror(
         raise UserError("a spherical mirror has no `geometry`, expected four meshes")
     places, sources, triangles, count = [], [], [], 0
     for name, (axis, degrees) in MIRROR_FACES.items():
-        path = folder / plain_path(getattr(geometry, name))
+        path = folder / sought(folder, getattr(geometry, name))
         if path.suffix.lower() != ".obj":
             raise UserError("expected a mesh in an .obj file", file=path)
         face = obj_mesh(read_input(path, MAX_TEXT), str(path), True)

@@ -159,16 +159,37 @@ class SgctConfig(msgspec.Struct, frozen=True):
 
 VERSION = 1
 # Keys with no meaning for what is shown where, which need no line.
-QUIET = {"$schema", "id", "tags", "tracked", "draw2d", "port", "zleft", "zright", "generator"}
-WHOLE = {"meta", "generator", "scene", "trackers", "tracking", "matrix"}  # not looked into
-KNOWN = QUIET | {
-    field
-    for kind in (
-        SgctPair, SgctPoint, SgctTurn, SgctFov, SgctCrop, SgctGeometry, SgctProjection,
-        SgctViewport, SgctWindow, SgctNode, SgctUser, SgctConfig,
-    )
-    for field in kind.__struct_fields__
-}  # fmt: skip
+QUIET = frozenset({"$schema", "id", "tags", "tracked", "draw2d", "port", "generator"})
+RENAMED = {"heading": "yaw"}
+VIEW = frozenset({"fov", "distance", "orientation", "offset"})
+# Keys of each projection that are used here.
+PROJECTIONS = {
+    "PlanarProjection": VIEW,
+    "TextureMappedProjection": VIEW,
+    "ProjectionPlane": {"lowerleft", "upperleft", "upperright"},
+    "FisheyeProjection": {"fov", "tilt", "diameter", "crop", "keepaspectratio", "offset"},
+    "SphericalMirrorProjection": {"tilt", "geometry", "mesh"},
+    "CylindricalProjection": {"rotation", "heightoffset", "radius"},
+    "CubemapProjection": {"channels", "orientation"},
+}
+
+
+def lowered(content: Any) -> Any:
+    """The content with keys in lower case, as older files have `masterAddress` or `hFov`."""
+    if isinstance(content, list):
+        return [lowered(inner) for inner in content]
+    if not isinstance(content, dict):
+        return content
+    keys = {key: RENAMED.get(key.lower(), key.lower()) for key in content}
+    return {keys[key]: lowered(inner) for key, inner in content.items()}
+
+
+def foreign_keys(projection: SgctProjection) -> list[str]:
+    """The keys of a projection that belong to other kinds."""
+    plain, own = SgctProjection(projection.type), PROJECTIONS.get(projection.type, frozenset())
+    fields = projection.__struct_fields__[1:]
+    given = [key for key in fields if getattr(projection, key) != getattr(plain, key)]
+    return sorted(set(given) - own)
 
 
 def read_config(path: Path, content: Any) -> SgctConfig:
@@ -180,13 +201,3 @@ def read_config(path: Path, content: Any) -> SgctConfig:
     if config.version != VERSION:
         raise UserError(f"`version` {config.version}, expected {VERSION}", file=path)
     return config
-
-
-def unused_keys(content: Any) -> set[str]:
-    """Collect the keys of all tables of a content that are not KNOWN; WHOLE ones stay closed."""
-    if isinstance(content, list):
-        return set().union(*map(unused_keys, content))
-    if not isinstance(content, dict):
-        return set()
-    inner = [value for key, value in content.items() if key in KNOWN - WHOLE]
-    return (content.keys() - KNOWN).union(*map(unused_keys, inner))

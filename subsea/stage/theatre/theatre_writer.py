@@ -32,6 +32,7 @@ COMMENTS = {
 }
 IN_A_ROW = 6  # windows of a row of the desktop
 COLUMN = 98  # of comments
+UNWRITTEN = "meshes", "left_out", "refused"
 KEYS = ("title", "scale", "eye_cm", "eye_distance_cm", "level")
 
 
@@ -88,7 +89,8 @@ def check_free(path: Path, force: bool) -> None:
 def compose_theatre(theatre: Theatre, source: Path) -> str:
     """The text of a theatre file, with what is left out as comments."""
     lines = [_comment(f"Written by `subsea theatre {source.name} --write`.")]
-    lines += [_comment(f"Left out: {line}") for line in getattr(theatre, "left_out", ())]
+    for kind in ("refused", "left_out"):
+        lines += [_comment(f"Left out: {line}") for line in getattr(theatre, kind, ())]
     lines.append("")
     content = plain(theatre)
     lines += [f"{key} = {toml_value(content[key])}" for key in KEYS if key in content]
@@ -135,7 +137,7 @@ def plain(value: Any) -> Any:
             same = field.default is not msgspec.NODEFAULT and inner == field.default
             empty = field.default_factory is not msgspec.NODEFAULT and not inner
             # A screen is there even if all its keys have their defaults.
-            if not (same or empty or inner is None) and field.name not in ("meshes", "left_out"):
+            if not (same or empty or inner is None) and field.name not in UNWRITTEN:
                 table[field.name] = plain(inner)
         return table
     if isinstance(value, list | tuple):

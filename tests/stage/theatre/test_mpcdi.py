@@ -183,6 +183,8 @@ def test_the_3d_profile_has_frusta(read, projectors, making):
             3,
         ),
         (b"<gammaEmbedded>2.2", "gammaEmbedded 99 of its alpha map, expected 0.1 to 10", 3),
+        (b"</region>", "region 'left': its 'coordinateframe' is not used", 3),
+        (b"</buffer>", "'coordinateframe' of a buffer is not used", 3),
         (b"<betaMap>", "region 'left': its 'distortionmap' is not used", 3),
     ],
 )
@@ -197,6 +199,8 @@ def test_one_wrong_projector_leaves_the_others(read, files, change, said, left):
             b'Xresolution="160" ': b'Xresolution="0" ',
             b'<region id="left"': b'<region id="Left"',
             b"<gammaEmbedded>2.2": b"<gammaEmbedded>99",
+            b"</region>": b"<coordinateFrame><posx>1</posx></coordinateFrame></region>",
+            b"</buffer>": b"<coordinateFrame/></buffer>",
             b"<betaMap>": b"<distortionMap><path>a</path></distortionMap><betaMap>",
         }[change]
         made["mpcdi.xml"] = made["mpcdi.xml"].replace(change, new, 1)

@@ -106,17 +106,25 @@ def test_other_policies_are_left_out_with_a_line(kind, tmp_path, content):
     viewport["projectionPolicy"]["type"] = kind
     theatre, _ = loaded(tmp_path, content)
     assert [one.name for one in theatre.channel] == ["vp_front"]
-    assert any(kind.lower() in line.lower() for line in theatre.left_out)
+    assert any(kind.lower() in line.lower() for line in theatre.refused)
 
 
 def test_circles_and_unknown_parents_are_left_out_with_a_line(tmp_path, content):
     scene = content["nDisplay"]["scene"]
     scene["xforms"]["side"]["parentId"] = "side"
     theatre, _ = loaded(tmp_path, content)
-    assert any("a circle of them" in line for line in theatre.left_out)
+    assert any("a circle of them" in line for line in theatre.refused)
     scene["xforms"]["side"]["parentId"] = "nowhere"
     theatre, _ = loaded(tmp_path, content)
-    assert any("parent 'nowhere'" in line for line in theatre.left_out)
+    assert any("parent 'nowhere'" in line for line in theatre.refused)
+
+
+def test_keys_that_are_not_read_are_listed(tmp_path, content):
+    node = content["nDisplay"]["cluster"]["nodes"]["node_front"]
+    node["outputRemap"] = {"bEnable": True}
+    node["viewports"]["vp_front"]["overscan"] = {"left": 5}
+    theatre, _ = loaded(tmp_path, content)
+    assert "keys with no counterpart here: `outputRemap`, `overscan`" in theatre.left_out
 
 
 def test_faulty_files_are_refused_in_a_line(tmp_path, content):

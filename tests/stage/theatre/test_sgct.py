@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from subsea.base.errors import UserError
+from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.measured_mesh import dome_shares
@@ -297,7 +298,14 @@ LEFT_OUT = {
     "unknown": ({}, {"mesh": "a.xyz"}, "no known format"),
     "elsewhere": ({}, {"mesh": r"\\host\a.obj"}, "is on another computer"),
     "user": ({}, {"user": "nobody"}, "user 'nobody' is not there"),
-    "beyond": ({}, {"pos": {"x": 0.5, "y": 0}}, "expected shares"),
+    "beyond": ({}, {"pos": {"x": 0.5, "y": 0}}, "its part beyond its window is cut off"),
+    "outside": ({}, {"pos": {"x": 1.5, "y": 0}}, "fewer than 16 pixels of it lie in its window"),
+    "thin": ({}, {"size": {"x": -0.5, "y": 1}}, "expected shares"),
+    "foreign": (
+        {},
+        {"projection": planar({"hfov": 60, "vfov": 50}, tilt=20.0, radius=3.0)},
+        "`radius`, `tilt` of viewport 'window1': not of a PlanarProjection",
+    ),
     "kind": ({}, {"projection": {"type": "HyperProjection"}}, "'HyperProjection' is unknown"),
     "no field": ({}, {"projection": {"type": "PlanarProjection"}}, "no `fov`"),
     "wide": ({}, {"projection": planar({"hfov": 179, "vfov": 50})}, "less than 89"),
@@ -313,7 +321,100 @@ def test_nothing_is_left_out_silently(case, tmp_path):
     content["nodes"][0]["windows"][0] |= window
     content["nodes"][0]["windows"][0]["viewports"][0] |= viewport
     theatre, _ = loaded(tmp_path, content)
-    assert len([line for line in theatre.left_out if words in line]) == 1, theatre.left_out
+    lines = (*theatre.refused, *theatre.left_out)
+    assert len([line for line in lines if words in line]) == 1, lines
+
+
+def test_a_refusal_leads_the_message_and_ends_with_1(tmp_path, capsys):
+    content = samples.sgct(users=[{"eyeseparation": 0.5}], scene={"scale": 2.0})
+    window = content["nodes"][0]["windows"][0]
+    window["viewports"].append({"projection": {"type": "HyperProjection"}})
+    loaded(tmp_path, content)
+    assert describe(str(tmp_path / "a.json")) == 1
+    assert "does not work: viewport 'window1-2': projection 'Hyper" in capsys.readouterr().out
+    del window["viewports"][0]
+    with pytest.raises(UserError, match="can be shown; left out: viewport 'window1': projection"):
+        loaded(tmp_path, content)
+
+
+def test_keys_of_older_files_are_read_in_any_case(tmp_path):
+    plain = samples.sgct([{"projection": planar({"hfov": 60.0, "vfov": 40.0})}])
+    theatre, _ = loaded(tmp_path, plain)
+    turn = {"heading": 0.0, "pitch": 0.0, "roll": 0.0}
+    older = planar({"hFov": 60.0, "vFov": 40.0}, orientation=turn)
+    content = samples.sgct([{"projection": older}])
+    content["masterAddress"] = content.pop("masteraddress")
+    content["users"] = [{"eyeSeparation": 0.065, "pos": xyz(0.0, 0.0, 0.0)}]
+    content["nodes"][0]["windows"][0]["fullScreen"] = False
+    other, _ = loaded(tmp_path, content)
+    assert (other.channel, other.eye_distance_cm) == (theatre.channel, theatre.eye_distance_cm)
+    assert other.left_out == theatre.left_out
+
+
+def test_meshes_may_lie_below_the_root_of_all_configurations(tmp_path):
+    """OpenSpace has them in `config/mesh`, its configurations in `config/Multi Window`."""
+    folder = tmp_path / "Multi Window"
+    folder.mkdir()
+    (tmp_path / "mesh").mkdir()
+    (tmp_path / "mesh" / "a.csv").write_bytes(samples.csv())
+    Image.new("L", (16, 9)).save(tmp_path / "mesh" / "a.png")
+    view = planar({"hfov": 60, "vfov": 40})
+    channel, theatre = one_view(folder, view, mesh="mesh/a.csv", blendmask="mesh/a.png")
+    assert theatre.channel[0].warp == "../mesh/a.csv" and channel.warp is not None
+    assert channel.mask is not None
+
+
+PLACED = np.array([[0.1, 0.2], [0.5, 0.5], [0.9, 0.7]])  # shares of what is left
+
+
+@pytest.mark.parametrize("more", [{}, {"mesh": "a.csv", "blendmask": "a.png"}])
+@pytest.mark.parametrize(
+    "view",
+    [planar({"hfov": 60, "vfov": 40}), {"type": "FisheyeProjection", "fov": 180, "tilt": 30}],
+)
+def test_a_viewport_that_overhangs_is_cut(view, more, tmp_path):
+    """The pixels that are left show the same as before."""
+    (tmp_path / "a.csv").write_bytes(samples.csv())
+    grey = np.linspace(0, 255, 64 * 36).astype(np.uint8).reshape(36, 64)
+    Image.fromarray(grey).save(tmp_path / "a.png")
+    whole, _ = one_view(tmp_path, view, **more)
+    place = {"pos": {"x": -0.5, "y": 0.25}, "size": {"x": 1.0, "y": 1.0}}
+    cut, _ = one_view(tmp_path, view, **more, **place)
+    assert cut.place == (0, 90, 320, 270)  # the right half, without its upper quarter
+    before = PLACED * [0.5, 0.75] + [0.5, 0.0]
+    if whole.screen is not None and whole.warp is None:
+        seen = points_on(whole.screen, before), points_on(cut.screen, PLACED)
+        np.testing.assert_allclose(*seen, atol=1e-4)
+    elif whole.warp is not None:
+        seen = sources_at(whole.warp, before), sources_at(cut.warp, PLACED)
+        np.testing.assert_allclose(*seen, atol=1e-4)
+        assert cut.mask.shape[:2] == (270, 320)
+        np.testing.assert_allclose(cut.mask[-1, -1], [1, 1, 1, 0], atol=0.02)
+    else:  # a disc of 360 pixels in 640
+        square = (before * [640, 360] - [140, 0]) / 360
+        np.testing.assert_allclose(sources_at(cut.warp, PLACED), square, atol=1e-4)
+
+
+def test_viewports_under_others_are_cut(tmp_path):
+    """The later one is drawn over the earlier one."""
+    view = {"projection": planar({"hfov": 60, "vfov": 40})}
+    over = view | {"pos": {"x": 0.25, "y": 0.0}, "size": {"x": 0.5, "y": 0.5}}
+    theatre, path = loaded(tmp_path, samples.sgct([view, over]))
+    (whole,), _ = usable_channels(*loaded(tmp_path, samples.sgct([view])))
+    channels, faults = usable_channels(theatre, path)
+    assert not faults and len(channels) == 4
+    assert sum(one.place[2] * one.place[3] for one in channels) == 640 * 360
+    for one in channels:
+        x, y, width, height = one.place
+        if one.name == "window1-2":
+            continue
+        middle = np.array([[(x + width / 2) / 640, (y + height / 2) / 360]])
+        shown = points_on(one.screen, np.array([[0.5, 0.5]]))
+        np.testing.assert_allclose(shown, points_on(whole.screen, middle), atol=1e-4)
+    assert "its part under 'window1-2' is cut off" in "\n".join(theatre.left_out)
+    theatre, _ = loaded(tmp_path, samples.sgct([over, view]))
+    assert [one.viewport for one in theatre.channel] == [None]
+    assert theatre.refused == ("viewport 'window1-1': it lies under 'window1-2'",)
 
 
 def test_windows_that_lie_on_one_another_are_placed_by_the_desktop(tmp_path):
@@ -339,7 +440,7 @@ def test_two_hundred_viewports_are_bounded(tmp_path):
     content["nodes"][0]["windows"][0]["size"] = {"x": 6400, "y": 100}
     theatre, _ = loaded(tmp_path, content)
     assert len(theatre.channel) == 64
-    assert "viewports beyond the first 64" in theatre.left_out
+    assert "viewports beyond the first 64" in theatre.refused
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 from subsea.base.errors import UserError
 from subsea.base.system import resource_names
 from subsea.cli import main
+from subsea.fish.species import repertoire_file
+from subsea.scenario.load import load_scenario
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.link import cluster_faults, credentials
 from subsea.stage.setup import (
@@ -333,3 +335,17 @@ def test_the_digest_of_a_theatre_covers_composed_meshes(tmp_path):
     top = tmp_path / "top.obj"
     top.write_text(top.read_text().replace("vt 1 1", "vt 0.9 1"))
     assert theatre_digest(name) != before
+
+
+def test_a_file_that_exists_is_not_called_unknown(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "room.xml").write_text("<a/>")
+    for name in ("room.xml", str(tmp_path / "room.xml")):
+        with pytest.raises(UserError, match=r"expected a theatre file that ends in \.toml, \.json"):
+            load_theatre(name)
+    with pytest.raises(UserError, match=r"room.xml: expected a scenario file that ends in \.toml"):
+        load_scenario("room.xml")
+    with pytest.raises(UserError, match=r"room.xml: expected a species file that ends in \.h5"):
+        repertoire_file("room.xml")
+    with pytest.raises(UserError, match=r"unknown theatre 'room\.obi'"):
+        load_theatre("room.obi")
