@@ -73,6 +73,8 @@ def write_theatre(
         part.write_text(text, encoding="utf-8")
     code = describe(str(out))
     draw_room(str(out), picture, force=True)
+    for note in plan.notes:
+        print(note)
     print("\nTo line it up:")
     for number, step in enumerate(line_up(plan, wanted.computers), 1):
         print(f"{number}. {step}")

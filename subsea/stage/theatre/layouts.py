@@ -5,6 +5,8 @@ The eye is at 0; directions are right, up, ahead.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -37,9 +39,12 @@ from subsea.stage.theatre.theatre_file import (
     SphericalMirror,
 )
 from subsea.view.camera import axes_of
+from subsea.view.rig import Rect
 
 NODES = 65, 49  # columns and rows of a mesh
 ABOVE_CM = 15.0  # a lens stands that much above the edge of a screen
+HOUSING_CM = 50.0  # least distance of two lenses
+TURNS = [turn for k in range(5, 95, 5) for turn in (k, -k)]  # degrees by which a lens moves aside
 RIM = 0.95  # farthest place of a lens in a dome, in radii
 RINGS = 9, 20  # numbers of projectors from which a dome has one ring more
 LEAST_LIT = 0.3  # share of a projector's pixels that light its part of a screen
@@ -50,6 +55,10 @@ _SIDES = (_T, _ZERO), (_T, _ONE), (_ZERO, _T), (_ONE, _T)
 _BORDER = np.concatenate([np.column_stack(side) for side in _SIDES])  # places along all edges
 
 
+class UnlitError(UserError):
+    """The error for projectors that would use too few of their pixels."""
+
+
 class PlannedChannel(NamedTuple):
     """A projector and its screen."""
 
@@ -57,6 +66,7 @@ class PlannedChannel(NamedTuple):
     screen: Plane | Cylinder | Angles | Dome
     lens: Lens
     nodes: Array | None = None  # (rows, columns, 5) of its mesh
+    viewport: Rect | None = None  # in its window, as a theatre file has it; None: all of it
 
 
 class TheatreLayout(NamedTuple):
@@ -74,7 +84,35 @@ class TheatreLayout(NamedTuple):
 def layout(kind: str, measures: Mapping[str, float]) -> TheatreLayout:
     """The layout of a kind with its measures; a UserError if it is impossible."""
     makers = {"wall": _wall, "curved": _curved, "dome": _dome, "cave": _cave, "mirror": _mirror}
-    return makers[kind](measures)
+    try:
+        plan = makers[kind](measures)
+    except UnlitError as fault:
+        turned = {**measures, "across": measures["down"], "down": measures["across"]}
+        try:
+            makers[kind](turned)
+        except UserError:
+            raise fault from None
+        options = f"--across {turned['across']:g} --down {turned['down']:g}"
+        raise UserError(f"{fault}, or pictures turned by a quarter ({options})") from fault
+    places = [channel.lens.place for channel in plan.channels]
+    gaps = [float(np.linalg.norm(a - b)) for a, b in combinations(places, 2)]
+    if gaps and min(gaps) < HOUSING_CM - 0.1:
+        note = f"two lenses are {min(gaps):.0f} cm apart: their housings must be narrower"
+        return plan._replace(notes=[*plan.notes, note])
+    return plan
+
+
+def front_channel(plan: TheatreLayout) -> PlannedChannel:
+    """The channel whose screen is most straight ahead of the best seat."""
+
+    def ahead(channel: PlannedChannel) -> float:
+        if isinstance(channel.screen, Dome):
+            return 0.0
+        screen = screen_of(channel.screen, np.zeros(3), 1.0)
+        middle = points_on(screen, np.array([[0.5, 0.5]]))[0]
+        return round(float(middle[2] / np.linalg.norm(middle)), 6)
+
+    return max(plan.channels, key=ahead)
 
 
 def names_of(count: int) -> list[str]:
@@ -111,7 +149,8 @@ def _wall(measures: Mapping[str, float]) -> TheatreLayout:
         channels.append(PlannedChannel(name, plane, Lens(place, np.eye(3), half)))
     notes = [
         f"each picture is {across:.0f} x {across / aspect:.0f} cm, "
-        f"{overlap * across:.0f} cm of it shared with each neighbour"
+        f"{overlap * across:.0f} cm of it shared with each neighbour",
+        _lens_note(channels),
     ]
     return TheatreLayout(
         f"A flat wall, projectors: {count}", channels, -measures["eye"], True, notes=notes
@@ -133,10 +172,13 @@ def _curved(measures: Mapping[str, float]) -> TheatreLayout:
         )
     # Over a screen of more than half a turn a lens must stay within.
     farthest = 3.0 * radius if measures["throw"] and angle <= 180.0 else radius
-    if measures["throw"] and angle > 180.0:
-        farthest = 1.9 * radius
+    step = math.radians(parts[-1][0]) / max(count - 1, 1)  # between neighbours
+    side = math.cos(step * max(count - 2, 0) / 2.0)
+    if angle > 180.0:  # they stand in a ring
+        ring = 0.5 * HOUSING_CM / math.sin(step / 2.0)
+        farthest = 1.9 * radius if measures["throw"] else max(radius - ring, 0.3 * radius)
     channels = []
-    for name, (left, right) in zip(names_of(count), parts, strict=True):
+    for number, (name, (left, right)) in enumerate(zip(names_of(count), parts, strict=True)):
         table = Cylinder(
             radius_cm=radius, left_deg=_rounded(left - angle / 2.0),
             right_deg=_rounded(right - angle / 2.0), bottom_cm=bottom, top_cm=top,
@@ -146,7 +188,12 @@ def _curved(measures: Mapping[str, float]) -> TheatreLayout:
         turn = (screen.left + screen.right) / 2.0
         ahead = np.array([math.sin(turn), 0.0, math.cos(turn)])
         raised = np.array([0.0, top + ABOVE_CM, 0.0])
-        tries = [(radius - d) * ahead + raised for d in np.linspace(0.3 * radius, farthest, STEPS)]
+        tries = []
+        for far in radius - np.linspace(0.3 * radius, farthest, STEPS):
+            # Lenses near the axis would stand in one another: they stand in a row there.
+            gap = max(HOUSING_CM - 2.0 * abs(far) * math.sin(step / 2.0) * side, 0.0)
+            aside = (number - (count - 1) / 2.0) * math.copysign(gap, far) * (angle <= 180.0)
+            tries.append(far * ahead + raised + [aside, 0.0, 0.0])
         edge = points_on(screen, _BORDER)
         lens = placed(tries, edge, _aspect(measures), measures["throw"], "its part of the screen")
 
@@ -184,6 +231,7 @@ def _cave(measures: Mapping[str, float]) -> TheatreLayout:
         "back": ((half, low, -half), (-half, low, -half), (half, top, -half)),
     }
     channels = []
+    size = int(measures["across"]), int(measures["down"])
     for name, corners in list(screens.items())[:count]:
         first, second, third = (np.array(corner) for corner in corners)
         along, up = second - first, third - first
@@ -192,10 +240,18 @@ def _cave(measures: Mapping[str, float]) -> TheatreLayout:
         behind = 1.2 * np.linalg.norm(along) * (inward if name == "floor" else -inward)
         axes = np.stack([along, up, -behind])
         axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-        lens = Lens(first + (along + up) / 2.0 + behind, axes, (0.5 / 1.2, 0.5 / 1.2))
+        # Square pixels: a screen that is narrower than a picture, or lower, takes a part of it.
+        wide, tall = float(np.linalg.norm(along)), float(np.linalg.norm(up))
+        scale = max(wide / size[0], tall / size[1])  # cm of a pixel
+        width, height = round(wide / scale), round(tall / scale)
+        place = (size[0] - width) // 2, (size[1] - height) // 2, width, height
+        far = 2.0 * float(np.linalg.norm(behind)) / scale
+        lens = Lens(first + (along + up) / 2.0 + behind, axes, (size[0] / far, size[1] / far))
         plane = Plane(lower_left=corners[0], lower_right=corners[1], upper_left=corners[2])
-        channels.append(PlannedChannel(name, plane, lens))
-    return TheatreLayout(f"A room of {count} screens", channels, -measures["eye"])
+        viewport = None if place == (0, 0, *size) else place
+        channels.append(PlannedChannel(name, plane, lens, viewport=viewport))
+    title = f"A room of {count} screens"
+    return TheatreLayout(title, channels, -measures["eye"], notes=[_lens_note(channels)])
 
 
 def _dome(measures: Mapping[str, float]) -> TheatreLayout:
@@ -210,17 +266,30 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     if count < 4:
         raise UserError(f"--projectors {count}: a dome has 1 (a fisheye), or 4 or more")
     overlap, turned = measures["overlap"] / 100.0, _tilted(np.eye(3), measures["tilt"])
-    channels = []
+    channels: list[PlannedChannel] = []
     for name, (heading, angles) in zip(names_of(count), _patches(count, overlap), strict=True):
         axes = axes_of(heading, math.radians(angles.pitch_deg)) @ turned
         table = _turned(angles, axes, radius)
         screen = screen_of(table, np.zeros(3), 1.0)
         border = points_on(screen, _BORDER)
         border *= radius / np.linalg.norm(border, axis=1, keepdims=True)
-        back = np.array([-math.sin(heading), 0.0, -math.cos(heading)])
-        tries = [s * radius * back @ turned for s in np.linspace(0.0, RIM, STEPS)]
-        part = f"its part of the dome ({name})"
-        lens = placed(tries, border, _aspect(measures), measures["throw"], part)
+        taken = [channel.lens.place for channel in channels]
+
+        def lens_at(turn: float, heading: float = heading, border: Array = border,
+                    part: str = f"its part of the dome ({name})") -> Lens:  # fmt: skip
+            way = heading + math.pi + math.radians(turn)
+            back = np.array([math.sin(way), 0.0, math.cos(way)]) @ turned
+            tries = [s * radius * back for s in np.linspace(0.0, RIM, STEPS)]
+            return placed(tries, border, _aspect(measures), measures["throw"], part)
+
+        lens = lens_at(0.0)
+        for turn in TURNS:
+            if all(np.linalg.norm(lens.place - place) >= HOUSING_CM for place in taken):
+                break
+            with suppress(UserError):  # where its throw ratio does not fit
+                lens = lens_at(turn)
+        else:
+            lens = lens_at(0.0)
 
         def shares(place: Array, ways: Array, screen: Screen = screen) -> Array:
             return places_on(screen, on_sphere(place, ways, radius))
@@ -314,16 +383,19 @@ def _mesh(lens: Lens, shares: Callable[[Array, Array], Array]) -> Array:
     used = nodes[..., 4] > 0
     lit = float((used & (np.abs(nodes[..., 2:4] - 0.5) <= 0.5).all(axis=-1)).mean())
     if lit < LEAST_LIT:
-        raise UserError(
+        raise UnlitError(
             f"each projector would use {100 * lit:.0f}% of its pixels, expected {LEAST_LIT:.0%} or "
-            "more: another number of projectors, or pictures on end (--across 1080 --down 1920)"
+            "more: another number of projectors"
         )
     return nodes
 
 
 def _lens_note(channels: Sequence[PlannedChannel]) -> str:
     ratios = sorted(channel.lens.throw for channel in channels)
-    return f"throw ratios of the lenses: {ratios[0]:.2f} to {ratios[-1]:.2f}"
+    least, most = f"{ratios[0]:.2f}", f"{ratios[-1]:.2f}"
+    if least == most:
+        return f"throw ratio of the lenses, distance over width of the picture: {least}"
+    return f"throw ratios of the lenses, distance over width of the picture: {least} to {most}"
 
 
 def _rounded(number: float) -> float:

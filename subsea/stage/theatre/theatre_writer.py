@@ -17,7 +17,7 @@ from subsea.base.errors import UserError, printable
 from subsea.base.files import check_file, replacing
 from subsea.base.toml_edit import toml_value
 from subsea.stage.theatre.imported import ImportedTheatre
-from subsea.stage.theatre.layouts import TheatreLayout
+from subsea.stage.theatre.layouts import TheatreLayout, front_channel
 from subsea.stage.theatre.measured_mesh import MeasuredMesh
 from subsea.stage.theatre.theatre_file import Theatre
 from subsea.view.rig import Warp
@@ -173,7 +173,8 @@ def compose_layout(
 ) -> str:
     """The text of a theatre file; `size` is that of every window, `command` made it.
 
-    With `computers` each window is on a node of its own, and the middle one is the master.
+    With `computers` each window is on a node of its own. The master is in front of the audience,
+    as its window has text and its picture is the presenter's.
     """
     names = [channel.name for channel in layout.channels]
     lines = [f"# {layout.title}. Made by:", f"#   {command}"]
@@ -195,6 +196,8 @@ def compose_layout(
     for channel in layout.channels:
         lines += ["", "[[channel]]", f'name = "{channel.name}"', f'window = "{channel.name}"']
         lines += [f"{type(channel.screen).__name__.lower()} = {_toml(channel.screen)}"]
+        if channel.viewport is not None:
+            lines += [f"viewport = {list(channel.viewport)}  # with square pixels on the screen"]
         if layout.blend and len(names) > 1:
             lines += ["blend = true", "gamma = 2.2  # of the projector", "black = 0.0"]
         if channel.nodes is not None:
@@ -211,7 +214,11 @@ def compose_layout(
         lines += ["", "# One computer shows all nodes as it stands. For several enter the master's"]
         lines += ["# own address, make keys with"]
         lines += [f'# `subsea keys keys {" ".join(names)}`, and add `keys = "keys"`.']
-        lines += ["[cluster]", f'master = "{names[len(names) // 2]}"', 'address = "127.0.0.1:5560"']
+        lines += [
+            "[cluster]",
+            f'master = "{front_channel(layout).name}"',
+            'address = "127.0.0.1:5560"',
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -253,7 +260,7 @@ def line_up(layout: TheatreLayout, computers: bool) -> list[str]:
         steps += ["In a dark room show a dark scene. If overlaps are grey strips, raise `black` "
                   "in steps of 0.001."]  # fmt: skip
     if computers:
-        steps += ["Start the other computers first, each with `--node NAME`, then the master."]
+        steps += ["Start a dive on each computer with its `--node NAME`, in any order."]
     return steps
 
 

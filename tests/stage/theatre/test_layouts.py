@@ -1,5 +1,7 @@
 """Planned theatres cover their screens, with the wanted overlap, for any sensible measures."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
 from subsea.stage.theatre.channels import Projector, light_shares, overlap_count
-from subsea.stage.theatre.layouts import layout
+from subsea.stage.theatre.layouts import HOUSING_CM, front_channel, layout
 from subsea.stage.theatre.lenses import nodes_text
 from subsea.stage.theatre.measures import chosen
 from subsea.stage.theatre.mesh_formats import parse_bourke
@@ -174,6 +176,7 @@ def test_a_cave_is_closed(n, width, height, seed):
         ("curved", {"projectors": 1, "angle": 200}, "would light 200 degrees .* expected 150"),
         ("curved", {"projectors": 8, "angle": 30}, r"would use \d+% of its pixels, expected 30%"),
         ("curved", {"throw": 9}, "--throw 9 lights too little of its part of the screen"),
+        ("curved", {"height": 60, "across": 1080, "down": 1920}, "--across 1920 --down 1080"),
         ("cave", {"projectors": 7}, "--projectors 7: a cave has 2 to 6"),
         ("cave", {"height": 100}, "--height 100: walls end below the eyes at 120 cm"),
         ("mirror", {"mirror": 200}, "--mirror 200 is too large for a dome of 300 cm"),
@@ -183,3 +186,45 @@ def test_a_cave_is_closed(n, width, height, seed):
 def test_impossible_measures_are_refused(kind, measures, message):
     with pytest.raises(UserError, match=message):
         layout(kind, chosen(kind, measures))
+
+
+@pytest.mark.parametrize(
+    ("kind", "measures"),
+    [("wall", {}), ("curved", {}), ("curved", {"throw": 0.9}), ("curved", {"throw": 1.5}),
+     ("curved", {"projectors": 6, "angle": 300}), ("dome", {}), ("dome", {"projectors": 4}),
+     ("dome", {"projectors": 12, "tilt": 20}), ("cave", {"projectors": 6})],
+)  # fmt: skip
+def test_housings_of_projectors_keep_apart(kind, measures):
+    made = layout(kind, chosen(kind, measures))
+    places = [one.lens.place for one in made.channels]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(places, 2)) >= HOUSING_CM - 0.1
+    assert not any("housings" in note for note in made.notes)
+
+
+def test_lenses_that_cannot_keep_apart_are_noted():
+    notes = layout("wall", chosen("wall", {"width": 100})).notes
+    assert "two lenses are 31 cm apart: their housings must be narrower" in notes
+
+
+@pytest.mark.parametrize(
+    ("kind", "measures", "name"),
+    [("wall", {}, "middle"), ("curved", {"projectors": 5}, "projector-3"), ("cave", {}, "front"),
+     ("dome", {}, "projector-1"), ("dome", {"projectors": 12}, "projector-1")],
+)  # fmt: skip
+def test_the_front_channel_is_ahead_of_the_audience(kind, measures, name):
+    assert front_channel(layout(kind, chosen(kind, measures))).name == name
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), (1080, 1920), (1200, 1200)])
+def test_pixels_of_a_cave_are_square(size):
+    across, down = size
+    measures = {"projectors": 4, "height": 200, "across": across, "down": down}
+    made, screens = planned("cave", **measures)
+    for one, screen in zip(made.channels, screens, strict=True):
+        x, y, width, height = one.viewport or (0, 0, *size)
+        assert min(x, y) >= 0 and x + width <= across and y + height <= down
+        assert width == across or height == down
+        pixel = np.linalg.norm(screen.along) / width
+        assert pixel == pytest.approx(np.linalg.norm(screen.up) / height, rel=2e-3)
+        away = np.linalg.norm(points_on(screen, np.array([[0.5, 0.5]]))[0] - one.lens.place)
+        assert one.lens.half[0] * 2 * away == pytest.approx(pixel * across, rel=2e-3)

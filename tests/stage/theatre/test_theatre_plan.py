@@ -46,6 +46,7 @@ def test_each_projector_may_have_a_computer(tmp_path, capsys):
     theatre, _ = load_theatre(str(path))
     assert theatre.nodes == ("left", "middle", "right")
     assert theatre.cluster.master == "middle"
+    assert "throw ratios of the lenses, distance over width of the picture: " in out
     assert "with left, right" in out
     assert len(set_up_theatre(str(path), node="left").windows) == 1
 
