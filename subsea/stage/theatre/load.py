@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from subsea.base.errors import UserError, unknown
-from subsea.base.files import read_input
+from subsea.base.files import read_input, text_of
 from subsea.base.registry import THEATRE_FORMATS, load, registered
 from subsea.base.system import named_or_file, resource_names, unknown_name
 from subsea.base.toml_files import error_at, load_toml
@@ -67,9 +67,9 @@ def theatre_titles() -> tuple[list[str], Callable[[str], str]]:
 
 def read_json(path: Path) -> ImportedTheatre:
     """Read a configuration of SGCT, or of nDisplay if it has its table."""
-    data = read_input(path).removeprefix(b"\xef\xbb\xbf")
+    text = text_of(read_input(path), path, foreign=True)
     try:
-        content = msgspec.json.decode(data)
+        content = msgspec.json.decode(text)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as fault:
         raise UserError(f"not valid JSON ({fault})", file=path) from fault
     if isinstance(content, dict) and "nDisplay" in content:

@@ -8,7 +8,6 @@ import itertools
 import math
 import struct
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError
-from subsea.base.files import MIB, read_input
+from subsea.base.files import MIB, logical_lines, read_input, text_of
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
     ViewAngles,
@@ -66,12 +65,14 @@ def read_mesh(path: Path, size: Size) -> MeasuredMesh:
 def text_rows(
     data: bytes, where: str, separator: str | None = None
 ) -> Iterator[tuple[int, list[str]]]:
-    """Split text into the number and words of each line, without comments after ``#``."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        raise UserError("not text, expected lines of words and numbers", file=where) from fault
-    for number, line in enumerate(text.split("\n"), 1):
+    """Split text into the number and words of each line, without comments after ``#``.
+
+    Lines that end in a backslash go on in the next one. Comments may be Latin-1.
+    """
+    text = text_of(data, where, foreign=True)
+    if "\0" in text:
+        raise UserError("not text, expected lines of words and numbers", file=where)
+    for number, line in logical_lines(text):
         if plain := line.partition("#")[0].strip():
             yield number, [word.strip() for word in plain.split(separator)]
 
@@ -79,7 +80,10 @@ def text_rows(
 def parse_xml(data: bytes, where: str) -> ElementTree.Element:
     """Parse a document; names of elements and attributes become lower case."""
     try:
-        root = ElementTree.fromstring(data)
+        try:
+            root = ElementTree.fromstring(data)
+        except ElementTree.ParseError:  # perhaps Latin-1, which is not declared
+            root = ElementTree.fromstring(text_of(data, where, foreign=True))
     except (ElementTree.ParseError, LookupError, ValueError) as fault:
         raise UserError(f"not readable XML ({fault})", file=where) from fault
     for element in root.iter():
@@ -126,8 +130,13 @@ def _parse_pfm(data: bytes, size: Size, where: str) -> MeasuredMesh:
     return MeasuredMesh(validated(from_grid(sources, size), where))
 
 
-# Other statements of OBJ files: normals, parameters, groups, smoothing, lines, materials.
-OBJ_IGNORED = ("vn", "vp", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod")
+# Other statements of OBJ files: normals, groups, smoothing, lines, materials, curves, surfaces.
+OBJ_IGNORED = {
+    "vn", "vp", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod", "bevel", "c_interp",
+    "d_interp", "shadow_obj", "trace_obj", "ctech", "stech", "maplib", "usemap", "cstype", "deg",
+    "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
+    "call", "csh",
+}  # fmt: skip
 
 
 def parse_obj(data: bytes, _: Size, where: str) -> MeasuredMesh:
@@ -294,11 +303,16 @@ def parse_domeprojection(data: bytes, _: Size, where: str) -> MeasuredMesh:
     of the picture, both from the upper left corner; columns and rows are counted from 0
     (SGCT: src/correction/domeprojection.cpp; files of its repository, 19bbd93c, e143ee02).
     """
-    nodes = [
-        numbers_of(words, 6, f"{where}: line {number}", CSV_NAMES)
-        for number, words in text_rows(data, where, ";")
-        if words[0] != "x"
-    ]
+    names = CSV_NAMES.split()
+    nodes = []
+    for number, words in text_rows(data, where, ";"):
+        if words[0][:1].isalpha():
+            names = [word.lower() for word in words]
+            if missing := [name for name in CSV_NAMES.split() if name not in names]:
+                raise UserError(f"no column {missing[0]!r}, expected {CSV_NAMES}", file=where)
+            continue
+        row = numbers_of(words, len(names), f"{where}: line {number}", " ".join(names))
+        nodes.append([row[names.index(name)] for name in CSV_NAMES.split()])
     if not nodes:
         raise UserError(f"no nodes, expected lines of {CSV_NAMES.replace(' ', ';')}", file=where)
     table = np.array(nodes)
@@ -374,6 +388,11 @@ def parse_simcad(data: bytes, _: Size, where: str) -> MeasuredMesh:
 
 
 EDGES = ("LEFT", "RIGHT", "BOTTOM", "TOP")
+OL_TURNS = ("YAW", "PITCH", "ROLL")
+OL_KEYS = {"VERTICES", "FACES", "NATIVEXRES", "NATIVEYRES"}.union(
+    [f"ORTHO_{edge}" for edge in EDGES],
+    [f"PERSPECTIVE_{part}" for part in (*EDGES, *OL_TURNS)],
+)
 
 
 def parse_scalable(data: bytes, size: Size, where: str) -> MeasuredMesh:
@@ -391,13 +410,20 @@ def parse_scalable(data: bytes, size: Size, where: str) -> MeasuredMesh:
     keys: dict[str, float] = {}
     nodes: list[list[float]] = []
     faces: list[list[float]] = []
+    notes: list[str] = []
     for number, (first, *words) in text_rows(data, where):
         at = f"{where}: line {number}"
-        if first == "[":
-            faces.append(numbers_of(words, 3, at, "a b c of a face"))
+        if first[0] == "[":
+            face = " ".join([first, *words]).strip("[] ").split()
+            if len(face) != 3:
+                raise UserError(f"{at}: a face of {len(face)} nodes, expected 3")
+            faces.append(numbers_of(face, 3, at, "a b c of a face"))
+        elif first.upper() in OL_KEYS:
+            (keys[first.upper()],) = numbers_of(words, 1, at, f"of {first}")
+        elif first.startswith(("ORTHO_", "PERSPECTIVE_")):
+            notes.append(f"{at}: {first[:40]}, which may change the view")
         elif first[0].isalpha():
-            with suppress(ValueError, IndexError):  # text such as `MAPPING NORMALIZED` has no use
-                keys[first.upper()] = float(words[0])
+            continue  # text such as `MAPPING NORMALIZED` has no use
         else:
             nodes.append(numbers_of([first, *words], 5, at, "x y brightness s t"))
     for name, lines in (("VERTICES", nodes), ("FACES", faces)):
@@ -424,18 +450,22 @@ def parse_scalable(data: bytes, size: Size, where: str) -> MeasuredMesh:
     if light.min() < 1.0:
         whole = mesh(np.nan_to_num(np.clip(places, -1, 2)), sources, triangles)
         mask = _brightness_mask(whole, light, size)
-    return MeasuredMesh(warp, mask, _scalable_view(keys))
+    return MeasuredMesh(warp, mask, _scalable_view(keys), tuple(notes))
 
 
 def _scalable_view(keys: dict[str, float]) -> ViewAngles | None:
     if not any(f"PERSPECTIVE_{edge}" in keys for edge in EDGES):
         return None
-    yaw, pitch, roll = (keys.get(f"PERSPECTIVE_{n}", 0.0) for n in ("YAW", "PITCH", "ROLL"))
+    yaw, pitch, roll = (keys.get(f"PERSPECTIVE_{n}", 0.0) for n in OL_TURNS)
     turn = turned(turns(2, roll) @ turns(1, yaw) @ turns(0, pitch))
     left, right, bottom, top = (keys.get(f"PERSPECTIVE_{edge}", 0.0) for edge in EDGES)
     return ViewAngles(*turn, left, right, bottom, top)
 
 
+SKYSKAN_KEYS = {
+    "dome azimuth", "dome elevation", "horizontal fov", "vertical fov", "u tweak", "v tweak",
+    "horizontal tweak", "vertical tweak",
+}  # fmt: skip
 SKYSKAN_HIGH = 1200 / 2048  # height of a view of unknown height, in shares of its width
 
 
@@ -451,10 +481,13 @@ def parse_skyskan(data: bytes, _: Size, where: str) -> MeasuredMesh:
     """
     keys: dict[str, float] = {}
     table: list[list[float]] = []  # the size, then the nodes
+    notes: list[str] = []
     for number, words in text_rows(data, where):
         at = f"{where}: line {number}"
         name, equals, value = (part.strip() for part in " ".join(words).partition("="))
-        if equals:
+        if equals and name.lower() not in SKYSKAN_KEYS:
+            notes.append(f"{at}: {name[:40]!r}, which may change the view")
+        elif equals:
             (keys[name.lower()],) = numbers_of([value], 1, at, f"of {name!r}")
         elif table:
             table.append(numbers_of(words, 4, at, "x y u v"))
@@ -474,7 +507,7 @@ def parse_skyskan(data: bytes, _: Size, where: str) -> MeasuredMesh:
     unused = (x == -1.0) | (y == -1.0)
     places = np.column_stack([np.where(unused, np.nan, x), 1.0 - y])
     warp = node_mesh(places, np.column_stack([u, 1.0 - v]), grid_triangles(columns, rows), where)
-    return MeasuredMesh(warp, view=_skyskan_view(keys, where))
+    return MeasuredMesh(warp, view=_skyskan_view(keys, where), notes=tuple(notes))
 
 
 def _skyskan_view(keys: dict[str, float], where: str) -> ViewAngles:

@@ -75,7 +75,7 @@ def test_a_written_obj_shows_what_the_warp_did(seed):
         (b"v 1 one\n", "line 1: expected the numbers x y"),
         (b"vt 1\n", "line 1: expected the numbers u v"),
         (b"hello\n", "line 1: 'hello' is not a keyword of OBJ files"),
-        (b"\xff\xfe\x00", "not text"),
+        (b"v \x00\xff\x00", "not text"),
         (QUAD + b"f 1/1 2/1 3/1", "its u and v have no area"),
         (QUAD + b"f 1/1 2/2 3/2", "its u and v have no area"),
         (QUAD + b"f 1 1 1", "1 of 1 triangles have no area"),
