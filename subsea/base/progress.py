@@ -13,6 +13,11 @@ def say(message: str) -> None:
     print(f"subsea: {printable(message)}", file=sys.stderr, flush=True)
 
 
+def print_line(text: object) -> None:
+    """Print a line of results; titles and names in files may have line breaks and escapes."""
+    print(printable(str(text)))
+
+
 def count_noun(number: int, one: str, many: str) -> str:
     """A number with its noun: 1 fish, 1,200 fishes."""
     return f"{number:,} {one if number == 1 else many}"

@@ -22,6 +22,7 @@ from subsea.base.findings import (
     to_json,
     write_page,
 )
+from subsea.base.progress import print_line
 from subsea.base.system import require
 
 DPI = 100
@@ -116,7 +117,7 @@ class ReportFiles:
             extent = [report.extent, ""] if report.extent else []
             write_page(self.page, self.name, [*extent, *report_lines(rows, report.sources)])
         for path in drawn:
-            print(path)
+            print_line(path)
 
 
 def add_report_options(parser: argparse._ActionsContainer) -> None:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from subsea.base.command_line import add_command
 from subsea.base.errors import UserError
+from subsea.base.progress import print_line
 from subsea.base.registry import LISTS, load_named, registered
 
 SHIPPED, OWN = "shipped", "own"
@@ -48,9 +49,11 @@ def run(options: Namespace) -> int:
         return 0
     wide = max(len(entry.name) for entry in entries)
     for name, origin, title, fault in entries:
-        print(f"{name:<{wide}}  {origin:<{len(SHIPPED)}}  {f'error: {fault}' if fault else title}")
+        print_line(
+            f"{name:<{wide}}  {origin:<{len(SHIPPED)}}  {f'error: {fault}' if fault else title}"
+        )
     if folder is not None:
-        print(f"own files: {folder}")
+        print_line(f"own files: {folder}")
     return 0
 
 

@@ -18,6 +18,7 @@ from msgspec import Meta, inspect
 
 from subsea.base.errors import UserError, nearest, unknown
 from subsea.base.files import read_text, replacing
+from subsea.base.progress import print_line
 from subsea.base.toml_files import error_at, load_toml
 
 # Controls that act as long as an input is held.
@@ -511,7 +512,7 @@ def show_settings(write: bool, force: bool = False) -> int:
         write_settings(path, force)
     elif path.exists():
         read_settings(path)
-    print(path if path.exists() else f"{path} (missing; `subsea settings --write` writes it)")
+    print_line(path if path.exists() else f"{path} (missing; `subsea settings --write` writes it)")
     return 0
 
 

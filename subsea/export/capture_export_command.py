@@ -8,6 +8,7 @@ from typing import Any
 from subsea.base.command_line import add_command, add_force
 from subsea.base.file_kinds import GLTF, PICTURE, USD, check_result, json_file
 from subsea.base.files import check_folder
+from subsea.base.progress import print_line
 from subsea.base.system import require
 from subsea.export.options import add_detail, add_gltf, check_options
 
@@ -82,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     if options.to == "gltf":
         return _export_gltf(options, model, clips)
     for path in write(options.out, model, clips, options.root == "baked"):
-        print(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
+        print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB")
     return 0
 
 
@@ -104,5 +105,5 @@ def _export_gltf(options: argparse.Namespace, model: Any, clips: Any) -> int:
             f"length (rms), {rig.most_percent:.2f}% at most"
         )
     path = write_gltf(options.out, model, clips, options.root == "baked", rig, packing)
-    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
+    print_line(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {told}")
     return 0

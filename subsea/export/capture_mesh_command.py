@@ -8,6 +8,7 @@ from subsea.base.command_line import add_command, add_force
 from subsea.base.errors import unknown
 from subsea.base.file_kinds import MESH, check_results
 from subsea.base.files import check_folder
+from subsea.base.progress import print_line
 
 GROUP = "use elsewhere"  # in the help
 
@@ -56,5 +57,5 @@ def run(options: argparse.Namespace) -> int:
     check_results(files, MESH, options.force)
     for frame in trange(len(nodes), unit="frame"):
         write_mesh(files[frame], mesh, nodes[frame])
-    print(f"{files[0]} and {len(nodes) - 1} more")
+    print_line(f"{files[0]} and {len(nodes) - 1} more")
     return 0

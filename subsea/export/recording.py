@@ -12,7 +12,7 @@ from subsea.base import interrupts
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
-from subsea.base.progress import count_noun, progress, say
+from subsea.base.progress import count_noun, print_line, progress, say
 from subsea.base.system import require
 from subsea.dive.captions import caption_of
 from subsea.dive.directed_camera import check_tour, is_cut, tour_steering
@@ -114,7 +114,7 @@ def export_scene(target: str, film: SceneFilmOptions, options: SceneOptions) -> 
     files = writer.write(scene, film.out, options)
     fishes = count_noun(len(scene.fishes), "fish", "fishes")
     total = sum(path.stat().st_size for path in files if path.is_file())
-    print(
+    print_line(
         f"{film.out}: {total / 1e6:.1f} MB, {count_noun(scene.frames, 'frame', 'frames')} of "
         f"{fishes} at {scene.fps:g} fps"
     )

@@ -24,6 +24,7 @@ from subsea.base.arrays import Array, summarize_ms
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import csv_file, json_file
 from subsea.base.files import read_text, replacing
+from subsea.base.progress import print_line
 from subsea.base.report_files import DPI, STYLE
 from subsea.base.system import cores
 from subsea.base.validation import plain_words
@@ -212,7 +213,7 @@ def print_report(report: dict[str, Any]) -> None:
 
 def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
     """Print several reports, one a line, medians in ms."""
-    print(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
+    print_line(f"{reports[0]['scenario']}, motor {reports[0]['motor']}, {_pixels(reports[0])}")
     print(_drawn_by(reports[0]))
     print(machine_line(reports[0]["machine"]))
     names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
@@ -332,10 +333,12 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[OlderReport], pat
         old = before.get(report["fish"])
         if old is None:
             if len(reports) > 1 or len(older) > 1:
-                print(f"\n{path} has no {report['fish']} fishes")
+                print()
+                print_line(f"{path} has no {report['fish']} fishes")
                 continue
             old = older[0]
-        print(f"\n{report['fish']} fishes, against {path} (subsea {old.version})")
+        print()
+        print_line(f"{report['fish']} fishes, against {path} (subsea {old.version})")
         others = [name for name in ("fish", *SETTINGS) if getattr(old, name) != report[name]]
         others += [
             name
@@ -343,7 +346,7 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[OlderReport], pat
             if name in old.machine and old.machine[name] != report["machine"][name]
         ]
         if others:
-            print(f"different: {', '.join(others)}")
+            print_line(f"different: {', '.join(others)}")
         parts = old.parts_ms
         machine = spread(parts.get("yardstick", []), report["parts_ms"]["yardstick"])
         print(f"{'ms':<14}{'then':>10}{'now':>10}{'times faster':>14}{'in most parts':>20}")

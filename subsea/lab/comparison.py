@@ -11,10 +11,10 @@ from textwrap import shorten
 from typing import Any, NamedTuple
 
 from subsea.base import interrupts
-from subsea.base.errors import UserError
+from subsea.base.errors import UserError, printable
 from subsea.base.file_kinds import check_result
 from subsea.base.files import replacing
-from subsea.base.progress import count_noun, progress
+from subsea.base.progress import count_noun, print_line, progress
 from subsea.base.report_files import check_plots, write_plots
 from subsea.lab.plots import LINES
 from subsea.lab.report import MEASURES, Measured, measure, refuse_clashes
@@ -190,7 +190,7 @@ def compare(
                 page = partial(comparison_page, groups=labelled, estimates=estimates)
                 write_plots(out, {PLOT: page}, check)
     if picture:
-        print(picture)
+        print_line(picture)
     return 0
 
 
@@ -261,7 +261,7 @@ def comparison_table(groups: Sequence[RecordGroup]) -> list[str]:
     """Format groups as lines of text, without measures that are 0 or missing in all records."""
     letters = [f"group {k + 1}" for k in range(len(groups))]
     lines = [
-        f"{letter}: {count_noun(len(group.rows), 'record', 'records')}, {group.label}"
+        f"{letter}: {count_noun(len(group.rows), 'record', 'records')}, {printable(group.label)}"
         for letter, group in zip(letters, groups, strict=True)
     ]
     lines += [

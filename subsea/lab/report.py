@@ -14,7 +14,7 @@ from subsea.base import interrupts
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import check_result, json_file
 from subsea.base.files import replacing
-from subsea.base.progress import count_noun
+from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
 from subsea.lab.measures import (
     BARRIERS,
@@ -61,7 +61,7 @@ def study(record: Path, out: Path | None, report: Path | None, force: bool = Fal
                 temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
             drawn = plot(read, out, check) if out else []
     for path in drawn:
-        print(path)
+        print_line(path)
     return 0
 
 

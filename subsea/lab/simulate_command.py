@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.command_line import add_command, add_force, number_reader
+from subsea.base.progress import print_line
 from subsea.dive import arguments as shared
 
 GROUP = "simulate and study"  # in the help
@@ -76,5 +77,5 @@ def run(options: Namespace) -> int:
         options.changes,
         options.force,
     )
-    print(f"{options.out}: {extent}")
+    print_line(f"{options.out}: {extent}")
     return 0

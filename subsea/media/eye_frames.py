@@ -19,7 +19,7 @@ from subsea.base import interrupts
 from subsea.base.arrays import describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import read_input, replacing
-from subsea.base.progress import count_noun, progress, say
+from subsea.base.progress import count_noun, print_line, progress, say
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.ride import (
@@ -84,7 +84,7 @@ def film_eyes(options: EyeFilmOptions) -> int:
     windows = [f"{part}/{side}" if part else side for part in PARTS for side in SIDES]
     missing = missing_frames(out, manifest, windows, len(times))
     if not missing and _frames_in(out / CAMERA, manifest) == len(times):
-        print(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
+        print_line(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
         return 0
     durations: list[float] = []
     frames: list[dict[str, Any]] = []
@@ -263,4 +263,4 @@ def _frames_in(path: Path, manifest: dict[str, Any]) -> int:
 
 def _report(out: Path, durations: list[float]) -> None:
     if durations:
-        print(f"{out}: {describe_durations(durations)}")
+        print_line(f"{out}: {describe_durations(durations)}")

@@ -26,7 +26,7 @@ from subsea.base import interrupts
 from subsea.base.arrays import Bytes, describe_durations
 from subsea.base.errors import UserError
 from subsea.base.files import check_folder, file_hash, read_input, replacing
-from subsea.base.progress import count_noun, progress, say
+from subsea.base.progress import count_noun, print_line, progress, say
 from subsea.dive.captions import caption_of, draw_caption
 from subsea.dive.directed_camera import (
     check_tour,
@@ -305,7 +305,7 @@ def film(options: TourFilmOptions) -> int:
         )  # fmt: skip
         missing = missing_frames(out, manifest, windows, len(times))
         if not missing:
-            print(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
+            print_line(f"{out}: complete, {count_noun(len(times), 'frame', 'frames')}")
             return 0
     preset = PRESETS[options.quality]
     durations: list[float] = []
@@ -427,4 +427,4 @@ def _intent(names: str, frames: int, missing: list[int]) -> str:
 def _report(names: str, kind: str, durations: list[float]) -> None:
     """Print the written files; nothing without a complete picture."""
     if durations:
-        print(f"{names}: {'written' if kind == 'picture' else describe_durations(durations)}")
+        print_line(f"{names}: {'written' if kind == 'picture' else describe_durations(durations)}")

@@ -8,6 +8,7 @@ from pathlib import Path
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.files import replacing
+from subsea.base.progress import print_line
 from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.layouts import layout
@@ -74,10 +75,10 @@ def write_theatre(
     code = describe(str(out))
     draw_room(str(out), picture, force=True)
     for note in plan.notes:
-        print(note)
+        print_line(note)
     print("\nTo line it up:")
     for number, step in enumerate(line_up(plan, wanted.computers), 1):
-        print(f"{number}. {step}")
+        print_line(f"{number}. {step}")
     return code
 
 
@@ -92,4 +93,4 @@ def draw_room(name: str, picture: Path, force: bool = False) -> None:
     pixels = room_picture(theatre, usable_channels(theatre, path)[0])
     with replacing(picture) as part:
         Image.fromarray(pixels).save(part, "PNG", optimize=True)
-    print(f"the room: {picture}")
+    print_line(f"the room: {picture}")

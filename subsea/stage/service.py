@@ -13,6 +13,7 @@ from subsea.base.errors import UserError, printable
 from subsea.base.file_kinds import check_result, signed
 from subsea.base.files import replacing
 from subsea.base.interrupts import INTERRUPTED
+from subsea.base.progress import print_line
 from subsea.base.system import is_path
 from subsea.dive.directed_camera import check_tour
 from subsea.dive.options import DiveOptions
@@ -148,7 +149,7 @@ def write_unit(
     check_result(path, UNIT)
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
-    print(path)
+    print_line(path)
     if out is None:
         print(f"`systemctl --user enable --now {path.stem}` starts it, now and at every login")
     return 0

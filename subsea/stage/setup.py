@@ -12,7 +12,7 @@ import msgspec
 
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import file_hash
-from subsea.base.progress import count_noun, say
+from subsea.base.progress import count_noun, print_line, say
 from subsea.base.toml_files import error_at
 from subsea.dive.options import DisplayOptions
 from subsea.dive.pilot import Pilot
@@ -198,8 +198,8 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
     theatre, path = load_theatre(name)
     if write is not None:
         for file in write_theatre(theatre, path, write, force):
-            print(f"wrote {file}")
-    print(f"{path}: {theatre.title or 'a theatre'}")
+            print_line(f"wrote {file}")
+    print_line(f"{path}: {theatre.title or 'a theatre'}")
     found: Sequence[ProjectorChannel]
     try:
         found, faults = usable_channels(theatre, path)
@@ -215,29 +215,29 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
             where = f"at {window.position[0]}, {window.position[1]}"
         if len(theatre.nodes) > 1:
             where += f" of {window.node}"
-        print(f"window {window.name}: {window.size[0]}x{window.size[1]} pixels {where}")
+        print_line(f"window {window.name}: {window.size[0]}x{window.size[1]} pixels {where}")
         for one in found:
             if one.window == number:
-                print(f"  channel {one.name}: {_words(one)}")
+                print_line(f"  channel {one.name}: {_words(one)}")
     if found:
         rig = theatre_rig(theatre, found, shown_windows(theatre, found, None))
         drawn = sum(eye.viewport[2] * eye.viewport[3] for eye in rig.eyes)
         shown = sum(width * height for width, height in rig.outputs)
         views = count_noun(len(rig.eyes), "view", "views")
-        print(
+        print_line(
             f"{views}, {drawn / 1e6:.1f} million pixels drawn for "
             f"{shown / 1e6:.1f} million shown, on a canvas of {rig.canvas[0]}x{rig.canvas[1]}"
         )
     if theatre.cluster is not None:
         master, address = theatre.cluster.master, theatre.cluster.address
         others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
-        print(f"master {master} at {address}, with {others}")
+        print_line(f"master {master} at {address}, with {others}")
         faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
     refused = theatre.refused if isinstance(theatre, ImportedTheatre) else ()
     for fact in left_out(theatre)[len(refused) :]:
-        print(f"left out: {fact}")
+        print_line(f"left out: {fact}")
     for line in (*refused, *faults):
-        print(f"does not work: {line}")
+        print_line(f"does not work: {line}")
     return 1 if refused or faults else 0
 
 

@@ -18,7 +18,7 @@ import platformdirs
 
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
-from subsea.base.progress import count_noun, say
+from subsea.base.progress import count_noun, print_line, say
 from subsea.dive.captions import FADE_S, Caption, shown_s
 from subsea.dive.part import DivePart
 from subsea.dive.presented import Presented, with_show
@@ -188,12 +188,12 @@ def describe_show(path: Path) -> int:
     """Print the timetable of today and what is missing; 1 if anything is."""
     show, today = load_show(path), date.today()
     items = count_noun(len(show.item), "item", "items")
-    print(f"{show.title or path.name}: {items}, {hours_text(show.hours, today)} today")
+    print_line(f"{show.title or path.name}: {items}, {hours_text(show.hours, today)} today")
     for start, number in timetable(show):
-        print(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
+        print_line(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
     if show.repeat:
-        print("      then from the beginning")
-    print(f"dives of visitors today: {DiveCount(say).of(today)}")
+        print_line("      then from the beginning")
+    print_line(f"dives of visitors today: {DiveCount(say).of(today)}")
     missing = list(faults(show, path))
     for _, fault in missing:
         say(str(fault))

@@ -10,6 +10,7 @@ from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.files import check_file, read_text, replacing
 from subsea.base.interrupts import deferred_interrupts
+from subsea.base.progress import print_line
 from subsea.base.system import ROOT, is_path
 from subsea.fish.color_sheet import assign_sheet, own_sheet_path, write
 from subsea.fish.species import Species, is_shipped, load_species, species_file
@@ -53,13 +54,15 @@ def dress(
         check()
         if mesh is not None and not mesh.exists():
             save_mesh(mesh, photograph, one.meshes)
-            print(f"{mesh}: the meshes, to correct by hand or use again")
+            print_line(f"{mesh}: the meshes, to correct by hand or use again")
         if out is None:
-            print(f"{assign_sheet(path, sheet)}: the sheet")
-            print(f"{path}: skin.sheet names it")
+            print_line(f"{assign_sheet(path, sheet)}: the sheet")
+            print_line(f"{path}: skin.sheet names it")
         else:
             write(out, sheet)
-            print(f"{out}: the sheet; to use it, put it beside a species file and set skin.sheet")
+            print_line(
+                f"{out}: the sheet; to use it, put it beside a species file and set skin.sheet"
+            )
     error = outline_error(one.meshes, one.mask)
     print(f"outline: {100 * error:.1f}% of the length, on average, from the segmented fish")
     fins = fin_errors(one.meshes, species.surface)
@@ -71,7 +74,7 @@ def dress(
     remedy = f"give --flip without {mesh}" if mesh is not None else "give --flip"
     print(f"heading: {'left' if left else 'right'}; if that is wrong, {remedy}")
     if out is None and not is_path(name, ".toml"):
-        print(f"to see it: subsea dive --set fish.0.species={name}")
+        print_line(f"to see it: subsea dive --set fish.0.species={name}")
     return 0
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from subsea.base.command_line import add_command
+from subsea.base.progress import print_line
 
 GROUP = "scenarios and theatres"  # in the help
 
@@ -29,5 +30,5 @@ def run(options: Namespace) -> int:
     from subsea.stage.cluster.keys import write_keys
 
     for path in write_keys(options.folder, options.names):
-        print(path)
+        print_line(path)
     return 0
