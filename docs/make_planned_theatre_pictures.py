@@ -51,12 +51,19 @@ def main() -> None:
             channels = usable_channels(house.theatre, house.path)[0]
             rows = [Image.fromarray(room_picture(house.theatre, channels)), *_projectors(house)]
             rows.append(Image.fromarray(_screen(channels)))
+        rows = [_fitted(row) for row in rows]
         sheet = Image.new("RGB", (WIDE, sum(row.height + GAP for row in rows) - GAP), "white")
         top = 0
         for row in rows:
             sheet.paste(row, ((WIDE - row.width) // 2, top))
             top += row.height + GAP
         save(sheet, folder / name)
+
+
+def _fitted(row: Image.Image) -> Image.Image:
+    """A picture that is not wider than the sheet."""
+    size = WIDE, round(row.height * WIDE / row.width)
+    return row.resize(size, Image.Resampling.LANCZOS) if row.width > WIDE else row
 
 
 def _projectors(house: TheatreSetup) -> list[Image.Image]:
@@ -77,7 +84,7 @@ def _projectors(house: TheatreSetup) -> list[Image.Image]:
         resolve.release()
     rows = []
     for begin in range(0, len(found), 3):
-        row = Image.new("RGB", (WIDE, found[0].height), "white")
+        row = Image.new("RGB", (3 * (found[0].width + GAP) - GAP, found[0].height), "white")
         for k, one in enumerate(found[begin : begin + 3]):
             row.paste(one, (k * (one.width + GAP), 0))
         rows.append(row)
