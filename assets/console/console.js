@@ -149,6 +149,9 @@
     write("fault", state.fault
       ? say("Last fault {time} ago: {text}", { time: span(state.fault.ago_s), text: state.fault.text })
       : say("No fault since the start, {time} ago.", { time: span(state.up_s) }));
+    write("refusal", state.refusal
+      ? say("Last refusal {time} ago: {text}", { time: span(state.refusal.ago_s), text: state.refusal.text })
+      : "");
     get("no-nodes").hidden = state.nodes.length > 0;
     document.querySelector(".scroll").hidden = state.nodes.length === 0;
     if (!changed("nodes", state.nodes)) return;

@@ -13,6 +13,7 @@ import numpy as np
 
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError
+from subsea.dive.captions import FaultLog
 from subsea.stage.console.commands import PresenterCommand
 
 MOST_WAITING = 32  # commands that the dive has not taken yet
@@ -32,6 +33,7 @@ class Board:
         self.health = b"{}"  # JSON
         self.picture: Bytes | None = None  # (h, w, 4)
         self.picture_number = 0  # changes with the picture
+        self.refusals = FaultLog(clock)  # of commands; the last is seen in state and health
         self._clock = clock
         self._waiting: Queue[Request] = Queue(MOST_WAITING)
         self._wanted_s = self._beat_s = -np.inf

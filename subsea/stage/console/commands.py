@@ -123,22 +123,22 @@ def from_json(data: bytes) -> PresenterCommand:
     name = content.get("command") if isinstance(content, dict) else None
     if not isinstance(name, str):
         raise UserError('expected {"command": NAME, KEY: VALUE…}')
-    return convert(content, _kind(name))
+    return _built(name, content)
 
 
-def from_words(name: str, values: Sequence[Any]) -> PresenterCommand:
-    """The command with a name and values in the order of its keys; a UserError if they misfit.
+def from_words(name: str, values: Sequence[Any]) -> PresenterCommand | None:
+    """Build a command of its name and values in the order of its keys; or a UserError.
 
-    Whole numbers count as yes and no, since few senders of OSC have these.
+    One value more is the state of a button: 1 triggers the command, 0 gives None.
     """
-    kind = _kind(name)
-    keys = kind.__struct_fields__
+    keys = _kind(name).__struct_fields__
+    pressed = True
+    if len(values) == len(keys) + 1 and values[-1] in (0, 1):
+        *values, pressed = values
     if len(values) > len(keys):
-        raise UserError(f"{name}: {len(values)} values, expected {len(keys)} at most")
-    content: dict[str, Any] = dict(zip(keys, values, strict=False))
-    if isinstance(content.get("on"), int) and content["on"] in (0, 1):
-        content["on"] = bool(content["on"])
-    return convert({"command": name, **content}, kind)
+        raise UserError(f"{len(values)} values, expected {len(keys)} at most")
+    command = _built(name, dict(zip(keys, values, strict=False)))
+    return command if pressed else None
 
 
 def described() -> list[dict[str, Any]]:
@@ -151,6 +151,28 @@ def described() -> list[dict[str, Any]]:
         }
         for name, kind in NAMES.items()
     ]
+
+
+def _built(name: str, content: dict[str, Any]) -> PresenterCommand:
+    """Build a command of values by key. Control surfaces know only floats, so these stand for all.
+
+    1.0 and 0.0 are yes and no, a whole number may be a float, and a fish a number.
+    """
+    kind = _kind(name)
+    for field in _fields(kind):
+        value, wanted = content.get(field.encode_name), field.type
+        while isinstance(wanted, inspect.Metadata):
+            wanted = wanted.type
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            continue
+        if isinstance(value, float) and value.is_integer():
+            value = int(value)
+        if isinstance(wanted, inspect.BoolType) and value in (0, 1):
+            value = bool(value)
+        elif field.encode_name == "fish" and isinstance(value, int):
+            value = str(value)
+        content[field.encode_name] = value
+    return convert({**content, "command": name}, kind)
 
 
 def _kind(name: str) -> type[PresenterCommand]:

@@ -251,10 +251,12 @@ class HttpConsole:
         try:
             command = from_json(await request.read())
         except UserError as reason:
+            self._board.refusals.add(f"HTTP: {reason}")
             return fault(422, str(reason))
         try:
             done = self._board.put(command)
         except UserError as reason:
+            self._board.refusals.add(f"HTTP: {reason}")
             return fault(503, str(reason))
         await asyncio.wait({asyncio.wrap_future(done)}, timeout=APPLIED_S)
         if done.cancel():  # it had not begun, and will not

@@ -1,12 +1,11 @@
 """Commands by OSC over UDP: `/subsea/COMMAND VALUE…`. The only module that speaks OSC.
 
-Nothing is answered, so that a forged sender gets nothing. Time tags and patterns in addresses have
-no effect.
+Nothing is answered, so that a forged sender gets nothing. The board keeps the last refusal. Time
+tags and patterns in addresses have no effect.
 """
 
 import asyncio
 import logging
-from contextlib import suppress
 from typing import Any
 
 from pythonosc.osc_packet import OscPacket
@@ -31,13 +30,20 @@ class OscConsole(asyncio.DatagramProtocol):
 
     def datagram_received(self, data: bytes, addr: Any) -> None:
         """Take a packet of any content."""
-        with suppress(Exception):  # the parser has various errors
-            for timed in OscPacket(data).messages:
-                address = timed.message.address
-                if address.startswith(PREFIX):
-                    with suppress(UserError):
-                        name = address.removeprefix(PREFIX)
-                        self._board.put(from_words(name, list(timed.message)))
+        try:
+            messages = [timed.message for timed in OscPacket(data).messages]
+        except Exception:  # the parser has various errors
+            self._board.refusals.add("OSC: a packet that has no message")
+            return
+        for message in messages:
+            if not message.address.startswith(PREFIX):
+                continue
+            try:
+                command = from_words(message.address.removeprefix(PREFIX), list(message))
+                if command is not None:
+                    self._board.put(command)
+            except UserError as fault:
+                self._board.refusals.add(f"OSC {message.address[:100]}: {fault}")
 
     def error_received(self, exc: Exception) -> None:
         """Ignore what a receiver of nothing said."""

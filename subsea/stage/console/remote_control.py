@@ -97,6 +97,7 @@ class RemoteControl:
         self._pictured_s = 0.0
         self._frames = 0
         self._losses = 0  # of nodes, so far
+        self._refused = ""  # the last refusal on the terminal
         self._opened = True  # a scenario, which takes long, before this frame
         self._publish(0.0)
 
@@ -113,6 +114,7 @@ class RemoteControl:
             try:
                 done.set_result(self._apply(command))
             except UserError as fault:
+                self._board.refusals.add(f"{command.__struct_config__.tag}: {fault}")
                 done.set_exception(fault)
         self.presented = self._presentation.update(elapsed_s)
         self._frames += 1
@@ -268,8 +270,11 @@ class RemoteControl:
             away = [node["name"] for node in nodes if not node["in_step"]]
             self._dive.faults.add(f"not in step: {', '.join(away)}" if away else "a node was late")
         self._losses = lost
+        if (refused := state["refusal"]) is not None and refused.text != self._refused:
+            self._refused = refused.text  # at most one line for each state: senders may flood
+            say(f"the console refused {refused.text}")
         self._board.state = msgspec.json.encode(state)
-        about = {key: state[key] for key in ("up_s", "pictures_a_s", "loading", "fault")}
+        about = {key: state[key] for key in ("up_s", "pictures_a_s", "loading", "fault", "refusal")}
         about["nodes"] = {node["name"]: node["in_step"] for node in nodes}
         self._board.health = msgspec.json.encode(about)
 
@@ -326,6 +331,7 @@ class RemoteControl:
             "pictures_a_s": round(pictures_a_s, 1),
             "up_s": round(time.monotonic() - self._begun_s, 1),
             "fault": dive.faults.state,
+            "refusal": self._board.refusals.state,
         }
 
 

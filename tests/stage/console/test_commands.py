@@ -11,8 +11,16 @@ from subsea.stage.console.commands import (
     COMMANDS,
     NAMES,
     BlankScreens,
+    FollowFish,
+    LeaveFish,
+    NextItem,
     PresenterCommand,
+    RideFish,
     SetQuality,
+    SetVolume,
+    ShowLineUp,
+    StartCue,
+    StartTour,
     described,
     from_json,
     from_words,
@@ -48,7 +56,7 @@ anything = st.recursive(
 @given(st.sampled_from(sorted(NAMES)), st.lists(anything, max_size=3))
 def test_any_values_are_a_command_or_one_line(name, values):
     try:
-        assert isinstance(from_words(name, values), PresenterCommand)
+        assert isinstance(from_words(name, values), PresenterCommand | None)
     except UserError as fault:
         assert "\n" not in str(fault)
 
@@ -59,3 +67,44 @@ def test_any_bytes_are_a_command_or_one_line(data):
         assert isinstance(from_json(data), PresenterCommand)
     except UserError as fault:
         assert "\n" not in str(fault)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "command"),
+    [
+        ("blank", [1.0], BlankScreens(True)),
+        ("line-up", [0.0], ShowLineUp(False)),
+        ("cue", [2.0], StartCue(2)),
+        ("follow", [3.0], FollowFish("3")),
+        ("ride", [3], RideFish("3")),
+        ("follow", ["nearest"], FollowFish("nearest")),
+        ("volume", [1], SetVolume(1.0)),
+    ],
+)
+def test_senders_that_know_only_floats_are_understood(name, values, command):
+    assert from_words(name, values) == command
+    [key] = NAMES[name].__struct_fields__
+    assert from_json(msgspec.json.encode({"command": name, key: values[0]})) == command
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "command"),
+    [
+        ("next-item", [], NextItem()),
+        ("helm", [], LeaveFish()),
+        ("tour", ["reef"], StartTour("reef")),
+        ("cue", [-1.0], StartCue(-1)),
+        ("blank", [1.0], BlankScreens(True)),
+    ],
+)
+def test_a_button_triggers_when_it_is_pressed_and_not_when_it_is_released(name, values, command):
+    for pressed in (1.0, 1, True):
+        assert from_words(name, [*values, pressed]) == command
+    for released in (0.0, 0, False):
+        assert from_words(name, [*values, released]) is None
+
+
+@pytest.mark.parametrize("values", [[0.5], [2], ["on"], [1.0, 1.0, 1.0], [float("nan")]])
+def test_other_numbers_are_no_answer_to_yes_or_no(values):
+    with pytest.raises(UserError, match="expected"):
+        from_words("blank", values)

@@ -144,7 +144,7 @@ def test_a_form_cannot_send_commands(console, kind):
         (b'{"command": "tour", "name": 7}', "expected text"),
         (b'{"command": "tour"}', "missing key"),
         (b'{"command": "tour", "name": "reef", "more": 1}', "unknown key"),
-        (b'{"command": "blank", "on": 1}', "expected true or false"),
+        (b'{"command": "blank", "on": 2}', "expected true or false"),
         (b'{"command": "volume", "volume": 1.5}', "at most 1"),
         (b'{"command": "volume", "volume": NaN}', "not JSON"),
         (b'{"command": "quality", "quality": "best"}', "unknown value"),
@@ -155,6 +155,7 @@ def test_what_is_no_command_is_refused_in_one_line(console, content, words):
     status, said, _ = console.ask("/api/commands", content)
     assert status == 422 and words in said["error"] and "\n" not in said["error"]
     assert console.dive.taken == []
+    assert console.board.refusals.state.text == f"HTTP: {said['error']}"
 
 
 def test_paths_lead_nowhere_else(console):

@@ -13,6 +13,7 @@ from pythonosc.udp_client import SimpleUDPClient
 from subsea.stage.console.board import MOST_WAITING, Board
 from subsea.stage.console.commands import (
     BlankScreens,
+    NextItem,
     SetVolume,
     ShowCaption,
     StartCue,
@@ -98,6 +99,8 @@ def test_what_is_no_command_is_dropped_in_silence(heard, capfd, packet):
     board, console = heard
     console.datagram_received(packet, None)
     assert taken(board) == []
+    for_others = packet.startswith((b"/other", b"#bundle"))  # or for nobody
+    assert for_others or board.refusals.state is not None
     assert capfd.readouterr() == ("", "")
 
 
@@ -117,6 +120,17 @@ def test_what_a_flood_sends_beyond_the_queue_is_lost(heard):
         builder.add_content(message("/subsea/helm"))
     console.datagram_received(builder.build().dgram, None)
     assert len(taken(board)) == MOST_WAITING
+
+
+def test_a_button_that_is_released_is_no_refusal(heard):
+    board, console = heard
+    for pressed in (1.0, 0.0):
+        console.datagram_received(message("/subsea/next-item", pressed).dgram, None)
+    assert taken(board) == [NextItem()] and board.refusals.state is None
+    console.datagram_received(message("/subsea/blank", 0.5).dgram, None)
+    assert (
+        board.refusals.state.text == "OSC /subsea/blank: expected true or false, got 0.5, at `on`"
+    )
 
 
 def test_nothing_is_answered(console):

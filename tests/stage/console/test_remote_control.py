@@ -3,6 +3,7 @@
 import threading
 from contextlib import closing
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -168,6 +169,19 @@ def test_cues_begin_in_turn_and_can_be_undone_by_time(boat, user, give):
     assert log.began[0] < 0
     boat.timeline.go(tick)
     assert log.began[0] >= 0  # the same again
+
+
+def test_the_last_refusal_is_in_state_health_and_terminal(boat, user, give, capfd):
+    board = remote(boat)._board
+    with pytest.raises(UserError):
+        give(StartTour("nowhere"))
+    board.refusals.add("OSC /subsea/x: unknown command 'x'")
+    user.glide(boat, 1.0)
+    for content in (board.state, board.health):
+        assert "unknown command 'x'" in msgspec.json.decode(content)["refusal"]["text"]
+    assert capfd.readouterr().err.count("the console refused OSC /subsea/x: unknown command") == 1
+    user.glide(boat, 1.0)
+    assert "refused" not in capfd.readouterr().err
 
 
 def test_quality_and_volume_are_set(boat, give):
