@@ -53,6 +53,12 @@ def shown_s(words: str, for_s: float | None) -> float:
     return READ_S + LETTER_S * len(words) if for_s is None else for_s
 
 
+def faded(words: str, since_s: float, left_s: float) -> Caption:
+    """Fade a caption in and out; nothing is left of one that is over."""
+    share = min(max(min(since_s, left_s) / FADE_S, 0.0), 1.0)
+    return Caption(words, share * share * (3.0 - 2.0 * share)) if left_s > 0.0 else Caption()
+
+
 def caption_of(world: World, alpha: float) -> Caption:
     """The caption of a world at `alpha` between its last two ticks."""
     cue = latest(world.scenario, world.state, "caption")
@@ -61,9 +67,7 @@ def caption_of(world: World, alpha: float) -> Caption:
     one = world.scenario.direction[cue]
     words = one.caption or ""
     since_s = (world.state.tick - 1 + alpha - int(world.state.directions.began[cue])) * TICK_S
-    left_s = shown_s(words, one.for_s) - since_s
-    share = min(max(min(since_s, left_s) / FADE_S, 0.0), 1.0)
-    return Caption(translated(words), share * share * (3.0 - 2.0 * share))
+    return faded(translated(words), since_s, shown_s(words, one.for_s) - since_s)
 
 
 def room_of(rig: CameraRig) -> tuple[float, float, float, float]:

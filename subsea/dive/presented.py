@@ -4,7 +4,7 @@ from typing import Annotated
 
 import msgspec
 
-from subsea.dive.captions import FADE_S, Caption, shown_s
+from subsea.dive.captions import Caption, faded, shown_s
 
 MAX_CAPTION = 300  # characters, as in a direction
 BLANK_S = 0.5  # in which the screens become black
@@ -52,9 +52,6 @@ class Presentation:
         self._shade = min(max(self._shade + (step if self.blank else -step), 0.0), 1.0)
         self._gone_s += elapsed_s
         self._left_s -= elapsed_s
-        if self._left_s <= 0.0:
-            self.caption = ""
-        share = min(max(min(self._gone_s, self._left_s) / FADE_S, 0.0), 1.0)
-        share *= bool(self.caption)
-        opacity = share * share * (3.0 - 2.0 * share)
-        return Presented(self._shade, self.pattern, self.caption, opacity)
+        words, opacity = faded(self.caption, self._gone_s, self._left_s)
+        self.caption = words
+        return Presented(self._shade, self.pattern, words, opacity if words else 0.0)

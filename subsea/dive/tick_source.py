@@ -26,6 +26,7 @@ class TickSource(ABC):
     waiting = ""  # the cause of a wait; empty while the dive runs
     idle_s = 0.0  # time that the last call of `advance` spent waiting
     presented: Presented = NOTHING  # over the sea; of a cluster, the master's
+    gathering = False  # True while other computers open the scenario that this one has opened
 
     @abstractmethod
     def advance(self, elapsed_s: float) -> float | None:
@@ -47,6 +48,9 @@ class TickSource(ABC):
 
     def offer(self, scenario: Path) -> None:  # noqa: B027 - only a master does
         """Let nodes open the scenario of this file, if it has a name, to take part."""
+
+    def change(self) -> None:  # noqa: B027 - only a master does
+        """Make the screens of all computers black before another scenario is opened."""
 
     def set_tour(self, tour: Steer | None) -> None:
         """Let a tour steer from the next tick on, until there is input; None: the pilot steers."""

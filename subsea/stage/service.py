@@ -70,9 +70,8 @@ TEXT = """[Unit]
 Description={description}
 PartOf=graphical-session.target
 After=graphical-session.target
-# Give up after thirty failures in ten minutes.
-StartLimitIntervalSec=10min
-StartLimitBurst=30
+# Never give up: the display, the network or another computer may come at any time.
+StartLimitIntervalSec=0
 
 [Service]
 # Ready when the first picture of the sea is shown; each later one keeps the watchdog calm.

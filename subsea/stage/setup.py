@@ -29,7 +29,7 @@ from subsea.stage.theatre.theatre_rig import theatre_rig, visible_channels
 from subsea.stage.theatre.theatre_writer import write_theatre
 from subsea.stage.theatre.warp import describe_warp
 from subsea.ui.monitors import Installation, Screen
-from subsea.view.rig import CameraRig
+from subsea.view.rig import CameraRig, front
 from subsea.view.stereo import EYES, Stereo
 from subsea.world.world import World
 
@@ -46,6 +46,7 @@ class TheatreSetup(NamedTuple):
     rig: CameraRig
     # Of this computer, none if all belong to others; None: the theatre lists none.
     loudspeakers: Layout | None = None
+    in_front: bool = True  # False: other computers show what is ahead of the audience
 
 
 def set_up_theatre(
@@ -80,7 +81,12 @@ def set_up_theatre(
         raise UserError(f"node {node!r} has no window with a channel that works", file=path)
     rig = theatre_rig(theatre, found, numbers, display, stereo)
     windows = tuple(theatre.window[number] for number in numbers)
-    return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node))
+    everybody = rig
+    if node is not None:
+        numbers = shown_windows(theatre, found, None)
+        everybody = theatre_rig(theatre, found, numbers, display, stereo)
+    ahead = front(everybody).channel == front(rig).channel
+    return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node), ahead)
 
 
 def _loudspeakers(theatre: Theatre, node: str | None) -> Layout | None:
@@ -272,4 +278,5 @@ def theatre_windows(
         Screen(window.name, window.size, window.position, window.monitor)
         for window in setup.windows
     ]
-    return Installation(setup.rig, screens, str(setup.path), setup.loudspeakers), make_ticks
+    shown = Installation(setup.rig, screens, str(setup.path), setup.loudspeakers, setup.in_front)
+    return shown, make_ticks

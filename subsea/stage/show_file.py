@@ -8,7 +8,7 @@ once a day.
 import hashlib
 import re
 from collections.abc import Iterator
-from datetime import date, datetime, timedelta
+from datetime import date, datetime, time, timedelta
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -68,11 +68,17 @@ def is_open(hours: OpeningHours | None, at: datetime) -> bool:
     """True at a local time within the hours; without hours, always."""
     if hours is None:
         return True
-    minute = 60 * at.hour + at.minute
-    before = spans_on(hours, at.date() - timedelta(days=1))
-    return any(begin <= minute < end for begin, end in spans_on(hours, at.date())) or any(
-        minute + DAY_MIN < end for _, end in before
-    )
+    day = day_of(hours, at)
+    minute = 60 * at.hour + at.minute + DAY_MIN * (at.date() - day).days
+    return any(begin <= minute < end for begin, end in spans_on(hours, day))
+
+
+def day_of(hours: OpeningHours | None, at: datetime) -> date:
+    """Find the day of the show at a local time: a night is part of the evening before."""
+    before = at.date() - timedelta(days=1)
+    minute = 60 * at.hour + at.minute + DAY_MIN
+    late = hours is not None and any(minute < end for _, end in spans_on(hours, before))
+    return before if late else at.date()
 
 
 def hours_text(hours: OpeningHours | None, day: date) -> str:
@@ -246,8 +252,8 @@ def clock_now() -> ShowClock:
 
 
 def begin(show: Show, now: ShowClock) -> Progress:
-    """The progress of a show that begins now: where it would be by the clock of today."""
-    midnight = now.local.replace(hour=0, minute=0, second=0, microsecond=0)
+    """The progress of a show that begins now: where it would be by the clock of its day."""
+    midnight = datetime.combine(day_of(show.hours, now.local), time())
     item, elapsed_s = 0, 0.0
     if due := _latest_start(show, midnight - timedelta(microseconds=1), now.local):
         item, elapsed_s = due[1], (now.local - due[0]).total_seconds()
@@ -277,7 +283,8 @@ def advance(
 
 def resume(show: Show, saved: Progress, now: ShowClock) -> Progress:
     """The progress after a time without power: the saved one, or by the clock of a later item."""
-    if not 0 <= saved.item < len(show.item) or saved.seen.date() != now.local.date():
+    days = {day_of(show.hours, at) for at in (saved.seen, now.local)}
+    if not 0 <= saved.item < len(show.item) or len(days) > 1:
         return begin(show, now)
     if now.local < saved.seen:  # the clock has lost its battery, or was set
         return msgspec.structs.replace(saved, seen=now.local, utc_s=now.utc_s)

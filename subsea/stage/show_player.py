@@ -19,7 +19,7 @@ import platformdirs
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
 from subsea.base.progress import count_noun, print_line, say
-from subsea.dive.captions import FADE_S, Caption, shown_s
+from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
 from subsea.dive.presented import Presented, with_show
 from subsea.scenario.schema import AUTOPILOT, Scenario
@@ -33,6 +33,7 @@ from subsea.stage.show_file import (
     begin,
     clock_now,
     clock_text,
+    day_of,
     faults,
     hours_text,
     is_open,
@@ -185,10 +186,15 @@ def _counts(text: str) -> dict[str, int]:
 
 
 def describe_show(path: Path) -> int:
-    """Print the timetable of today and what is missing; 1 if anything is."""
-    show, today = load_show(path), date.today()
+    """Print the timetable of today and what is missing; 1 if anything is.
+
+    At night that of the evening before, while its hours last.
+    """
+    show, today = load_show(path), clock_now().local.date()
+    day = day_of(show.hours, clock_now().local)
     items = count_noun(len(show.item), "item", "items")
-    print_line(f"{show.title or path.name}: {items}, {hours_text(show.hours, today)} today")
+    named = "today" if day == today else "yesterday"
+    print_line(f"{show.title or path.name}: {items}, {hours_text(show.hours, day)} {named}")
     for start, number in timetable(show):
         print_line(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
     if show.repeat:
@@ -266,8 +272,8 @@ class ShowPlayer:
         wanted = self.open and self.shade >= 1.0 and self.shown != self.progress.item
         return self.progress.item if wanted else None
 
-    def update(self, elapsed_s: float) -> None:
-        """Go on, `elapsed_s` after the last call."""
+    def update(self, elapsed_s: float, held: bool = False) -> None:
+        """Go on, `elapsed_s` after the last call; while `held`, black screens stay black."""
         now, before = self._clock(), self.progress
         cue, self._cue = self._cue, False
         if not self._loaded:  # loading took time that is not of the show: the clock is right
@@ -286,7 +292,7 @@ class ShowPlayer:
             self.progress = msgspec.structs.replace(before, seen=now.local, utc_s=now.utc_s)
             if was_open:
                 self._tell(f"the show closes; {self._next_opening(now)}")
-        self._fade(elapsed_s)
+        self._fade(elapsed_s, held)
 
     def show_item(self, item: int) -> None:
         """Note that an item's sea is ready to be seen."""
@@ -299,13 +305,12 @@ class ShowPlayer:
         if self.shown is None or not self.show.item[self.shown].caption:
             return Caption()
         item = self.show.item[self.shown]
-        left_s = shown_s(item.caption, item.caption_s) - self._caption_s
-        share = min(max(min(self._caption_s, left_s) / FADE_S, 0.0), 1.0)
-        return Caption(item.caption, share * share * (3.0 - 2.0 * share))
+        length_s = shown_s(item.caption, item.caption_s)
+        return faded(item.caption, self._caption_s, length_s - self._caption_s)
 
-    def _fade(self, elapsed_s: float) -> None:
+    def _fade(self, elapsed_s: float, held: bool) -> None:
         """Darken before another item and outside the hours, else lighten."""
-        dark = not self.open or self.shown != self.progress.item
+        dark = held or not self.open or self.shown != self.progress.item
         given = self.item.fade_s
         fade_s = self.show.fade_s if given is None else given
         elapsed_s = min(elapsed_s, STEP_S)
@@ -374,7 +379,7 @@ class ShowScreens(DivePart):
     def before(self, dive: "Dive", elapsed_s: float) -> bool:
         """Go on; all is black and silent outside the opening hours."""
         player = self.player
-        player.update(elapsed_s)
+        player.update(elapsed_s, dive.tick_source.gathering)
         due, black = player.due, player.shade >= 1.0
         if due is not None and (self._fresh or self._black):  # a picture later: all screens are
             self._begin(dive, due)

@@ -76,6 +76,7 @@ class Dive:
             filter(None, (part.installation(options) for part in self.parts)), (None, LocalTicks)
         )
         self._make_ticks: TickSourceMaker = make_ticks
+        self._in_front = installation is None or installation.in_front
         self._check = check
         self.shots = ScreenCapture(pictures_folder(settings.pictures.folder), self.note)
         self.records_text = settings.pictures.instruments  # in pictures and films
@@ -166,6 +167,12 @@ class Dive:
             return Caption(shown.caption, shown.opacity)
         return caption_of(self.world, self.picture.alpha)
 
+    @property
+    def subtitle(self) -> Caption:
+        """The caption on these windows: of several computers, those ahead of the audience."""
+        shown = self._in_front or self.picture.text_panel is not None
+        return self.caption if shown else Caption()
+
     def take_picture(self) -> None:
         """Save a picture of the next frame."""
         self.shots.wanted = True
@@ -179,6 +186,8 @@ class Dive:
         where they are (`world.migrate.migrate`), and so does time.
         """
         before, ride, time = self.world, self.picture.ride, self.timeline
+        if not keep:
+            self.tick_source.change()
         try:
             if keep:
                 world = create_world(scenario, seed, source=str(source))
@@ -280,7 +289,7 @@ class Dive:
             self._first.keep(self.window_set.picture())
             self._first = None
         if not self.records_text:
-            self._record(elapsed_s, self.caption)
+            self._record(elapsed_s, self.subtitle)
         self.text.draw(elapsed_s)
         if self.records_text:
             self._record(elapsed_s)

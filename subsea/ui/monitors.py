@@ -40,6 +40,7 @@ class Installation(NamedTuple):
     screens: Sequence[Screen]
     source: str = ""  # the file that defines them
     loudspeakers: Layout | None = None  # instead of those of the settings
+    in_front: bool = True  # False: other computers show what is ahead of the audience
 
 
 class Monitor(NamedTuple):

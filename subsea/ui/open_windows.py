@@ -69,8 +69,8 @@ def open_windows(
         if installation is None:
             window_set = WindowSet([(Screen(title, size), None)], pilot, display == PAGED)
         else:
-            rig, screens, source, _ = installation
-            shown = placed(screens, there, source, say)
+            rig, screens = installation.rig, installation.screens
+            shown = placed(screens, there, installation.source, say)
             rig = select_outputs(rig, [number for number, _ in shown])
             window_set = WindowSet(
                 [(screens[number], monitor) for number, monitor in shown],

@@ -55,7 +55,7 @@ class TextLayer:
         if panel is None:
             _draw_labels(picture.labels, picture.front_view)
         if not dive.menu.open:  # nor draw a caption behind the help
-            caption = dive.caption
+            caption = dive.subtitle
             opacity = caption.opacity * (1.0 - overlay.covered)
             room = None if panel is not None else picture.rig
             draw_subtitle(caption._replace(opacity=opacity), room)

@@ -46,6 +46,7 @@ def test_captions_fade_and_the_latest_is_shown(tmp_path):
     steps = np.abs(np.diff([one.opacity for time, one in seen.items() if time > 1.1]))
     assert steps.max() < 2.0 * TICK_S / FADE_S
     assert {one.opacity for one in seen.values()} >= {0.0, 1.0}
+    assert seen[max(seen)].words == ""  # it is over
 
 
 def test_lines_are_few_and_even():

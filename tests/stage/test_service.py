@@ -1,6 +1,7 @@
 """The text of a unit, and messages to a service manager; test_kiosk_service.py runs both."""
 
 import configparser
+import re
 import shlex
 import socket
 from pathlib import Path
@@ -36,6 +37,13 @@ def test_odd_letters_are_escaped_as_systemd_reads_them():
     assert found.endswith("""--scenario "/a b/100%%/$$x/'\\"\\\\.toml\"""")
     with pytest.raises(UserError, match="printable"):
         unit_text(["--scenario", "/a\nb.toml"])
+
+
+def test_a_unit_starts_again_for_ever():
+    text = unit_text(["--scenario", "peaceful"])
+    limit = re.search(r"^StartLimitIntervalSec=(.*)$", text, re.MULTILINE)
+    assert limit is not None and limit[1] == "0" and "StartLimitBurst" not in text
+    assert "Restart=on-failure" in text and "RestartPreventExitStatus=2\n" in text
 
 
 def test_each_node_has_a_unit_of_its_own(monkeypatch):

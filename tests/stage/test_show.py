@@ -222,3 +222,41 @@ def test_a_jump_of_the_clock_is_one_line():
     running.go(5.0)
     assert running.told == ["the clock went back by 7200 s; the show goes on"]
     assert running.player.progress.item == 0
+
+
+def test_a_night_belongs_to_the_evening_before():
+    night = Show(
+        hours=OpeningHours(monday="18:00-02:00", tuesday="18:00-02:00"),
+        item=[
+            ShowItem(scenario="a", for_s=60.0),
+            ShowItem(scenario="b", start="23:00"),
+        ],
+    )
+    for time, item in (("2026-11-23 23:30", 1), ("2026-11-24 00:30", 1), ("2026-11-24 17:00", 0)):
+        assert begin(night, clock(datetime.fromisoformat(time))).item == item
+    on = begin(night, clock(datetime.fromisoformat("2026-11-23 23:50")))
+    assert resume(night, on, clock(datetime.fromisoformat("2026-11-24 00:10"))).item == 1
+    assert resume(night, on, clock(datetime.fromisoformat("2026-11-24 10:00"))).item == 0
+
+
+def test_a_caption_that_is_over_leaves_the_console():
+    show = Show(fade_s=0.0, item=[ShowItem(scenario="a", caption="Look", caption_s=2.0)])
+    player = ShowPlayer(show, lambda line: None, clock=lambda: clock(NINE, 0.0))
+    player.show_item(0)
+    said = []
+    for _ in range(15):
+        player.update(0.2)
+        said.append(player.caption().words)
+    assert said[:9] == ["Look"] * 9 and set(said[11:]) == {""}
+
+
+def test_screens_that_are_held_stay_black():
+    show = Show(item=[ShowItem(scenario="a", caption="Look", caption_s=2.0)])
+    player = ShowPlayer(show, lambda line: None, clock=lambda: clock(NINE, 0.0))
+    player.show_item(0)
+    for _ in range(40):
+        player.update(0.2, held=True)
+    assert player.shade == 1.0 and player.caption().opacity == 0.0
+    for _ in range(6):
+        player.update(0.2)
+    assert player.shade == 0.0 and player.caption() == ("Look", 1.0)

@@ -6,8 +6,8 @@ from subprocess import run
 
 import pytest
 
-from subsea.stage.show_file import Progress
-from subsea.stage.show_player import DiveCount, ShowStore, state_folder
+from subsea.stage.show_file import Progress, ShowClock
+from subsea.stage.show_player import DiveCount, ShowStore, describe_show, state_folder
 
 DAY = date(2026, 11, 26)
 PROGRESS = Progress(item=3, elapsed_s=12.5, seen=datetime(2026, 11, 26, 10, 30), utc_s=1.7e9)
@@ -92,3 +92,17 @@ def test_partial_files_of_ended_processes_are_removed(folder, dead):
     ShowStore("this", print).load()
     assert not parts[dead].exists() and parts[os.getpid()].exists()
     assert all(other.exists() for other in others)
+
+
+def test_at_night_the_evening_before_is_listed(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "show.toml"
+    path.write_text('[hours]\nmonday = "18:00-02:00"\n[[item]]\nscenario = "peaceful"\n')
+    for time, words in (
+        ("2026-11-24 01:00", "open 18:00 to 02:00 yesterday"),
+        ("2026-11-24 02:00", "closed today"),
+        ("2026-11-23 12:00", "open 18:00 to 02:00 today"),
+    ):
+        at = ShowClock(datetime.fromisoformat(time), 0.0)
+        monkeypatch.setattr("subsea.stage.show_player.clock_now", lambda at=at: at)
+        assert describe_show(path) == 0
+        assert words in capsys.readouterr().out

@@ -98,7 +98,7 @@ class Follower:
         while True:
             spent = time.monotonic() - start
             message = self._next(0.0 if made else patience_s - spent)
-            if message is None:
+            if message is None or (not made and spent > patience_s + HURRY_S):
                 break
             if isinstance(message, WorldState):
                 self._take(message)
@@ -128,6 +128,8 @@ class Follower:
                 return
             if not isinstance(message, Swap):  # the others have gone on
                 self._heard.appendleft(message)
+                return
+            if time.monotonic() > end:
                 return
 
     @property
@@ -199,11 +201,15 @@ class Follower:
         return time.monotonic() - self._heard_s > max(self._timeout_s, SILENT_S)
 
     def _next(self, wait_s: float) -> FromMaster | None:
-        """The next message of the master within `wait_s` seconds, or None."""
+        """The next message of the master within `wait_s` seconds, or None.
+
+        A bad message does not renew the wait: a flood of them would hold the window's thread.
+        """
         self._refuse_failures()
         if self._heard:
             return self._heard.popleft()
-        while self._socket.poll(math.ceil(1000.0 * max(wait_s, 0.0))):
+        end = time.monotonic() + wait_s
+        while self._socket.poll(math.ceil(1000.0 * max(end - time.monotonic(), 0.0))):
             frames = self._socket.recv_multipart()
             try:
                 if len(frames) != 1:
@@ -213,6 +219,8 @@ class Follower:
                 if not self._garbled:
                     self._tell(f"the master at {self._address}: {fault}")
                 self._garbled = True
+                if time.monotonic() >= end:
+                    return None
                 continue
             self._heard_s = time.monotonic()
             if isinstance(message, Refused):

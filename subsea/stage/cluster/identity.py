@@ -25,7 +25,7 @@ from subsea.stage.cluster.messages import HASH, MAX_PART, Identity
 from subsea.world import snapshot
 from subsea.world.world import World
 
-DIVE = ROOT / "subsea/ui/dive.py"  # imports all that makes and shows a sea
+DIVE = "subsea/ui/dive.py"  # imports all that makes and shows a sea
 SEA = "the sea"  # made of the other parts
 OPENED = (
     "scenario", "contents of the scenario", "seed", "species", "pictures of species",
@@ -71,9 +71,19 @@ def _program() -> dict[str, str]:
     return {
         "numpy": np.__version__,
         "numba": numba.__version__,
-        **{name: hashed(stamp.encode()) for name, stamp in package_stamps(DIVE).items()},
+        **code_parts(),
         "shaders": hashed(*(path.read_bytes() for path in shaders)),
     }
+
+
+def code_parts(root: Path = ROOT) -> dict[str, str]:
+    """Hash the code of a dive by package, each with the `__init__.py` files that an import runs."""
+    parts = {}
+    for name, stamp in package_stamps(root / DIVE, root).items():
+        package = root / name
+        files = package.rglob("__init__.py") if "/" in name else package.glob("__init__.py")
+        parts[name] = hashed(stamp.encode(), *(file.read_bytes() for file in sorted(files)))
+    return parts
 
 
 def hashed(*contents: bytes) -> str:

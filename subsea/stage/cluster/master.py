@@ -273,11 +273,17 @@ class Master:
         self._leave()
 
     def _hear(self, wait_s: float) -> None:
-        """Handle messages of nodes, waiting up to `wait_s` for the first."""
-        while link.failed(self._failures):
+        """Handle messages of nodes, waiting up to `wait_s` for the first.
+
+        Messages that never end are left for the next call, as others wait for this thread.
+        """
+        end = time.monotonic() + wait_s + NUDGE_S
+        while link.failed(self._failures) and time.monotonic() < end:
             self._report_refused("a connection without a key that is known, or none of subsea's")
         while self._socket.poll(math.ceil(1000.0 * wait_s)):
             self._handle(*self._socket.recv_multipart(copy=False))
+            if time.monotonic() > end:
+                return
             wait_s = 0.0
 
     def _handle(self, sender: Any, *content: Any) -> None:

@@ -1,14 +1,17 @@
 """Ticks that all computers of a cluster make together: those of its master, and of its nodes."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from subsea.base.errors import UserError, unknown
 from subsea.base.progress import say
 from subsea.dive.idle_timer import TickClock
 from subsea.dive.pilot import Pilot
+from subsea.dive.presented import BLANK_S
 from subsea.dive.tick_source import LocalTicks, SteeringSource, TickSource, TickSourceMaker
 from subsea.dive.tour import Steer
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
     from subsea.stage.cluster.master import Master
     from subsea.ui.dive import Dive
 
+FOLLOW_S = 30.0  # longest time for which a change of scenario waits for the nodes
+LONGEST_S = 0.25  # longest step of that wait: a sea was loaded since the last picture
 PATIENCE_S = 0.02  # a follower waits for the next picture before it handles window events
 HOLD_S = 0.25  # longest wait of a follower while the master is silent
 
@@ -34,11 +39,17 @@ class LeaderTicks(TickSource):
 
     def __init__(
         self, master: "Master", pilot: Pilot, tour: Steer | None = None, resumes: bool = True,
-        leads: bool = False,
+        leads: bool = False, awaited: Collection[str] = (),
     ) -> None:  # fmt: skip
-        """`leads`: nodes open the scenario that this computer shows."""
+        """`leads`: nodes open the scenario that this computer shows.
+
+        The screens are black until the `awaited` nodes follow.
+        """
         self._master, self._clock, self._resumes = master, TickClock(TICK_S), resumes
         self._leads = leads
+        self._awaited, self._left_s = {*awaited}, FOLLOW_S
+        self.gathering, self._shade = leads and bool(awaited), 0.0
+        self.followers: list[str] = []  # of the scenario that was closed
         self.steering = SteeringSource(master.world, pilot, tour)
 
     def offer(self, scenario: Path) -> None:
@@ -51,13 +62,35 @@ class LeaderTicks(TickSource):
         if self._resumes:
             self._master.resume(check)
 
+    def change(self) -> None:
+        """Show a black picture everywhere, if the nodes are to open the next scenario."""
+        if self._leads:
+            self.presented = self._master.presented = replace(self.presented, blank=1.0)
+            self._master.picture([], self._clock.alpha)
+            self._master.swap()
+
     def advance(self, elapsed_s: float) -> float:
         """Make the ticks that are due, here and on all nodes."""
+        self._gather(min(elapsed_s, LONGEST_S))
         ticks = self.steering.ticks(self._clock.advance(elapsed_s))
         self._master.presented = self.presented
         # The pilot's commands do not depend on the world: they can be sent ahead of the ticks.
         self._master.picture(ticks if self.steering.tour else list(ticks), self._clock.alpha)
         return self._clock.alpha
+
+    def _gather(self, elapsed_s: float) -> None:
+        """Keep the screens black until the nodes follow or time is over; then fade the sea in."""
+        if self.gathering:
+            self._left_s -= elapsed_s
+            missing = sorted(self._awaited - {*self._master.in_step()})
+            self.gathering = bool(missing and self._left_s > 0.0 and self._master.offers)
+            if missing and self._left_s <= 0.0:
+                say(f"{', '.join(missing)}: not followed in {FOLLOW_S:g} s; going on without")
+            self._shade = 1.0
+        else:
+            self._shade = max(self._shade - elapsed_s / BLANK_S, 0.0)
+        if self._shade > self.presented.blank:
+            self.presented = replace(self.presented, blank=self._shade)
 
     def eye(self) -> CameraPose:
         """Interpolate as on all nodes, a tick late."""
@@ -87,7 +120,7 @@ class LeaderTicks(TickSource):
 
     def close(self) -> list[str]:
         """Report the wait times for each node."""
-        report = self._master.report()
+        report, self.followers = self._master.report(), self._master.in_step()
         self._master.close()
         return report
 
@@ -154,12 +187,15 @@ def tick_source_maker(
     keys = credentials(cluster, theatre.nodes, node, path)
     address, timeout_s, master = cluster.address, cluster.timeout_s, cluster.master
     others = [name for name in theatre.nodes if name != node]
-    resuming = [resumes]  # only the first sea of a master goes on with that of its nodes
+    last: list[LeaderTicks] = []  # of the sea before
 
     def made(world: World, pilot: Pilot) -> TickSource:
         if node == master:
             led = Master(world, others, address, keys, timeout_s, say, view)
-            return LeaderTicks(led, pilot, None, bool(resuming and resuming.pop()), leads)
+            awaited = last[0].followers if last else ()
+            # Only the first sea goes on with that of the nodes.
+            last[:] = [LeaderTicks(led, pilot, None, resumes and not last, leads, awaited)]
+            return last[0]
         return FollowerTicks(Follower(world, node, master, address, keys, timeout_s, say, view))
 
     return made

@@ -3,6 +3,7 @@
 import socket
 import time
 from contextlib import ExitStack
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,16 @@ from subsea.stage.cluster import identity
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.keys import Keys, read_keys, write_keys
 from subsea.stage.cluster.master import Master
-from subsea.stage.cluster.messages import MAGIC, SMALL, Hello, Identity, WorldState, encode
+from subsea.stage.cluster.messages import (
+    MAGIC,
+    SMALL,
+    Hello,
+    Identity,
+    Picture,
+    Swap,
+    WorldState,
+    encode,
+)
 from subsea.world import snapshot
 
 
@@ -224,6 +234,23 @@ def test_code_assets_and_sheets_are_parts(make_sea, tmp_path, monkeypatch):
     assert identity.difference(other, ours).endswith("with other shaders")
 
 
+def test_the_code_that_is_compared_covers_what_an_import_runs(tmp_path):
+    def parts(**changes):
+        dive = "from subsea import __version__\nfrom subsea.fish import fins\n"
+        names = "subsea", "subsea/ui", "subsea/fish"
+        files = {f"{name}/__init__.py": "" for name in names} | {"subsea/fish/fins.py": ""}
+        root = tmp_path / "-".join(["code", *changes]).replace("/", "-")
+        for name, text in {**files, "subsea/ui/dive.py": dive, **changes}.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text)
+        return identity.code_parts(root)
+
+    before = parts()
+    for name in ("subsea", "subsea/ui", "subsea/fish"):
+        after = parts(**{f"{name}/__init__.py": "from math import pi"})
+        assert {part for part in after if after[part] != before[part]} == {name}
+
+
 def test_a_leading_master_has_nodes_open_its_scenario(harness, seas, make_sea, monkeypatch):
     harness.master.offers = "two"
     node = harness.node(make_sea(seed=99), "left")
@@ -304,6 +331,49 @@ def test_a_follower_ignores_garbage(seas, address):
         assert snapshot.checksum(seas[1]) == before
         node.close()
         other.close()
+
+
+class Flood:
+    """A socket that has always one more message; it fails after a second."""
+
+    def __init__(self, *frames):
+        self.frames, self._end = frames, time.monotonic() + 1.0
+
+    def poll(self, wait_ms):
+        assert time.monotonic() < self._end, "the thread is held"
+        return 1
+
+    def recv_multipart(self, copy=True):
+        return self.frames
+
+    def send(self, data, flags=0):
+        return None
+
+    def close(self):
+        return None
+
+    disable_monitor = close
+
+
+@pytest.mark.parametrize("data", [b"garbage", encode(Swap(0)), encode(Picture(9, 0, 0.5, []))])
+def test_nobody_at_the_masters_address_holds_a_node(seas, address, data):
+    node = Follower(seas[1], "left", "master", address, None, 0.2)
+    node._failures.close(0)
+    node._socket.close(0)
+    node._failures, node._socket = SimpleNamespace(poll=lambda ms: 0, close=int), Flood(data)
+    assert node.picture(0.02) is None
+    node.swap()
+    node.close()
+
+
+def test_no_node_holds_the_master(harness):
+    flood = Flood(SimpleNamespace(bytes=b"route"), SimpleNamespace(bytes=b"garbage"))
+    flood.send_multipart = flood.send
+    socket, harness.master._socket = harness.master._socket, flood
+    try:
+        harness.master._hear(0.01)
+    finally:
+        harness.master._socket = socket
 
 
 def test_errors_about_states_are_printable(seas, address):

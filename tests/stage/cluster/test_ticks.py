@@ -10,12 +10,14 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.cli import main
 from subsea.dive.pilot import Pilot
+from subsea.dive.presented import NOTHING
 from subsea.dive.tick_source import LocalTicks
 from subsea.stage import setup as theatre_windows
 from subsea.stage.cluster.follower import Follower
 from subsea.stage.cluster.keys import write_keys
 from subsea.stage.cluster.master import Master
 from subsea.stage.cluster.ticks import (
+    FOLLOW_S,
     FollowerTicks,
     LeaderTicks,
     MasterScenario,
@@ -136,6 +138,63 @@ def test_a_node_opens_what_its_master_waits_with_once(seas, address):
     ticks.close()
 
 
+class FakeMaster:
+    """A master whose nodes are in step when a test says so."""
+
+    def __init__(self, world):
+        self.world, self.presented, self.offers, self.nodes = world, NOTHING, "two", ["left"]
+        self.shown = []
+
+    def picture(self, ticks, alpha):
+        assert list(ticks) is not None
+        self.shown.append(self.presented.blank)
+
+    def in_step(self):
+        return self.nodes
+
+    def swap(self):
+        """All have drawn."""
+
+    def report(self):
+        return []
+
+    close = swap
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_a_change_of_scenario_is_black_until_all_follow_within_a_limit(seas, capfd, follows):
+    master = FakeMaster(seas[0])
+    lead = LeaderTicks(master, Pilot(), leads=True)
+    lead.advance(0.0)
+    assert not lead.gathering and master.shown == [0.0]
+    lead.change()  # before the next scenario is loaded
+    assert master.shown[-1] == 1.0 == lead.presented.blank
+    lead.close()
+    after = FakeMaster(seas[0])
+    after.nodes = []
+    lead = LeaderTicks(after, Pilot(), leads=True, awaited=lead.followers)
+
+    def shown(seconds):
+        for _ in range(round(seconds / 0.25)):
+            lead.presented = NOTHING  # as a presenter who wants to see the sea
+            lead.advance(0.25)
+        return after.shown[-1]
+
+    assert shown(FOLLOW_S - 1.0) == 1.0 and lead.gathering
+    after.nodes = ["left"] * follows
+    if follows:
+        assert shown(0.25) == 1.0 and not lead.gathering
+    shown(1.25)
+    assert shown(1.0) == 0.0 and not lead.gathering
+    assert ("left: not followed in 30 s" in capfd.readouterr().err) != follows
+    # A sea that nodes cannot open is not waited for, nor do others lead.
+    after.offers = ""
+    lead = LeaderTicks(after, Pilot(), leads=True, awaited=["right"])
+    shown(0.5)
+    assert not lead.gathering
+    assert not LeaderTicks(after, Pilot(), awaited=["right"]).gathering
+
+
 THEATRE = """
 [[window]]
 name = "west"
@@ -156,6 +215,34 @@ panorama = {}
 master = "right"
 address = "ADDRESS"
 """
+
+
+THREE = """
+[cluster]
+master = "left"
+address = "127.0.0.1:5560"
+""" + "".join(
+    f"""
+[[window]]
+name = "{name}"
+node = "{name}"
+size = [64, 48]
+[[channel]]
+name = "{name}"
+window = "{name}"
+angles = {{ left_deg = -20, right_deg = 20, down_deg = -15, up_deg = 15, heading_deg = {degrees} }}
+"""
+    for name, degrees in (("left", -40), ("middle", 0), ("right", 40))
+)
+
+
+def test_captions_are_on_the_computer_ahead_of_the_audience(tmp_path):
+    (tmp_path / "hall.toml").write_text(THREE)
+    name = str(tmp_path / "hall.toml")
+    ahead = [node for node in ("left", "middle", "right")
+             if theatre_windows.set_up_theatre(name, node=node).in_front]  # fmt: skip
+    assert ahead == ["middle"]
+    assert theatre_windows.set_up_theatre(name).in_front
 
 
 def theatre(folder, address, more=""):
