@@ -20,7 +20,7 @@ from subsea.base.language import LANGUAGES
 from subsea.base.system import ROOT, resource_names
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.options import RETINA_COLOURS
-from subsea.dive.settings import CONTROLS
+from subsea.dive.settings import CONTROLS, KEY_WORDS
 from subsea.export.web import WORDS as EXPORTED_PAGE
 from subsea.fish.species import load_species, shipped_species
 from subsea.rendering.output.quality import CHOICES
@@ -88,6 +88,7 @@ def data() -> list[str]:
     scenarios = [load_scenario(name)[0] for name in resource_names("assets/scenarios", ".toml")]
     return [
         *(control.what for control in CONTROLS.values()),
+        *KEY_WORDS,
         *(behavior.name for behavior in BEHAVIORS),
         *MENTAL_STATES,
         *RETINA_COLOURS,

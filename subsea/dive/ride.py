@@ -107,6 +107,7 @@ GLANCE_DEG_S = 60.0
 MOST_PAN_DEG, MOST_TILT_DEG = 120.0, 70.0
 LINE = np.array([[[0.0, 0.0, 0.0, 0.75]]])  # the mask of the frame round an inset: all is light
 GREY_CM = 250.0  # over which what is farther gets darker by a factor e
+FOR_CHILDREN = {"libido": marked("love"), "mate": marked("court")}  # on public screens
 
 
 class Ride:
@@ -183,20 +184,29 @@ class Ride:
                 seen.append(replace(view, viewport=inset, without=self.by.fish))
         return tuple(seen)
 
-    def text(self, world: World, look: RetinaColours, steered: bool = False) -> str:
-        """The fish and its mental state, or that it is steered, in one line."""
+    def text(
+        self, world: World, look: RetinaColours, steered: bool = False, public: bool = False
+    ) -> str:
+        """Describe the fish and its mental state, or that it is steered, in one line.
+
+        On a `public` screen in words for children.
+        """
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
+
+        def word(known: str) -> str:
+            return translated(FOR_CHILDREN.get(known, known) if public else known)
+
         state = [
-            f"{translated(one)} {x:.0%}"
-            for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)
+            f"{word(one)} {x:.0%}" for one, x in zip(MENTAL_STATES, minds.mental[fish], strict=True)
         ]
         intention = BEHAVIORS[minds.intention[fish]].name
-        doing = translated(marked("steered by you") if steered else intention)
+        doing = word(marked("steered by you") if steered else intention)
         parts = [f"{translated(name)} {fish}: {doing}", *state]
         if self.gaze != Gaze():
             angles = f"{self.gaze.pan_deg:+.0f}° {self.gaze.tilt_deg:+.0f}°"
-            parts.append(f"{translated('gaze')} {angles}")
+            gaze = translated("gaze")  # no word in braces gets into the catalogues
+            parts.append(f"{gaze} {angles}")
         return "   ".join(parts if look == "colours" else [*parts, translated(look)])
 
 

@@ -18,6 +18,7 @@ from msgspec import Meta, inspect
 
 from subsea.base.errors import UserError, nearest, unknown
 from subsea.base.files import read_text, replacing
+from subsea.base.language import translated
 from subsea.base.progress import print_line
 from subsea.base.toml_files import error_at, load_toml
 
@@ -106,6 +107,13 @@ KEYS: dict[int, str] = {
     **{289 + k: f"F{k}" for k in range(1, 26)},
     **{320 + k: f"Num{k}" for k in range(10)},
 }  # fmt: skip
+KEY_WORDS = (
+    "Space", "Esc", "Tab", "Backspace", "Insert", "Delete", "Right", "Left", "Down", "Up",
+    "PageUp", "PageDown", "Home", "End", "CapsLock", "ScrollLock", "NumLock", "NumEnter", "Ctrl",
+    "Alt", "Shift", "Super", "LeftShift", "LeftCtrl", "LeftAlt", "LeftSuper", "RightShift",
+    "RightCtrl", "RightAlt", "RightSuper", "Menu",
+)  # fmt: skip
+"""Names of keys that have other names on other keyboards."""
 MODIFIERS = {2: "Ctrl", 4: "Alt", 1: "Shift", 8: "Super"}  # in the order in which they are named
 MODIFIER_KEYS = tuple(f"{side}{word}" for side in ("Left", "Right") for word in MODIFIERS.values())
 BUTTONS = ("left", "right", "middle", "4", "5", "6", "7", "8")  # of a mouse
@@ -167,6 +175,15 @@ def key_name(key: int, modifiers: int = 0) -> str:
     if key not in KEYS:
         return ""
     return "+".join([*(word for bit, word in MODIFIERS.items() if modifiers & bit), KEYS[key]])
+
+
+def key_words(name: str) -> str:
+    """Name a key, alone or with modifiers, in the language of visitors."""
+    return re.sub("[A-Za-z]+", lambda word: _key_word(word[0]), name)
+
+
+def _key_word(word: str) -> str:
+    return translated(word) if word in KEY_WORDS else word
 
 
 def is_key(name: str) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.dive.options import RetinaColours
 from subsea.dive.ride import nearest_to_middle
-from subsea.dive.settings import Command, ControlName
+from subsea.dive.settings import Command, ControlName, key_words
 from subsea.dive.timeline import Timeline
 from subsea.view.front_screen import front_view
 from subsea.view.retina import Gaze
@@ -189,5 +189,5 @@ class Commands:
     def _hint(self, *hints: tuple[ControlName, str], before: str = "") -> None:
         """Show for a while the current functions of keys."""
         inputs = ((self._dive.pilot.bindings.inputs(name), text) for name, text in hints)
-        words = [f"{names[0]} {translated(text)}" for names, text in inputs if names]
+        words = [f"{key_words(names[0])} {translated(text)}" for names, text in inputs if names]
         self._dive.overlay.note("   ".join([before, *words] if before else words))

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 from imgui_bundle import imgui
 
 from subsea.base.language import marked, translated
-from subsea.dive.settings import Bindings, ControlName
+from subsea.dive.settings import Bindings, ControlName, key_words
 from subsea.ui.gui import GLASS, INK, LIT, QUIET, colour, draw_backing, draw_shadowed_text
 
 WIDE, HIGH = 32.0, 18.8  # of the help, in heights of letters
 ROW = 1.38
 KEYS_X, WORDS_X = 17.0, 21.8  # left edges of the columns of keys and texts
 CAP = 1.15  # height of a key
+MARGIN = 0.7  # at the right of the longest text
 BRIEF_ROW, BRIEF_GAP = 1.5, 1.2  # of the three lines: height, and space between two parts
 ARROWS = {"Left": (-1.0, 0.0), "Right": (1.0, 0.0), "Up": (0.0, -1.0), "Down": (0.0, 1.0)}
 
@@ -149,13 +150,14 @@ def _part_width(row: Row, line: float) -> float:
 def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
     """Draw it at the right of the current frame, its lower edge at `foot`."""
     size = imgui.get_io().display_size
-    line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (WIDE + 2.4))
+    words_x, wide = help_columns(content, imgui.get_font_size())
+    line = min(imgui.get_font_size(), foot / (HIGH + 1.2), size.x / (wide + 2.4))
     if line < 1.0:
         return  # the window is too small for any letter
     canvas = imgui.get_background_draw_list()
-    x, y = size.x - (WIDE + 1.2) * line, foot - HIGH * line
+    x, y = size.x - (wide + 1.2) * line, foot - HIGH * line
     canvas.add_rect_filled(
-        (x, y), (x + WIDE * line, foot), colour(GLASS, 0.62 * opacity), 0.6 * line
+        (x, y), (x + wide * line, foot), colour(GLASS, 0.62 * opacity), 0.6 * line
     )
     _mouse(canvas, content, x + 8.0 * line, y + 0.3 * line, line, opacity)
     top = y + (HIGH - ROW * len(content.rows)) / 2 * line
@@ -163,8 +165,19 @@ def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
         high, at = top + (ROW * number + (ROW - CAP) / 2) * line, x + KEYS_X * line
         for key in row.keys:
             at += _cap(canvas, key, at, high, line, opacity) + 0.3 * line
-        words = x + WORDS_X * line, high + (CAP - 1.0) / 2 * line
+        words = x + words_x * line, high + (CAP - 1.0) / 2 * line
         draw_shadowed_text(words, row.what, line, INK, opacity)
+
+
+def help_columns(content: HelpContent, line: float) -> tuple[float, float]:
+    """Measure the left edge of the texts and the width of the help, in heights of letters.
+
+    Long names of keys and long texts of a language make it wider.
+    """
+    keys = (sum(_cap_width(key, line) + 0.3 * line for key in row.keys) for row in content.rows)
+    words_x = max(WORDS_X, KEYS_X + max(keys, default=0.0) / line)
+    texts = (float(imgui.calc_text_size(row.what).x) for row in content.rows)
+    return words_x, max(WIDE, words_x + max(texts, default=0.0) / line + MARGIN)
 
 
 def _mouse(
@@ -219,13 +232,16 @@ def _cap(canvas: Any, key: str, x: float, y: float, line: float, opacity: float)
     if key in ARROWS:
         _arrow(canvas, *middle, ARROWS[key], 0.8 * line, colour(INK, opacity))
     else:
-        draw_shadowed_text((middle[0], middle[1] - 0.4 * line), key, 0.8 * line, INK, opacity, 0.5)
+        words = key_words(key)
+        draw_shadowed_text(
+            (middle[0], middle[1] - 0.4 * line), words, 0.8 * line, INK, opacity, 0.5
+        )
     return wide
 
 
 def _cap_width(key: str, line: float) -> float:
     imgui.push_font(None, 0.8 * line)
-    text = float(imgui.calc_text_size(key).x)
+    text = float(imgui.calc_text_size(key_words(key)).x)
     imgui.pop_font()
     return CAP * line if key in ARROWS else max(CAP * line, text + 0.7 * line)
 

@@ -15,7 +15,7 @@ from imgui_bundle import imgui
 from subsea.base.errors import UserError
 from subsea.base.language import LANGUAGES, language, marked, translated
 from subsea.base.toml_files import load_toml
-from subsea.dive.settings import COMFORTS, CONTROLS, ControlName, is_key
+from subsea.dive.settings import COMFORTS, CONTROLS, ControlName, is_key, key_words
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario, scenario_file, scenario_names
@@ -336,7 +336,7 @@ class Menu:
     def _keys(self) -> Iterator[Entry]:
         bindings = self.dive.preferences.settings.bindings
         for name, control in CONTROLS.items():
-            inputs = ", ".join(filter(is_key, bindings.inputs(name)))
+            inputs = ", ".join(map(key_words, filter(is_key, bindings.inputs(name))))
             if name == self._waiting:
                 inputs = translated("press a key, or Esc")
             yield Entry(translated(control.what), partial(self._ask_key, name), inputs)

@@ -101,7 +101,7 @@ class TextLayer:
         dive, parts = self._dive, []
         if dive.picture.ride is not None:
             ride, colours = dive.picture.ride, dive.picture.colours
-            parts.append(ride.text(dive.world, colours, dive.steers_fish))
+            parts.append(ride.text(dive.world, colours, dive.steers_fish, dive.kiosk))
         if dive.timeline is not None and dive.timeline.text:
             parts.append(dive.timeline.text)
         return "   ".join(parts)

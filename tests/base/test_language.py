@@ -1,5 +1,6 @@
 """Languages of visitors: their choice, their catalogues, and letters for all of them."""
 
+import ast
 import re
 
 import pytest
@@ -21,6 +22,7 @@ from subsea.base.language import (
     set_language,
     translated,
 )
+from subsea.base.system import ROOT
 from tools.translate import collected, po_file
 
 OTHERS = [code for code in LANGUAGES if code != "en"]
@@ -107,3 +109,16 @@ def test_fonts_have_every_letter():
             missing = bytes(font.getmask("\U000f0000"))  # of no font
             for letter in set(words) - {" ", "\N{NO-BREAK SPACE}", "\N{IDEOGRAPHIC SPACE}"}:
                 assert bytes(font.getmask(letter)) != missing, (code, letter)
+
+
+def test_no_word_in_the_code_is_missed():
+    """The collector does not see words in the braces of an f-string."""
+    known = {one.id for one in collected()}
+    for path in sorted((ROOT / "subsea").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in (
+                "translated",
+                "marked",
+            ):
+                word = node.args[0]
+                assert not isinstance(word, ast.Constant) or word.value in known, (path, word.value)

@@ -11,6 +11,7 @@ import pytest
 from PIL import ImageGrab
 
 from subsea.base.system import resource_path
+from subsea.behavior.table import BEHAVIORS
 from subsea.dive.ride import (
     MOST_FISHES,
     MOST_PAN_DEG,
@@ -122,6 +123,16 @@ def test_the_gaze_turns_up_to_its_limits(world):
     ride.turn_gaze(1.0, 0.0, 60.0)
     assert ride.gaze.pan_deg == MOST_PAN_DEG
     assert "gaze +120°" in ride.text(world, "range")
+
+
+def test_words_are_fit_for_children_on_a_public_screen(world):
+    ride, minds = Ride(world, 5), world.state.minds
+    before = int(minds.intention[5])
+    minds.intention[5] = next(k for k, one in enumerate(BEHAVIORS) if one.name == "mate")
+    assert "mate   " in ride.text(world, "colours") and "libido " in ride.text(world, "colours")
+    text = ride.text(world, "colours", public=True)
+    assert "court   " in text and "love " in text and "libido" not in text
+    minds.intention[5] = before
 
 
 @pytest.mark.parametrize("display", ["mono", "side-by-side", "top-bottom", "anaglyph", "dome"])
