@@ -19,6 +19,8 @@ GROUP = "record and measure"  # in the help
 
 def add(commands: Any) -> None:
     """Add the command."""
+    from subsea.jobs.dask_cluster import add_cluster
+
     parser = add_command(
         commands,
         "record",
@@ -48,11 +50,7 @@ def add(commands: Any) -> None:
         default=1,
         help="parallel processes (default 1)",
     )
-    parser.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="address of a Dask scheduler, such as tcp://host:8786; needs the extra `cluster`",
-    )
+    add_cluster(parser)
     parser.add_argument(
         "--force",
         action="store_true",
@@ -87,6 +85,8 @@ def run(options: argparse.Namespace) -> int:
         raise UserError(f"--all and {options.species[0]!r}: give one of the two")
     if options.cluster is not None and options.jobs != 1:
         raise UserError("--jobs and --cluster: give one of the two")
+    if options.cluster is None and options.cluster_tls is not None:
+        raise UserError("--cluster-tls needs --cluster")
     if not options.all and not options.species:
         raise UserError(f"name a species ({', '.join(known)}) or give --all")
     names = shipped_species() if options.all else list(dict.fromkeys(options.species))
@@ -111,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
         bars[name].update(segments - bars[name].n)
 
     if options.cluster is not None:
-        workers = dask_workers(options.cluster)
+        workers = dask_workers(options.cluster, options.cluster_tls)
     else:
         workers = serial if options.jobs == 1 else process_pool(options.jobs)
     try:

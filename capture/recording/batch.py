@@ -11,7 +11,7 @@ Each is a repertoire of one segment, ``.SPECIES.SEGMENT.recording`` beside the f
 removed when that is written. A folder for them could be removed by another process.
 """
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
@@ -59,9 +59,9 @@ def process_pool(number: int) -> Workers:
     return lambda jobs, check: _run(pool, jobs, check)
 
 
-def dask_workers(address: str) -> Workers:
+def dask_workers(address: str, tls: Sequence[Path] | None = None) -> Workers:
     """Workers of the Dask cluster with a scheduler at ``address``; see `dask_pool`."""
-    pool = dask_pool(address)
+    pool = dask_pool(address, tls)
     return lambda jobs, check: _run(pool, jobs, check)
 
 

@@ -1,12 +1,24 @@
-"""Run jobs on a Dask cluster instead of local processes (extra `cluster`)."""
+"""Run jobs on a Dask cluster instead of local processes (extra `cluster`).
+
+Dask's own messages may hold pickled objects, which run code where they are read. So an unknown
+address is asked in plain MessagePack whether it is a scheduler. A scheduler is trusted like the
+user of this computer, so TLS tells the right one from others.
+"""
 
 import asyncio
 import logging
-from collections.abc import Mapping
+import struct
+import sys
+from argparse import ArgumentParser
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+import msgspec
+
 from subsea.base.errors import UserError
+from subsea.base.files import check_input
 from subsea.base.system import require
 from subsea.jobs.workers import POLL_S, Check, K, Pool, Results, Work
 
@@ -14,19 +26,37 @@ CONNECT_S = 4.0
 FETCH_S = 5.0
 NO_WORKER_S = 15.0  # longest time without any worker
 LOST = object()  # the result of a job that is repeated
+MOST_BYTES = 2**24  # of a message of an unknown scheduler
 
 
-def dask_pool(address: str) -> Pool[Any]:
+def add_cluster(parser: ArgumentParser) -> None:
+    """Add the options of a cluster to a command."""
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="address of a Dask scheduler, such as tcp://host:8786; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--cluster-tls",
+        nargs=3,
+        type=Path,
+        metavar=("CA", "CERTIFICATE", "KEY"),
+        help="PEM files for a scheduler at tls://host:8786: the authority that signed all "
+        "certificates of the cluster, and the certificate and key of this computer",
+    )
+
+
+def dask_pool(address: str, tls: Sequence[Path] | None = None) -> Pool[Any]:
     """The workers of the Dask cluster with a scheduler at ``address``; lost jobs are repeated.
 
-    UserError without the package `distributed`, without an answer or a worker, or for a worker that
-    cannot do the work.
+    `tls` are files of authority, certificate and key. UserError without the package `distributed`,
+    without an answer or a worker, or for a worker that cannot do the work.
     """
 
     def run(work: Work, jobs: Mapping[K, Any], check: Check) -> Results[K]:
         if not jobs:
             return
-        with _connect(address) as client:
+        with _connect(address, tls) as client:
             tasks = {
                 client.submit(work, argument, pure=False): job for job, argument in jobs.items()
             }
@@ -46,28 +76,88 @@ def dask_pool(address: str) -> Pool[Any]:
     return run
 
 
-def _connect(address: str) -> Any:
+def _connect(address: str, tls: Sequence[Path] | None = None) -> Any:
     """A client of the scheduler."""
     require("cluster", "--cluster")
     from distributed import Client
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # replaced by our own messages
+    security = _security(address, tls)
     try:
-        asyncio.run(asyncio.wait_for(_identify(address), CONNECT_S))
-        return Client(address, timeout=CONNECT_S, set_as_default=False)
+        asyncio.run(asyncio.wait_for(_identify(address, security), CONNECT_S))
+        given = {} if tls is None else {"security": security}
+        return Client(address, timeout=CONNECT_S, set_as_default=False, **given)
     except Exception as fault:  # another program at that address may cause any
         raise UserError(f"{address}: no Dask scheduler answers there") from fault
 
 
-async def _identify(address: str) -> None:
-    """Raise unless a scheduler answers; a Client without one would hang also when removed."""
+def _security(address: str, tls: Sequence[Path] | None) -> Any:
+    """The settings of TLS: those of the option, else Dask's own."""
     from distributed import Security
-    from distributed.core import rpc
 
-    async with rpc(address, connection_args=Security().get_connection_args("client")) as peer:
-        identity = await peer.identity()
-    if identity["type"] != "Scheduler":
-        raise ValueError(identity["type"])
+    if tls is None:
+        return Security()
+    if not address.startswith("tls://"):
+        raise UserError(f"--cluster {address}: expected tls://HOST:PORT with --cluster-tls")
+    for path in tls:
+        check_input(path)
+    names = "tls_ca_file", "tls_client_cert", "tls_client_key"
+    files = dict(zip(names, map(str, tls), strict=True))
+    security = Security(require_encryption=True, **files)
+    try:
+        security.get_connection_args("client")
+    except OSError as fault:
+        said = ", ".join(map(str, tls))
+        raise UserError(f"{said}: expected authority, certificate and key in PEM") from fault
+    return security
+
+
+class _Identity(msgspec.Struct):
+    type: str
+
+
+async def _identify(address: str, security: Any) -> None:
+    """Raise unless a scheduler answers; a Client without one would hang also when removed.
+
+    It speaks MessagePack only: the messages of Dask's own client would be unpickled.
+    """
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    scheme, location = parse_address(address)
+    if scheme not in ("tcp", "tls"):
+        raise ValueError(scheme)
+    host, port = parse_host_port(location)
+    context = security.get_connection_args("client")["ssl_context"] if scheme == "tls" else None
+    if (scheme == "tls") != (context is not None):
+        raise ValueError("no certificate")
+    reader, writer = await asyncio.open_connection(host, port, ssl=context)
+    try:
+        writer.write(
+            _framed({"compression": None, "python": sys.version_info[:3], "pickle-protocol": 5})
+        )
+        await _received(reader)  # its own greeting
+        writer.write(_framed({"op": "identity", "reply": True}))
+        identity = msgspec.msgpack.decode(await _received(reader), type=_Identity)
+    finally:
+        writer.close()
+    if identity.type != "Scheduler":
+        raise ValueError(identity.type)
+
+
+def _framed(message: Mapping[str, Any]) -> bytes:
+    """A message of one frame, as Dask's comms have it."""
+    content = msgspec.msgpack.encode(message)
+    return struct.pack("<QQQ", 16 + len(content), 1, len(content)) + content
+
+
+async def _received(reader: asyncio.StreamReader) -> bytes:
+    """The first frame of a message, which is plain MessagePack."""
+    [size] = struct.unpack("<Q", await reader.readexactly(8))
+    if not 16 <= size <= MOST_BYTES:
+        raise ValueError(size)
+    data = await reader.readexactly(size)
+    frames, length = struct.unpack_from("<QQ", data)
+    return data[8 * (1 + frames) :][:length]
 
 
 def _has_workers(client: Any, address: str) -> bool:

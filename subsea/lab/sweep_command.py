@@ -32,6 +32,8 @@ def add_jobs(parser: Any) -> None:
 
 def add(commands: Any) -> None:
     """Add the command."""
+    from subsea.jobs.dask_cluster import add_cluster
+
     parser = add_command(
         commands,
         "sweep",
@@ -60,11 +62,7 @@ def add(commands: Any) -> None:
     add_length(parser)
     shared.add(parser, "fish")
     add_jobs(parser)
-    parser.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="address of a Dask scheduler, such as tcp://host:8786; needs the extra `cluster`",
-    )
+    add_cluster(parser)
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
@@ -88,10 +86,12 @@ def run(options: Namespace) -> int:
 
     if options.cluster is not None and options.jobs is not None:
         raise UserError("--jobs and --cluster: give one of the two")
+    if options.cluster is None and options.cluster_tls is not None:
+        raise UserError("--cluster-tls needs --cluster")
     values = read_values(options.settings)
     chosen = Sweep(options.scenario, options.seeds, ticks_of(options), options.fish, values)
     if options.cluster is not None:
-        pool = dask_pool(options.cluster)
+        pool = dask_pool(options.cluster, options.cluster_tls)
     else:
         pool = process_pool(options.jobs or cores())
     if options.cluster is None:

@@ -79,6 +79,9 @@ NOT_TYPED = {
     "systemctl --user": "there is no desktop with systemd",
     "journalctl --user": "there is no desktop with systemd",
     "subsea-capture record --all --cluster": "tests/capture has a cluster",
+    "subsea sweep peaceful --seeds 1:4 --csv --out sweep --cluster": "tests/jobs has a scheduler",
+    "dask scheduler --protocol tls": "the same",
+    "dask worker tls://HOST:8786": "the same",
     "subsea-capture learn --body": "it takes minutes to an hour; tests/capture/learning runs it",
 }
 # Replacements of words in capitals. Later ones are for what is left by those before.

@@ -4,9 +4,11 @@ A folder holds the public NAME.key and NAME.key_secret, which only the computer 
 files are ZeroMQ certificates.
 """
 
+import os
 import re
 import struct
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,10 +17,11 @@ import zmq.auth
 from zmq.utils import z85
 
 from subsea.base.errors import UserError, unreadable
-from subsea.base.files import OWN_MODE, check_folder, check_input, refuse_shared, replacing
+from subsea.base.files import OWN_MODE, check_folder, check_input, refuse_shared
 from subsea.stage.theatre.theatre_file import NAME
 
 PUBLIC, SECRET = ".key", ".key_secret"
+EXISTS = "exists; remove it on every computer before making another"
 HEADER = "# subsea: {what} of {name}\nmetadata\ncurve\n"
 
 
@@ -39,30 +42,44 @@ def write_keys(folder: Path, names: Sequence[str]) -> list[Path]:
     for name in names:
         if not re.search(NAME, name):
             raise UserError(f"{name!r}: expected a name of letters, digits, - and _, 64 at most")
-        for suffix in (PUBLIC, SECRET):
-            if (folder / f"{name}{suffix}").exists():
-                raise UserError(
-                    "exists; remove it on every computer before making another",
-                    file=folder / f"{name}{suffix}",
-                )
+        for path in (folder / f"{name}{suffix}" for suffix in (PUBLIC, SECRET)):
+            if path.exists():
+                raise UserError(EXISTS, file=path)
     for name in names:
         if names.count(name) > 1:
             raise UserError(f"{name!r} was given twice")
     check_folder(folder)
-    written = []
-    for name in names:
-        public, secret = (key.decode() for key in zmq.curve_keypair())
-        for suffix, what, mode in (
-            (PUBLIC, "public key", 0o644),
-            (SECRET, "SECRET key, for nobody but that computer,", OWN_MODE),
-        ):
-            text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
-            if suffix == SECRET:
-                text += f'    secret-key = "{secret}"\n'
-            written.append(folder / f"{name}{suffix}")
-            with replacing(written[-1], mode) as part:  # others can never read a secret
-                part.write_text(text)
+    folder.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    with ExitStack() as undo:  # another command may write into the folder at the same time
+        for name in names:
+            public, secret = (key.decode() for key in zmq.curve_keypair())
+            for suffix, what, mode in (
+                (PUBLIC, "public key", 0o644),
+                (SECRET, "SECRET key, for nobody but that computer,", OWN_MODE),
+            ):
+                text = HEADER.format(what=what, name=name) + f'    public-key = "{public}"\n'
+                if suffix == SECRET:
+                    text += f'    secret-key = "{secret}"\n'
+                path = folder / f"{name}{suffix}"
+                _create(path, text, mode, undo)
+                written.append(path)
+        undo.pop_all()
     return written
+
+
+def _create(path: Path, text: str, mode: int, undo: ExitStack) -> None:
+    """Write a file that nobody else has made; `undo` removes it."""
+    try:
+        # With its mode, so that others never can read it.
+        number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+        undo.callback(path.unlink, missing_ok=True)
+        with os.fdopen(number, "w", encoding="ascii") as file:
+            file.write(text)
+    except FileExistsError as fault:
+        raise UserError(EXISTS, file=path) from fault
+    except OSError as fault:
+        raise UserError(f"cannot write ({fault.strerror})", file=path) from fault
 
 
 def read_keys(folder: Path, name: str, others: Sequence[str]) -> Keys:

@@ -135,7 +135,7 @@ def test_an_address_without_a_scheduler_is_soon_an_error_of_one_line(
 
 
 def test_a_client_waits_as_long_as_it_should(monkeypatch):
-    async def identify(address):
+    async def identify(address, security):
         assert address == "tcp://there"
 
     monkeypatch.setattr(module, "_identify", identify)

@@ -3,6 +3,7 @@
 import stat
 
 import pytest
+import zmq
 
 from subsea.base.errors import UserError
 from subsea.cli.main import main
@@ -43,6 +44,24 @@ def test_keys_are_not_overwritten(folder):
         write_keys(folder, ["right", "left"])
     assert (folder / "left.key").read_bytes() == before
     assert not (folder / "right.key").exists()
+
+
+def test_of_two_commands_at_once_one_refuses(folder, monkeypatch):
+    """The other writes between the check and the first key."""
+    pair = zmq.curve_keypair
+    other = []
+
+    def made_meanwhile():
+        monkeypatch.setattr(zmq, "curve_keypair", pair)
+        other.extend(write_keys(folder, ["left", "right"]))
+        return pair()
+
+    monkeypatch.setattr(zmq, "curve_keypair", made_meanwhile)
+    with pytest.raises(UserError, match=r"right\.key: exists;"):
+        write_keys(folder, ["middle", "right"])
+    assert sorted(folder.iterdir()) == sorted(other)
+    keys = read_keys(folder, "right", ["left"])
+    assert keys.public == read_keys(folder, "left", ["right"]).others["right"]
 
 
 @pytest.mark.parametrize(
