@@ -97,6 +97,7 @@ class HttpConsole:
         self._texts = script_words()
         self._jpeg, self._jpeg_number = b"", 0
         self.answered: dict[Any, float] = {}  # when each connection last had an answer
+        self.trusted: set[Any] = set()  # connections that have had the token, or need none
 
     def runner(self) -> web.AppRunner:
         """The application, with bounds on lines, headers and bodies."""
@@ -137,6 +138,8 @@ class HttpConsole:
             answer.force_close()
         if request.transport is not None:  # else the client has gone
             self.answered[request.protocol] = asyncio.get_running_loop().time()
+            if self._is_known(request):
+                self.trusted.add(request.protocol)
         return answer
 
     async def _checked(self, request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -324,7 +327,7 @@ def jpeg_of(picture: Any) -> bytes:
 
 CLIENTS = 128  # connections at once
 OF_ONE = 16  # of one address that is not this computer's
-ACCEPTS_A_S = 50.0
+ACCEPTS_A_S, REFUSALS_A_S = 50.0, 1000.0
 HANDSHAKE_S = 5.0  # longest time for that of TLS
 IDLE_S = ANSWER_S + 4.0  # without an answer, also while a request trickles in
 SWEEP_S = 1.0
@@ -337,13 +340,14 @@ class Connections:
         """`factory` makes the protocol of a connection, and lists them in `connections`."""
         self._options, self._http, self._factory = options, http, factory
         self._sockets: dict[socket.socket, str] = {}  # that are open, with their address
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._protocols: dict[socket.socket, Any] = {}  # of those whose handshake is over
+        self._tasks: dict[socket.socket, asyncio.Task[None]] = {}
 
     async def accept(self, listener: socket.socket) -> None:
-        """Accept connections for ever."""
-        loop = asyncio.get_running_loop()
+        """Accept connections for ever; of too many, one without the token makes room."""
+        loop, pause_s = asyncio.get_running_loop(), 0.0
         while True:
-            await asyncio.sleep(1.0 / ACCEPTS_A_S)
+            await asyncio.sleep(pause_s)
             try:
                 client, address = await loop.sock_accept(listener)
             except OSError:  # no file number is left, or the client has gone
@@ -352,13 +356,26 @@ class Connections:
             origin = address[0]
             local = self._options.http.ip.is_loopback
             crowded = Counter(self._sockets.values())[origin] >= OF_ONE and not local
-            if len(self._sockets) >= CLIENTS or crowded:
+            if crowded or (len(self._sockets) >= CLIENTS and not self._makes_room()):
                 client.close()
+                pause_s = 1.0 / REFUSALS_A_S  # cheap: a flood must not keep others waiting
                 continue
+            pause_s = 1.0 / ACCEPTS_A_S
             self._sockets[client] = origin
-            task = loop.create_task(self._serve(client))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self._tasks[client] = loop.create_task(self._serve(client))
+
+    def _makes_room(self) -> bool:
+        """End the oldest connection without the token, of the address with most of them."""
+        known = self._http.trusted
+        strangers = {client: origin for client, origin in self._sockets.items()
+                     if self._protocols.get(client) not in known}  # fmt: skip
+        if not strangers:
+            return False
+        [(most, _)] = Counter(strangers.values()).most_common(1)
+        client = next(client for client, origin in strangers.items() if origin == most)
+        self._tasks[client].cancel()
+        del self._sockets[client]
+        return True
 
     async def _serve(self, client: socket.socket) -> None:
         """Serve one connection to its end."""
@@ -369,17 +386,20 @@ class Connections:
             transport, protocol = await loop.connect_accepted_socket(
                 self._factory, client, ssl=tls, ssl_handshake_timeout=limit
             )
-            begun = loop.time()
+            begun, self._protocols[client] = loop.time(), protocol
             while protocol in self._factory.connections and not transport.is_closing():
                 await asyncio.sleep(SWEEP_S)
                 last = self._http.answered.get(protocol, begun)
                 if loop.time() - last > IDLE_S:
                     transport.abort()
-            self._http.answered.pop(protocol, None)
         except (TimeoutError, OSError, EOFError):  # a failed handshake
             pass
         finally:
             self._sockets.pop(client, None)
+            self._tasks.pop(client, None)
+            protocol = self._protocols.pop(client, None)
+            self._http.answered.pop(protocol, None)
+            self._http.trusted.discard(protocol)
             if transport is not None:
                 transport.abort()
             else:
@@ -387,7 +407,8 @@ class Connections:
 
     async def close(self) -> None:
         """End all connections."""
-        for task in list(self._tasks):
+        tasks = list(self._tasks.values())
+        for task in tasks:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)
         await asyncio.sleep(0)  # the transports close now

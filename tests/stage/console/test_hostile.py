@@ -13,9 +13,9 @@ from subsea.stage.console import http
 from tests.stage.console.conftest import TOKEN, Console, local
 
 
-def connect(console):
+def connect(console, origin="127.0.0.1"):
     """A raw connection."""
-    return socket.create_connection(("127.0.0.1", console.port), timeout=30)
+    return socket.create_connection(("127.0.0.1", console.port), 30, (origin, 0))
 
 
 def request(console, path="/api/state", more=""):
@@ -175,6 +175,23 @@ def test_more_clients_than_allowed_are_turned_away(monkeypatch, console):
             pass
         assert time.monotonic() < end
         time.sleep(0.1)
+
+
+def test_strangers_cannot_keep_others_out(monkeypatch, guarded):
+    monkeypatch.setattr(http, "CLIENTS", 5)
+    trusted = connect(guarded)
+    trusted.sendall(request(guarded, more=f"Authorization: Bearer {TOKEN}\r\n"))
+    assert status_of(trusted) == 200
+    single = connect(guarded, "127.0.0.3")
+    crowd = [connect(guarded, "127.0.0.2") for _ in range(3)]
+    begun = time.monotonic()
+    for _ in range(2):
+        assert guarded.ask("/api/state", Authorization=f"Bearer {TOKEN}")[0] == 200
+    assert time.monotonic() - begun < 0.5 * http.IDLE_S
+    assert ended_within(crowd[0], 1.0)  # the oldest of the address with most of them
+    assert not ended_within(single, 0.1) and not ended_within(trusted, 0.1)
+    for one in (trusted, single, *crowd):
+        one.close()
 
 
 def test_guesses_of_the_token_are_few_for_strangers_only(guarded):
