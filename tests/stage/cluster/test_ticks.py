@@ -9,6 +9,7 @@ import pytest
 
 from subsea.base.errors import UserError
 from subsea.cli import main
+from subsea.dive.captions import Caption
 from subsea.dive.pilot import Pilot
 from subsea.dive.presented import NOTHING
 from subsea.dive.tick_source import LocalTicks
@@ -25,6 +26,7 @@ from subsea.stage.cluster.ticks import (
 )
 from subsea.stage.theatre.load import load_theatre
 from subsea.submarine.vessel import NEUTRAL, Rail
+from subsea.ui.dive import Dive
 from subsea.world import snapshot
 from subsea.world.world import TICK_S
 
@@ -242,6 +244,10 @@ def test_captions_are_on_the_computer_ahead_of_the_audience(tmp_path):
     ahead = [node for node in ("left", "middle", "right")
              if theatre_windows.set_up_theatre(name, node=node).in_front]  # fmt: skip
     assert ahead == ["middle"]
+    for in_front, panel, words in ((True, None, "Look"), (False, None, ""), (False, 1, "Look")):
+        picture = SimpleNamespace(text_panel=panel)  # each computer shows a part of it
+        node = SimpleNamespace(_in_front=in_front, picture=picture, caption=Caption("Look", 1.0))
+        assert Dive.subtitle.fget(node).words == words
     assert theatre_windows.set_up_theatre(name).in_front
 
 
