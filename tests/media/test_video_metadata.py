@@ -7,6 +7,7 @@ import av
 import numpy as np
 import pytest
 from av.sidedata.sidedata import Type
+from PIL import Image
 
 from subsea.media.frame_writers import metadata_for, open_writers
 
@@ -63,3 +64,55 @@ def test_the_film_is_the_same_with_and_without_boxes(tmp_path, display):
     data = tagged.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["plain.mp4", "tagged.mp4"]
+
+
+# Patches of 16 by 16 pixels: primaries and their mixtures, greys, and colours of a reef.
+PATCHES = np.array(
+    [
+        [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255)],
+        [(255, 255, 0), (0, 255, 255), (255, 0, 255), (0, 0, 0)],
+        [(24, 96, 128), (238, 120, 40), (119, 119, 119), (200, 180, 150)],
+    ],
+    np.uint8,
+)
+MIDDLES = slice(8, None, 16)
+
+
+def bt709(colours):
+    """Luma and chroma (..., 3) of 8 bits and limited range, from BT.709-6, items 3.2 to 3.4."""
+    red, green, blue = np.moveaxis(colours / 255.0, -1, 0)
+    luma = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    chroma = (blue - luma) / 1.8556, (red - luma) / 1.5748
+    return np.stack([16.0 + 219.0 * luma, *(128.0 + 224.0 * part for part in chroma)], axis=-1)
+
+
+@pytest.mark.parametrize("display", ["mono", "equirectangular", "side-by-side"])
+def test_a_film_shows_the_colours_of_a_picture(display, tmp_path):
+    picture = np.kron(PATCHES, np.ones((16, 16, 1), np.uint8))
+    for name in ("a.mp4", "a.png"):
+        out = {"": picture.shape[1::-1]}
+        with open_writers(tmp_path / name, out, Fraction(20), metadata_for(display)) as write:
+            write(0, {"": picture})
+    with Image.open(tmp_path / "a.png") as image:
+        still = np.asarray(image)
+        assert image.info["srgb"] == 0
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        frame = next(container.decode(video=0))
+    shown = frame.to_ndarray(format="rgb24", src_colorspace="ITU709", dst_color_range="JPEG")
+    wrong = np.abs(shown[MIDDLES, MIDDLES].astype(int) - still[MIDDLES, MIDDLES])
+    assert wrong.max() <= 3
+    coded = frame.to_ndarray()[:, : SIZE[0]]  # luma, then two planes of a quarter
+    chroma = coded[SIZE[1] :].reshape(2, SIZE[1] // 2, SIZE[0] // 2)[:, 4::8, 4::8]
+    planes = np.stack([coded[: SIZE[1]][MIDDLES, MIDDLES], *chroma], axis=-1)
+    assert planes == pytest.approx(bt709(PATCHES), abs=1.5)
+
+
+def test_a_film_says_how_its_colours_are_coded(tmp_path):
+    film(tmp_path / "a.mp4", "mono", 2)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        frame = next(container.decode(video=0))
+    # Numbers of ITU-T H.273: BT.709, limited, BT.709, sRGB.
+    assert (frame.colorspace, frame.color_range) == (1, 1)
+    assert (frame.color_primaries, frame.color_trc) == (1, 13)
+    data = (tmp_path / "a.mp4").read_bytes()
+    assert b"colrnclx" + struct.pack(">3HB", 1, 13, 1, 0) in data
