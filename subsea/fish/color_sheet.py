@@ -15,6 +15,7 @@ from subsea.base.arrays import Bytes
 from subsea.base.disk_cache import cached
 from subsea.base.errors import UserError
 from subsea.base.files import check_input, read_text, replacing
+from subsea.base.pictures import in_srgb, write_png
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.fish import paint, sheet_layout
@@ -40,7 +41,7 @@ def _kept_sheet(species: Species) -> Bytes:
 
 
 def read(path: Path) -> Bytes:
-    """The sheet in a PNG file; UserError for anything else."""
+    """The sheet in a PNG file, in sRGB; UserError for anything else."""
     width, height = sheet_layout.SIZE
     expected = f"expected a PNG of {width}×{height} pixels with opacity (RGBA)"
     from PIL import Image  # most species are painted
@@ -56,7 +57,7 @@ def read(path: Path) -> Bytes:
                 if image.size != sheet_layout.SIZE or image.mode != "RGBA":
                     about = f"{image.width}×{image.height} pixels, {image.mode}"
                     raise UserError(f"{about}; {expected}", file=path)
-                return np.ascontiguousarray(np.asarray(image, np.uint8)[::-1])
+                return np.ascontiguousarray(np.asarray(in_srgb(image), np.uint8)[::-1])
     except OSError as fault:
         reason = fault.strerror or "not a picture, or damaged"
         raise UserError(f"{reason}; {expected}", file=path) from fault
@@ -66,10 +67,7 @@ def read(path: Path) -> Bytes:
 
 def write(path: Path, sheet: Bytes) -> None:
     """Write a sheet (640, 1024, 4), bottom row first, as a PNG file, atomically."""
-    from PIL import Image
-
-    with replacing(path) as temporary:
-        Image.fromarray(np.ascontiguousarray(sheet[::-1])).save(temporary, "PNG")
+    write_png(path, np.ascontiguousarray(sheet[::-1]))
 
 
 def own_sheet_path(path: Path) -> Path:

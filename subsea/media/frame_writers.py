@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsea import __version__
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import FILM, PICTURE, check_results
 from subsea.base.files import check_folder, create_part, is_folder, replacing
+from subsea.base.pictures import Pixels, write_png
 from subsea.media.film_sound import FilmSound
 from subsea.sound.space import RATE
 
@@ -115,10 +115,8 @@ def _each(data: bytes) -> Iterator[bytes]:
         data = data[length:]
 
 
-# (height, width, 3) of 8 bits, top row first; in folders also (height, width) of 16 bits.
-Picture = NDArray[np.uint8] | NDArray[np.uint16]
-Write = Callable[[int, Picture], None]  # of a frame by its number
-WriteAll = Callable[[int, Mapping[str, Picture]], None]  # of all windows by name
+Write = Callable[[int, Pixels], None]  # of a frame (h, w, 3) by its number
+WriteAll = Callable[[int, Mapping[str, Pixels]], None]  # of all windows by name
 
 QUALITY = "19"  # x264's constant rate factor: near-transparent, small enough to mail
 BITS_S = 96_000  # of each channel of sound
@@ -201,7 +199,7 @@ def open_writers(
             for name, size in sizes.items()
         }
 
-        def write(number: int, pictures: Mapping[str, Picture]) -> None:
+        def write(number: int, pictures: Mapping[str, Pixels]) -> None:
             for name, picture in pictures.items():
                 writers[name](number, picture)
 
@@ -258,7 +256,7 @@ def film_writer(
             coder.color_range = 1  # limited
             add_sound = _sound_track(container, sound)
 
-            def write(number: int, picture: Picture) -> None:
+            def write(number: int, picture: Pixels) -> None:
                 nonlocal frames
                 frame = convert(
                     av.VideoFrame.from_ndarray(picture, format="rgb24"),
@@ -310,17 +308,3 @@ def _sound_track(container: Any, sound: FilmSound | None) -> Callable[[float | N
             container.mux(track.encode(frame))
 
     return add
-
-
-def write_png(path: Path, picture: Picture) -> None:
-    """Write one picture completely or not at all; a UserError if the disk refuses.
-
-    Pictures of 8 bits are marked as sRGB. Those of 16 bits hold numbers, not colours.
-    """
-    from PIL import Image, PngImagePlugin
-
-    marks = PngImagePlugin.PngInfo()
-    if picture.dtype == np.uint8:
-        marks.add(b"sRGB", b"\0")
-    with replacing(path) as temporary:
-        Image.fromarray(picture).save(temporary, format="PNG", pnginfo=marks)

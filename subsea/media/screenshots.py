@@ -11,7 +11,8 @@ import platformdirs
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError
 from subsea.base.files import check_file
-from subsea.media.frame_writers import Write, film_writer, fitted_size, write_png
+from subsea.base.pictures import write_png
+from subsea.media.frame_writers import Write, film_writer, fitted_size
 
 Pixels = Bytes  # (height, width, 3), top row first
 

@@ -12,6 +12,7 @@ import numpy as np
 from subsea.base.arrays import Bytes
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, check_file, read_input
+from subsea.base.pictures import in_srgb
 from subsea.base.system import resource_names, resource_path
 from subsea.scenario.load import (
     SHIPPED,
@@ -32,7 +33,7 @@ def read_thumbnail(scenario: Path) -> Bytes | None:
 
     None if it is missing, damaged or too large, since a scenario needs no picture.
     """
-    from PIL import Image
+    from PIL import Image, ImageOps
 
     try:
         data = read_input(scenario.with_suffix(".jpg"), MIB)
@@ -42,7 +43,8 @@ def read_thumbnail(scenario: Path) -> Bytes | None:
                 if image.width * image.height > MOST_PIXELS:
                     return None
                 image.thumbnail(SIZE)
-                return np.asarray(image.convert("RGB"))
+                ImageOps.exif_transpose(image, in_place=True)
+                return np.asarray(in_srgb(image))
     except Exception:  # Pillow's readers raise any exception for damaged files
         return None
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
 from subsea.base.files import replacing
+from subsea.base.pictures import write_png
 from subsea.base.progress import print_line
 from subsea.stage.setup import describe
 from subsea.stage.theatre.channels import usable_channels
@@ -84,13 +85,10 @@ def write_theatre(
 
 def draw_room(name: str, picture: Path, force: bool = False) -> None:
     """Write the picture of the room of a theatre, and print its name."""
-    from PIL import Image
-
     from subsea.stage.theatre.room_picture import room_picture
 
     check_result(picture, PICTURE, force)
     theatre, path = load_theatre(name)
     pixels = room_picture(theatre, usable_channels(theatre, path)[0])
-    with replacing(picture) as part:
-        Image.fromarray(pixels).save(part, "PNG", optimize=True)
+    write_png(picture, pixels)
     print_line(f"the room: {picture}")

@@ -18,6 +18,7 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 from subsea.base.arrays import Array, Bools, Bytes
 from subsea.base.errors import UserError, unreadable
 from subsea.base.files import check_input
+from subsea.base.pictures import in_srgb
 
 PATCH = 96  # pixels each way of the searched square
 GRAIN = 9.0  # radius of an eye in that square, pixels
@@ -99,7 +100,7 @@ class Photograph(NamedTuple):
 
 
 def read_photograph(path: Path) -> Photograph:
-    """Read a photograph upright, scaled down to at most `WORK` pixels on its longer side.
+    """Read a photograph upright, in sRGB and with at most `WORK` pixels on its longer side.
 
     UserError for a file that is not a picture, damaged, too large or too small.
     """
@@ -142,7 +143,7 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
     image.draft("RGB", (WORK, WORK))  # a huge JPEG need not be decoded completely
     ImageOps.exif_transpose(image, in_place=True)
     upright = image
-    if upright.mode in ("P", "PA", "LA", "La", "RGBa") or "transparency" in upright.info:
+    if upright.mode in ("P", "PA", "La", "RGBa") or "transparency" in upright.info:
         upright = upright.convert("RGBA")
     elif upright.mode == "1":
         upright = upright.convert("L")
@@ -153,7 +154,7 @@ def _decoded(path: Path, image: Image.Image) -> Photograph:
     upright.thumbnail((WORK, WORK), Image.Resampling.LANCZOS, reducing_gap=3.0)
     if white:
         upright = _eight_bits(upright, white)
-    pixels = np.asarray(upright.convert("RGBA" if upright.mode == "RGBA" else "RGB"))
+    pixels = np.asarray(in_srgb(upright))
     opacity = np.ascontiguousarray(pixels[..., 3]) if pixels.shape[2] == 4 else None
     if opacity is not None and (opacity < 128).mean() < CLEAR:
         opacity = None
@@ -174,7 +175,9 @@ def _eight_bits(image: Image.Image, white: float) -> Image.Image:
     """Convert 16-bit or floating-point greys to eight bits."""
     values = np.nan_to_num(np.asarray(image, np.float64))
     grey = (255.0 * np.clip(values / white, 0.0, 1.0)).round().astype(np.uint8)
-    return Image.fromarray(grey).convert("RGB")
+    out = Image.fromarray(grey)
+    out.info = image.info
+    return out
 
 
 def downscale(photograph: Photograph) -> tuple[Bytes, float]:

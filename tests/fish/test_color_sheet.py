@@ -11,6 +11,7 @@ from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import assign_sheet, read, sheet_of, sheets, write
 from subsea.fish.species import load_species, own_species, species_file, species_names
 from subsea.stage.cluster.identity import _anywhere
+from tests.support.profiles import DISPLAY_P3, in_srgb, rgb_profile
 
 
 @pytest.fixture
@@ -36,6 +37,16 @@ def test_a_sheet_is_read_as_it_was_written_with_its_upper_row_first(tmp_path):
     with Image.open(tmp_path / "sheet.png") as image:
         assert image.size == sheet_layout.SIZE and image.mode == "RGBA"
         np.testing.assert_array_equal(np.asarray(image)[0], sheet[-1])
+
+
+def test_the_colours_of_a_sheet_are_those_of_its_profile(tmp_path):
+    sheet = picture()
+    drawn = Image.fromarray(np.ascontiguousarray(sheet[::-1]))
+    drawn.save(tmp_path / "sheet.png", icc_profile=rgb_profile(DISPLAY_P3))
+    shown = read(tmp_path / "sheet.png")
+    expected = in_srgb(sheet[..., :3], DISPLAY_P3)
+    assert np.abs(shown[..., :3].astype(int) - expected).max() <= 2
+    np.testing.assert_array_equal(shown[..., 3], sheet[..., 3])
 
 
 def test_a_sheet_is_assigned_and_the_rest_of_the_file_stays(own):

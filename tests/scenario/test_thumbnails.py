@@ -8,6 +8,7 @@ from PIL import Image
 
 from subsea.base.system import resource_names, resource_path
 from subsea.scenario.storage import SIZE, read_thumbnail
+from tests.support.profiles import DISPLAY_P3, in_srgb, rgb_profile
 
 MOST_BYTES = 8000
 
@@ -30,6 +31,16 @@ def test_a_scenario_of_ones_own_may_have_a_picture(tmp_path):
     pixels = read_thumbnail(scenario)
     assert pixels.shape == (SIZE[0] // 2, SIZE[0], 3)
     assert np.abs(pixels - np.array((200, 100, 50))).max() < 4
+
+
+def test_a_picture_of_a_camera_is_upright_and_has_the_colours_of_its_profile(tmp_path):
+    picture = Image.new("RGB", (40, 20), (200, 100, 50))
+    exif = picture.getexif()
+    exif[0x0112] = 6
+    picture.save(tmp_path / "mine.jpg", exif=exif, icc_profile=rgb_profile(DISPLAY_P3))
+    pixels = read_thumbnail(tmp_path / "mine.toml")
+    assert pixels.shape == (40, 20, 3)
+    assert np.abs(pixels - in_srgb((200, 100, 50), DISPLAY_P3)).max() < 4
 
 
 def test_what_is_no_picture_is_ignored(tmp_path):

@@ -10,6 +10,7 @@ from PIL import Image
 from subsea.base.errors import UserError
 from subsea.studio import photograph
 from subsea.studio.photograph import WORK, grab_cut, largest_region, read_photograph
+from tests.support import profiles
 
 
 def ramp(width=160, height=120):
@@ -88,6 +89,44 @@ def test_a_camera_held_on_its_side_is_turned_upright(tmp_path):
     got = read_photograph(path).colour
     assert got.shape[:2] == (160, 120)
     assert got[:20].mean() < got[-20:].mean()  # its dark left is its top now
+
+
+COLOURS = np.array([(255, 0, 0), (200, 100, 40), (40, 90, 140), (119, 119, 119)], np.uint8)
+INKED = np.array([(1, 0, 0, 0), (0, 1, 1, 0), (1, 0, 0, 1), (0, 0, 0, 0)], np.uint8)
+GREYS = np.array([0, 50, 128, 255], np.uint8)
+GREY_LIGHT = np.rint(255.0 * profiles.coded((GREYS / 255.0) ** 1.5)).astype(int)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "profile", "expected"),
+    [
+        ("a.jpg", COLOURS, profiles.rgb_profile(profiles.DISPLAY_P3),
+         profiles.in_srgb(COLOURS, profiles.DISPLAY_P3)),
+        ("a.tif", COLOURS, profiles.rgb_profile(profiles.ADOBE_RGB, 563 / 256),
+         profiles.in_srgb(COLOURS, profiles.ADOBE_RGB, 563 / 256)),
+        ("a.png", np.hstack([COLOURS, GREYS[:, None]]), profiles.rgb_profile(profiles.DISPLAY_P3),
+         profiles.in_srgb(COLOURS, profiles.DISPLAY_P3)),
+        ("a.jpg", 255 * INKED, profiles.ink_profile(), profiles.printed(INKED)),
+        ("a.png", GREYS, profiles.grey_profile(1.5), GREY_LIGHT[:, None]),
+        ("b.png", np.stack([GREYS, 255 - GREYS], 1), profiles.grey_profile(1.5),
+         GREY_LIGHT[:, None]),
+        ("c.png", GREYS.astype(np.uint16) * 257, profiles.grey_profile(1.5), GREY_LIGHT[:, None]),
+        ("d.png", COLOURS, b"damaged", COLOURS),
+        ("e.png", COLOURS, profiles.ink_profile(), COLOURS),
+    ],
+    ids=["p3", "adobe", "opacity", "cmyk", "grey", "grey-opacity", "grey-16", "damaged", "other"],
+)  # fmt: skip
+def test_colours_are_those_of_the_embedded_profile(name, values, profile, expected, tmp_path):
+    pixels = np.repeat(np.repeat(values[None], 30, axis=0), 30, axis=1)
+    mode = "CMYK" if values is not GREYS and pixels.shape[2:] == (4,) and name == "a.jpg" else None
+    picture = Image.fromarray(pixels, mode) if mode else Image.fromarray(pixels)
+    lossless = {"quality": 100, "subsampling": 0} if name == "a.jpg" else {}
+    picture.save(tmp_path / name, icc_profile=profile, **lossless)
+    got = read_photograph(tmp_path / name)
+    assert np.abs(got.colour[15, 15::30].astype(int) - expected).max() <= 3
+    clear = values[:, -1] if values.ndim == 2 and picture.mode in ("RGBA", "LA") else None
+    assert (got.opacity is None) == (clear is None)
+    assert clear is None or (got.opacity[15, 15::30] == clear).all()
 
 
 def test_large_pictures_are_scaled_down(tmp_path):
