@@ -299,10 +299,11 @@ def _sound_track(container: Any, sound: FilmSound | None) -> Callable[[float | N
             return
         samples = read(until)
         if len(samples):
-            planes = np.ascontiguousarray(samples.T)
+            # Interleaved: PyAV counts the planes of eight channels wrongly.
             frame = av.AudioFrame.from_ndarray(
-                planes, format="fltp", layout=sound.layout.container_name
-            )
+                np.ascontiguousarray(samples, np.float32).reshape(1, -1),
+                format="flt", layout=sound.layout.container_name,
+            )  # fmt: skip
             frame.sample_rate, frame.pts, frame.time_base = RATE, at, Fraction(1, RATE)
             at += len(samples)
             container.mux(track.encode(frame))
