@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from subsea.base.arrays import Array
+from subsea.geometry.noise import uniform
 from subsea.kernels import kernel
 from subsea.sound.moment import (
     BEDS,
@@ -27,11 +28,16 @@ LOW_HZ = np.array([60.0, 1800.0, 70.0, 60.0, 60.0, 500.0, 600.0])
 HIGH_HZ = np.array([420.0, 15_000.0, 600.0, 200.0, 340.0, 2500.0, 3800.0])
 RAISE = np.array([13.0, 8.0, 10.0, 3.0, 14.0, 1.2, 4.5])
 HARMONICS = np.array([0.55, 0.30, 0.16, 0.10, 0.05, 0.04])  # of motor and winch
-SWELL_S, BREATH_S = 7.3, 4.4  # periods of waves and of breath
-ROOM = 0.8  # level from which peaks are rounded, so that none is beyond 1
-QUIET = 0.3  # the same at night
+WAVES_S, SETS_S = 3.1, 7.9  # times in which single waves and sets of waves change
+BREATH_S, CALM_S = 4.6, 9.0  # mean period of breath, and the time in which it changes
+WANDER = 1.4  # breaths by which a breath comes early or late
+LIFT = 2.7  # factor on all levels: seas have about -20 LUFS at the volume of films
+# Greatest samples. Peaks between samples, and those of AAC, are up to 2 dB higher: below -1 dB.
+MOST, MOST_AT_NIGHT = 0.65, 0.25
+ATTACK_S, RELEASE_S = 0.001, 0.05  # of the gain before and after a peak
 RAMP = (np.arange(BLOCK) + 1.0) / BLOCK
 STATES = 4  # of a bed: phase, three filters
+SLOW = np.int64(318)  # key of the random numbers of waves and breath
 SPARSE = 0.99  # noise beyond which it counts as a snap afar: 480 a second
 
 
@@ -64,9 +70,13 @@ class Mixer:
         self._states = np.zeros((len(BEDS), STATES))
         self._before: tuple[Array, Array] | None = None  # beds and their gains
         self._gains: Array | None = None  # of the last tick
+        self._limits = np.ones(2)  # gains at the end of the last tick: of the stems, at night
 
     def stems(self, moment: Moment) -> Array:
-        """The samples (3, BLOCK, c) of each of the GROUPS in a tick, at full volume."""
+        """The samples (3, BLOCK, c) of each of the GROUPS in a tick, at full volume.
+
+        A limiter holds the peaks of each, and of all together. It changes all by the same gain.
+        """
         gains = np.zeros((len(BEDS), self.layout.channels))
         _place_beds(moment.beds, *self._where, gains)
         before = self._before or (moment.beds, gains)
@@ -79,6 +89,7 @@ class Mixer:
         self._rest[:, : end - BLOCK] = self._rest[:, BLOCK:end]
         self._rest[:, end - BLOCK : end] = 0.0
         self._end = end - BLOCK
+        self._limits[0] = _limit(out, MOST, self._limits[0])
         return out
 
     def mix(self, moment: Moment, levels: SoundLevels) -> Array:
@@ -92,22 +103,42 @@ class Mixer:
         ramp = before + RAMP[:, None] * (gains - before)
         self._gains = gains
         whole = np.einsum("gnc,ng->nc", stems, ramp)
-        return rounded(whole, QUIET if levels.night else ROOM).astype(np.float32)
+        if levels.night:
+            self._limits[1] = _limit(whole[None], MOST_AT_NIGHT, self._limits[1])
+        return np.asarray(whole, np.float32)
 
     @property
     def _where(self) -> tuple[Array, float]:
         return self.layout.directions, self.layout.width
 
 
-def rounded(samples: Array, room: float) -> Array:
-    """Samples whose peaks beyond `room` are rounded to stay below 1, or below 1.25 `room`."""
-    most = min(0.999, 1.25 * room) - room
-    size = np.abs(samples)
-    over = size > room
-    if over.any():
-        bent = room + most * np.tanh((size - room) / most)
-        return np.asarray(np.where(over, np.sign(samples) * bent, samples))
-    return samples
+@kernel
+def _limit(groups: Array, most: float, gain: float) -> float:
+    """Limit the sum of any of the `groups` (g, n, c) to `most`, in place; return the last gain.
+
+    The gain falls before a peak and recovers after it, beginning with `gain`. It only falls at once
+    for a peak in the first millisecond.
+    """
+    number = groups.shape[1]
+    gains = np.empty(number)
+    recover, fall = 1.0 - math.exp(-1.0 / (RELEASE_S * RATE)), 1.0 / (ATTACK_S * RATE)
+    for k in range(number):
+        peak = most
+        for c in range(groups.shape[2]):
+            above, below = 0.0, 0.0  # the largest sums with any volumes
+            for g in range(len(groups)):
+                above += max(groups[g, k, c], 0.0)
+                below -= min(groups[g, k, c], 0.0)
+            peak = max(peak, above, below)
+        gain = min(gain + recover * (1.0 - gain), most / peak)
+        gains[k] = gain
+    after = gain
+    for k in range(number - 1, -1, -1):
+        after = min(gains[k], after + fall)
+        for g in range(len(groups)):
+            for c in range(groups.shape[2]):
+                groups[g, k, c] *= after
+    return gain
 
 
 @kernel
@@ -135,10 +166,10 @@ def _add_beds(
             states[b, 0] = _hum(old[b, 4], new[b, 4], states[b, 0], tones)
         before, now = old[b, 0], new[b, 0]
         if b == SURF:
-            before, now = before * _swell(begin), now * _swell(end)
+            before, now = before * _swell(seed, begin), now * _swell(seed, end)
         elif b == BREATH:
-            before, now = before * _breath(begin), now * _breath(end)
-        faster, fast, slow, raised = states[b, 1], states[b, 2], states[b, 3], RAISE[b]
+            before, now = before * _breath(seed, begin), now * _breath(seed, end)
+        faster, fast, slow, raised = states[b, 1], states[b, 2], states[b, 3], LIFT * RAISE[b]
         for k in range(BLOCK):
             noise = next_noise(noise)
             value = white(noise)
@@ -149,7 +180,7 @@ def _add_beds(
             slow += low * (fast - slow)
             value = raised * (fast - slow)
             if tonal:
-                value = 0.25 * value + tones[k]
+                value = 0.25 * value + LIFT * tones[k]
             share = (k + 1.0) / BLOCK
             value *= before + share * (now - before)
             for c in range(gains.shape[1]):
@@ -175,20 +206,37 @@ def _hum(old_hz: float, new_hz: float, phase: float, out: Array) -> float:
 
 
 @kernel
-def _swell(t: float) -> float:
-    """Waves that come and go."""
-    return 0.65 + 0.35 * math.sin(2.0 * math.pi * t / SWELL_S)
+def _wander(seed: int, t: float, key: int) -> float:
+    """Return a smooth random function of time in [0, 1), with a number at each whole `t`."""
+    number = math.floor(t)
+    share = t - number
+    eased = share * share * (3.0 - 2.0 * share)
+    before, after = uniform(seed, key, number, SLOW), uniform(seed, key, number + 1, SLOW)
+    return before + eased * (after - before)
 
 
 @kernel
-def _breath(t: float) -> float:
-    """Breathing in, briefly, and out, longer and softer."""
-    at = (t % BREATH_S) / BREATH_S
-    if at < 0.28:
-        return math.sin(math.pi * at / 0.28) ** 2
-    if at < 0.40 or at > 0.85:
+def _swell(seed: int, t: float) -> float:
+    """Return the level of waves that come and go, in no rhythm."""
+    return 0.3 + 0.42 * _wander(seed, t / WAVES_S, 0) + 0.28 * _wander(seed, t / SETS_S, 1)
+
+
+@kernel
+def _breath(seed: int, t: float) -> float:
+    """Breathing in, briefly, and out, longer and softer; no breath is like the last."""
+    breaths = t / BREATH_S + WANDER * _wander(seed, t / CALM_S, 2)
+    number = math.floor(breaths)
+    at, depth = breaths - number, 0.4 + 0.6 * uniform(seed, 3, number, SLOW)
+    turn, end = (
+        0.2 + 0.2 * uniform(seed, 4, number, SLOW),
+        0.7 + 0.3 * uniform(seed, 5, number, SLOW),
+    )
+    if at < turn:
+        return depth * math.sin(math.pi * at / turn) ** 2
+    turn += 0.1
+    if at < turn or at > end:
         return 0.0
-    return 0.55 * math.sin(math.pi * (at - 0.40) / 0.45) ** 2
+    return depth * 0.55 * math.sin(math.pi * (at - turn) / (end - turn)) ** 2
 
 
 VOICE_GROUPS = np.array([GROUP_OF_VOICE[voice] for voice in sorted(GROUP_OF_VOICE)])
@@ -214,7 +262,7 @@ def _add_events(out: Array, events: Array, directions: Array, width: float, dela
             start = int(at)
             part = at - start
             wet, heard = 0.0, 0.0
-            gain = events[e, 2] * gains[c]
+            gain = LIFT * events[e, 2] * gains[c]
             for k in range(number):
                 wet += water * (sound[k] - wet)
                 heard += head * (wet - heard)

@@ -126,7 +126,7 @@ CAPTIONS = {
     WHOOSH: marked("a fish darts off"),
 }
 HEARD = 0.02  # level from which a sound has a caption
-SCHOOL_WORDS, FEW, MOST_SCHOOL = marked("a school passes"), 8, 0.15
+SCHOOL_WORDS, FEW, MOST_SCHOOL = marked("a school passes"), 8, 0.06
 
 
 def side_of(right: float) -> str:

@@ -9,6 +9,7 @@ import pytest
 from subsea.cli.main import main
 from subsea.media.film_sound import write_wav
 from subsea.sound.space import RATE
+from tests.support.loudness import true_peak
 from tests.support.scenes import BARE
 
 pytestmark = pytest.mark.usefixtures("one_context")
@@ -72,6 +73,12 @@ def test_stems_add_up_to_the_sound(filmed):
     whole = read_wav(filmed / "a.wav")
     n = len(whole)
     assert 0.8 * sum(part[:n] for part in parts) == pytest.approx(whole, abs=3e-4)
+
+
+def test_no_peak_of_a_film_or_its_stems_reaches_full_scale(filmed):
+    names = "sea", "fishes", "vessel", "a"
+    assert max(true_peak(read_wav(filmed / f"{name}.wav")) for name in names) < -1.0
+    assert true_peak(track_of(filmed / "a.mp4")[0]) < -1.0
 
 
 def test_a_later_start_hears_the_same_dive(filmed, tmp_path):

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from subsea.base.system import resource_names
+from subsea.dive.directed_camera import tour_steering
 from subsea.rendering.sea.particles import slots
-from subsea.sound.mixer import Mixer, SoundLevels, rounded
+from subsea.scenario.load import load_scenario
+from subsea.sound.mixer import Mixer, SoundLevels, _breath, _swell
 from subsea.sound.moment import (
     BED_COLUMNS,
     BEDS,
@@ -21,10 +24,14 @@ from subsea.sound.moment import (
     _event,
     hear,
     side_of,
+    sources_of,
 )
-from subsea.sound.space import BLOCK, LAYOUTS, RATE, fading
+from subsea.sound.space import BLOCK, LAYOUTS, RATE, fading, listener_of
 from subsea.sound.voices import KNOCK, WHOOSH, minnaert_hz
+from subsea.world.build import create_world
+from subsea.world.step import step
 from tests.sound.conftest import ears, mixed
+from tests.support.loudness import by_ffmpeg, loudness, true_peak
 
 STEREO = LAYOUTS["stereo"]
 SILENT = np.zeros((len(BEDS), len(BED_COLUMNS)))
@@ -90,7 +97,7 @@ def test_groups_add_up_to_the_whole(heard):
 
 def test_levels_fall_with_distance():
     rms = []
-    for away in (200.0, 400.0):
+    for away in (500.0, 1000.0):
         found = mixed(moment(event(KNOCK, fading(away), away=away), tick=1), moment(tick=2))
         rms.append(np.sqrt((found**2).mean()))
     assert rms[1] == pytest.approx(0.5 * rms[0], rel=0.05)
@@ -146,13 +153,72 @@ def test_volumes_change_without_a_step():
     assert np.abs(np.diff(whole)).max() < 1.2 * np.abs(np.diff(blocks[0][:, 0])).max()
 
 
-def test_no_sample_is_beyond_full_scale():
-    loud = moment(*[event(STRIKE, 1.0, when=k / 30) for k in range(30)])
-    found = mixed(loud, moment(tick=2))
-    assert 0.9 < np.abs(found).max() < 1.0
-    calm = mixed(loud, moment(tick=2), levels=SoundLevels(1.0, night=True))
-    assert np.abs(calm).max() < 0.4
-    assert (rounded(np.array([0.1, -0.5]), 0.8) == [0.1, -0.5]).all()
+@pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
+def test_peaks_stay_below_full_scale(layout):
+    """True peaks, between samples, of the whole and of each stem."""
+    voices = (SNAP, STRIKE, KNOCK)
+    crowd = [event(voices[k % 3], 1.0 + k % 4, when=k / 30, pitch=1.0 + k / 60) for k in range(30)]
+    moments = [moment(*crowd), *(moment(tick=k) for k in range(2, 12))]
+    mixer = Mixer(layout)
+    stems = np.concatenate([mixer.stems(one) for one in moments], axis=1)
+    peaks = [true_peak(part) for part in (*stems, mixed(*moments, layout=layout))]
+    assert max(peaks) < -1.0
+    assert min(peaks[0], peaks[1], peaks[-1]) > -8.0
+    calm = mixed(*moments, layout=layout, levels=SoundLevels(1.0, night=True))
+    assert np.abs(calm).max() < 0.3
+
+
+def test_a_limited_sound_keeps_its_shape():
+    soft, loud = (
+        mixed(*(moment(beds=bed(MOTOR, level, 60.0), tick=k) for k in range(1, 12)))[2 * BLOCK :, 0]
+        for level in (0.02, 1.0)
+    )
+    assert 0.5 < np.abs(loud).max() < 0.7
+    assert np.corrcoef(soft, loud)[0, 1] > 0.99
+
+
+def rhythm(levels):
+    """The greatest autocorrelation of levels after its first minimum: 1 for a metronome."""
+    levels = levels - levels.mean()
+    turned = np.fft.rfft(levels, 2 * len(levels))
+    likeness = np.fft.irfft(np.abs(turned) ** 2)[: len(levels) // 4] / (levels**2).sum()
+    first = int(np.argmax(np.diff(likeness) > 0.0))
+    return likeness[first:].max()
+
+
+@pytest.mark.parametrize(("level", "most"), [(_swell, 0.3), (_breath, 0.4)])
+def test_waves_and_breath_have_no_rhythm(level, most):
+    times = np.arange(0.0, 600.0, 0.1)
+    for seed in (1, 2):
+        levels = np.array([level(seed, t) for t in times])
+        assert levels.min() >= 0.0 and 0.9 < levels.max() <= 1.0
+        assert rhythm(levels) < most
+        assert (levels == [level(seed, t) for t in times]).all()
+
+
+def test_a_sea_has_the_loudness_of_a_film(heard):
+    samples = mixed(*heard[1], levels=SoundLevels())
+    assert loudness(samples) == pytest.approx(-20.0, abs=3.0)
+    assert true_peak(samples) < -1.0
+    assert by_ffmpeg(samples) == pytest.approx((loudness(samples), true_peak(samples)), abs=0.2)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", resource_names("assets/scenarios", ".toml"))
+def test_every_sea_has_the_loudness_of_a_film(name):
+    world = create_world(load_scenario(name)[0])
+    steer, sources = tour_steering(world, "auto"), sources_of(world)
+    moments = []
+    for _ in range(900):
+        step(world, steer(world))
+        moments.append(hear(world, listener_of(world), sources))
+    for layout in ("stereo", "5.1"):
+        mixer = Mixer(LAYOUTS[layout])
+        stems = np.concatenate([mixer.stems(one) for one in moments], axis=1)
+        assert max(true_peak(part) for part in stems) < -1.0
+        samples = mixed(*moments, layout=LAYOUTS[layout], levels=SoundLevels())
+        assert true_peak(samples) < -1.0
+        assert loudness(samples, layout) == pytest.approx(-20.0, abs=4.0)
 
 
 def test_shrimp_snap_more_where_there_is_more_stone(heard):
