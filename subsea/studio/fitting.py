@@ -57,7 +57,7 @@ BORDER_ANCHOR = 1.0  # λ of the anchors that hold the border meanwhile
 LEAST_LIKENESS = 0.55  # below it no fish was found
 ROUNDS = 2  # of segmenting again from a rough position
 # Body lengths inside which all, and outside which nothing is fish, by stage.
-WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (0.03, 0.02)
+WIDE, CLOSER, HELD = (0.12, 0.16), (0.05, 0.07), (None, 0.02)
 COARSE_BLURS = 0.03, 0.015, 0.008  # body lengths, one after the other
 EDGE_RANGE = 0.008  # body lengths from the segmented fish in which the photograph's edges count
 EDGE_BLUR = 0.005  # of these edges, body lengths
@@ -208,14 +208,14 @@ def _centred_guesses(colour: Bytes, plan: SurfacePlan) -> Iterator[Bytes]:
 
 
 def _shape_trimap(
-    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], reach: tuple[float, float]
+    plan: SurfacePlan, matrix: Array, shape: tuple[int, ...], reach: tuple[float | None, float]
 ) -> Bytes:
     """GrabCut labels of the species' shape."""
     return _trimap(silhouette(plan, matrix, shape), float(np.hypot(*matrix[:, 0])), *reach)
 
 
-def _trimap(inside: Bools, length: float, core: float, halo: float) -> Bytes:
-    """GrabCut labels for a rough mask: sure fish from `core` body lengths inside it on.
+def _trimap(inside: Bools, length: float, core: float | None, halo: float) -> Bytes:
+    """GrabCut labels for a rough mask: sure fish from `core` body lengths inside it on, if given.
 
     Sure background begins `halo` body lengths outside.
     """
@@ -223,7 +223,8 @@ def _trimap(inside: Bools, length: float, core: float, halo: float) -> Bytes:
     deep = cv2.distanceTransform(here, cv2.DIST_L2, 5)
     far = cv2.distanceTransform(1 - here, cv2.DIST_L2, 5)
     guess = np.where(inside, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
-    guess[deep > min(core * length, 0.7 * deep.max())] = cv2.GC_FGD
+    if core is not None:
+        guess[deep > min(core * length, 0.7 * deep.max())] = cv2.GC_FGD
     guess[far > halo * length] = cv2.GC_BGD
     return guess
 

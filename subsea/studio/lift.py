@@ -22,7 +22,6 @@ from subsea.studio.deformable_mesh import DORSAL, VENTRAL, DeformableMesh, FishM
 from subsea.studio.side_view import SideView, SideViewFin, mesh_outlines, side_view, subdivide
 
 RIM = 0.006  # body lengths inside the outline that the background still tints
-NEAR = 0.035  # body lengths from the outline within which the segmentation counts
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 TIERS = 10  # levels from belly to back whose brightness is compared
 EVENED = 0.8  # fraction of the shading that is removed
@@ -54,8 +53,8 @@ def lift_sheet(
 ) -> Bytes:
     """Make the sheet (640, 1024, 4), bottom row first, from a photograph (h, w, 3).
 
-    ``fish`` (h, w) is the segmented fish: near the outline only its colours are used, and its gaps
-    are gaps in the fins. Without it the meshes alone count.
+    ``fish`` (h, w) is the segmented fish: only its colours are used, and its gaps are gaps in the
+    fins. Without it the meshes alone count.
     """
     surface, skin = species.surface, species.skin
     rest = side_view(surface)
@@ -94,12 +93,12 @@ def _source(colour: Bytes, meshes: FishMeshes, surface: SurfacePlan, fish: Bools
     window, corner = _around(colour, meshes, length)
     within = mesh_mask(meshes, colour.shape)[window]
     there = within if fish is None else fish[window]
-    deep = _distance_inside(within) > NEAR * length  # there only the meshes count
-    sure = _distance_inside(within & (there | deep)) > RIM * length
+    sure = _distance_inside(within & there) > max(RIM * length, 1.0)
+    # A small fish has only a rim; meshes may lie beside the fish. Background never counts.
+    seen = next((part for part in (sure, within & there) if part.any()), there)
     table = raster.from_srgb(np.arange(256) / 255.0).astype(np.float32)
-    own = (sure if sure.any() else within).astype(np.float32)
-    light = pull_push(table[colour[window]], own)
-    opaque = cv2.GaussianBlur(np.asarray(there | deep, np.float32), (0, 0), 1.0)
+    light = pull_push(table[colour[window]], seen.astype(np.float32))
+    opaque = cv2.GaussianBlur(np.asarray(there, np.float32), (0, 0), 1.0)
     return _Source(np.dstack([light, opaque]), corner)
 
 

@@ -103,6 +103,10 @@ def test_the_fish_is_segmented_under_meshes(clownfish_photo):
     meshes = find_fish(photograph, plan).meshes
     mask = segment_under(photograph, meshes)
     assert (mask & truth).sum() > 0.95 * (mask | truth).sum()
+    # Background under meshes that are too large is not taken for the fish.
+    transform(meshes, 1.35 * np.eye(2), meshes.body.nodes.reshape(-1, 2).mean(axis=0), 0.0)
+    wrong = segment_under(photograph, meshes) & ~truth
+    assert wrong.sum() < 0.03 * truth.sum()
 
 
 def test_the_outline_error_is_a_distance():

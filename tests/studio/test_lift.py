@@ -6,7 +6,7 @@ import pytest
 from subsea.fish import paint, sheet_layout
 from subsea.fish.species import load_species
 from subsea.fish.surface import SUNK, along, points_along
-from subsea.studio.deformable_mesh import transform
+from subsea.studio.deformable_mesh import copy_meshes, transform
 from subsea.studio.fitting import find_fish
 from subsea.studio.lift import lift_sheet, mesh_mask, pull_push, rasterize
 from subsea.studio.side_view import centred_matrix, make_fish_meshes
@@ -59,8 +59,6 @@ def test_every_place_of_the_flank_has_the_colour_of_its_own_place(clownfish, mar
 
 def test_the_other_flank_is_its_mirror_image(clownfish, marked):
     picture, meshes, fish = marked
-    from subsea.studio.deformable_mesh import copy_meshes
-
     other = copy_meshes(meshes)
     transform(other, np.diag([-1.0, 1.0]), np.array([399.5, 0.0]), np.zeros(2))
     mirrored = lift_sheet(np.ascontiguousarray(picture[:, ::-1]), other, clownfish, fish[:, ::-1])
@@ -96,6 +94,30 @@ def test_the_background_is_removed(clownfish, marked):
     # And at the coarsest mipmap neither: what lies beyond the outline goes on in its colours.
     body = crop(lift_sheet(picture, meshes, clownfish, fish), sheet_layout.BODY)
     assert body[-1, :, 2].max() < 40 and body[0, :, 2].max() < 40
+
+
+def changed(meshes, scale, by=(0.0, 0.0)):
+    """Meshes that are larger than the fish, or beside it, by shares of its length."""
+    other = copy_meshes(meshes)
+    middle = meshes.body.nodes.reshape(-1, 2).mean(axis=0)
+    transform(other, scale * np.eye(2), middle, meshes.length * np.array(by))
+    return other
+
+
+@pytest.mark.parametrize(
+    ("scale", "by", "gap"),
+    [(1.4, (0.0, 0.0), 0), (1.0, (0.1, 0.12), 0), (0.5, (0.0, 0.35), 0), (1.0, (0.0, 0.0), 30)],
+    ids=["larger", "moved", "beside", "gap"],
+)
+def test_no_pixel_outside_of_the_fish_comes_into_the_sheet(scale, by, gap, clownfish, marked):
+    picture, meshes, fish = marked
+    fish, picture = fish.copy(), picture.copy()
+    x, y = np.round(meshes.body.nodes.reshape(-1, 2).mean(axis=0)).astype(int)
+    fish[y - gap : y + gap, x - gap : x + gap] = False
+    picture[~fish] = MAGENTA
+    sheet = lift_sheet(picture, changed(meshes, scale, by), clownfish, fish).astype(int)
+    blue = sheet[..., 2] - np.minimum(sheet[..., 0], sheet[..., 1])
+    assert blue[sheet[..., 3] > 0].max() < 40  # of 255 in the background; the fish has no blue
 
 
 def test_the_body_is_opaque_and_gaps_in_fins_stay_gaps(clownfish, marked):
