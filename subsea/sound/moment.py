@@ -38,9 +38,9 @@ GROUP_OF_VOICE = {SNAP: SEA, BUBBLE: SEA, POP: FISHES, CRUNCH: FISHES, WHOOSH: F
 # Levels at 1 m, or of what is all round, of full scale (designed).
 LOUD = {SNAP: 0.60, BUBBLE: 0.10, POP: 0.10, CRUNCH: 0.20, WHOOSH: 0.16, STRIKE: 0.55,
         KNOCK: 0.30, CREAK: 0.05}  # fmt: skip
-SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.045, 0.055, 0.045, 0.08
+SURF_LEVEL, CRACKLE_LEVEL, FLOW_LEVEL, MOTOR_LEVEL = 0.07, 0.055, 0.045, 0.08
 SCHOOL_LEVEL, WINCH_LEVEL, BREATH_LEVEL = 0.016, 0.12, 0.02
-SURF_CM = 500.0  # depth in which waves fade by a factor e
+SURF_CM = 800.0  # depth in which waves fade by a factor e
 
 # Snaps of a whole reef around: 1,500 to 2,000 a minute in summer (Everest et al. 1948).
 SNAPS_S, FEWEST_SNAPS_S = 30.0, 1.0
