@@ -20,7 +20,6 @@ from tqdm import tqdm
 from capture.inspection.gait import entries, muscle_work, speed_kept
 from capture.learning.search import search
 from capture.learning.turn import with_holds
-from capture.recording.trial import beat_contraction, beat_phase, steady_beat
 from subsea.biomechanics import simulation, solver, water
 from subsea.biomechanics.body import (
     MUSCLES,
@@ -36,6 +35,7 @@ from subsea.biomechanics.controllers import ease, swim_contraction, turn_contrac
 from subsea.biomechanics.fins import headings
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.trial import beat_contraction, beat_phase, steady_beat
 from subsea.fish.species import load_species
 
 SIDES = 6  # muscle groups as in KS's flat fish: upper and lower together, left and right separate

@@ -133,7 +133,7 @@ def known_turns() -> Iterator[None]:
 
     Nor for transitions that they found before.
     """
-    from capture.recording import manoeuvres
+    from subsea.biomechanics import manoeuvres
     from subsea.repertoire import files
     from tests.support.recording import known_turn, planner
 

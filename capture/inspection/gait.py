@@ -8,7 +8,6 @@ from time import perf_counter
 
 import numpy as np
 
-from capture.recording.trial import beat_phase, sharp_turn
 from subsea.biomechanics.body import MUSCLES, NODES, UNITS, Body, Floats
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import (
@@ -27,6 +26,7 @@ from subsea.biomechanics.simulation import (
     simulate,
 )
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
+from subsea.biomechanics.trial import beat_phase, sharp_turn
 from subsea.geometry.rotation import matrix
 from subsea.kernels import kernel
 from subsea.repertoire import Segment

@@ -30,18 +30,9 @@ from capture.inspection.targets import (
 )
 from capture.recording.record import (
     Motion,
-    run_trial,
     spine_from_provenance,
-    steady_contraction,
 )
 from capture.recording.segment import motion_of_segment
-from capture.recording.trial import (
-    Trial,
-    beat_contraction,
-    displacement,
-    grade_contraction,
-    speed_map,
-)
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import (
@@ -64,10 +55,18 @@ from subsea.biomechanics.fins import (
 )
 from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.trial import (
+    Trial,
+    beat_contraction,
+    displacement,
+    grade_contraction,
+    speed_map,
+)
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import Repertoire, Segment
+from subsea.repertoire.segments import run_trial, steady_contraction
 
 STEADY_BEATS = 20
 REPLAYED_CYCLES = 10

@@ -23,16 +23,6 @@ from capture.inspection.targets import (
     limit_at_any_phase,
     limit_at_phase_0,
 )
-from capture.recording.trial import (
-    STRAIGHT,
-    beat_contraction,
-    displacement,
-    grade_contraction,
-    loop_error,
-    sharp_turn,
-    speed_map,
-    steady_beat,
-)
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import LOWER_TAIL, NODES, UPPER_TAIL, Body, Floats, body_frame
 from subsea.biomechanics.body_plan import SwimPlan, TurnPlan
@@ -54,6 +44,16 @@ from subsea.biomechanics.fins import (
 )
 from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.trial import (
+    STRAIGHT,
+    beat_contraction,
+    displacement,
+    grade_contraction,
+    loop_error,
+    sharp_turn,
+    speed_map,
+    steady_beat,
+)
 
 HORIZON = 60  # beats of a candidate at each amplitude
 VERIFY_FACTOR = 2.5  # horizons of a verification

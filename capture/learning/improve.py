@@ -22,7 +22,6 @@ from capture.learning.fitness import (
     measure_turning,
 )
 from capture.learning.learn import LearnedControllers, learn
-from capture.recording.trial import beat_contraction, grade_contraction, steady_beat
 from subsea.base.errors import UserError
 from subsea.base.files import check_file, read_text, replacing
 from subsea.base.system import require, resource_path
@@ -30,6 +29,7 @@ from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
+from subsea.biomechanics.trial import beat_contraction, grade_contraction, steady_beat
 from subsea.fish.species import SHIPPED, Species, species_file
 
 

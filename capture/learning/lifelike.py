@@ -22,7 +22,6 @@ from capture.learning.fitness import (
     excess,
     start_swimming,
 )
-from capture.recording.trial import beat_contraction, displacement, loop_error
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats, body_frame
 from subsea.biomechanics.body_plan import MAX_CONTRACTION, SwimPlan
@@ -37,6 +36,7 @@ from subsea.biomechanics.fins import (
 )
 from subsea.biomechanics.simulation import BodyState, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.trial import beat_contraction, displacement, loop_error
 
 STATIONS = [[0], *([1 + 4 * k, 2 + 4 * k, 3 + 4 * k, 4 + 4 * k] for k in range(RINGS))]
 STATIONS.append([UPPER_TAIL, LOWER_TAIL])

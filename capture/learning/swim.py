@@ -8,12 +8,12 @@ import numpy as np
 
 from capture.learning.fitness import UNSOUND, gait_faults, swim_faults, swim_loss
 from capture.learning.search import Optimizer, distinct
-from capture.recording.trial import speed_map
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES, Body, Floats
 from subsea.biomechanics.body_plan import SwimPlan
 from subsea.biomechanics.controllers import S_MAX, swim_amplitude
 from subsea.biomechanics.solver import STEPS_PER_TICK
+from subsea.biomechanics.trial import speed_map
 
 TICKS_PER_BEAT = (8, 24)  # range of the search, unless the number is given
 MAX_CONTRACTION = 0.6  # limit of the species file

@@ -16,12 +16,12 @@ from capture.learning.fitness import (
 )
 from capture.learning.search import Optimizer, distinct
 from capture.learning.swim import MAX_VERIFIED, MIN_GAIN
-from capture.recording.trial import grade_contraction, steady_beat
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats
 from subsea.biomechanics.body_plan import Steering, SwimPlan, TurnPlan
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.simulation import BodyState
+from subsea.biomechanics.trial import grade_contraction, steady_beat
 
 BENDS = (0.03, 0.5)
 BEND_TICKS = (4.0, 20.0)

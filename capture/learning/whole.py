@@ -27,10 +27,10 @@ from capture.learning.lifelike import HALF, POOR, grade_waves, wave_loss, with_a
 from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
-from capture.recording.trial import displacement, grade_contraction, steady_beat
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.trial import displacement, grade_contraction, steady_beat
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"

@@ -24,15 +24,15 @@ from capture.plots import panels
 from capture.recording.record import (
     Motion,
     motion_from_provenance,
-    run_trial,
     spine_from_provenance,
 )
 from capture.recording.segment import motion_of_segment
-from capture.recording.trial import deformation, speed_map
 from subsea.base import report_files as plot_files
 from subsea.base.report_files import Draw, write_plots
 from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.trial import deformation, speed_map
 from subsea.repertoire import Repertoire, Segment
+from subsea.repertoire.segments import run_trial
 
 WIDTH = 12.0
 STYLE = {

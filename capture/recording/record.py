@@ -6,45 +6,23 @@ import msgspec
 import numpy as np
 
 from capture.recording.fingerprint import fingerprint, library_versions
-from capture.recording.manoeuvres import manoeuvre
-from capture.recording.segment import make_segment, record_spine_segment, spine_segments
+from capture.recording.segment import record_spine_segment, spine_segments
 from capture.recording.spine_motion import nodes_at_rest
-from capture.recording.trial import STRAIGHT, Trial, grade_contraction, steady_beat
-from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
-from subsea.biomechanics.controllers import LEFT, RIGHT
 from subsea.biomechanics.rowing import row_ticks
 from subsea.biomechanics.simulation import at_rest
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
+from subsea.biomechanics.trial import Trial
 from subsea.fish.skinning import Coupling, couple
 from subsea.fish.species import Species
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.repertoire.schema import ACYCLIC
+from subsea.repertoire.segments import make_segment, run_trial
 
 Motion = Muscles  # the three plans that determine how a species moves
-
-
-def steady_contraction(motion: Motion, name: str) -> Floats:
-    """Contractions (6 T, 12) of one beat of a segment, or of the beat before a sharp turn."""
-    kind, _, grade = name.rpartition("_")
-    if kind == "swim":
-        return grade_contraction(motion.swim, grade)
-    bias = motion.turn.gradual if grade == "gradual" else STRAIGHT
-    return grade_contraction(motion.swim, "medium", bias, side_of(name))
-
-
-def side_of(name: str) -> float:
-    """LEFT or RIGHT: the side of a turn, by the name of its segment."""
-    return LEFT if "left" in name else RIGHT
-
-
-def run_trial(motion: Motion, name: str) -> Trial:
-    """Simulate the trial of the segment ``name``."""
-    if name.rpartition("_")[2] in ACYCLIC:
-        return manoeuvre(motion, name)
-    return steady_beat(build_body(motion.body), steady_contraction(motion, name))
 
 
 def row_trial(species: Species) -> Trial:

@@ -2,7 +2,6 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
     KINDS,
@@ -17,6 +16,7 @@ from subsea.biomechanics.body import (
     to_body,
     to_world,
 )
+from subsea.biomechanics.manoeuvres import MIRROR
 from subsea.geometry.rotation import matrix
 
 

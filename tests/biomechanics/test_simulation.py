@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import MUSCLES, build_body
 from subsea.biomechanics.controllers import (
     LEFT,
@@ -10,6 +9,7 @@ from subsea.biomechanics.controllers import (
     ease,
     swim_contraction,
 )
+from subsea.biomechanics.manoeuvres import MIRROR
 from subsea.biomechanics.simulation import at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 

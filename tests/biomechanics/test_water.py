@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from capture.recording.manoeuvres import MIRROR
 from subsea.biomechanics.body import TRIANGLE_WEIGHTS, TRIANGLES, build_body
+from subsea.biomechanics.manoeuvres import MIRROR
 from subsea.biomechanics.simulation import at_rest, simulate
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import load_species

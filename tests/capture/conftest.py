@@ -4,9 +4,9 @@ from pathlib import Path
 import pytest
 
 from capture.recording.batch import save_segment
-from capture.recording.manoeuvres import TURNS
 from capture.recording.record import assemble, record_segment, segments_of
 from subsea.base.system import resource_path
+from subsea.biomechanics.manoeuvres import TURNS
 from subsea.fish.species import load_species
 from subsea.repertoire import read_repertoire
 

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from capture.recording.manoeuvres import MOST_JERK_BL
+from subsea.biomechanics.manoeuvres import MOST_JERK_BL
 from subsea.fish.species import species_names
 from subsea.geometry.rotation import matrix
 from subsea.motor.playback import advance

@@ -10,24 +10,22 @@ from hypothesis import strategies as st
 
 from capture.inspection.simulated import replay
 from capture.recording.batch import is_up_to_date
-from capture.recording.manoeuvres import TURNS
 from capture.recording.record import (
     motion_from_provenance,
     record_segment,
-    run_trial,
-    steady_contraction,
 )
-from capture.recording.segment import heading_change
-from capture.recording.trial import Trial, deformation
 from subsea.base.system import resource_names, resource_path
 from subsea.biomechanics.body import UNITS, body_frame, build_body, to_body
+from subsea.biomechanics.manoeuvres import TURNS
 from subsea.biomechanics.simulation import BodyState, simulate
 from subsea.biomechanics.solver import STRAIN_LIMITS, TICK_S
+from subsea.biomechanics.trial import Trial, deformation
 from subsea.fish.species import load_species, species_names
 from subsea.fish.surface import rest_control_points
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment, read_repertoire
 from subsea.repertoire.schema import ACYCLIC
+from subsea.repertoire.segments import heading_change, run_trial, steady_contraction
 from tests.support.daily import only
 from tests.support.recording import search
 

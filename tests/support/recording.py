@@ -6,12 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from capture.recording import manoeuvres
 from capture.recording.batch import is_up_to_date
 from capture.recording.record import Recorded, record_segment
-from capture.recording.trial import Trial, deformation
 from subsea.base.system import resource_path
+from subsea.biomechanics import manoeuvres
 from subsea.biomechanics.body_plan import Muscles
+from subsea.biomechanics.trial import Trial, deformation
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.repertoire import Repertoire, Segment, read_repertoire
 from subsea.repertoire.transitions import Transitions, plan_transitions

@@ -4,7 +4,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from capture.inspection.gait import muscle_work, tension_work
-from capture.recording.trial import beat_contraction, steady_beat
 from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import NODES, UNITS, build_body
@@ -12,6 +11,7 @@ from subsea.biomechanics.controllers import muscle_lengths
 from subsea.biomechanics.fins import contraction_step, straightness, sweep
 from subsea.biomechanics.simulation import NO_FORCE, STILL, copy_state
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, advance
+from subsea.biomechanics.trial import beat_contraction, steady_beat
 from subsea.biomechanics.water import add_water_force
 from subsea.fish.species import Species
 

@@ -12,7 +12,7 @@ from capture.inspection.kinematics import (
     travelling_wave,
     turning_radius,
 )
-from capture.recording.segment import make_segment
+from subsea.repertoire.segments import make_segment
 
 TICK_S = 0.033
 STATIONS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])

@@ -24,12 +24,12 @@ from capture.learning.learn import LearnedControllers, learn
 from capture.learning.search import METHODS, MIN_DISTANCE, Evaluation, distinct, search
 from capture.learning.swim import swim_at, swim_point
 from capture.learning.turn import turn_at, turn_point, with_holds
-from capture.recording.trial import beat_contraction, steady_beat
 from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import contraction_step
+from subsea.biomechanics.trial import beat_contraction, steady_beat
 from subsea.fish.species import Species
 
 # A fish in Tu's water, whose speed is set by the amplitude of its beat.

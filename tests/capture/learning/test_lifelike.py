@@ -30,12 +30,12 @@ from capture.learning.lifelike import (
     with_amplitudes,
 )
 from capture.learning.whole import LearningTask, learn_whole
-from capture.recording.trial import beat_contraction
 from subsea.base.system import resource_path
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import contraction_step
 from subsea.biomechanics.solver import STEP, longest_step
+from subsea.biomechanics.trial import beat_contraction
 from subsea.fish.species import load_species
 
 AT = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.85, 1.0])

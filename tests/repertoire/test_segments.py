@@ -4,14 +4,20 @@ import numpy as np
 import pytest
 
 from capture.inspection.simulated import replay
-from capture.recording.record import motion_of, run_trial
-from capture.recording.segment import heading_change, make_segment
+from capture.recording.record import motion_of
 from subsea.biomechanics.body import body_frame
 from subsea.fish.skinning import Coupling
+from subsea.fish.species import load_species
 from subsea.geometry.rotation import about, matrix
+from subsea.repertoire.segments import heading_change, make_segment, run_trial
 
 TURNED = matrix(np.array([0.5, -0.5, 0.1, 0.7]) / np.linalg.norm([0.5, -0.5, 0.1, 0.7]))
 MOVED = np.array([10.0, -20.0, 30.0])
+
+
+@pytest.fixture(scope="module", params=["emperor_angelfish", "fusilier"])
+def species(request, known_turns):
+    return load_species(request.param)
 
 
 def test_replay_retraces_the_trial_at_any_attitude(species):

@@ -4,15 +4,33 @@ import numpy as np
 import pytest
 
 from capture.inspection.simulated import replay
-from capture.recording.manoeuvres import COUPLES, mirrored
-from capture.recording.record import run_trial
-from capture.recording.trial import Trial
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.fins import headings
+from subsea.biomechanics.manoeuvres import COUPLES, mirrored
 from subsea.biomechanics.simulation import at_rest, copy_state, simulate
+from subsea.biomechanics.trial import Trial
+from subsea.fish.species import load_species, repertoire_file
+from subsea.repertoire import read_repertoire
+from subsea.repertoire.segments import run_trial
 
 LATENCY_TICKS = 2  # in which the head has begun to turn
 BENT_TICKS = 27  # in which it has turned most: 0.15 s at pace 2 and three times that tempo
+
+
+@pytest.fixture(scope="module", params=["emperor_angelfish", "fusilier"])
+def name(request):
+    return request.param
+
+
+@pytest.fixture
+def species(name):
+    return load_species(name)
+
+
+@pytest.fixture(scope="module")
+def repertoire(name):
+    """The repertoire that is shipped: tests/repertoire shows that it would be recorded again."""
+    return read_repertoire(repertoire_file(name))
 
 
 def played(repertoire, name):

@@ -1,7 +1,11 @@
 import numpy as np
 import pytest
 
-from capture.recording.trial import (
+from subsea.base.errors import UserError
+from subsea.biomechanics.body import build_body
+from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.trial import (
     CLOSURE_GOAL,
     MIN_WARM_UP,
     beat_contraction,
@@ -12,10 +16,12 @@ from capture.recording.trial import (
     speed_map,
     steady_beat,
 )
-from subsea.base.errors import UserError
-from subsea.biomechanics.body import build_body
-from subsea.biomechanics.controllers import LEFT, RIGHT, steering, swim_amplitude, turn_beats
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.fish.species import load_species
+
+
+@pytest.fixture(scope="module", params=["emperor_angelfish", "fusilier"])
+def species(request):
+    return load_species(request.param)
 
 
 def test_a_right_turning_fish_is_half_a_beat_ahead(species):

@@ -14,13 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from capture.recording.trial import (
-    Trial,
-    displacement,
-    grade_contraction,
-    loop_error,
-    steady_beat,
-)
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import (
     MUSCLES,
@@ -50,6 +43,13 @@ from subsea.biomechanics.simulation import (
     simulate,
 )
 from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_TU
+from subsea.biomechanics.trial import (
+    Trial,
+    displacement,
+    grade_contraction,
+    loop_error,
+    steady_beat,
+)
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""
