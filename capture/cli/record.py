@@ -75,6 +75,8 @@ def run(options: argparse.Namespace) -> int:
     )
     from capture.recording.record import segments_of
     from subsea.fish.species import load_species, shipped_species, species_names
+    from subsea.repertoire import read_repertoire
+    from subsea.repertoire.findings import FishMotion, complaints
     from subsea.repertoire.schema import FORMAT
 
     known = species_names()
@@ -125,6 +127,10 @@ def run(options: argparse.Namespace) -> int:
     for name in names:
         path = repertoire_path(folders[name], name)
         print(f"{path}{'' if name in recorded else ': up to date'}")
+        repertoire = read_repertoire(path)
+        motion = FishMotion(repertoire.segments, repertoire.body_length_cm)
+        for words in complaints(motion):
+            print(f"  warning: {words}")
     return 0
 
 

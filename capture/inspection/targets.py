@@ -72,11 +72,15 @@ def compare(
     limit: Range,
     aim: Range | None = None,
 ) -> Measure:
-    """The measure of one or several values, in the format ``form`` with a unit."""
-    several = values if isinstance(values, tuple) else (values,)
+    """The measure of one or several values, in the format ``form`` with a unit.
+
+    Values are compared as they are shown: 0.3496, shown as 0.350, is at least 0.35.
+    """
+    texts = [f"{value:{form}}" for value in (values if isinstance(values, tuple) else (values,))]
+    several = [float(text) for text in texts]
     return Measure(
         name,
-        ", ".join(f"{value:{form}}{unit}" for value in several),
+        ", ".join(f"{text}{unit}" for text in texts),
         limit.text(unit),
         limit.holds(*several),
         aim.text(unit) if aim else "",

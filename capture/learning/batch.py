@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from tqdm import tqdm
 
-from capture.learning.improve import writable_source, write_plans
+from capture.learning.improve import faults_of, other_faults, writable_source, write_plans
 from capture.learning.journal import evaluations, read_journal, write_journal
 from capture.learning.lifelike import grade_waves, missed_aims
 from capture.learning.whole import ROOT, Learned, LearningTask, learn_whole
@@ -27,6 +27,7 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.solver import TICK_S
 from subsea.fish.species import Species, shipped_species, species_file
 from subsea.jobs.workers import MAX_ATTEMPTS, Check, Pool, process_pool
+from subsea.repertoire.findings import complaints, try_motion
 
 
 class Plan(NamedTuple):
@@ -197,6 +198,8 @@ def report(name: str, learned: Learned) -> Iterator[str]:
     """Lines: a table of the grades, and the aims that the fast one misses."""
     if learned.muscles is None:
         why = f", the last candidate as {learned.notes[-1]}" if learned.notes else ""
+        faults = faults_of(learned.notes)
+        why += other_faults(faults, faults[-1]) if faults else ""
         yield f"{name}: nothing was found{why}; the file is unchanged, try a larger --budget"
         return
     plan, swim, turn = learned.muscles
@@ -213,3 +216,5 @@ def report(name: str, learned: Learned) -> Iterator[str]:
     missed = missed_aims(waves["fast"])
     if missed:
         yield f"  fast misses: {'; '.join(missed)}"
+    for words in complaints(try_motion(learned.muscles)):
+        yield f"  warning: {words}"

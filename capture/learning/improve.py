@@ -3,7 +3,9 @@
 Write learned plans to a species file; only their numbers change.
 """
 
+import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -31,6 +33,9 @@ from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.trial import beat_contraction, grade_contraction, steady_beat
 from subsea.fish.species import SHIPPED, Species, species_file
+from subsea.repertoire.findings import complaints, try_motion
+
+NUMBER = re.compile(r"[-+]?\d[\d.]*")
 
 
 def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:
@@ -100,9 +105,11 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
             bar.close()
     if found.swim is None and found.turn is None:
         tried = sum(bar.n for bar in bars.values())
-        rejected = [note.partition("rejected: ") for note in found.notes if "rejected: " in note]
-        why = f", {len(rejected)} rejected, the best as {rejected[0][2]}" if rejected else ""
-        print(f"{source.stem}: nothing better found in {tried} tries{why}; {target} is unchanged")
+        rejected = faults_of(found.notes)
+        why = f", {len(rejected)} rejected, the best as {rejected[0]}" if rejected else ""
+        others = other_faults(rejected, rejected[0]) if rejected else ""
+        what = f"nothing better found in {tried} tries"
+        print(f"{source.stem}: {what}{why}{others}; {target} is unchanged")
         return 1
     for note in found.notes:
         print(note)
@@ -110,12 +117,27 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     learned = muscles._replace(swim=new[0], turn=new[1])
     for line in [*_comparison(muscles, learned), *_tables(learned), *_verification(found)]:
         print(line)
+    for words in complaints(try_motion(learned)):
+        print(f"warning: {words}")
     if dry_run:
         print(f"dry run: {target} is unchanged")
     else:
         write_controllers(source, target, *new)
         print(f"{target} has new controllers; record it again with `subsea-capture record`")
     return 0
+
+
+def faults_of(notes: list[str]) -> list[str]:
+    """Select from the notes of learning why candidates were rejected, in the order of trial."""
+    return [note.partition("rejected: ")[2] for note in notes if "rejected: " in note]
+
+
+def other_faults(faults: list[str], told: str) -> str:
+    """List the kinds of faults that differ from one by more than their numbers."""
+    kinds = Counter(NUMBER.sub("…", fault) for fault in faults)
+    kinds.pop(NUMBER.sub("…", told), None)
+    words = ", ".join(f"{kind} ({count})" for kind, count in kinds.most_common())
+    return f", others as {words}" if words else ""
 
 
 def writable_source(source: Path, dry_run: bool = False) -> Path:

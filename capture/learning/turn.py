@@ -53,7 +53,8 @@ def verified_turn(
 
     With a new gait any controller is better: the old hold times do not fit.
     """
-    steady = steady_beat(body, grade_contraction(swim, "medium")).state
+    if (steady := _steady(body, swim, notes)) is None:
+        return None
     # Two rows suffice for the search: the angles between them follow.
     ends = (old.steering[0], old.steering[-1])
     angles = [row.angle for row in ends]
@@ -95,8 +96,17 @@ def refit_holds(
     angles = [row.angle for row in turn.steering]
     while turn_contraction_step(body, swim, turn, angles) > 0.99 * S_MAX and turn.amplitude > 0:
         turn = msgspec.structs.replace(turn, amplitude=max(0.0, round(turn.amplitude - 0.01, 3)))
-    steady = steady_beat(body, grade_contraction(swim, "medium")).state
-    return _verified(body, swim, turn, steady, seed, notes)
+    steady = _steady(body, swim, notes)
+    return _verified(body, swim, turn, steady, seed, notes) if steady else None
+
+
+def _steady(body: Body, swim: SwimPlan, notes: list[str]) -> BodyState | None:
+    """The steady medium swim in which turns begin; None, with a note, where there is none."""
+    try:
+        return steady_beat(body, grade_contraction(swim, "medium")).state
+    except UserError as fault:
+        notes.append(f"turn: rejected: {fault}")
+        return None
 
 
 def _verified(

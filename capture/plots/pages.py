@@ -28,8 +28,10 @@ from capture.recording.record import (
 )
 from capture.recording.segment import motion_of_segment
 from subsea.base import report_files as plot_files
+from subsea.base.errors import UserError
 from subsea.base.report_files import Draw, write_plots
 from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.simulation import BodyState
 from subsea.biomechanics.trial import deformation, speed_map
 from subsea.repertoire import Repertoire, Segment
 from subsea.repertoire.segments import run_trial
@@ -81,7 +83,10 @@ def _first_frame(repertoire: Repertoire, motion: Motion | None, name: str) -> Fl
     if name == "row_forward":
         return np.asarray(repertoire.rest_nodes, np.float64)
     if motion:
-        frames = run_trial(motion, name).frames
+        try:
+            frames = run_trial(motion, name).frames
+        except UserError:  # recorded by another version
+            return None
     else:
         try:
             plans = spine_from_provenance(repertoire.provenance)
@@ -135,21 +140,34 @@ def _repertoire_page(page: Any, repertoire: Repertoire, motion: Motion | None) -
     grid[1, 1].remove()
     cells = grid[0, 0].get_gridspec()[1, :].subgridspec(1, 3)
     body = build_body(motion.body)
-    panels.speed_control(
-        rows[1].add_subplot(cells[0]), speed_map(body, motion.swim), motion.body.length
-    )
-    panels.turned(rows[1].add_subplot(cells[1]), ANGLES, _turned(motion))
+    speeds, turns = rows[1].add_subplot(cells[0]), rows[1].add_subplot(cells[1])
+    try:
+        panels.speed_control(speeds, speed_map(body, motion.swim), motion.body.length)
+    except UserError as fault:
+        panels.note(speeds, f"speed by amplitude: {fault}")
+    try:
+        panels.turned(turns, ANGLES, _turned(motion))
+    except UserError as fault:
+        panels.note(turns, f"angles of turns: {fault}")
     panels.steering_map(rows[1].add_subplot(cells[2]), motion.turn)
 
 
 def _turned(motion: Motion) -> Floats:
-    """Measured angles (n, phases) of turns by `ANGLES`, entered at several phases."""
+    """Measured angles (n, phases) of turns by `ANGLES`, entered at several phases.
+
+    NaN where the body loses its shape; UserError for a fish that does not swim steadily.
+    """
     body = build_body(motion.body)
     swim, turn = motion.swim, motion.turn
+
+    def angle_of(angle: float, start: tuple[BodyState, float]) -> float:
+        try:
+            return turned(body, swim, turn, angle, *start)
+        except UserError:
+            return np.nan
+
     starts = entries(body, swim, run_trial(motion, "swim_medium").state)
-    return np.array(
-        [[turned(body, swim, turn, angle, *start) for start in starts] for angle in ANGLES]
-    )
+    return np.array([[angle_of(angle, start) for start in starts] for angle in ANGLES])
 
 
 COLUMNS = 5

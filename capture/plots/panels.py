@@ -246,10 +246,13 @@ def speed_control(axis: Any, levels: SpeedMap, length: float) -> None:
 
 
 def turned(axis: Any, asked: Floats, measured: Floats) -> None:
-    """Measured angles (n, phases) against desired ones (n,); the map is for the first phase."""
-    top = 1.05 * max(asked.max(), measured.max())
+    """Measured angles (n, phases) against desired ones (n,); the map is for the first phase.
+
+    An angle that was not measured is NaN.
+    """
+    top = 1.05 * np.fmax(asked.max(), np.fmax.reduce(measured, axis=None))
     axis.plot([0, top], [0, top], color=FAINT, linewidth=1, zorder=0)
-    low, high = measured.min(axis=1), measured.max(axis=1)
+    low, high = np.fmin.reduce(measured, axis=1), np.fmax.reduce(measured, axis=1)
     axis.vlines(asked, low, high, color=BODY, linewidth=5, label="entered at any phase")
     axis.plot(asked, measured[:, 0], "o", color=POINTS["tail"], ms=4, label="entered at phase 0")
     axis.set(xlabel="desired angle, °", ylabel="measured angle, °", title="Turns as measured")
@@ -278,6 +281,12 @@ def steering_map(axis: Any, turn: TurnPlan) -> None:
         )
     )
     axis.legend(handles, labels, fontsize=9, ncols=2, loc="upper left")
+
+
+def note(axis: Any, words: str) -> None:
+    """Write in place of a plot why there is none."""
+    axis.text(0.5, 0.5, words, ha="center", va="center", wrap=True, transform=axis.transAxes)
+    axis.set_axis_off()
 
 
 def in_order(repertoire: Repertoire) -> list[tuple[str, Segment]]:

@@ -23,6 +23,7 @@ from subsea.jobs import workers
 from subsea.jobs.dask_cluster import dask_pool
 from subsea.jobs.workers import Check
 from subsea.repertoire import SEGMENTS, Repertoire, read_repertoire, write_repertoire
+from subsea.repertoire.findings import CALM
 
 Job = tuple[str, str]  # names of species and segment
 Results = Generator[tuple[Job, Recorded], None, None]
@@ -34,7 +35,7 @@ def record_job(job: Job, species: Species) -> Recorded:
     try:
         return record_segment(species, job[1])
     except UserError as fault:
-        raise type(fault)(f"{job[0]}, {job[1]}: {fault}") from fault
+        raise type(fault)(f"{job[0]}, {job[1]}: {fault}. {CALM}") from fault
 
 
 def record_equally(given: tuple[Job, Species, str]) -> Recorded:

@@ -66,6 +66,7 @@ COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a 
 MOST_LOST = 3  # greater couples in a row that a body does not bear
 YAW_DAMPINGS = (0.6, 1.5, 0.3)  # 1/tu: couples that resist turning over its rate, as tried
 MOST_DONE = 0.9  # share of the greatest change of heading at which a turn counts as done
+SKETCHED = 0.4  # share of its angle that a sketched turn reaches
 SPEED_DEG = 100.0  # error that counts as much as ending at twice the speed ...
 MOST_FASTER = 1.3  # ... beyond this ratio to the fastest tick of the swim it began in
 LATE_DEG = 2.0  # error that counts as much as a tick after the time to be done
@@ -127,6 +128,32 @@ def _left_turn(motion: Muscles, left: str) -> Trial:
     if turn.entry != "rest":
         start = _swimming(body, swim, turn.entry)
     return turn_from(Turner(body, inertial_mass(motion.body, body.mass), swim), turn, start)
+
+
+def sketched_turn(motion: Muscles, name: str) -> Trial:
+    """Try a sharp turn with few couples: a fast sketch of what `manoeuvre` searches.
+
+    Returns the first turn of more than `SKETCHED` of its angle, else the widest. The search finds
+    one that is at least as near to its angle. UserError where the body loses its shape.
+    """
+    body, swim = build_body(motion.body), motion.swim
+    turn = TURNS["turn_left_sharp"]._replace(angle=motion.turn.sharp)
+    fish = Turner(body, inertial_mass(motion.body, body.mass), swim)
+    start = _swimming(body, swim, "swim")
+    best, widest = None, -np.inf
+    for share, couple in product(SHARES, COUPLES[::4]):
+        controls = _turn_controls(body, swim, turn, share, YAW_DAMPINGS[0])
+        trial = _with_couple(fish, start, controls._replace(couple=couple * controls.couple))
+        if not (is_sound(trial.state) and _is_smooth(trial.frames, motion.body.length)):
+            continue
+        turned = mean_heading(trial.frames, 1)
+        if turned > widest:
+            best, widest = trial._replace(couple=couple), turned
+        if turned > SKETCHED * turn.angle:
+            break
+    if best is None:
+        raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
+    return mirrored(best) if "right" in name else best
 
 
 def mirrored(trial: Trial) -> Trial:

@@ -175,6 +175,11 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
     def __post_init__(self) -> None:
         """Refuse tables that contradict each other, and a body that is unstable."""
+        self._check_tables()
+        if self.body:
+            check_step(self.body)
+
+    def _check_tables(self) -> None:
         if not self.name:
             raise ValueError("`name` is empty, expected the common name")
         given = sum(table is not None for table in (self.body, self.swim, self.turn))
@@ -192,8 +197,6 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
             colours = fin if fin in ("dorsal", "ventral") else "paddles"
             if getattr(self.surface, fin) and not getattr(self.skin, colours):
                 raise ValueError(f"the {fin} fin has no colours: [skin.{colours}] is missing")
-        if self.body:
-            check_step(self.body)
 
     @property
     def muscles(self) -> Muscles | None:
@@ -208,6 +211,14 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         plan = self.body or self.spine
         assert plan
         return plan.length
+
+
+class UnstableSpecies(Species, frozen=True):
+    """A species whose body may be unstable: the builder shows and mends it."""
+
+    def __post_init__(self) -> None:
+        """Refuse tables that contradict each other."""
+        self._check_tables()
 
 
 def shipped_species() -> list[str]:

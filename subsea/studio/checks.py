@@ -3,12 +3,13 @@
 `static_checks` read the numbers; `swim_checks` judge a test swim with the fish's own controllers.
 """
 
-from enum import IntEnum
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from msgspec import structs
 
+from subsea.base.errors import UserError
 from subsea.biomechanics.body import (
     KINDS,
     LOWER_TAIL,
@@ -19,59 +20,39 @@ from subsea.biomechanics.body import (
     Floats,
     build_body,
 )
-from subsea.biomechanics.body_plan import (
-    DENSITIES,
-    NODES_AT_STATION,
-    BodyPlan,
-    Muscles,
-    SwimPlan,
-)
-from subsea.biomechanics.controllers import (
-    LEFT,
-    S_MAX,
-    bend_contraction,
-    ease,
-    swim_contraction,
-)
-from subsea.biomechanics.fins import contraction_step, headings, straightness, sweep
+from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, Muscles, SwimPlan
+from subsea.biomechanics.controllers import S_MAX, ease
+from subsea.biomechanics.fins import contraction_step, headings, sweep
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
 from subsea.biomechanics.solver import (
     STEP,
-    STEPS_PER_TICK,
     STRAIN_LIMITS,
-    TICK_S,
     longest_step,
 )
-from subsea.fish.species import Species
+from subsea.biomechanics.trial import grade_contraction, steady_beat
+from subsea.fish.species import Species, UnstableSpecies
 from subsea.fish.surface import SurfacePlan, along
-
-
-class Severity(IntEnum):
-    """Severity of a finding."""
-
-    GOOD = 0
-    WARNING = 1  # it works, but not well
-    FAULT = 2  # it will not work
-
-
-class FishFinding(NamedTuple):
-    """A sentence about the fish."""
-
-    severity: Severity
-    text: str
-
+from subsea.repertoire.findings import (
+    LEAST_TURN_DEG,
+    FishFinding,
+    FishMotion,
+    Severity,
+    judge,
+    motion_findings,
+    try_motion,
+)
 
 GOOD, WARNING, FAULT = Severity
 AFLOAT = (0.7, 1.4)  # mass over mass of the displaced water
 NEUTRAL = 0.1  # deviation of this from 1 that counts as neutrally buoyant
-LEAST_STEP = 1.05  # longest stable step over the step of the simulation
+LEAST_STEP = 5  # percent by which the longest stable step exceeds that of the simulation
 OUTSIDE = (1.05, 1.05, 1.05, 1.3, 1.8)  # usual height of rings over that of the outline
 REAR = 0.02  # body lengths from the fins back to the centre of mass
-PER_BEAT = 0.35  # body lengths in fast swimming: docs/developers/biomechanics-figures.md
-DRIFT_DEG, ASIDE = 1.0, 0.02  # in the measured beats
-BEATS, MEASURED = 40, 10  # of a test swim; the last ones are measured
+BEATS = 40  # of a test swim
 SWEEP = (0.12, 0.3)  # of the tail, body lengths
-LEAST_TURN_DEG = 10.0  # of a gradual turn, by beat
+BENDS = (0.3, 0.24, 0.18, 0.14, 0.1, 0.07, 0.05, 0.03)  # of gradual turns that are tried
+MOST_TURN_DEG = 45.0  # of a gradual turn, by beat
+WEAKER, WIDER = (0.8, 0.6), (1.5, 2.5)  # shares of contractions and of a width that are tried
 UNIT_NAMES = ("muscle", "cross unit", "unit")
 NODE_PLACES = (
     "the nose",
@@ -83,18 +64,16 @@ NODE_PLACES = (
 _good, _warning, _fault = (partial(FishFinding, severity) for severity in Severity)
 
 
-def _judge(passed: bool, good: str, bad: str) -> FishFinding:
-    """A good finding if `passed`, else a warning."""
-    return _good(good) if passed else _warning(bad)
-
-
 def static_checks(species: Species) -> list[FishFinding]:
     """Check shape, scaffold, buoyancy and material."""
     findings = [_shape(species.surface)]
     if species.body:
         body = build_body(species.body)
         findings += [check_faces(body), _rings(species.body, species.surface)]
-        findings += [*_buoyancy(species.body, displaced_cm3(species)), _material(body)]
+        water = displaced_cm3(species)
+        light = species.body.mass < water
+        findings += _buoyancy(species.body, water)
+        findings.append(_material(body, light, isinstance(species, UnstableSpecies)))
     return findings
 
 
@@ -143,13 +122,14 @@ def check_faces(body: Body) -> FishFinding:
 def _rings(body: BodyPlan, surface: SurfacePlan) -> FishFinding:
     at = np.array(body.stations[1:6]) / body.length
     half = np.minimum(along(surface.back, at), -along(surface.belly, at)) * body.length
-    over = np.array(body.half_heights) / np.maximum(half, 1e-6) / OUTSIDE
+    most = np.round(half * OUTSIDE, 2)
+    over = np.round(body.half_heights, 2) - most
     ring = int(over.argmax())
-    return _judge(
-        over[ring] <= 1.0,
+    return judge(
+        over[ring] <= 0.0,
         "The scaffold lies inside the outline, as far as fishes' do.",
         f"Ring {ring + 1} stands out of the body: {body.half_heights[ring]:.2f} cm against "
-        f"{half[ring]:.2f} cm. Lower it in the side view.",
+        f"{half[ring]:.2f} cm. Lower it in the side view to {most[ring]:.2f} cm.",
     )
 
 
@@ -163,7 +143,7 @@ def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
     near = abs(share - 1.0) <= NEUTRAL
     way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
     findings = [
-        _judge(
+        judge(
             AFLOAT[0] <= share <= AFLOAT[1],
             f"About neutrally buoyant: {masses}." if near else f"It is {off}: {masses}. {remedy}",
             f"Too {way}. There are {masses}; {remedy}",
@@ -178,7 +158,7 @@ def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
             )
         )
     heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
-    behind = (heart - body.stations[2]) / body.length
+    behind = round((heart - body.stations[2]) / body.length, 2)
     if behind < REAR:
         findings.append(
             _warning(
@@ -190,112 +170,89 @@ def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
     return findings
 
 
-def _material(body: Body) -> FishFinding:
+def _material(body: Body, light: bool, unstable: bool) -> FishFinding:
+    """Check that the simulation bears the body; a body that is not light is made softer."""
     limit, node = longest_step(body)
-    percent = f"{100 * (limit / STEP - 1):.0f}%"
-    return _judge(
-        limit / STEP >= LEAST_STEP,
-        f"Stable: it bears steps {percent} longer than are taken.",
-        f"The step of the simulation is only {percent} below the longest that the body bears. "
-        f"Make {NODE_PLACES[node]} heavier, or the units softer.",
+    longer = round(100 * (limit / STEP - 1))
+    heavier = f"Make {NODE_PLACES[node]} heavier, or the units softer."
+    remedy = heavier if light else "Make the units softer."
+    if unstable:
+        return _fault(f"Unstable: the simulation takes longer steps than the body bears. {remedy}")
+    return judge(
+        longer >= LEAST_STEP,
+        f"Stable: it bears steps {longer}% longer than are taken.",
+        f"The step of the simulation is only {longer}% below the longest that the body bears. "
+        f"{remedy}",
     )
 
 
 class SwimTrial(NamedTuple):
-    """Measures of a test swim."""
+    """Measures of a test swim, and segments of the fish if it keeps its shape."""
 
     sound: bool
     strain: tuple[float, float]  # least and greatest length of a unit over its rest length
     worst: str  # the unit that came nearest to a limit
-    speed_bl_s: float
-    per_beat: float  # body lengths
-    drift_deg: float  # change of heading over the measured beats
-    aside: float  # off the straight line, body lengths
     sweep: float  # of the tail, body lengths
-    turned_deg: float  # by beat in a gradual turn to the left; NaN if it lost its shape
     step_cm: float  # greatest change of a muscle's length in one step
-
-
-def beat_of(swim: SwimPlan, grade: str = "fast") -> Floats:
-    """Contractions (6 T, 12) of a beat of a grade from phase 0."""
-    swim, amplitude = swim.at(grade), swim.amplitude(grade)
-    steps = swim.ticks_per_beat * STEPS_PER_TICK
-    return swim_contraction(swim, 2 * np.pi * np.arange(steps) / steps, amplitude)
+    motion: FishMotion | None
+    advice: dict[str, str]  # by the name of a segment; that for the shape by ""
 
 
 def try_swimming(muscles: Muscles) -> SwimTrial:
-    """Swim fast from rest; then turn gradually at medium speed."""
-    plan, swim, _ = muscles
-    body, beat, ticks = build_body(plan), beat_of(swim), swim.ticks_per_beat
+    """Swim fast from rest; then try all swims, and turns to both sides."""
+    plan, swim = muscles.body, muscles.swim
+    body, beat = build_body(plan), grade_contraction(swim, "fast")
     with np.errstate(all="ignore"):  # a body that loses its shape may end in NaN
         frames, state = _from_rest(body, beat, BEATS)
-        measured = frames[-MEASURED * ticks - 1 :]
         strain, worst = _strain(body, frames, state)
-        way = float(np.linalg.norm((measured[-1] - measured[0]).mean(axis=0)))
-        per_beat = way / MEASURED / plan.length
-        drift, aside = straightness(measured, ticks)
+        sound, motion, advice = is_sound(state), None, {}
+        if not sound:
+            advice[""] = _remedy(muscles, "fast")
+        else:
+            motion = try_motion(muscles)
+            failed = [name for name in motion.failures if name.startswith("swim_")]
+            if failed:
+                grade = failed[-1].removeprefix("swim_")
+                advice = dict.fromkeys(failed, _remedy(muscles, grade))
+            gradual = motion.segments.get("turn_left_gradual")
+            weak = gradual is not None and round(gradual.turn_deg) < LEAST_TURN_DEG
+            if weak or "turn_left_gradual" in motion.failures:
+                names = "turn_left_gradual", "turn_right_gradual"
+                advice |= dict.fromkeys(names, _better_bend(body, muscles))
         return SwimTrial(
-            sound=is_sound(state),
+            sound=sound,
             strain=strain,
             worst=worst,
-            speed_bl_s=per_beat / (ticks * TICK_S),
-            per_beat=per_beat,
-            drift_deg=drift,
-            aside=aside / plan.length,
-            sweep=sweep(measured[-ticks - 1 :], [UPPER_TAIL, LOWER_TAIL]) / plan.length,
-            turned_deg=_turned(body, muscles),
+            sweep=sweep(frames[-swim.ticks_per_beat - 1 :], [UPPER_TAIL, LOWER_TAIL]) / plan.length,
             step_cm=contraction_step(body, beat),
+            motion=motion,
+            advice=advice,
         )
 
 
-def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[FishFinding]:
+def swim_checks(swim: SwimTrial) -> list[FishFinding]:
     """Judge a test swim."""
     low, high = STRAIN_LIMITS
-    if not swim.sound:
+    if swim.motion is None:
         return [
             _fault(
                 f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its length at "
-                "rest. Contract the muscles less, or make the ring there wider."
+                f"rest. {swim.advice['']}"
             )
         ]
-    speed = f"{swim.speed_bl_s:.2f} body lengths a second, {swim.per_beat:.2f} a beat"
     findings = [
         _good(
             "It keeps its shape in fast swimming: units keep within "
             f"{swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length."
         ),
-        _judge(
-            swim.per_beat >= PER_BEAT,
-            f"It swims {speed}.",
-            f"It swims slowly: {speed}; {PER_BEAT:g} a beat are asked. Learn finds better "
-            "controllers.",
-        ),
-        _judge(
-            swim.drift_deg <= DRIFT_DEG and swim.aside <= ASIDE,
-            f"It swims straight: {swim.drift_deg:.2f}° of drift.",
-            f"It drifts by {swim.drift_deg:.1f}° in {MEASURED} beats: it has not settled. Raise "
-            "the viscosity a little.",
-        ),
+        *motion_findings(swim.motion, swim.advice),
     ]
-    if not SWEEP[0] <= swim.sweep <= SWEEP[1]:
+    if not SWEEP[0] <= round(swim.sweep, 2) <= SWEEP[1]:
         much = "little" if swim.sweep < SWEEP[0] else "far"
         findings.append(
             _warning(
                 f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2."
             )
-        )
-    if np.isfinite(swim.turned_deg):
-        turns = f"A gradual turn turns it by {swim.turned_deg:.0f}° a beat"
-        findings.append(
-            _judge(
-                swim.turned_deg >= LEAST_TURN_DEG,
-                f"{turns}.",
-                f"{turns}; {LEAST_TURN_DEG:g}° are asked. Contract the turning muscles more.",
-            )
-        )
-    else:
-        findings.append(
-            _fault("It loses its shape in a gradual turn. Contract the turning muscles less.")
         )
     if swim.step_cm > S_MAX * 1.01:
         findings.append(
@@ -305,6 +262,53 @@ def swim_checks(swim: SwimTrial, muscles: Muscles) -> list[FishFinding]:
             )
         )
     return findings
+
+
+def _remedy(muscles: Muscles, grade: str) -> str:
+    """Say what makes a swim steady: the first of some changes that a trial bears out."""
+    plan, swim, _ = muscles
+    for share in WEAKER:
+        weaker = structs.replace(swim, contraction=tuple(share * c for c in swim.contraction))
+        if _is_steady(plan, weaker, grade):
+            return (
+                f"Contract the swimming muscles less: {share:.0%} of the present contractions do."
+            )
+    ring = int(np.argmin(plan.half_widths))
+    for factor in WIDER:
+        widths = list(plan.half_widths)
+        widths[ring] = round(factor * widths[ring], 2)
+        if _is_steady(structs.replace(plan, half_widths=tuple(widths)), swim, grade):
+            return f"Make ring {ring + 1} wider in the top view: {widths[ring]:.2f} cm do."
+    return (
+        f"Neither weaker contractions nor a wider ring {ring + 1} help. Give it the material and "
+        "masses of a species like it, or let `subsea-capture learn --body --gait` find them."
+    )
+
+
+def _is_steady(plan: BodyPlan, swim: SwimPlan, grade: str) -> bool:
+    try:
+        steady_beat(build_body(plan), grade_contraction(swim, grade))
+    except (UserError, ValueError):  # ValueError: no such body
+        return False
+    return True
+
+
+def _better_bend(body: Body, muscles: Muscles) -> str:
+    """Say which contraction of the turning muscles makes a gradual turn, by trying some."""
+    swim, bend = muscles.swim, max(muscles.turn.gradual)
+    ticks = swim.at("medium").ticks_per_beat
+    for tried in BENDS:
+        frames, state = _from_rest(body, grade_contraction(swim, "medium", (tried, tried)), BEATS)
+        heading = headings(frames[-ticks - 1 :])
+        turned = float(heading[-1] - heading[0])
+        if is_sound(state) and LEAST_TURN_DEG < turned < MOST_TURN_DEG:
+            way = "less" if tried < bend else "more"
+            return (
+                f"Contract the turning muscles {way}. "
+                f"A contraction of {tried:g} turns it by {turned:.0f}° a beat."
+            )
+    ring = int(np.argmin(muscles.body.half_widths)) + 1
+    return f"No contraction of the turning muscles helps. Make ring {ring} wider in the top view."
 
 
 def _from_rest(body: Body, beat: Floats, beats: int) -> tuple[Floats, BodyState]:
@@ -328,18 +332,3 @@ def _strain(body: Body, frames: Floats, state: BodyState) -> tuple[tuple[float, 
     a, b = (NODE_PLACES[int(node)] for node in UNITS[unit])
     between = f"of {a}" if a == b else f"between {a} and {b}"
     return (float(state.watch[0]), float(state.watch[1])), f"a {UNIT_NAMES[KINDS[unit]]} {between}"
-
-
-def _turned(body: Body, muscles: Muscles) -> float:
-    """Change of the mean heading by beat of a gradual turn to the left, degrees.
-
-    The other turns need no check: recording finds bends and a couple that suit the body.
-    """
-    _, swim, turn = muscles
-    beat = beat_of(swim, "medium") + bend_contraction(turn.gradual, LEFT)
-    frames, state = _from_rest(body, beat, BEATS)
-    if not is_sound(state):
-        return float("nan")
-    ticks = swim.at("medium").ticks_per_beat
-    heading = headings(frames[-(MEASURED + 1) * ticks :])
-    return float(heading[-ticks:].mean() - heading[:ticks].mean()) / MEASURED

@@ -20,7 +20,7 @@ from subsea.base.files import read_input, read_text, replacing, text_of
 from subsea.base.toml_edit import edit_toml
 from subsea.base.toml_files import load_toml
 from subsea.base.validation import convert
-from subsea.fish.species import Species, own_species_file
+from subsea.fish.species import Species, UnstableSpecies, own_species_file
 from subsea.ui.undo import History
 
 KeyPath = tuple[str | int, ...]  # keys and indices that lead to a value of the file
@@ -44,8 +44,11 @@ class SpeciesDraft:
 
 
 def read_draft(path: Path) -> SpeciesDraft:
-    """Read a species file; UserError for a faulty one."""
-    species = load_toml(path, Species)
+    """Read a species file, also with a body that is unstable; UserError for a faulty one."""
+    try:
+        species = load_toml(path, Species)
+    except UserError:
+        species = load_toml(path, UnstableSpecies)
     text = read_text(path)
     sheet = path.absolute().with_name(species.skin.sheet) if species.skin.sheet else None
     return SpeciesDraft(path.stem, tomllib.loads(text), species, text, sheet)
@@ -85,14 +88,22 @@ def with_value(draft: SpeciesDraft, path: KeyPath, value: Any) -> SpeciesDraft:
 
 
 def with_values(draft: SpeciesDraft, values: dict[KeyPath, Any]) -> SpeciesDraft:
-    """Set several values at once; EditError if the result is not a species."""
+    """Set several values at once; EditError if the result is not a species.
+
+    An unstable body may stay unstable, so that it can be mended by more than one edit.
+    """
     content = draft.content
     for path, value in values.items():
         content = _replaced(content, path, value)
     try:
         species = convert(content, Species)
     except UserError as fault:
-        raise EditError(str(fault)) from None
+        if not isinstance(draft.species, UnstableSpecies):
+            raise EditError(str(fault)) from None
+        try:
+            species = convert(content, UnstableSpecies)
+        except UserError as worse:
+            raise EditError(str(worse)) from None
     return replace(draft, content=content, species=species)
 
 
@@ -153,7 +164,7 @@ def save_draft(draft: SpeciesDraft, path: Path) -> None:
                 copyfile(draft.sheet, temporary)
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
-        if load_toml(temporary, Species) != draft.species:
+        if load_toml(temporary, type(draft.species)) != draft.species:
             raise UserError("its tables cannot be edited", file=path)
 
 

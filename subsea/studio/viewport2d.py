@@ -61,7 +61,8 @@ class Viewport2D:
 
     def follow(self, other: "Viewport2D") -> None:
         """Take over scale and horizontal place of another view; call it before `drawn`."""
-        self.scale, self._middle = other.scale, (other._middle[0], self._middle[1])
+        level = (self.box[1] + self.box[3]) / 2 if self._fits else self._middle[1]
+        self.scale, self._middle = other.scale, (other._middle[0], level)
         self._fits = False
 
     @contextmanager

@@ -11,7 +11,10 @@ from hypothesis import strategies as st
 from subsea.base.errors import UserError
 from subsea.base.toml_files import load_toml
 from subsea.fish.color_sheet import assign_sheet, read, write
-from subsea.fish.species import Species, species_file, species_names
+from subsea.fish.species import Species, load_species, species_file, species_names
+from subsea.fish.swimmer import Swimmer
+from subsea.repertoire.findings import Severity
+from subsea.studio.checks import static_checks
 from subsea.studio.draft import (
     EditError,
     copy_draft,
@@ -34,6 +37,30 @@ def drawn(name):
 @pytest.fixture(scope="module")
 def clownfish():
     return drawn("clownfish")
+
+
+def test_a_file_whose_body_is_unstable_is_opened_and_mended(tmp_path):
+    """Commands refuse it; only the builder can mend it."""
+    path = tmp_path / "stiff.toml"
+    text = species_file("fusilier").read_text(encoding="utf-8")
+    path.write_text(text.replace("muscle_stiffness = 258.0", "muscle_stiffness = 2580.0"))
+    with pytest.raises(UserError, match="too light for the stiffness"):
+        load_species(str(path))
+    draft = read_draft(path)
+    (fault,) = (one for one in static_checks(draft.species) if one.severity == Severity.FAULT)
+    assert fault.text.startswith("Unstable:") and "softer" in fault.text
+    swimmer = Swimmer(draft.species)
+    for _ in range(20):
+        assert np.isfinite(swimmer.advance(0.1)).all()
+    softer = with_value(draft, ("body", "muscle_stiffness"), 1500.0)  # not enough
+    save_draft(softer, path)
+    assert read_draft(path).species == softer.species
+    mended = with_value(softer, ("body", "muscle_stiffness"), 258.0)
+    assert mended.species == load_species("fusilier")
+    save_draft(mended, path)
+    assert load_species(str(path)) == mended.species
+    with pytest.raises(EditError, match="too light"):  # no edit makes a sound body unstable
+        with_value(mended, ("body", "muscle_stiffness"), 2580.0)
 
 
 def test_ends_of_lines_stay_as_they_were(tmp_path, clownfish):

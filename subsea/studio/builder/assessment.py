@@ -9,14 +9,10 @@ from numpy.typing import NDArray
 from subsea.base.errors import UserError
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.paint import paint
+from subsea.fish.species import UnstableSpecies
+from subsea.repertoire.findings import FishFinding, Severity
 from subsea.studio.builder.views import textured_view
-from subsea.studio.checks import (
-    FishFinding,
-    Severity,
-    static_checks,
-    swim_checks,
-    try_swimming,
-)
+from subsea.studio.checks import static_checks, swim_checks, try_swimming
 from subsea.studio.draft import SpeciesDraft, with_sheet_path
 from subsea.studio.handles import Box
 from subsea.ui.gui import colour, wrapped_text
@@ -43,8 +39,8 @@ def assess(draft: SpeciesDraft) -> Assessment:
     """Check a draft, try how it swims, and paint it."""
     species = draft.species
     findings = static_checks(species)
-    if species.muscles:
-        findings += swim_checks(try_swimming(species.muscles), species.muscles)
+    if species.muscles and not isinstance(species, UnstableSpecies):
+        findings += swim_checks(try_swimming(species.muscles))
     sheet, faults = draft_sheet(draft)
     return Assessment([*findings, *faults], sheet, *textured_view(species, sheet))
 

@@ -187,6 +187,8 @@ def _describe_end(kind: str, key: str, process: CommandProcess, code: int) -> st
         return f"Stopped; {kept[kind]}."
     if code == 0 and kind == "learn":
         return "Better controllers were found and are in the file now. Record takes them up."
+    if code == 0 and "warning: " in process.last:
+        return f"{key} is recorded, with a warning. {process.last.partition('warning: ')[2]}"
     if code == 0:
         return f"{key} can swim: name it in a scenario, or dive with it now."
     if code == 1 and kind == "learn":

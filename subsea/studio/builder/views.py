@@ -105,9 +105,18 @@ class OutlineViews:
         return "side" if self._leads is self.side else "top"
 
     def fit(self) -> None:
-        """Fit the fish again."""
+        """Show the whole fish in both views, at their common scale."""
         self._leads = self.side
-        self.side.fit()
+        points = np.concatenate([*self._shapes.values(), np.array(BOX).reshape(2, 2)])
+        left, right = points[:, 0].min(), points[:, 0].max()
+        tall = {
+            view: max(np.abs(p[:, 1]).max() for n, p in self._shapes.items() if n.startswith(view))
+            for view in ("side", "top")
+        }
+        # The lower of the two panels may hold the taller view.
+        half = max(tall["side"], tall["top"] * self.side.size[1] / self.top.size[1], BOX[3])
+        for canvas in (self.side, self.top):
+            canvas.fit((float(left), -float(half), float(right), float(half)))
 
     def draw(
         self, view: View, editing: EditState, size: tuple[float, float], contraction: Array,

@@ -1,4 +1,5 @@
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -10,7 +11,7 @@ from capture.cli.main import main
 from capture.inspection import simulated
 from capture.recording import record
 from subsea.fish.species import load_species
-from subsea.repertoire import read_repertoire
+from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.repertoire.files import READABLE
 from subsea.repertoire.schema import VERSION
 from tests.support.recording import known_turn
@@ -83,6 +84,17 @@ def test_a_file_of_another_kind_is_not_replaced(recorded, tmp_path, capsys, comm
     assert one_line(capsys) == f"subsea-capture: {expected}\n"
     assert notes.read_text() == "my notes"
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] in ([notes], [])
+
+
+def test_recording_warns_of_turns_that_go_the_wrong_way(recorded, tmp_path, capsys):
+    good = read_repertoire(recorded)
+    wrong = {"turn_left_sharp": good.segments["turn_right_sharp"]}
+    path = tmp_path / "fusilier.h5"
+    write_repertoire(path, replace(good, segments=good.segments | wrong))
+    assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
+    first, warning = capsys.readouterr().out.splitlines()
+    assert first == f"{path}: up to date"
+    assert warning.startswith("  warning: A sharp turn to the left turns the wrong way, by 90°.")
 
 
 def test_an_installed_package_is_not_written_into(tmp_path, monkeypatch, capsys):

@@ -23,7 +23,8 @@ from capture.learning.improve import write_controllers
 from capture.learning.learn import LearnedControllers, learn
 from capture.learning.search import METHODS, MIN_DISTANCE, Evaluation, distinct, search
 from capture.learning.swim import swim_at, swim_point
-from capture.learning.turn import turn_at, turn_point, with_holds
+from capture.learning.turn import refit_holds, turn_at, turn_point, with_holds
+from subsea.base.errors import UserError
 from subsea.base.system import resource_path
 from subsea.base.toml_files import load_toml
 from subsea.biomechanics.body import build_body
@@ -128,6 +129,32 @@ def test_rejected_winners_are_reported_in_one_line_and_change_nothing(
     assert out.count("\n") == 1
     assert re.search(r"in 20 tries, \d+ rejected, the best as it circles; ", out)
     assert path.read_bytes() == before
+
+
+def test_a_gait_in_which_no_turn_can_begin_is_a_reason_not_a_crash(monkeypatch, tmp_path, capsys):
+    path = tmp_path / "fish.toml"
+    path.write_bytes(SHIPPED.read_bytes())
+
+    def unsteady(body, beat):
+        raise UserError("the body does not swim steadily after 1000 beats")
+
+    monkeypatch.setattr("capture.learning.turn.steady_beat", unsteady)
+    assert main(["learn", str(path), "--only", "turn", "--budget", "5"]) == 1
+    out = capsys.readouterr().out
+    assert "1 rejected, the best as the body does not swim steadily after 1000 beats; " in out
+    notes = []
+    muscles = load_toml(path, Species).muscles
+    assert refit_holds(build_body(muscles.body), muscles.swim, muscles.turn, 1, notes) is None
+    assert notes == ["turn: rejected: the body does not swim steadily after 1000 beats"]
+
+
+def test_all_kinds_of_faults_of_candidates_are_told():
+    notes = ["swim: the old controller is faulty: snout is 6", "swim: rejected: tail is 0.1"]
+    notes += ["swim: rejected: tail is 0.12", *3 * ["turn: rejected: it circles"]]
+    faults = improve.faults_of(notes)
+    assert faults == ["tail is 0.1", "tail is 0.12", *3 * ["it circles"]]
+    assert improve.other_faults(faults, faults[0]) == ", others as it circles (3)"
+    assert improve.other_faults(faults[:2], faults[0]) == ""
 
 
 def test_a_full_disk_leaves_the_old_file(monkeypatch, tmp_path, capsys):

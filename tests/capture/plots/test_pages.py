@@ -4,8 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 from PIL import Image
 
+from capture.plots import pages, panels
 from capture.plots.pages import plot_repertoire
 from subsea.base.errors import UserError
 from subsea.repertoire import read_repertoire
@@ -42,6 +45,26 @@ def test_motion_without_plans_is_plotted_without_simulation(known_repertoire, re
     assert [path.name for path in known] == ["known_swim_fast.png", "known.png"]
     swum = plot_repertoire(some(read_repertoire(recorded), "swim_fast"), tmp_path)
     assert len(look(known[-1])) < len(look(swum[-1]))
+
+
+def test_a_note_is_in_place_of_what_cannot_be_simulated(recorded, monkeypatch):
+    def fails(*trial):
+        raise UserError("the body lost its shape in beat 3")
+
+    monkeypatch.setattr(pages, "speed_map", fails)
+    monkeypatch.setattr(pages, "run_trial", fails)
+    chosen, page = some(read_repertoire(recorded), "swim_fast"), Figure()
+    motion = pages._motion(chosen)
+    pages._repertoire_page(page, chosen, motion)
+    notes = [text.get_text() for text in page.findobj(Text)]
+    assert sum("the body lost its shape in beat 3" in note for note in notes) == 2
+    assert "Steering map" in notes  # is drawn all the same
+    assert pages._first_frame(chosen, motion, "swim_fast") is None
+    monkeypatch.undo()
+    monkeypatch.setattr(pages, "turned", fails)
+    angles = pages._turned(motion)
+    assert np.isnan(angles).all()
+    panels.turned(Figure().subplots(), pages.ANGLES, angles)  # no warning
 
 
 def test_a_folder_that_cannot_be_made_is_named(recorded, tmp_path):

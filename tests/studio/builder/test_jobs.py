@@ -1,6 +1,7 @@
 """Learning and recording as processes: progress, results and stopping."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,7 +9,7 @@ from subsea.cli.main import parsers
 from subsea.fish.species import species_file
 from subsea.scenario.load import load_scenario
 from subsea.scenario.shoals import find_fish
-from subsea.studio.builder.jobs import CaptureJobs, CommandProcess
+from subsea.studio.builder.jobs import CaptureJobs, CommandProcess, _describe_end
 
 PATIENCE_S = 60.0
 
@@ -66,6 +67,12 @@ def test_a_dive_follows_the_fish(jobs, monkeypatch):
     number = find_fish(options.follow, scenario)
     shoals = [one.species for one in scenario.fish for _ in range(one.number)]
     assert shoals[number] == "clownfish"
+
+
+def test_a_warning_of_recording_is_passed_on():
+    warned = SimpleNamespace(stopped=False, last="warning: The medium swim turns by -9.6° a beat.")
+    message = _describe_end("record", "red_fish", warned, 0)
+    assert message == "red_fish is recorded, with a warning. The medium swim turns by -9.6° a beat."
 
 
 def test_lines_and_progress_bars_are_distinguished():
