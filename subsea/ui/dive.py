@@ -192,6 +192,7 @@ class Dive:
             if keep:
                 world = create_world(scenario, seed, source=str(source))
                 migrate(before, world)
+                world.notices.clear()  # a panel says what a change of the scenario does
             else:
                 world = self._load(scenario, source, seed)
         except UserError as fault:

@@ -74,6 +74,7 @@ DEEP = (0.02, 0.13, 0.20)
 GLASS = (0.01, 0.06, 0.10)  # background of panels
 LIT = (0.16, 0.52, 0.66)
 MARK = (0.55, 0.90, 1.0)  # the chosen item, and curves
+WARM = (0.98, 0.70, 0.45)  # warnings
 SHADE = (0.0, 0.05, 0.08)  # behind text over the sea
 BACKING = 0.6  # opacity of a dark ground under text
 CLAMP = imgui.SliderFlags_.always_clamp.value  # also what is typed

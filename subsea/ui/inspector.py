@@ -5,7 +5,7 @@ Keys still steer.
 """
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,12 +22,11 @@ from subsea.dive.ride import ASPECT, EDGE, WIDE
 from subsea.dive.settings import settings_path
 from subsea.ui.gui import GLASS, MARK, colour
 from subsea.ui.panels import PANELS
-from subsea.ui.panels.fields import PanelContext
+from subsea.ui.panels.fields import Area, PanelContext
 
 if TYPE_CHECKING:
     from subsea.ui.dive import Dive
 
-Area = tuple[float, float, float, float]  # left, top, width, height
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Places = dict[str, tuple[Share, Share]]  # upper left corners, in shares of the screen
 
@@ -75,6 +74,29 @@ def best_place(size: tuple[float, float], room: Area, taken: Sequence[Area], lin
         if cost < least:
             best, least = here, cost
     return best
+
+
+def arrange(
+    names: Iterable[str], areas: Mapping[str, Area], places: Places, room: Area, line: float,
+    kept: Sequence[Area] = (),
+) -> dict[str, Area]:  # fmt: skip
+    """Place panels beside others with `areas` and off the `kept` ones; return their areas.
+
+    A panel that was dragged lies at its share of the screen, another where it covers least.
+    """
+    left, top, width, height = room
+    names = sorted(names, key=lambda name: name not in places)
+    others = [area for name, area in areas.items() if name not in names]
+    placed: dict[str, Area] = {}
+    for name in names:
+        wide, high = (heights * line for heights in SIZES.get(name, OTHER_SIZE))
+        if name in places:
+            x, y = places[name]
+            placed[name] = x * (width + 2.0 * left), y * (top + height + left), wide, high
+        else:
+            taken = [*others, *placed.values(), *kept]
+            placed[name] = best_place((wide, high), room, taken, line)
+    return placed
 
 
 def common(one: Area, other: Area) -> float:
@@ -133,6 +155,8 @@ class Inspector(PanelContext):
         super().__init__(dive)
         self.shown: set[str] = set()  # names of open panels
         self.areas: dict[str, Area] = {}  # of drawn panels
+        self._about: object = None  # the last subject
+        self._screen = 0.0, 0.0  # size for which the panels are placed
         self.places = read_places()  # of panels that were dragged
 
     @property
@@ -164,15 +188,18 @@ class Inspector(PanelContext):
         self._drop_dead()
         if not self.open:
             return
+        self.areas = {name: area for name, area in self.areas.items() if name in self.shown}
+        moved = self._arrange()
         self._mark_chosen()
         self._bar()
         imgui.push_font(None, _letters())
-        self.areas = {name: area for name, area in self.areas.items() if name in self.shown}
         for name in [name for name in PANELS if name in self.shown]:
             _keep_inside(name)
             if name not in self.areas:
-                imgui.set_next_window_pos(self._opening_place(name))
+                imgui.set_next_window_pos(self._placed([name])[name][:2])
                 imgui.set_next_window_focus()
+            elif name in moved:
+                imgui.set_next_window_pos(moved[name][:2])
             drawn, stays = imgui.begin(name, True, PANEL)
             if drawn:
                 PANELS[name](self)
@@ -234,19 +261,32 @@ class Inspector(PanelContext):
             self.places[name] = _share(x / screen.x), _share(y / screen.y)
         self.areas[name] = x, y, width, height
 
-    def _opening_place(self, name: str) -> tuple[float, float]:
-        """The place a panel was dragged to, else the one that covers least of the open panels."""
+    def _arrange(self) -> dict[str, Area]:
+        """Place panels again on a screen of another size, and those that cover a new subject."""
+        (about, box), before = self.subject or (None, None), self._about
+        size = imgui.get_io().display_size
+        screen, self._about = (size.x, size.y), about
+        names: list[str] = []
+        if screen != self._screen:
+            self._screen, names = screen, list(self.areas)
+        elif box is not None and about != before:
+            names = [name for name in self.areas if common(self.areas[name], box)]
+            names = [name for name in names if name not in self.places]
+        imgui.push_font(None, _letters())
+        moved = self._placed(names)
+        imgui.pop_font()
+        self.areas |= moved
+        return moved
+
+    def _placed(self, names: list[str]) -> dict[str, Area]:
+        """Places for panels on this screen, off the fishes' eyes and what panels are about."""
         line, screen = imgui.get_font_size(), imgui.get_io().display_size
-        if name in self.places:
-            x, y = self.places[name]
-            return x * screen.x, y * screen.y
         margin, bar = MARGIN * line, BAR * line
         room = margin, bar, screen.x - 2.0 * margin, screen.y - bar - margin
-        wide, high = SIZES.get(name, OTHER_SIZE)
-        taken = list(self.areas.values())
-        if name == "Fish view" or self.dive.picture.insets:
-            taken += eye_areas(screen.x, screen.y)
-        return best_place((wide * line, high * line), room, taken, line)[:2]
+        kept = [] if self.subject is None or self.subject[1] is None else [self.subject[1]]
+        if "Fish view" in names or self.dive.picture.insets:
+            kept += eye_areas(screen.x, screen.y)
+        return arrange(names, self.areas, self.places, room, line, kept)
 
     def end_frame(self) -> None:
         """Run the calls that panels deferred to the end of the frame."""
@@ -268,6 +308,7 @@ class Inspector(PanelContext):
     def _mark_chosen(self) -> None:
         """Draw a thin ring around the chosen fish, under all panels."""
         front_view, ride = self.dive.picture.front_view, self.dive.picture.ride
+        self.subject = None
         if self.chosen is None or front_view is None or (ride and ride.by.fish == self.chosen):
             return
         fishes = self.dive.world.state.fishes
@@ -282,6 +323,8 @@ class Inspector(PanelContext):
         middle = float(seen[0, 0]), float(seen[0, 1])
         line = imgui.get_font_size()
         radius = max(float(np.linalg.norm(seen[1] - seen[0])), LEAST_RING * line)
+        box = middle[0] - radius, middle[1] - radius, 2.0 * radius, 2.0 * radius
+        self.subject = self.chosen, box
         canvas = imgui.get_background_draw_list()
         for wide, ink in ((0.16, colour(GLASS, 0.5)), (0.07, colour(MARK, 0.95))):
             canvas.add_circle(middle, radius, ink, 0, max(wide * line, 1.0))

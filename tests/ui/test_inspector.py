@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 
 from subsea.base.errors import UserError
 from subsea.ui.dive import Dive
-from subsea.ui.inspector import Inspector, places_path
+from subsea.ui.inspector import Inspector, common, places_path
 from subsea.ui.panels import PANELS
 from tests.support.windows import dive_options
 
@@ -111,6 +111,33 @@ def test_panels_open_beside_one_another_where_there_is_room(at_the_desk, monkeyp
     )
     assert other_x >= x + width or other_y >= y + height
     boat.inspector.shown.clear()
+    boat.frame(0.0)
+
+
+def test_panels_part_on_another_screen_and_keep_off_what_they_are_about(at_the_desk, monkeypatch):
+    boat, inspector, box = at_the_desk, at_the_desk.inspector, []
+
+    def drawn(desk):
+        imgui.dummy((60.0, 40.0))
+        if box:
+            desk.subject = "a stone", box[0]
+
+    for name in ("One", "Other"):
+        monkeypatch.setitem(PANELS, name, drawn)
+        inspector.shown.add(name)
+        boat.frame(0.0)
+    place = inspector.areas["One"][:2]
+    inspector._screen = 100.0, 100.0  # it was small, and pushed them together
+    monkeypatch.setattr("subsea.ui.inspector._keep_inside", lambda name: None)
+    imgui.internal.find_window_by_name("Other").pos = place
+    boat.frame(0.0)
+    boat.frame(0.0)
+    assert common(inspector.areas["One"], inspector.areas["Other"]) == 0.0
+    box.append(inspector.areas["One"])
+    for _ in range(3):
+        boat.frame(0.0)
+    assert not any(common(area, box[0]) for area in inspector.areas.values())
+    inspector.shown.clear()
     boat.frame(0.0)
 
 

@@ -10,6 +10,7 @@ from subsea.ui.inspector import (
     MARGIN,
     SIZES,
     TITLE,
+    arrange,
     best_place,
     common,
     eye_areas,
@@ -55,6 +56,40 @@ def test_all_panels_lie_on_the_screen_and_no_title_is_hidden():
         for other in list(areas)[k + 1 :]:
             title = x, y, wide, TITLE * LINE
             assert common(areas[other], title) < 0.7 * wide * TITLE * LINE, (name, other)
+
+
+def room_of(width, height):
+    """The room for panels on a screen, and the height of letters."""
+    line = width / ABREAST
+    return (
+        MARGIN * line,
+        BAR * line,
+        width - 2 * MARGIN * line,
+        height - (BAR + MARGIN) * line,
+    ), line
+
+
+def test_panels_part_again_after_the_window_was_small():
+    """They were pushed over one another, and stayed there."""
+    names = ["Placement", "Physics", "Time"]
+    areas = {}
+    for width, height in ((1280.0, 720.0), (400.0, 300.0), (1280.0, 720.0)):
+        room, line = room_of(width, height)
+        areas |= arrange(names, areas, {}, room, line)
+    for one, other in combinations(areas.values(), 2):
+        assert common(one, other) == 0.0
+
+
+def test_panels_keep_off_what_they_are_about_and_off_dragged_ones():
+    box = 20.0, 60.0, 200.0, 150.0  # a stone where the panel would open
+    (area,) = arrange(["Placement"], {}, {}, ROOM, LINE, [box]).values()
+    assert common(area, box) == 0.0
+    (before,) = arrange(["Placement"], {}, {}, ROOM, LINE).values()
+    assert common(before, box) > 0.0
+    areas = arrange(["Placement", "Time"], {}, {"Time": (0.02, 0.2)}, ROOM, LINE)
+    assert areas["Time"][0] == pytest.approx(0.02 * SCREEN[0])
+    assert areas["Time"][1] == pytest.approx(0.2 * SCREEN[1])
+    assert common(areas["Placement"], areas["Time"]) == 0.0
 
 
 def test_the_fish_view_covers_no_eye():

@@ -13,14 +13,13 @@ from subsea.behavior.table import INTENTIONS
 from subsea.dive.minds_text import SPAN, Chart, focus
 from subsea.scenario.schema import IndividualTable
 from subsea.state import COURTSHIP, HUNGER, KINDS, LIBIDO, MENTAL_STATES, Nature
-from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, button, colour
+from subsea.ui.gui import CLAMP, GLASS, INK, LIT, MARK, QUIET, WARM, button, colour
 from subsea.ui.panels.fields import PanelContext, Slider, radio_row
 from subsea.ui.panels.fish_picker import choose_fish
 from subsea.world.world import TICK_S, World
 
 WIDE, HIGH = 24.0, 3.0  # of a chart, in heights of letters
 DIRECTIONS = ("left", "right", "ahead", "back", "up", "down")  # columns of `minds.preference`
-WARM = (0.98, 0.70, 0.45)  # warnings
 LOGARITHMIC = imgui.SliderFlags_.logarithmic.value | CLAMP
 
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Table = TypeVar("Table", bound=msgspec.Struct)
 
+Area = tuple[float, float, float, float]  # left, top, width, height on the screen
+
 WIDE = 11.0  # of a field, in heights of letters
 UNITS = {"cm": "cm", "deg": "°", "s": "s", "cm_s": "cm/s", "per_s": "1/s"}
 
@@ -30,6 +32,8 @@ class PanelContext:
         self.dive = dive
         self.chosen: int | None = None  # the fish that panels are about
         self.dragging = False  # the pointer drags something other than a fish
+        # What the present panel is about, and where it is seen: panels keep off it.
+        self.subject: tuple[object, Area | None] | None = None
         self._changed = False
         self._after_frame: list[Callable[[], object]] = []
         self._states: dict[type, Any] = {}

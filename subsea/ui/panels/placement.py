@@ -19,9 +19,9 @@ from subsea.fish.species import species_names
 from subsea.scenario.schema import Scenario
 from subsea.state import Sea
 from subsea.submarine.vessel import paths_of
-from subsea.ui.gui import GLASS, MARK, button, colour, wrapped_text
+from subsea.ui.gui import GLASS, MARK, WARM, button, colour, wrapped_text
 from subsea.ui.panels import fields
-from subsea.ui.panels.fields import PanelContext
+from subsea.ui.panels.fields import Area, PanelContext
 from subsea.ui.undo import History
 from subsea.view.front_screen import FrontView
 from subsea.world import placement
@@ -31,6 +31,7 @@ from subsea.world.placement import Grip, Handle
 from subsea.world.world import World
 
 REFUSED = (1.0, 0.42, 0.34)  # refused places
+AWAY = "Move things away from its line, or give it another one later."
 WIDE, ROWS = 20.0, 7.5  # of the list, in heights of letters
 BIGGER, TURN_DEG = 1.08, 5.0  # of a step of the wheel
 HIGHER = 3.0  # a drag over the height of the screen scales by exp(HIGHER)
@@ -48,7 +49,7 @@ class PlacementState:
     begun: tuple[float, float] = (0.0, 0.0)  # start of the drag on the screen
     trial: Scenario | None = None  # scenario if the drag ended now
     fault: str = ""  # error of the trial
-    misfit: str = ""  # the tour that does not fit, if any: only a warning
+    misfit: str = ""  # what to say of a tour that does not fit, if any: the move is accepted
     toured: tuple[Scenario, Sea] | None = None  # for which `misfit` was found
     rest_s: float = 0.0  # time left after the wheel has turned
     message: str = ""  # error of the last change
@@ -68,10 +69,16 @@ class PlacementState:
         return [submarine, *placement.schools(now, scenario, world.state.fishes, sea), *others]
 
     def warn(self, scenario: Scenario, sea: Sea) -> str:
-        """The tour that does not fit a scenario, as a message, cached."""
+        """What to say of a tour that does not fit a scenario, cached.
+
+        The fault names waypoints, which are in the file and not in the view.
+        """
         if not self.toured or self.toured[0] is not scenario or self.toured[1] is not sea:
             fault = tour_fault(scenario, *with_solids(scenario, sea), stored=False)
-            self.toured, self.misfit = (scenario, sea), str(fault) if fault else ""
+            self.toured, self.misfit = (scenario, sea), ""
+            if fault and fault.key:
+                tour = scenario.tour[int(fault.key.strip("tour[]"))]
+                self.misfit = f"The tour {tour.name!r}, drawn in the sea, passes too near. {AWAY}"
         return self.misfit
 
     def try_out(self, scenario: Scenario, sea: Sea, source: str) -> None:
@@ -104,10 +111,10 @@ def panel(context: PanelContext) -> None:
     _numbers(context, placing, scenario, sea)
     message = placing.fault or placing.message
     if message:
-        wrapped_text(message, REFUSED, 1.4 * WIDE)
+        wrapped_text(message, REFUSED, WIDE)
     misfit = placing.warn(scenario, sea)
     if misfit:
-        wrapped_text(misfit, REFUSED, 1.4 * WIDE)
+        wrapped_text(misfit, WARM, WIDE)
     front_view = dive.picture.front_view
     if front_view is None:
         imgui.text_disabled("Things are dragged in flat pictures.")
@@ -115,9 +122,10 @@ def panel(context: PanelContext) -> None:
     within = [thing for thing in things if math.dist(thing.place, front_view.view.eye) > NEAR_CM]
     over = _drag(context, placing, front_view, within)
     if misfit:
-        _draw_lines(front_view, paths_of(scenario), REFUSED, 0.08, many=True)
+        _draw_lines(front_view, paths_of(scenario), WARM, 0.08, many=True)
     for thing in within:
         if (thing.kind, thing.number) == placing.chosen:
+            context.subject = placing.chosen, _box(front_view, thing)
             _show(front_view, thing, REFUSED if placing.fault else MARK, 0.1)
         elif thing is over:
             _show(front_view, thing, MARK, 0.05)
@@ -138,6 +146,7 @@ def apply_placement(context: PanelContext, scenario: Scenario) -> bool:
     """Continue the dive with a changed scenario; False, with a note, if it has a fault."""
     placing, dive = context.state(PlacementState), context.dive
     placing.reset_trial()
+    placing.message = ""
     if scenario == dive.scenario:
         return True
     if not _enter(context, scenario):
@@ -162,14 +171,16 @@ def undo(context: PanelContext, forth: bool = False) -> bool:
 
 def _enter(context: PanelContext, scenario: Scenario) -> bool:
     placing, dive = context.state(PlacementState), context.dive
-    placing.message = ""
     try:
         check_placed(scenario, str(dive.source), dive.world.state.seed)
     except UserError as fault:
         placing.message = str(fault)
         dive.note(placing.message)
         return False
-    return dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True)
+    if not dive.open_world(scenario, dive.source, dive.world.state.seed, keep=True):
+        return False
+    placing.message = ""
+    return True
 
 
 def _list(placing: PlacementState, scenario: Scenario, things: list[Handle]) -> None:
@@ -328,6 +339,16 @@ def _drop(context: PanelContext, placing: PlacementState) -> None:
         placing.reset_trial()
     elif placing.trial is not None:
         context.later(partial(apply_placement, context, placing.trial))
+
+
+def _box(front_view: FrontView, thing: Handle) -> Area | None:
+    """The part of the screen in which a thing is seen; None where it is not."""
+    size = imgui.get_io().display_size
+    lines = front_view.lines(thing.outline).reshape(-1, 2)
+    if not len(lines):
+        return None
+    (left, top), (right, low) = (np.clip(f(axis=0), 0.0, 1.0) for f in (lines.min, lines.max))
+    return left * size.x, top * size.y, (right - left) * size.x, (low - top) * size.y
 
 
 def _show(

@@ -9,9 +9,10 @@ import pytest
 from msgspec.structs import replace
 
 from subsea.scenario.load import load_scenario
+from subsea.scenario.schema import TourTable, Waypoint
 from subsea.ui.dive import Dive
 from subsea.ui.panels import initialisation
-from subsea.ui.panels.placement import PlacementState
+from subsea.ui.panels.placement import REFUSED, PlacementState, apply_placement
 from subsea.world import placement, snapshot
 from subsea.world.build import create_world
 from tests.support.windows import dive_options
@@ -188,6 +189,27 @@ def test_the_wheel_resizes_and_with_ctrl_turns(lagoon, user):
     drag(lagoon, user, on_screen(lagoon, "rock"), (0, -20), (0, -40))
     user.do("keyup", "shift")
     user.until(lagoon, lambda: lagoon.scenario.rock[0].size_cm[2] > 1.1 * high)
+
+
+def test_a_tour_that_no_longer_fits_is_no_error_of_a_move(lagoon, user, capsys):
+    """The move is accepted: no red, and no waypoints, which are not in the view."""
+    x, y = lagoon.scenario.pillar[0].position_cm
+    points = [
+        Waypoint(time_s=t, position_cm=(x + ahead, y, -250.0))
+        for t, ahead in ((0.0, -150.0), (60.0, 150.0))
+    ]
+    tour = TourTable(name="round", waypoint=points)
+    capsys.readouterr()
+    assert apply_placement(lagoon.inspector, replace(lagoon.scenario, tour=(tour,)))
+    lagoon.frame(0.1)
+    placing = lagoon.inspector.state(PlacementState)
+    assert placing.misfit.startswith("The tour 'round', drawn in the sea, passes too near.")
+    assert not placing.fault and not placing.message and not lagoon.world.notices
+    told = capsys.readouterr()
+    assert "waypoint" not in told.err + told.out + placing.misfit
+    picture = user.screen(lagoon)
+    red = np.abs(picture[..., :3].astype(int) - np.multiply(REFUSED, 255)).max(axis=2) < 12
+    assert red.sum() < 30
 
 
 def test_an_invalid_place_is_red_and_refused_in_one_line(lagoon, user, capsys):
