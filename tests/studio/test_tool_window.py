@@ -277,6 +277,7 @@ def test_it_draws_in_a_window_of_one_pixel(window, user):
         assert window.tool.frames > frames
 
 
+@pytest.mark.nightly
 def test_ctrl_c_in_the_terminal_ends_the_builder(display):
     command = [sys.executable, "-m", "subsea", "build", "fusilier"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)

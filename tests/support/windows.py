@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
+import glfw
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -236,11 +237,30 @@ class Spots(dict[str, tuple[float, float, float, float]]):
 
     def click(self, running: Any, label: str, share: float = 0.5) -> None:
         """Click a widget with the left button."""
-        User().drag(running, self.place(running, label, share))
+        self.drag(running, label, share)
 
-    def drag(self, running: Any, label: str, begin: float, end: float) -> None:
-        """Drag from one share of a widget's width to another."""
-        User().drag(running, *(self.place(running, label, share) for share in (begin, end)))
+    def drag(self, running: Any, label: str, begin: float, *ends: float) -> None:
+        """Drag from one share of a widget's width to others.
+
+        Calls the callbacks of the window as GLFW does, which takes fewer frames than real events.
+        The real pointer goes along to the first place: it sends nothing if it does not move.
+        """
+        User.do("mousemove", *self.place(running, label, begin))
+        window, (corner_x, corner_y) = running.window, running.window.position
+
+        def point(share: float) -> None:
+            x, y = self.place(running, label, share)
+            window._on_pointer(window.handle, x - corner_x, y - corner_y)
+            running.frame(FRAME_S)
+
+        point(begin)
+        window._on_button(window.handle, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+        running.frame(FRAME_S)
+        for share in ends:
+            point(share)
+        window._on_button(window.handle, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+        for _ in range(3):  # a popup has its place in the third
+            running.frame(FRAME_S)
 
     def type(self, running: Any, label: str, text: str) -> None:
         """Replace the text of a field."""

@@ -97,7 +97,7 @@ def test_a_window_without_a_buffer_for_each_eye_is_one_line_with_other_modes(dis
     ("way", "line"),
     [
         ("close button", "reading repertoires"),
-        ("Ctrl-C", "waking the fishes"),
+        pytest.param("Ctrl-C", "waking the fishes", marks=pytest.mark.nightly),
         ("Ctrl-C", "starting OpenGL"),
         ("Escape", "starting OpenGL"),
     ],

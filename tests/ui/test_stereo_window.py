@@ -33,12 +33,14 @@ def windows(display, user, quiet):
         running.picture.finish()
         return user.screen(running)
 
-    for mode in ("mono", *SHOWN):
-        with closing(
-            Dive(DiveOptions(quiet, seed=1, display=DisplayOptions(mode, SIZE, quality="low")))
-        ) as running:
-            running.overlay.show_help()
-            running.frame(0.1)
+    options = DisplayOptions("mono", SIZE, quality="low")
+    with closing(Dive(DiveOptions(quiet, seed=1, display=options))) as running:
+        running.overlay.show_help()
+        running.frame(0.1)
+        draw = running.overlay.draw
+        for mode in ("mono", *SHOWN):
+            running.picture.show_as(mode)
+            running.overlay.draw = draw
             with_text = shown(running)
             if mode == "mono":
                 running.picture.viewports = (Bold(),)

@@ -171,16 +171,21 @@ def test_a_full_disk_leaves_the_old_file(monkeypatch, tmp_path, capsys):
         file.open("wb").close()
         raise OSError(ENOSPC, "No space left on device")
 
+    monkeypatch.setattr(improve, "complaints", lambda motion: ["It swims slowly."])
+    monkeypatch.setattr(improve, "try_motion", lambda muscles: None)
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", full)
+        patch.setattr(improve, "_values", lambda muscles: {})  # a dry run has them
         assert main(["learn", str(path)]) == 75
     assert "No space left" in capsys.readouterr().err
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
     # A dry run shows what it found and writes nothing.
     assert main(["learn", str(path), "--dry-run"]) == 0
-    assert "lag 1" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "lag 1" in told and "warning: It swims slowly." in told
     assert path.read_bytes() == before
+    monkeypatch.setattr(improve, "_values", lambda muscles: {})
     # With room, and elsewhere, it is written.
     assert main(["learn", str(path), "--out", str(tmp_path / "new" / "fish.toml")]) == 0
     assert load_toml(tmp_path / "new" / "fish.toml", Species).swim == new
@@ -195,7 +200,9 @@ def test_the_same_numbers_give_the_same_bytes(species, name, tmp_path):
     assert (tmp_path / "same.toml").read_bytes() == source.read_bytes()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "method", [METHODS[0], *(pytest.param(name, marks=pytest.mark.nightly) for name in METHODS[1:])]
+)
 def test_the_same_seed_finds_the_same(method):
     fish = load_toml(SHIPPED, Species)
     runs: list[list[Any]] = []

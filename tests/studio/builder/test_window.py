@@ -13,9 +13,11 @@ from capture.learning.improve import write_controllers
 from subsea.base.errors import UserError
 from subsea.fish.species import load_species, own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
+from subsea.repertoire.findings import FishMotion
 from subsea.scenario.load import load_scenario
 from subsea.studio.builder.jobs import SEA, SHOAL
 from subsea.studio.builder.window import builder_for
+from subsea.studio.checks import SwimTrial
 from subsea.studio.draft import copy_draft, read_draft, save_draft, with_value
 from subsea.studio.handles import handles
 from subsea.studio.outline import with_mass
@@ -25,6 +27,7 @@ from subsea.world.build import create_world
 from subsea.world.step import step
 
 SIZE = 800, 600
+TRIAL = SwimTrial(True, (0.9, 1.1), "", 0.2, 0.05, FishMotion({}, 20.0), {})
 RING, BACK = ("body", "ring", 1), ("surface", "back", 6)
 LEARN_S, RECORD_S = 240.0, 120.0  # at most, on a busy machine
 
@@ -36,6 +39,8 @@ def window(display, tmp_path_factory):
     Image.new("RGB", (400, 200), (20, 200, 40)).save(photo)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
+        # Test swims take the processor from the window; tests/studio/test_checks.py has them.
+        patch.setattr("subsea.studio.builder.assessment.try_swimming", lambda muscles: TRIAL)
         copy = copy_draft(read_draft(species_file("fusilier")), "red_snapper", "Red Snapper")
         save_draft(copy, own_species_file("red_snapper"))
         make = builder_for("red_snapper", over=photo)

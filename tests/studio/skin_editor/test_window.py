@@ -131,7 +131,7 @@ def shown(window):
 
 
 def drag(window, user, begin, end):
-    user.drag(window, begin, end, hold_s=1.0)
+    user.drag(window, begin, end, hold_s=0.5)
 
 
 def laid_across(document):
@@ -327,7 +327,7 @@ def test_a_mesh_is_saved_and_loaded(scene, user, spots):
     )
 
 
-def test_it_is_saved_as_an_own_species_that_a_world_shows(scene, user, spots, tmp_path):
+def test_it_is_saved_as_an_own_species(scene, user, spots):
     window, _ = scene
     editor, document = window.tool, window.tool.document
     foreign = own_species() / "other.png"
@@ -360,9 +360,16 @@ def test_it_is_saved_as_an_own_species_that_a_world_shows(scene, user, spots, tm
         editor.save()
     editor.out = None
     assert np.array_equal(sheet_of(load_species("moorish_jewel")), document.sheet)
+
+
+@pytest.mark.nightly
+def test_a_world_shows_a_species_that_was_saved(scene, tmp_path):
+    window, _ = scene
+    window.tool.save_as("moorish_pearl", "Moorish pearl")
+    rest(window)
     # Magenta, unlike all other fishes.
     out = tmp_path / "sea.png"
-    name = "moorish_jewel"
+    name = "moorish_pearl"
     shown = "--scenario", str(BARE), "--set", f"fish.1.species={name}", "--follow", name
     short = "--size", "160x120", "--seconds", "0.05", "--quality", "low"
     command = [sys.executable, "-m", "subsea", "film", str(out), *shown, *short]
