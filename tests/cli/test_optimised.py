@@ -15,6 +15,7 @@ CHILD = """
 import sys
 from capture.cli import main as capture
 from subsea.cli import main as subsea
+from subsea.stage.console.commands import described
 folder = sys.argv[1]
 sea = ["--scenario", "peaceful", "--fish", "3"]
 for program, *words in (
@@ -26,6 +27,8 @@ for program, *words in (
 ):
     if code := program.main(words):
         raise SystemExit(f"{words}: {code}")
+if not all(command["what"] for command in described()):
+    raise SystemExit("a command without words")
 """
 
 

@@ -24,27 +24,27 @@ Fish = Annotated[
 class PresenterCommand(
     msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="command"
 ):
-    """Base of all commands; the docstring of each says what it does."""
+    """Base of all commands."""
 
 
 class OpenScenario(PresenterCommand, frozen=True, tag="scenario"):
-    """Open a scenario."""
+    """The command `scenario`."""
 
     name: Annotated[Name, Meta(description="as `subsea dive --scenario` takes it; no path")]
 
 
 class StartTour(PresenterCommand, frozen=True, tag="tour"):
-    """Start a tour."""
+    """The command `tour`."""
 
     name: Annotated[Name, Meta(description="one of the scenario's, directed or auto")]
 
 
 class StopTour(PresenterCommand, frozen=True, tag="stop-tour"):
-    """End the tour."""
+    """The command `stop-tour`."""
 
 
 class StartCue(PresenterCommand, frozen=True, tag="cue"):
-    """Start a direction of the scenario now, whatever its conditions."""
+    """The command `cue`."""
 
     number: Annotated[
         int, Meta(ge=-1, le=1000, description="from 0; -1: the first that has not begun")
@@ -52,11 +52,11 @@ class StartCue(PresenterCommand, frozen=True, tag="cue"):
 
 
 class NextItem(PresenterCommand, frozen=True, tag="next-item"):
-    """Go on to the next item of the show."""
+    """The command `next-item`."""
 
 
 class ShowCaption(PresenterCommand, frozen=True, tag="caption"):
-    """Show a caption; an empty one ends the one before."""
+    """The command `caption`."""
 
     text: Annotated[str, Meta(max_length=MAX_CAPTION, description="300 characters at most")]
     seconds: Annotated[
@@ -65,23 +65,23 @@ class ShowCaption(PresenterCommand, frozen=True, tag="caption"):
 
 
 class FollowFish(PresenterCommand, frozen=True, tag="follow"):
-    """Look at a fish from behind."""
+    """The command `follow`."""
 
     fish: Fish
 
 
 class RideFish(PresenterCommand, frozen=True, tag="ride"):
-    """Look through the eyes of a fish."""
+    """The command `ride`."""
 
     fish: Fish
 
 
 class LeaveFish(PresenterCommand, frozen=True, tag="helm"):
-    """Return from a fish to the submarine."""
+    """The command `helm`."""
 
 
 class SetQuality(PresenterCommand, frozen=True, tag="quality"):
-    """Set the quality of the picture."""
+    """The command `quality`."""
 
     quality: Annotated[
         Literal["auto", "low", "medium", "high", "ultra"],
@@ -90,27 +90,39 @@ class SetQuality(PresenterCommand, frozen=True, tag="quality"):
 
 
 class SetVolume(PresenterCommand, frozen=True, tag="volume"):
-    """Set the volume."""
+    """The command `volume`."""
 
     volume: Annotated[float, Meta(ge=0, le=1, description="0 to 1; 0: off")]
 
 
 class BlankScreens(PresenterCommand, frozen=True, tag="blank"):
-    """Make all screens black, or show the sea again."""
+    """The command `blank`."""
 
     on: bool
 
 
 class ShowLineUp(PresenterCommand, frozen=True, tag="line-up"):
-    """Show the test pattern on all screens, or the sea again."""
+    """The command `line-up`."""
 
     on: bool
 
 
-COMMANDS: tuple[type[PresenterCommand], ...] = (
-    OpenScenario, StartTour, StopTour, StartCue, NextItem, ShowCaption, FollowFish, RideFish,
-    LeaveFish, SetQuality, SetVolume, BlankScreens, ShowLineUp,
-)  # fmt: skip
+COMMANDS: dict[type[PresenterCommand], str] = {
+    OpenScenario: "Open a scenario",
+    StartTour: "Start a tour",
+    StopTour: "End the tour",
+    StartCue: "Start a direction of the scenario now, whatever its conditions",
+    NextItem: "Go on to the next item of the show",
+    ShowCaption: "Show a caption; an empty one ends the one before",
+    FollowFish: "Look at a fish from behind",
+    RideFish: "Look through the eyes of a fish",
+    LeaveFish: "Return from a fish to the submarine",
+    SetQuality: "Set the quality of the picture",
+    SetVolume: "Set the volume",
+    BlankScreens: "Make all screens black, or show the sea again",
+    ShowLineUp: "Show the test pattern on all screens, or the sea again",
+}
+"""What each does, for clients and the reference."""
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}
 
 
@@ -146,7 +158,7 @@ def described() -> list[dict[str, Any]]:
     return [
         {
             "command": name,
-            "what": (kind.__doc__ or "").rstrip("."),
+            "what": COMMANDS[kind],
             "parameters": [_parameter(field) for field in _fields(kind)],
         }
         for name, kind in NAMES.items()
