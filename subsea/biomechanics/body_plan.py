@@ -14,7 +14,7 @@ HALF_SIZES = (0.005, 0.45)
 LONGEST = 1000.0  # longest part of a turn in ticks: half a minute
 DENSITIES = (0.3, 6.0)  # g per cm³ between the nodes: water, with room for tissue around the nodes
 
-Positive = Annotated[float, msgspec.Meta(ge=1e-6)]
+Positive = Annotated[float, msgspec.Meta(gt=0)]
 Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 MAX_CONTRACTION = 0.6
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=MAX_CONTRACTION)]

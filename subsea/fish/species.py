@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+import numpy as np
 from msgspec import structs
 
 from subsea.base.errors import UserError
@@ -21,11 +22,14 @@ from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
 from subsea.biomechanics.rowing import RowPlan
 from subsea.biomechanics.solver import check_step
 from subsea.fish.spine import SpinePlan
-from subsea.fish.surface import Curve, Extent, Share, SurfacePlan
+from subsea.fish.surface import Curve, Extent, Share, SurfacePlan, along
 
 SHIPPED = "assets/species"  # folder of shipped species
 
 Positive = Annotated[float, msgspec.Meta(ge=1e-4)]  # body lengths
+BEHIND_EYE = 0.16  # body lengths that cheek and gills need, at least
+EYE_RADIUS = 0.001, 0.25  # body lengths
+LEAST_SIZE = 1e-6  # of the sizes of a body, cm, and of its masses
 Count = Annotated[int, msgspec.Meta(ge=0, le=60)]
 Width = Annotated[float, msgspec.Meta(ge=1e-4, le=1)]
 Around = Annotated[float, msgspec.Meta(ge=-3, le=3)]  # body lengths, on the body or beside it
@@ -185,6 +189,11 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         given = sum(table is not None for table in (self.body, self.swim, self.turn))
         if given != (3 if self.spine is None else 0):
             raise ValueError("expected the tables [body], [swim] and [turn], or [spine] alone")
+        _check_eye(self.surface)
+        for key in ("half_widths", "half_heights", "tail_half_height", "masses", "spans"):
+            sizes = getattr(self.body, key, None) or 1.0
+            if (min(sizes) if isinstance(sizes, tuple) else sizes) < LEAST_SIZE:
+                raise ValueError(f"[body] {key}: expected numbers of at least {LEAST_SIZE:g}")
         if self.row and not (self.muscles and self.surface.pectoral):
             raise ValueError("[row] needs muscles and [surface] pectoral")
         if self.spine and self.spine.wings and not self.surface.wing:
@@ -211,6 +220,28 @@ class Species(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         plan = self.body or self.spine
         assert plan
         return plan.length
+
+
+def _check_eye(surface: SurfacePlan) -> None:
+    """Refuse an eye that is not on the head or too large, so that it could not be painted.
+
+    The plans of body and surface do without these bounds, as their text identifies recordings.
+    """
+    at, height, radius = surface.eye.at, surface.eye.height, surface.eye.radius
+    wing = surface.wing
+    end = min(surface.tail.begin, wing.outline[-1][0] if wing else 1.0, 0.66) - BEHIND_EYE
+    if at > end:
+        raise ValueError(f"`at` of the eye is {at:g}, expected at most {end:.3g}, on the head")
+    if not EYE_RADIUS[0] <= radius <= EYE_RADIUS[1]:
+        least, most = EYE_RADIUS
+        raise ValueError(f"`radius` of the eye is {radius:g}, expected {least:g} to {most:g}")
+    low, high = 0.0, wing.span if wing else 0.0
+    if not wing:
+        low, high = (float(along(curve, np.array(at))) for curve in (surface.belly, surface.back))
+    if not low - radius <= height <= high + radius:
+        raise ValueError(
+            f"`height` of the eye is {height:g}, expected {low:.3g} to {high:.3g}, on the body"
+        )
 
 
 class UnstableSpecies(Species, frozen=True):

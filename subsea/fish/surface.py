@@ -27,7 +27,6 @@ CONTROL_POINTS = VENTRAL.stop
 TAIL_COLUMNS = 6  # of the 21: the tail fin
 TIP_COLUMN = 9  # of the 15 on the body: the one that runs to the tip of a wing
 WING_ROWS = np.array([0.0, 0.16, 0.42, 0.72])  # of the span, on either side
-BEHIND_EYE = 0.16  # body lengths that cheek and gills need, at least
 CROWDING = 0.6  # columns crowd toward snout and tail, where the outline bends most
 SUNK = 0.82  # the fins' lower rows lie at this share of the ridge's height
 
@@ -91,9 +90,9 @@ class PaddlePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
 class EyePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The eyes, in body lengths."""
 
-    at: Annotated[float, msgspec.Meta(ge=0, le=0.5)]  # distance from the snout
+    at: Share  # distance from the snout
     height: Extent  # above the axis; of a body with wings, distance from the spine on top
-    radius: Annotated[float, msgspec.Meta(ge=0.001, le=0.25)]
+    radius: Share
 
 
 class WingPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -145,21 +144,6 @@ class SurfacePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
         at = np.linspace(0.02, self.tail.begin, 50)
         if (along(self.back, at) <= along(self.belly, at)).any():
             raise ValueError("the back must lie above the belly")
-        self._check_eye()
-
-    def _check_eye(self) -> None:
-        """Refuse an eye that is not on the head, where it could not be painted."""
-        at, height, radius = self.eye.at, self.eye.height, self.eye.radius
-        end = min(self.tail.begin, self.wing.outline[-1][0] if self.wing else 1.0) - BEHIND_EYE
-        if at > end:
-            raise ValueError(f"`at` of the eye is {at:g}, expected at most {end:.3g}, on the head")
-        low, high = 0.0, self.wing.span if self.wing else 0.0
-        if not self.wing:
-            low, high = (float(along(curve, np.array(at))) for curve in (self.belly, self.back))
-        if not low - radius <= height <= high + radius:
-            raise ValueError(
-                f"`height` of the eye is {height:g}, expected {low:.3g} to {high:.3g}, on the body"
-            )
 
     @property
     def depth(self) -> float:
