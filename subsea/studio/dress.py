@@ -8,7 +8,7 @@ import numpy as np
 
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import PICTURE, check_result
-from subsea.base.files import check_file, read_text, replacing
+from subsea.base.files import check_file, read_input, replacing
 from subsea.base.interrupts import deferred_interrupts
 from subsea.base.progress import print_line
 from subsea.base.system import ROOT, is_path
@@ -133,9 +133,9 @@ def load_mesh(path: Path, photograph: Photograph, species: Species) -> FishMeshe
     height, width = photograph.colour.shape[:2]
     meshes = make_fish_meshes(species.surface, centred_matrix(width, height, species.surface))
     size = np.array([width, height], float)
-    text = read_text(path)
+    data = read_input(path)
     try:
-        content = json.loads(text)["meshes"]
+        content = json.loads(data)["meshes"]
         if set(content) != set(meshes.parts):
             raise ValueError(f"expected meshes {', '.join(meshes.parts)}")
         for name, one in meshes.parts.items():
