@@ -15,8 +15,6 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
-import msgspec
-
 from subsea.base.errors import UserError
 from subsea.base.files import check_input
 from subsea.base.system import require
@@ -112,17 +110,15 @@ def _security(address: str, tls: Sequence[Path] | None) -> Any:
     return security
 
 
-class _Identity(msgspec.Struct):
-    type: str
-
-
 async def _identify(address: str, security: Any) -> None:
     """Raise unless a scheduler answers; a Client without one would hang also when removed.
 
     It speaks MessagePack only: the messages of Dask's own client would be unpickled.
     """
+    import msgspec  # programs list their options without it
     from distributed.comm.addressing import parse_address, parse_host_port
 
+    kind: Any = msgspec.defstruct("Identity", [("type", str)])
     scheme, location = parse_address(address)
     if scheme not in ("tcp", "tls"):
         raise ValueError(scheme)
@@ -137,7 +133,7 @@ async def _identify(address: str, security: Any) -> None:
         )
         await _received(reader)  # its own greeting
         writer.write(_framed({"op": "identity", "reply": True}))
-        identity = msgspec.msgpack.decode(await _received(reader), type=_Identity)
+        identity = msgspec.msgpack.decode(await _received(reader), type=kind)
     finally:
         writer.close()
     if identity.type != "Scheduler":
@@ -146,6 +142,8 @@ async def _identify(address: str, security: Any) -> None:
 
 def _framed(message: Mapping[str, Any]) -> bytes:
     """A message of one frame, as Dask's comms have it."""
+    import msgspec
+
     content = msgspec.msgpack.encode(message)
     return struct.pack("<QQQ", 16 + len(content), 1, len(content)) + content
 

@@ -12,6 +12,7 @@ from subsea.base.errors import UserError
 from subsea.base.file_kinds import MESH, check_result, csv_file, toml_file
 from subsea.base.files import logical_lines, read_text, text_of
 from subsea.base.findings import check_page, write_page
+from subsea.base.language import set_language
 from subsea.base.toml_files import load_toml
 from subsea.dive.settings import DEFAULTS, read_settings, settings_path, usual_settings
 from subsea.export.obj import read_mesh
@@ -85,6 +86,7 @@ def test_settings_are_kept_with_a_mark(written, monkeypatch, tmp_path):
     assert not usual_settings(told.append).mouse.steer and not told
     preferences = Preferences(read_settings(path), path, lambda settings: None)
     preferences.set_language("de")
+    set_language("en")  # of this process
     preferences.save()
     assert read_text(path).startswith("# mine\r\n") and read_settings(path).display.language == "de"
     written("", '{"tour": [0.1, 0.2]}', places_path())

@@ -122,7 +122,7 @@ COMMANDS: dict[type[PresenterCommand], str] = {
     BlankScreens: "Make all screens black, or show the sea again",
     ShowLineUp: "Show the test pattern on all screens, or the sea again",
 }
-"""What each does, for clients and the reference."""
+"""The commands with their purposes, for clients and the reference."""
 NAMES = {str(kind.__struct_config__.tag): kind for kind in COMMANDS}
 
 

@@ -62,7 +62,7 @@ def test_a_dive_follows_the_fish(jobs, monkeypatch):
     )
     monkeypatch.setattr(CaptureJobs, "close", lambda self: None)
     jobs.dive("clownfish")
-    options = parsers()[0].parse_args(commands[0][3:])
+    options = parsers()[0].parse_args(commands[0][commands[0].index("subsea") + 1 :])
     scenario = load_scenario(options.scenario, options.changes).scenario
     number = find_fish(options.follow, scenario)
     shoals = [one.species for one in scenario.fish for _ in range(one.number)]
