@@ -9,6 +9,7 @@ files are in the user's data folder.
 """
 
 import os
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -128,8 +129,10 @@ def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
 
 def unknown_name(kind: str, name: str, known: list[str], *suffixes: str) -> UserError:
     """The error for a name that is not known, or for a file with none of these suffixes."""
-    if Path(name).is_file():
-        return UserError(f"expected a {kind} file that ends in {', '.join(suffixes)}", file=name)
+    with suppress(OSError):  # a name that is too long for a file
+        if Path(name).is_file():
+            ends = ", ".join(suffixes)
+            return UserError(f"expected a {kind} file that ends in {ends}", file=name)
     return unknown(kind, name, known)
 
 
