@@ -155,7 +155,7 @@ def _reason(fault: Exception) -> str | None:
         if settings and begun and package not in sys.modules:  # its import failed
             first = str(fault).partition("\n")[0].rstrip(".")
             return f"{package} does not start with {', '.join(settings)} ({first})"
-    if isinstance(fault, MemoryError) or any(words in str(fault) for words in NO_MEMORY):
+    if any(map(_lacks_memory, _causes(fault))):
         return "not enough memory; close other programs, or raise the limit (`ulimit -v`)"
     if isinstance(fault, ImportError):
         if (fault.name or "").partition(".")[0] in ("subsea", "capture"):
@@ -166,6 +166,17 @@ def _reason(fault: Exception) -> str | None:
     if isinstance(fault, OSError) and is_full_disk(fault):  # of results or compiled code
         return f"{f'{fault.filename}: ' if fault.filename else ''}{fault.strerror}"
     return None
+
+
+def _causes(fault: BaseException | None) -> Iterator[BaseException]:
+    """A fault, and those that led to it."""
+    while fault:
+        yield fault
+        fault = fault.__cause__ or fault.__context__
+
+
+def _lacks_memory(fault: BaseException) -> bool:
+    return isinstance(fault, MemoryError) or any(words in str(fault) for words in NO_MEMORY)
 
 
 def _has_folder() -> bool:

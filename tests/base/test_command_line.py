@@ -21,11 +21,15 @@ from subsea.base.errors import TransientError, UserError
 MEMORY = "diver: not enough memory; close other programs, or raise the limit (`ulimit -v`)"
 
 
-def refused(fault):
-    """An error of the user that another one caused."""
-    error = UserError("cannot write", file="out.mp4")
+def caused(error, fault):
+    """An error that another one caused."""
     error.__cause__ = fault
     return error
+
+
+def refused(fault):
+    """An error of the user that another one caused."""
+    return caused(UserError("cannot write", file="out.mp4"), fault)
 
 
 @pytest.mark.parametrize(
@@ -49,6 +53,7 @@ def refused(fault):
         (RuntimeError("can't start new thread"), 2, MEMORY),
         (OSError(errno.ENOMEM, os.strerror(errno.ENOMEM)), 2, MEMORY),
         (ImportError("x.so: failed to map segment from shared object"), 2, MEMORY),
+        (caused(OSError("no x.so"), OSError("x.so: failed to map segment")), 2, MEMORY),
         (refused(refused(OSError(errno.EDQUOT, "quota"))), 75, "diver: out.mp4: cannot write"),
     ],
 )
