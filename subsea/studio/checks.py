@@ -158,7 +158,7 @@ def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
             )
         )
     heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
-    behind = round((heart - body.stations[2]) / body.length, 2)
+    behind = round((heart - body.stations[2]) / body.length, 2) + 0.0  # no -0.00
     if behind < REAR:
         findings.append(
             _warning(
