@@ -63,7 +63,7 @@ def test_a_scheduler_is_known_by_its_answer(certificate, scheme):  # noqa: F811
 
     async def asked():
         options = {"protocol": scheme, "host": "127.0.0.1", "port": 0, "security": theirs}
-        async with Scheduler(dashboard=False, **options) as scheduler:
+        async with Scheduler(dashboard_address="127.0.0.1:0", **options) as scheduler:
             security = dask_cluster._security(scheduler.address, ours)
             await asyncio.wait_for(dask_cluster._identify(scheduler.address, security), 10.0)
 

@@ -190,7 +190,7 @@ def test_the_number_of_processes_changes_no_byte(whole, tmp_path, capsys):
 def test_a_cluster_changes_no_byte(whole, tmp_path):
     with LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
-        host="127.0.0.1", dashboard_address=None,
+        host="127.0.0.1", dashboard_address="127.0.0.1:0",
     ) as cluster:  # fmt: skip
         pool = dask_pool(cluster.scheduler_address)
         sweep(OPTIONS, tmp_path / "out", pool=pool, records=True)
