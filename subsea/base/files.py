@@ -265,7 +265,7 @@ def _check_replaceable(path: Path) -> None:
 def replacing(path: Path, mode: int = ANY_MODE) -> Iterator[Path]:
     """Yield a new, empty, hidden file beside `path` to write to; rename it to `path` at the end.
 
-    The file has the `mode` from its beginning, whatever the umask. Creates missing folders and
+    The file has a given `mode` from its beginning, whatever the umask. Creates missing folders and
     replaces the target of a link. On an error, removes the partial file and new folders and turns
     an OSError into a UserError. Also removes partial files of killed processes that are at least a
     day old.

@@ -139,7 +139,7 @@ def _speeds(swims: Mapping[str, Segment], length_cm: float) -> list[FishFinding]
             judge(
                 beat >= PER_BEAT,
                 f"It swims {words}.",
-                f"It swims slowly: {words}; {PER_BEAT:g} a beat are asked. Learn finds better "
+                f"It swims slowly: {words}; {PER_BEAT:g} a beat are expected. Learn finds better "
                 "controllers.",
             )
         )
@@ -166,8 +166,12 @@ def _turn(name: str, segment: Segment, advice: Mapping[str, str]) -> list[FishFi
     if round(turned) < 0:
         return [_fault(f"A {words_of(name)} turns the wrong way, by {by}. {remedy}")]
     if round(turned) < least:
-        return [_warning(f"A {words_of(name)} turns it by {by}; {least:g}° are asked. {remedy}")]
-    return [_good(f"A {words_of(name)} turns it by {by}.")]
+        return [
+            _warning(
+                f"A {words_of(name)} turns the fish by {by}; {least:g}° are expected. {remedy}"
+            )
+        ]
+    return [_good(f"A {words_of(name)} turns the fish by {by}.")]
 
 
 def _joined(findings: list[FishFinding]) -> list[FishFinding]:

@@ -5,6 +5,7 @@ Set up a theatre: its working channels, their windows, and the rig.
 
 from collections.abc import Callable, Sequence
 from hashlib import sha256
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -67,7 +68,7 @@ def set_up_theatre(
     if node is not None and node not in theatre.nodes:
         raise UserError(unknown("node", node, list(theatre.nodes)).message, file=path)
     theatre = shrink_theatre(theatre, shrink)
-    for line in left_out(theatre):
+    for line in chain(*import_notes(theatre)):
         say(f"{path}: left out: {line}")
     found, faults = usable_channels(theatre, path)
     found, unseen = visible_channels(theatre, found, display, stereo)
@@ -191,9 +192,11 @@ def _check_left(times: int, size: tuple[int, int], what: str) -> None:
         )
 
 
-def left_out(theatre: Theatre) -> tuple[str, ...]:
-    """A line for each thing of another program's file that the theatre lacks."""
-    return (*theatre.refused, *theatre.left_out) if isinstance(theatre, ImportedTheatre) else ()
+def import_notes(theatre: Theatre) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """List the pictures of another program's file that are not shown, and what else has no use."""
+    if isinstance(theatre, ImportedTheatre):
+        return theatre.refused, theatre.left_out
+    return (), ()
 
 
 def describe(name: str, write: Path | None = None, force: bool = False) -> int:
@@ -239,8 +242,8 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
         others = ", ".join(node for node in theatre.nodes if node != master) or "nobody else"
         print_line(f"master {master} at {address}, with {others}")
         faults = (*faults, *cluster_faults(theatre.cluster, theatre.nodes, path))
-    refused = theatre.refused if isinstance(theatre, ImportedTheatre) else ()
-    for fact in left_out(theatre)[len(refused) :]:
+    refused, unused = import_notes(theatre)
+    for fact in unused:
         print_line(f"left out: {fact}")
     for line in (*refused, *faults):
         print_line(f"does not work: {line}")

@@ -270,15 +270,14 @@ def _remedy(muscles: Muscles, grade: str) -> str:
     for share in WEAKER:
         weaker = structs.replace(swim, contraction=tuple(share * c for c in swim.contraction))
         if _is_steady(plan, weaker, grade):
-            return (
-                f"Contract the swimming muscles less: {share:.0%} of the present contractions do."
-            )
+            enough = f"{share:.0%} of the present contractions are enough"
+            return f"Contract the swimming muscles less: {enough}."
     ring = int(np.argmin(plan.half_widths))
     for factor in WIDER:
         widths = list(plan.half_widths)
         widths[ring] = round(factor * widths[ring], 2)
         if _is_steady(structs.replace(plan, half_widths=tuple(widths)), swim, grade):
-            return f"Make ring {ring + 1} wider in the top view: {widths[ring]:.2f} cm do."
+            return f"Make ring {ring + 1} wider in the top view: {widths[ring]:.2f} cm are enough."
     return (
         f"Neither weaker contractions nor a wider ring {ring + 1} help. Give it the material and "
         "masses of a species like it, or let `subsea-capture learn --body --gait` find them."
@@ -305,7 +304,7 @@ def _better_bend(body: Body, muscles: Muscles) -> str:
             way = "less" if tried < bend else "more"
             return (
                 f"Contract the turning muscles {way}. "
-                f"A contraction of {tried:g} turns it by {turned:.0f}° a beat."
+                f"A contraction of {tried:g} turns the fish by {turned:.0f}° a beat."
             )
     ring = int(np.argmin(muscles.body.half_widths)) + 1
     return f"No contraction of the turning muscles helps. Make ring {ring} wider in the top view."

@@ -13,7 +13,6 @@ from distributed import Scheduler, Security
 
 from subsea.base.errors import UserError
 from subsea.jobs import dask_cluster
-from tests.stage.console.conftest import certificate  # noqa: F401  (a fixture)
 
 
 class Trap:
@@ -55,7 +54,7 @@ def test_no_object_of_an_unknown_scheduler_is_unpickled(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "tls"])
-def test_a_scheduler_is_known_by_its_answer(certificate, scheme):  # noqa: F811
+def test_a_scheduler_is_known_by_its_answer(certificate, scheme):
     cert, key = map(str, certificate)
     ours = (certificate[0], *certificate) if scheme == "tls" else None
     files = {"tls_ca_file": cert, "tls_scheduler_cert": cert, "tls_scheduler_key": key}
@@ -70,7 +69,7 @@ def test_a_scheduler_is_known_by_its_answer(certificate, scheme):  # noqa: F811
     asyncio.run(asked())
 
 
-def test_files_of_tls_are_checked_before_the_address(certificate, tmp_path):  # noqa: F811
+def test_files_of_tls_are_checked_before_the_address(certificate, tmp_path):
     cert, key = certificate
     for address, tls, words in (
         ("tcp://127.0.0.1:9", (cert, cert, key), "expected tls://HOST:PORT with --cluster-tls"),

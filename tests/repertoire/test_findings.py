@@ -1,4 +1,4 @@
-"""What is said of recorded motion: shipped species pass, fishes that writhe do not."""
+"""Findings about recorded motion: shipped species pass, fishes that writhe do not."""
 
 from dataclasses import replace
 
@@ -50,7 +50,7 @@ def test_each_fault_of_recorded_motion_is_a_sentence(fusilier):
         "A sharp turn to the left turns the wrong way, by 90°": {
             "turn_left_sharp": of["turn_right_sharp"],
         },
-        "A gradual turn to the right turns it by 9° a beat; 10° are asked": {
+        "A gradual turn to the right turns the fish by 9° a beat; 10° are expected": {
             "turn_right_gradual": replace(right, turn_deg=-9.4),
         },
         "The medium swim is only 1.00 times as fast": {"swim_medium": of["swim_slow"]},
@@ -85,7 +85,7 @@ def test_a_threshold_that_is_met_as_shown_is_not_a_warning(fusilier):
     fast = fusilier.segments["swim_fast"]
     speed = 0.3496 * fusilier.length_cm / (len(fast.nodes) * findings.TICK_S)
     slow = changed(fusilier, swim_fast=replace(fast, speed_cm_s=speed))
-    assert not any("0.35 a beat are asked" in text for text in complaints(slow))
+    assert not any("0.35 a beat are expected" in text for text in complaints(slow))
     gradual = replace(fusilier.segments["turn_left_gradual"], turn_deg=9.7)
     assert not complaints(changed(fusilier, turn_left_gradual=gradual))
 

@@ -121,7 +121,7 @@ def test_advice_for_a_narrow_tail_stalk_is_borne_out(fusilier):
     narrow = with_body(fusilier, half_widths=[*widths[:4], 0.5 * widths[4]])
     swim = checks.try_swimming(narrow.species.muscles)
     (finding,) = checks.swim_checks(swim)
-    assert finding.text.endswith("less: 80% of the present contractions do.")
+    assert finding.text.endswith("less: 80% of the present contractions are enough.")
     contractions = [round(0.8 * c, 3) for c in narrow.content["swim"]["contraction"]]
     calm = with_value(narrow, ("swim", "contraction"), contractions).species.muscles
     assert checks._is_steady(calm.body, calm.swim, "fast")

@@ -32,7 +32,7 @@ class PanelContext:
         self.dive = dive
         self.chosen: int | None = None  # the fish that panels are about
         self.dragging = False  # the pointer drags something other than a fish
-        # What the present panel is about, and where it is seen: panels keep off it.
+        # The chosen thing or fish, and its area on the screen, which panels do not cover.
         self.subject: tuple[object, Area | None] | None = None
         self._changed = False
         self._after_frame: list[Callable[[], object]] = []

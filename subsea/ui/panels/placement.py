@@ -49,7 +49,7 @@ class PlacementState:
     begun: tuple[float, float] = (0.0, 0.0)  # start of the drag on the screen
     trial: Scenario | None = None  # scenario if the drag ended now
     fault: str = ""  # error of the trial
-    misfit: str = ""  # what to say of a tour that does not fit, if any: the move is accepted
+    misfit: str = ""  # warning of an accepted move after which a tour no longer fits
     toured: tuple[Scenario, Sea] | None = None  # for which `misfit` was found
     rest_s: float = 0.0  # time left after the wheel has turned
     message: str = ""  # error of the last change
@@ -69,7 +69,7 @@ class PlacementState:
         return [submarine, *placement.schools(now, scenario, world.state.fishes, sea), *others]
 
     def warn(self, scenario: Scenario, sea: Sea) -> str:
-        """What to say of a tour that does not fit a scenario, cached.
+        """Return a warning if a tour does not fit a scenario, else an empty text; cached.
 
         The fault names waypoints, which are in the file and not in the view.
         """

@@ -3,7 +3,6 @@
 import http.client
 import json
 import socket
-import subprocess
 import threading
 import time
 from dataclasses import replace
@@ -139,20 +138,6 @@ def guarded():
     made = Console(local(token=TOKEN))
     yield made
     made.close()
-
-
-@pytest.fixture(scope="session")
-def certificate(tmp_path_factory):
-    """A certificate of 127.0.0.1 that signs itself, and its key."""
-    folder = tmp_path_factory.mktemp("tls")
-    paths = folder / "cert.pem", folder / "key.pem"
-    subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
-         "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1", "-addext",
-         "subjectAltName=IP:127.0.0.1", "-out", str(paths[0]), "-keyout", str(paths[1])],
-        check=True, capture_output=True,
-    )  # fmt: skip
-    return paths
 
 
 @pytest.fixture
