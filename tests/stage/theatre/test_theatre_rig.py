@@ -1,5 +1,6 @@
 """Rigs of theatres: every eye, mesh and patch puts a point of the sea where the screen has it."""
 
+from functools import cache
 from pathlib import Path
 
 import msgspec
@@ -27,7 +28,9 @@ NAMES = resource_names(FOLDER, ".toml")
 WALLS = ["three-projectors", "cave", "wide"]
 
 
+@cache
 def opened(name):
+    """A theatre and its channels, whose meshes and masks take long; nobody changes them."""
     theatre, path = load_theatre(name)
     return theatre, usable_channels(theatre, path)[0]
 
@@ -245,7 +248,7 @@ UNEQUAL = "".join(
 
 
 def unequal(tmp_path):
-    (tmp_path / "unequal.toml").write_text(UNEQUAL)
+    (tmp_path / "unequal.toml").write_text(UNEQUAL)  # each test has another folder
     return opened(str(tmp_path / "unequal.toml"))
 
 
