@@ -5,6 +5,7 @@ The place is imported when it is needed, not when it is found.
 """
 
 from collections.abc import Iterator
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -36,7 +37,7 @@ def registered(group: str) -> dict[str, EntryPoint]:
 
     Of two with one name this package's own counts, so that none of ours can be replaced.
     """
-    points = sorted(entry_points(group=group), key=lambda one: (one.name, _is_foreign(one)))
+    points = sorted(_installed().select(group=group), key=lambda one: (one.name, _is_foreign(one)))
     found: dict[str, EntryPoint] = {}
     for point in points:
         found.setdefault(point.name, point)
@@ -76,6 +77,12 @@ def load_named(group: str, name: str, what: str) -> Any:
     if name not in points:
         raise unknown(what, name, list(points))
     return load(points[name])
+
+
+@cache
+def _installed() -> Any:
+    """Read the entry points of all packages, once: it takes longer than to parse a command."""
+    return entry_points()
 
 
 def _is_foreign(point: EntryPoint) -> bool:

@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import pytest
@@ -79,19 +79,20 @@ def test_fishes_follow_a_behavior_of_another_package(outside):
 
 def points(*given):
     """Stand-ins for the entry points that packages have."""
-    return lambda group: [EntryPoint(name, value, group) for name, value in given]
+    made = EntryPoints(EntryPoint(name, value, registry.COMMANDS) for name, value in given)
+    return lambda: made
 
 
 def test_no_package_replaces_what_is_ours(monkeypatch):
     both = ("film", "others.film"), ("film", "subsea.cli.film"), ("tide", "others.tide")
-    monkeypatch.setattr(registry, "entry_points", points(*both))
+    monkeypatch.setattr(registry, "_installed", points(*both))
     found = registry.registered(registry.COMMANDS)
     assert [point.value for point in found.values()] == ["subsea.cli.film", "others.tide"]
 
 
 def test_a_package_that_cannot_be_loaded_is_a_line_and_all_else_works(monkeypatch, capsys):
     given = ("gone", "no_such_package.gone"), ("say", "subsea.base.progress:say")
-    monkeypatch.setattr(registry, "entry_points", points(*given))
+    monkeypatch.setattr(registry, "_installed", points(*given))
     assert [name for name, _ in registry.load_all(registry.COMMANDS)] == ["say"]
     (line,) = capsys.readouterr().err.splitlines()
     assert "cannot load no_such_package.gone of subsea.commands" in line
