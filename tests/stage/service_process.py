@@ -11,16 +11,17 @@ import sys
 import time
 from pathlib import Path
 
-from subsea.base.interrupts import INTERRUPTED
-from subsea.stage.service import PictureReports
-
 
 def main(file):
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
-    signal.signal(signal.SIGUSR1, lambda *_: sys.exit(0))
     order = Path(file).read_text()
     if order.isdecimal():
         return int(order)
+    # Here, as half of the starts need none of it.
+    from subsea.base.interrupts import INTERRUPTED
+    from subsea.stage.service import PictureReports
+
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
+    signal.signal(signal.SIGUSR1, lambda *_: sys.exit(0))
     reports, pictures = PictureReports(), 0
     while True:
         pictures += order == "run" or pictures == 0
