@@ -1,14 +1,23 @@
-import subprocess
-import sys
+import resource
+from contextlib import contextmanager
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
 from capture.cli.main import main
+from subsea.export.skinning import best_shares
 from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
 
 
-def test_each_format_prints_a_line_for_each_file(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("subsea.export.skinning.ROUNDS", 1)  # fitting joints is tested elsewhere
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Fit joints once: how well they fit is tested elsewhere."""
+    monkeypatch.setattr("subsea.export.skinning.ROUNDS", 1)
+
+
+def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
     vat = ["fusilier_vat.png", "fusilier_basecolor.png", "fusilier.glb", "fusilier-remap_info.json"]
     for form, files in (
         ("vat", [f"fusilier_vat/{name}" for name in vat]),
@@ -86,12 +95,25 @@ def test_an_interrupted_export_leaves_nothing(tmp_path, monkeypatch, capsys):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_leaves_nothing(tmp_path):
-    """No file may be longer than 200 blocks of 1024 bytes: the last ones fail."""
+@contextmanager
+def short_files(most_bytes):
+    """Let the system refuse to make a file longer than this."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_leaves_nothing(tmp_path, capsys):
+    """The first files fit, the last ones fail."""
+    best_shares(np.eye(2), 2)  # or the limit would keep its kernel from the cache
     for form in ("vat", "usd", "gltf"):
         arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
-        command = f"ulimit -f 200; exec {sys.executable} -m capture {arguments}"
-        run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=120)
-        assert run.returncode == 2 and not run.stdout
-        assert run.stderr.count("\n") == 1 and "File too large" in run.stderr
+        with short_files(200 * 1024):
+            assert main(arguments.split()) == 2
+        out, err = capsys.readouterr()
+        assert not out
+        assert err.count("\n") == 1 and "File too large" in err
         assert not list(tmp_path.iterdir())
