@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from subsea.lab.measures import headings
-from subsea.media.record import STATIONS, Record
+from subsea.media.record import FIELDS, READ, STATIONS, Record
 from subsea.repertoire import SEGMENTS
 from subsea.state import KINDS, WANDER
 
@@ -20,7 +20,10 @@ NORTH = np.array([0.5, 0.5, 0.5, 0.5])
 
 
 def a_record(position, orientation=EAST, **changed):
-    """A record of fishes at `position` (T, n, 3) in a flat sea 10 m wide and 4 m deep."""
+    """Make a record of fishes at `position` (T, n, 3) in a flat sea 10 m wide and 4 m deep.
+
+    Arrays have the types and the order of a file, or each test would compile kernels again.
+    """
     position = np.asarray(position, np.float32)
     ticks, n = position.shape[:2]
     turns = np.broadcast_to(np.asarray(orientation, np.float32), (ticks, n, 4))
@@ -65,7 +68,10 @@ def a_record(position, orientation=EAST, **changed):
         "courtship_names": COURTSHIP,
         "kind_names": list(KINDS),
     }
-    return Record(**(given | changed))
+    given |= changed
+    for name, path in READ.items():
+        given[name] = np.ascontiguousarray(given[name], FIELDS[path].type)
+    return Record(**given)
 
 
 def still(ticks, *places):
