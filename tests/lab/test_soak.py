@@ -24,9 +24,11 @@ from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.view.display_rigs import DISPLAYS, chosen_rig, display_rig
 from subsea.world import snapshot
 from subsea.world.build import create_world
+from tests.support.scenes import BARE
 
-SHORT = ["soak", "--scenario", "preying", "--minutes", "1.01"]
+SHARK = '[[fish]]\nspecies = "blacktip_reef_shark"\nnumber = 1\n'
 MINUTE = 360  # ticks: a shorter one
+SIZE = 96, 54
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -43,15 +45,23 @@ def world():
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
+def short(tmp_path_factory):
+    """The command of a short soak of a bare sea with a hunter."""
+    path = tmp_path_factory.mktemp("sea") / "hunted.toml"
+    path.write_text(BARE.read_text() + SHARK)
+    return ["soak", "--scenario", str(path), "--fish", "14", "--minutes", "1.01"]
+
+
+@pytest.fixture(scope="module")
+def report(short, tmp_path_factory):
     """The report and output of a drawn soak of little more than a minute."""
     path = tmp_path_factory.mktemp("soak") / "soak.json"
     with pytest.MonkeyPatch.context() as patch:
-        shown = [display_rig(name, soak.SIZE) for name in ("mono", "anaglyph", "dome")]
-        shown += [chosen_rig("mono", soak.SIZE, theatre="cave", shrink=soak.SHRINK)[0]]
+        shown = [display_rig(name, SIZE) for name in ("mono", "anaglyph", "dome")]
+        shown += [chosen_rig("mono", SIZE, theatre="cave", shrink=4 * soak.SHRINK)[0]]
         patch.setattr(soak, "rigs", lambda: shown)
         patch.setattr(soak, "PICTURES", (1, 1))  # so that there are three rounds
-        assert main([*SHORT, "--json", str(path)]) == 0
+        assert main([*short, "--json", str(path)]) == 0
     return path
 
 
@@ -68,8 +78,8 @@ def test_a_soak_is_sound(report):
     assert set(first) == {"Buffer", "Texture", "Renderbuffer", "Program"}
 
 
-def test_a_soak_repeats_equally_without_pictures(report, capsys):
-    assert main([*SHORT, "--no-draw", "--compare", str(report)]) == 0
+def test_a_soak_repeats_equally_without_pictures(short, report, capsys):
+    assert main([*short, "--no-draw", "--compare", str(report)]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "sound"
 
 
@@ -87,8 +97,8 @@ def test_soaks_of_different_length_are_compared_by_common_minutes(tmp_path, caps
     assert "minute 1: checksum differs from the older soak" in told.err
 
 
-def test_another_dive_is_not_compared(report, capsys):
-    assert main([*SHORT, "--no-draw", "--seed", "5", "--compare", str(report)]) == 2
+def test_another_dive_is_not_compared(short, report, capsys):
+    assert main([*short, "--no-draw", "--seed", "5", "--compare", str(report)]) == 2
     fault = capsys.readouterr().err.splitlines()[-1]
     assert f"{report}: a soak with seed" in fault
     assert fault.endswith("expected 5")
