@@ -11,7 +11,7 @@ from msgspec import structs
 from subsea.base.errors import UserError
 from subsea.fish import sheet_layout
 from subsea.fish.species import load_species
-from subsea.studio.deformable_mesh import transform
+from subsea.studio.deformable_mesh import copy_meshes, transform
 from subsea.studio.dress import GOOD
 from subsea.studio.fitting import (
     align_shape,
@@ -30,10 +30,13 @@ from subsea.studio.side_view import (
     side_view,
     to_picture,
 )
+from tests.support.daily import only
 
 
 # The worst of all, which heads right, and a faint one; the script itself bounds the others.
-@pytest.mark.parametrize("name", ["black and white, reef", "low contrast, shark"])
+@pytest.mark.parametrize(
+    "name", only(["low contrast, shark"], ["black and white, reef", "low contrast, shark"])
+)
 def test_outlines_are_found(accuracy, name):
     case = accuracy.CASES[name]
     photograph, truth, _ = accuracy.made(case)
@@ -76,6 +79,12 @@ def test_shapes_are_laid_over_masks(name, tilt, right):
     assert (other[0, 0] > 0) == right and less < likeness
 
 
+@pytest.fixture(scope="module")
+def found_clownfish(clownfish_photo):
+    """The fish in the photograph of a clownfish; copy its meshes before you move them."""
+    return find_fish(clownfish_photo.photograph, load_species("clownfish").surface)
+
+
 def test_opacity_segments_the_fish(clownfish_photo):
     photograph, truth, _ = clownfish_photo
     plan = load_species("clownfish").surface
@@ -97,10 +106,9 @@ def test_no_fish_is_a_one_line_error(clownfish_photo):
         find_fish(photograph._replace(opacity=clear), plan)
 
 
-def test_the_fish_is_segmented_under_meshes(clownfish_photo):
+def test_the_fish_is_segmented_under_meshes(clownfish_photo, found_clownfish):
     photograph, truth, _ = clownfish_photo
-    plan = load_species("clownfish").surface
-    meshes = find_fish(photograph, plan).meshes
+    meshes = copy_meshes(found_clownfish.meshes)
     mask = segment_under(photograph, meshes)
     assert (mask & truth).sum() > 0.95 * (mask | truth).sum()
     # Background under meshes that are too large is not taken for the fish.
@@ -122,17 +130,18 @@ def test_the_outline_error_is_a_distance():
 
 
 @pytest.mark.parametrize("name", ["dorsal", "ventral"])
-def test_a_body_that_climbed_into_a_fin_has_a_fin_error(accuracy, clownfish_photo, climb, name):
-    photograph, _, body = clownfish_photo
+def test_a_body_that_climbed_into_a_fin_has_a_fin_error(
+    accuracy, clownfish_photo, found_clownfish, climb, name
+):
     case, plan = accuracy.Case("clownfish"), load_species("clownfish").surface
-    one = find_fish(photograph, plan)
-    assert max(fin_errors(one.meshes, plan).values()) < 0.005
-    assert accuracy.border_error(one.meshes, case, body) < 0.01
-    climb(one.meshes, name, 0.5)
-    assert outline_error(one.meshes, one.mask) < 0.005  # the silhouette is the same
-    errors = fin_errors(one.meshes, plan)
+    meshes = copy_meshes(found_clownfish.meshes)
+    assert max(fin_errors(meshes, plan).values()) < 0.005
+    assert accuracy.border_error(meshes, case, clownfish_photo.body) < 0.01
+    climb(meshes, name, 0.5)
+    assert outline_error(meshes, found_clownfish.mask) < 0.005  # the silhouette is the same
+    errors = fin_errors(meshes, plan)
     assert max(errors, key=errors.get) == name and errors[name] > GOOD
-    true = accuracy.border_error(one.meshes, case, body)
+    true = accuracy.border_error(meshes, case, clownfish_photo.body)
     assert errors[name] == pytest.approx(true, abs=0.012)
 
 
