@@ -8,12 +8,22 @@ import subprocess
 import sys
 import time
 
+import pytest
+
+from subsea.cli.main import parsers
 from tools import gpu_report as tool
 
 PICTURES = {
     "school": {"share": 0.0, "most": 0, "mean": 0.0},
     "dome": {"share": 0.25, "most": 9, "mean": 0.5},
 }
+RESULT = {
+    "renderer": "Some GPU", "machine": {"driver": "4.6", "cpu": "x", "cores": 8, "commit": "y"},
+    "frame_ms": {"p50": 2.0, "p95": 3.0}, "fps": 500.0, "host_ms": 1.0,
+    "cpu_ms": {"thread": 1.5}, "gpu_ms": {"all": 0.75, "water": 0.5, "fishes": 0.25},
+    "triangles_mean": 1000.0, "draw_calls": 20,
+}  # fmt: skip
+LEFT = json.dumps(RESULT)
 
 
 def chosen(*only, shrink=1):
@@ -37,6 +47,22 @@ def test_everything_that_no_gpu_has_drawn_is_a_case():
     assert "1280x720" not in small
 
 
+def test_every_benchmark_has_options_that_exist():
+    words = [case.command for case in chosen() if case.kind == "benchmark"]
+    read = [parsers()[0].parse_args(command[command.index("benchmark") :]) for command in words]
+    assert len(read) > 20
+
+
+def test_what_a_program_leaves_becomes_a_row(tmp_path):
+    case = chosen("presets")[0]
+    case.command = [sys.executable, "-c", f"import sys; open(sys.argv[2], 'w').write({LEFT!r})"]
+    assert tool.measure([case], 1.0, lambda: tool.write(tmp_path, [case], 1.0), lambda text: None)
+    assert (case.state, case.reason) == ("done", "")
+    assert json.loads((tmp_path / "report.json").read_text())["cases"][0]["result"] == RESULT
+    assert "| low, 1280x720 | 2.00 |" in (tmp_path / "report.md").read_text()
+
+
+@pytest.mark.nightly
 def test_a_benchmark_becomes_a_row(tmp_path):
     case = chosen("presets", shrink=10)[0]
     case.command += ["--scenario", "tests/support/bare_sea.toml"]
@@ -72,12 +98,7 @@ def test_what_no_longer_fits_is_left_out():
 
 def test_stages_of_the_gpu_and_pictures_are_tables():
     (case, *_) = chosen("presets")
-    case.result = {
-        "renderer": "Some GPU", "machine": {"driver": "4.6", "cpu": "x", "cores": 8, "commit": "y"},
-        "frame_ms": {"p50": 2.0, "p95": 3.0}, "fps": 500.0, "host_ms": 1.0,
-        "cpu_ms": {"thread": 1.5}, "gpu_ms": {"all": 0.75, "water": 0.5, "fishes": 0.25},
-        "triangles_mean": 1000.0, "draw_calls": 20,
-    }  # fmt: skip
+    case.result = RESULT
     (pictures,) = chosen("pictures")
     pictures.result = PICTURES
     page = tool.page([case, pictures])
@@ -90,6 +111,9 @@ def test_stages_of_the_gpu_and_pictures_are_tables():
 def test_ctrl_c_keeps_what_is_measured(tmp_path):
     program = """
 import sys
+import pytest
+
+from subsea.cli.main import parsers
 from tools import gpu_report as tool
 def own(program): return tool.Case("paper", program, [sys.executable, "-c", program], "text")
 tool.cases = lambda options: [own("print(7)"), own("import time; time.sleep(60)"), own("print(9)")]
@@ -111,6 +135,7 @@ sys.exit(tool.main())
     assert {case["reason"] for case in kept[1:]} == {"interrupted"}
 
 
+@pytest.mark.nightly
 def test_the_differences_of_stored_pictures_are_listed(tmp_path):
     (case,) = chosen("pictures")
     case.command += ["-k", "test_a_school_over_the_sand"]
