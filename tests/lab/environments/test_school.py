@@ -1,29 +1,17 @@
 """A school of agents, by the convention of PettingZoo."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from subsea.base.errors import UserError
+from subsea.kernels.threads import use_threads
 from subsea.lab.environments import school
 from subsea.lab.environments.living_sea import Outcome
 from subsea.lab.environments.rewards import school_reward
-from tests.support.scenes import BARE
-
-PROGRAM = """
-import sys, numpy as np
-from subsea.lab.environments import school
+from subsea.world import step
 from subsea.world.snapshot import checksum
-env = school.parallel_env(sys.argv[1])
-env.reset(seed=5)
-for k in range(10):
-    env.step({agent: np.sin([k, n, 1.0]) for n, agent in enumerate(env.agents)})
-print(checksum(env.sea.world))
-"""
+from tests.support.scenes import BARE
 
 
 def small(**options):
@@ -94,12 +82,22 @@ def test_a_school_that_agrees_earns_most(env):
     assert school_reward(Outcome(world, who, np.zeros(3), alive, 0.1))[2] == -1.0
 
 
-def test_the_number_of_threads_does_not_matter():
-    def run(threads):
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM, str(BARE)], capture_output=True, text=True, check=True,
-            env=dict(os.environ, NUMBA_NUM_THREADS=threads, OMP_NUM_THREADS=threads),
-        )  # fmt: skip
-        return done.stdout
+@pytest.fixture
+def with_threads(monkeypatch):
+    """Run ticks on a number of threads, which share also few fishes."""
+    monkeypatch.setattr(step, "LEAST_PART", 4)
+    monkeypatch.setattr(step, "LEAST_MINDS", 4)
+    yield use_threads
+    use_threads()
 
-    assert run("1") == run("2")
+
+def test_the_number_of_threads_does_not_matter(with_threads):
+    def run(threads):
+        with_threads(threads)
+        env = small(changes=["fish.0.number=40"])
+        env.reset(seed=5)
+        for k in range(5):
+            env.step({agent: np.sin([k, n, 1.0]) for n, agent in enumerate(env.agents)})
+        return checksum(env.sea.world)
+
+    assert run(1) == run(2)
