@@ -13,6 +13,7 @@ FLAP_RAD = 0.22  # amplitude of idle flapping
 EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
 OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
+BRAKE_RAD = 1.2  # sweep at which the inner fin of a rowing fish stands in a turn
 FOLD_RAD = 0.35  # a fast fish folds its fins to the body ...
 BURST_RAD = 0.15  # ... and one that bursts does so entirely, and holds them still
 BURST_TEMPO = (1.3, 2.0)  # from the first on it folds them, at the second it has
@@ -47,14 +48,9 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         turning = min(max(steering / FULL_STEERING + SIDES[fishes.segment[i]], -1.0), 1.0)
         braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
-        beat = (
-            2.0
-            * np.pi
-            * BEAT_HZ
-            * fishes.size_rate[i]
-            * (1.0 + 2.0 * max(effort, 1.0 - speed))
-            * dt
-        )
+        # Oars beat faster in a faster fish (Tu B.2); other fins scull while it hovers.
+        busy = max(effort, speed if fishes.oars[i] else 1.0 - speed)
+        beat = 2.0 * np.pi * BEAT_HZ * fishes.size_rate[i] * (1.0 + 2.0 * busy) * dt
         rows, stroke = _stroke(fishes, library, i)
         low, high = BURST_TEMPO
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
@@ -75,6 +71,8 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
                 rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
                 if fishes.flaps[i]:
                     rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
+                # The outer fin strokes, and the inner one brakes.
+                rowing, raised = rowing + inner * (BRAKE_RAD - rowing), (1.0 - inner) * raised
                 sweep += rows * (rowing - sweep)
                 lift += rows * (raised - lift)
             fins[SWEEP_LEFT + side] = sweep

@@ -45,6 +45,15 @@ def test_a_fast_fish_folds_its_fins_and_a_hovering_one_sculls(make_fishes, libra
     assert _beats(hovering[:, 0]) > 2 * _beats(fast[:, 0])
 
 
+def test_oars_beat_faster_in_a_faster_fish(make_fishes, library):
+    """Tu B.2; the fins of other fishes scull while they hover."""
+    slow, fast = (
+        _minute(make_fishes, library, (0.0, 0.0), speed, oars=True)[:, LIFT_LEFT]
+        for speed in (0.1, 1.0)
+    )
+    assert _beats(fast) > 2 * _beats(slow)
+
+
 def test_in_a_turn_one_fin_leads(make_fishes, library):
     left = _minute(make_fishes, library, (0.4, 0.0), 0.6)
     right = _minute(make_fishes, library, (-0.4, 0.0), 0.6)
@@ -104,11 +113,11 @@ def test_a_turn_spreads_the_tail_and_straight_swimming_does_not(make_fishes, lib
     assert SIDES[SEGMENTS.index(segment)] == (segment.count("left") - segment.count("right"))
 
 
-def _rowing(make_fishes, library, flaps):
+def _rowing(make_fishes, library, flaps, steering=0.0):
     """Sweep and lift of the left fin at every row of the pectoral gait, and the phase, rad."""
     rows = library._replace(has=np.ones_like(library.has))
     fishes = make_fishes(1, "row_forward")
-    fishes.flaps[:] = flaps
+    fishes.flaps[:], fishes.steering[:, 0] = flaps, steering
     first, length = library.first[0, ROW], library.length[0, ROW]
     sweeps, lifts = [], []
     for row in range(length):
@@ -131,6 +140,17 @@ def test_a_flapping_fin_beats_up_and_down_across_the_way(make_fishes, library):
     sweeps, lifts, phase = _rowing(make_fishes, library, flaps=True)
     assert np.ptp(sweeps) < 1e-6
     np.testing.assert_allclose(lifts, np.radians(50.0) * np.cos(phase), atol=1e-6)
+
+
+@pytest.mark.parametrize("flaps", [False, True])
+def test_a_rowing_fish_strokes_with_the_outer_fin_and_brakes_with_the_inner(
+    make_fishes, library, flaps
+):
+    """Steering to the left: the left fin stands broadside; to the right it strokes as ever."""
+    inner, raised, _ = _rowing(make_fishes, library, flaps, steering=0.6)
+    assert np.ptp(inner) < 1e-3 and np.ptp(raised) < 1e-3 and inner.mean() > 1.0
+    straight, outer = (_rowing(make_fishes, library, flaps, steering=s)[0:2] for s in (0.0, -0.6))
+    np.testing.assert_allclose(outer, straight, atol=1e-6)
 
 
 def test_a_burst_folds_the_fins_and_holds_them_still(make_fishes, library):
