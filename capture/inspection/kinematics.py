@@ -10,10 +10,13 @@ import numpy as np
 from capture.inspection.simulated import replay
 from capture.inspection.top_view import above, lateral_offset, midline, path_direction
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import Floats, body_frame, to_world
+from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Floats, body_frame, to_world
+from subsea.biomechanics.fins import headings, rolling, snout_bend
 from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
 
+BENT_DEG = 25.0  # bend of the body beyond that of a beat: from here on it counts
+MOST_DONE = 0.9  # share of its angle at which a turn counts as done
 FINER = 16  # times as many samples, by a Fourier series, for exact extremes
 
 
@@ -97,6 +100,73 @@ def travelling_wave(lateral: Floats, stations: Floats, tick_s: float) -> BodyWav
     )
 
 
+class Posture(NamedTuple):
+    """Measures of the body in a steady swim, beside its wave."""
+
+    snout_over_tail: float  # ratio of their amplitudes
+    yaw: float  # degrees, peak to peak, of the head
+    snout: float  # degrees, bend of the snout alone
+    roll: float  # degrees to one side
+
+
+def posture(segment: Segment, wave: BodyWave) -> Posture:
+    """The posture of a cyclic segment, whose `wave` is known."""
+    frames = replay(segment, np.zeros(3), np.eye(3), 2)[-len(segment.nodes) - 1 :]
+    heading = headings(frames)
+    heading = heading - np.linspace(0.0, heading[-1] - heading[0], len(heading))
+    return Posture(
+        snout_over_tail=float(wave.envelope[0] / max(wave.envelope[-1], 1e-9)),
+        yaw=float(np.ptp(heading)),
+        snout=snout_bend(frames),
+        roll=rolling(frames),
+    )
+
+
+def body_bend(frames: Floats) -> Floats:
+    """Angle (T,) of the fore-body to the left of the rear, degrees, for nodes (T, 23, 3).
+
+    The fore-body leads from the third ring to the nose, the rear from the tail to that ring.
+    """
+    middle = frames[:, 9:13].mean(axis=1)
+    fore, rear = frames[:, 0] - middle, middle - frames[:, [UPPER_TAIL, LOWER_TAIL]].mean(axis=1)
+    return np.asarray(np.degrees(np.angle(above(fore) / above(rear))))
+
+
+def ticks_to(heading: Floats, angle: float) -> int:
+    """Ticks until the heading has changed by an angle, degrees; all of them if it never does."""
+    return int(np.searchsorted(np.maximum.accumulate(heading), angle))
+
+
+class Turning(NamedTuple):
+    """Measures of the body in a turn."""
+
+    net: float  # degrees, of the course over the last beat, or of a whole cycle
+    into: float  # share of the bent ticks whose bend is into the turn; NaN if it is never bent
+    acceleration: float  # the greatest, of the middle of the body, L/tick²
+    aside: float  # the greatest speed across the body, L/tick
+
+
+def turning(segment: Segment, length: float, left: bool, beat: int) -> Turning:
+    """The motion of a turn to the left or right, with beats of `beat` ticks after it."""
+    frames = replay(segment, np.zeros(3), np.eye(3), 2 if segment.cyclic else 1)
+    side = 1.0 if left else -1.0
+    heading = side * headings(frames)
+    net = abs(segment.turn_deg) if segment.cyclic else float(heading[-beat:].mean())
+    bend = side * body_bend(frames)
+    done = len(frames) if segment.cyclic else ticks_to(heading, MOST_DONE * net)
+    bent = bend[: done + 3]
+    bent = bent[np.abs(bent) > BENT_DEG]
+    middle = frames.mean(axis=1) / length
+    velocity = np.diff(middle, axis=0)
+    across = body_frame(frames[:-1])[1][..., 2]
+    return Turning(
+        net=net,
+        into=float((bent > 0).mean()) if len(bent) else float("nan"),
+        acceleration=float(np.linalg.norm(np.diff(velocity, axis=0), axis=1).max()),
+        aside=float(np.abs((velocity * across).sum(axis=1)).max()),
+    )
+
+
 def wing_amplitude(segment: Segment, length: float) -> float:
     """Vertical sweep of the wing's tip, peak to peak; NaN for a segment without control points."""
     points = segment.control_points
@@ -147,16 +217,9 @@ def turning_radius(segment: Segment, length: float) -> float:
     return path_radius(*turn_path(segment)) / length
 
 
-def escape(segment: Segment, tick_s: float) -> tuple[float, float]:
-    """Angle, degrees, and duration, s, of the first bend of a C-start.
-
-    The angle is the greatest change of heading of the head; the duration that until nine tenths of
-    it are reached.
-    """
+def escape(segment: Segment, tick_s: float) -> float:
+    """Duration, s, of the first bend of a C-start: until the head has turned nine tenths."""
     frames = replay(segment, np.zeros(3), np.eye(3), 1)
     head = above(frames[:, 0] - frames[:, 5:9].mean(axis=1))
     angle = np.abs(np.degrees(np.unwrap(np.angle(head))))  # it began along the x axis
-    most = float(angle.max())
-    return most, float(
-        (1 + np.searchsorted(np.maximum.accumulate(angle), (0.9 - 1e-9) * most)) * tick_s
-    )
+    return (1 + ticks_to(angle, (MOST_DONE - 1e-9) * float(angle.max()))) * tick_s

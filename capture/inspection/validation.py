@@ -4,12 +4,15 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import msgspec
+import numpy as np
 
 from capture.inspection.kinematics import (
     BodyWave,
     body_wave,
     envelope_deviation,
     escape,
+    posture,
+    turning,
     turning_radius,
     wing_amplitude,
 )
@@ -17,7 +20,7 @@ from capture.inspection.report import expected_strouhal, glide_drag
 from capture.recording.record import motion_from_provenance
 from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S
-from subsea.fish.measured import MeasuredSwimming, SwimmingFacts, published
+from subsea.fish.measured import MeasuredSwimming, PostureFacts, SwimmingFacts, published
 from subsea.fish.species import Species
 from subsea.repertoire import Repertoire
 
@@ -35,6 +38,7 @@ TURNS = tuple(
 )
 ROW = "row_forward"
 ESCAPES = ("cstart_left_moderate", "cstart_left_wide")  # right ones mirror them
+BEAT = 20  # ticks at the end of a turn, over which its course is measured
 NAN = float("nan")
 
 
@@ -94,9 +98,11 @@ def validate(repertoire: Repertoire, species: Species, table: MeasuredSwimming) 
     found.findings.extend(
         [
             *_waves(found),
+            *_postures(found, repertoire, table.posture),
             *_speeds(found),
             *_rowing(found, repertoire),
             *_turns(found, repertoire),
+            *_bends(found, repertoire, table.posture),
             *_escapes(found, repertoire),
             *_drag(found, repertoire, species, table),
         ]
@@ -138,6 +144,34 @@ def _waves(found: Validated) -> Iterator[RangeCheck]:
         low, high = (1 - NEAR) * found.expected, (1 + NEAR) * found.expected
         yield RangeCheck(name, "Strouhal number for its size, fast", fast.strouhal, "", low, high,
                       "lighthill_1971 (estimate)", f"{found.adult_cm:.0f} cm")  # fmt: skip
+
+
+def _postures(
+    found: Validated, repertoire: Repertoire, facts: PostureFacts
+) -> Iterator[RangeCheck]:
+    """Compare the posture at every grade, and beats over speeds."""
+    name = found.species
+    if found.facts.wave != "carangiform":
+        return
+    for swim in found.swims:
+        grade = swim.name.removeprefix("swim_")
+        held = posture(repertoire.segments[swim.name], swim.wave)
+        length = swim.wave.wavelength
+        yield published(name, f"snout over tail, {grade}", held.snout_over_tail, "",
+                        facts.snout_over_tail)  # fmt: skip
+        yield published(name, f"body wavelength, {grade}", length, " L", facts.wavelength)
+        yield published(name, f"yaw of the head, {grade}", held.yaw, "°", facts.yaw)
+        yield published(name, f"bend of the snout, {grade}", held.snout, "°", facts.snout)
+        yield published(name, f"roll, {grade}", held.roll, "°", facts.roll)
+    if found.adult_cm < BAINBRIDGE_CM:
+        cruising = [swim for swim in found.swims if swim.name != "swim_burst"]
+        speeds, beats = (
+            [getattr(swim, key) for swim in cruising] for key in ("speed", "frequency")
+        )
+        slope, intercept = np.polyfit(speeds, beats, 1)
+        yield published(name, "beat over speed: slope", float(slope), "", facts.slope)
+        yield published(name, "beat over speed: intercept", float(intercept), " Hz",
+                        facts.intercept)  # fmt: skip
 
 
 def _speeds(found: Validated) -> Iterator[RangeCheck]:
@@ -182,15 +216,33 @@ def _turns(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
     )  # fmt: skip
 
 
+def _bends(found: Validated, repertoire: Repertoire, facts: PostureFacts) -> Iterator[RangeCheck]:
+    """Compare every turn, of species that bend."""
+    if found.facts.wave != "carangiform":
+        return
+    second = found.rate / repertoire.tick_s  # recorded ticks in a second of an adult
+    for name in TURNS:
+        if segment := repertoire.segments.get(name):
+            seen = turning(segment, repertoire.body_length_cm, "left" in name, BEAT)
+            if not np.isnan(seen.into):
+                yield published(found.species, f"{name}: bent into the turn", seen.into, "",
+                                facts.into_turn)  # fmt: skip
+            yield published(found.species, f"{name}: acceleration", second**2 * seen.acceleration,
+                            " L/s²", facts.acceleration)  # fmt: skip
+            yield RangeCheck(found.species, f"{name}: net angle", seen.net, "°")
+            yield RangeCheck(found.species, f"{name}: speed aside", second * seen.aside, " L/s")
+
+
 def _escapes(found: Validated, repertoire: Repertoire) -> Iterator[RangeCheck]:
-    """Angle and duration of C-starts at full tempo; without a range where none are published."""
+    """Net angle of C-starts and their duration at full tempo; no range where none is published."""
     facts = found.facts
     for name in ESCAPES:
         angle, duration = NAN, NAN
         if segment := repertoire.segments.get(name):
-            angle, duration = escape(segment, repertoire.tick_s / (FULL_TEMPO * found.rate))
+            duration = escape(segment, repertoire.tick_s / (FULL_TEMPO * found.rate))
+            angle = turning(segment, repertoire.body_length_cm, True, BEAT).net
         for quantity, value, unit, measured in (
-            (f"{name}: angle", angle, "°", facts.escape_angle),
+            (f"{name}: net angle", angle, "°", facts.escape_angle),
             (f"{name}: duration", duration, " s", facts.escape_duration),
         ):
             if measured:

@@ -159,6 +159,12 @@ def headings(frames: Floats) -> Floats:
     return np.asarray(np.degrees(np.unwrap(np.arctan2(-forward[:, 2], forward[:, 0]))))
 
 
+def rolling(frames: Floats) -> float:
+    """Roll of the body frame to one side of its mean, degrees."""
+    sideways = body_frame(frames)[1][:, :, 2] @ UP
+    return float(0.5 * np.ptp(np.degrees(np.arcsin(sideways))))
+
+
 def _angle(a: Floats, b: Floats) -> float:
     """Angle between two vectors in degrees."""
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))

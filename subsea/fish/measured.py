@@ -54,6 +54,20 @@ class SwimmingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
     escape_duration: MeasuredRange | None = None  # s
 
 
+class PostureFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Bodies with a carangiform wave, at every speed and in turns."""
+
+    snout_over_tail: MeasuredRange  # ratio of amplitudes
+    wavelength: MeasuredRange  # L
+    yaw: MeasuredRange  # degrees, peak to peak, of the head
+    snout: MeasuredRange  # degrees, bend of the snout alone
+    roll: MeasuredRange  # degrees, to one side
+    slope: MeasuredRange  # of the beat over the speed, Hz over L/s
+    intercept: MeasuredRange  # Hz
+    into_turn: MeasuredRange  # share of bent ticks whose bend is into the turn
+    acceleration: MeasuredRange  # L/s², in turns but for escapes
+
+
 class CoastingFacts(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Drag of a straight body."""
 
@@ -81,6 +95,7 @@ class MeasuredSwimming(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     """The whole table."""
 
     sources: dict[str, Word]
+    posture: PostureFacts
     coasting: CoastingFacts
     schools: SchoolFacts
     predation: PredationFacts
@@ -93,7 +108,8 @@ def load_measured(path: Path | None = None) -> MeasuredSwimming:
     table = load_toml(path, MeasuredSwimming)
     groups = {f"species.{name}": facts for name, facts in table.species.items()}
     for name, group in groups.items() | {
-        ("coasting", table.coasting), ("schools", table.schools), ("predation", table.predation)
+        ("posture", table.posture), ("coasting", table.coasting),
+        ("schools", table.schools), ("predation", table.predation),
     }:  # fmt: skip
         for key in group.__struct_fields__:
             value = getattr(group, key)

@@ -28,7 +28,8 @@ def test_every_shipped_species_has_sourced_speeds_in_order():
 
 def used(table):
     """The sources that ranges name."""
-    groups = [*table.species.values(), table.coasting, table.schools, table.predation]
+    groups = [*table.species.values(), table.posture, table.coasting, table.schools]
+    groups.append(table.predation)
     values = [getattr(group, key) for group in groups for key in group.__struct_fields__]
     return {value.source for value in values if isinstance(value, MeasuredRange)}
 

@@ -4,14 +4,19 @@ import numpy as np
 import pytest
 
 from capture.inspection.kinematics import (
+    body_bend,
     body_wave,
     envelope_deviation,
     escape,
     path_radius,
+    posture,
     published_envelope,
     travelling_wave,
+    turning,
     turning_radius,
 )
+from capture.inspection.simulated import replay
+from capture.inspection.top_view import above, lateral_offset
 from subsea.repertoire.segments import make_segment
 
 TICK_S = 0.033
@@ -72,13 +77,58 @@ def test_a_rigid_body_on_a_circle_turns_with_its_radius(repertoire):
         assert found == pytest.approx(30.0, rel=1e-3)
 
 
-def test_angle_and_duration_of_an_escape(repertoire):
+def test_net_angle_and_duration_of_an_escape(repertoire):
     """Ten ticks to 120 degrees at an even rate, then rest."""
-    angle = np.radians(120) * np.minimum(np.arange(21) / 10, 1.0)
-    segment = make_segment(
-        carried(repertoire, angle, 1.0), repertoire.body_length_cm, "left", "sharp", False
-    )
-    assert escape(segment, TICK_S) == pytest.approx((120.0, 9 * TICK_S), rel=1e-6)
+    angle = np.radians(120) * np.minimum(np.arange(41) / 10, 1.0)
+    length = repertoire.body_length_cm
+    segment = make_segment(carried(repertoire, angle, 1.0), length, "left", "wide", False)
+    assert escape(segment, TICK_S) == pytest.approx(9 * TICK_S, rel=1e-6)
+    # A peak on the way does not count.
+    angle[10:20] += np.radians(30)
+    segment = make_segment(carried(repertoire, angle, 1.0), length, "left", "wide", False)
+    assert turning(segment, length, True, 20).net == pytest.approx(120.0, abs=13.0)
+
+
+@pytest.mark.parametrize("rate", [0.02, 0.06])
+def test_a_turn_on_a_circle_has_its_acceleration_and_no_bend(repertoire, rate):
+    """The middle of a rigid body on a circle of 1.5 lengths is pulled inwards by ω² r."""
+    length = repertoire.body_length_cm
+    frames = carried(repertoire, rate * np.arange(40), 1.5 * length)
+    seen = turning(make_segment(frames, length, "left", "sharp", False), length, True, 5)
+    assert seen.acceleration == pytest.approx(1.5 * rate**2, rel=0.02)
+    assert np.isnan(seen.into)
+
+
+@pytest.mark.parametrize("angle", [-70.0, -20.0, 0.0, 35.0, 100.0])
+def test_the_bend_is_the_angle_of_the_head_to_the_left(repertoire, angle):
+    body, turn = repertoire.rest_nodes.copy(), np.radians(angle)
+    body[0] = body[9:13].mean(axis=0) + 8.0 * np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    assert body_bend(body[None]) == pytest.approx(angle)
+
+
+@pytest.mark.parametrize(("left", "into"), [(True, 1.0), (False, 0.0)])
+def test_a_body_bent_to_the_left_is_bent_into_turns_to_the_left(repertoire, left, into):
+    """A body with its nose held to the left goes round to the left, or to the right."""
+    length, side = repertoire.body_length_cm, 1.0 if left else -1.0
+    frames = carried(repertoire, side * 0.05 * np.arange(30), side * 1.5 * length)
+    middle, ahead = frames[:, 9:13].mean(axis=1), frames[:, 0] - frames[:, 9:13].mean(axis=1)
+    turned = above(ahead) * np.exp(1j * np.radians(50.0))
+    frames[:, 0] = middle + np.stack([turned.real, ahead[:, 1], -turned.imag], axis=-1)
+    segment = make_segment(frames, length, "left" if left else "right", "sharp", False)
+    assert turning(segment, length, left, 5).into == into
+
+
+def test_the_snout_the_yaw_and_the_roll_of_a_swim(repertoire):
+    """Beside what the nodes of the file show."""
+    segment = repertoire.segments["swim_fast"]
+    held = posture(segment, body_wave(segment, repertoire))
+    aside = lateral_offset(segment)
+    snout, tail = np.ptp(aside[:, [0, -1]], axis=0)
+    assert held.snout_over_tail == pytest.approx(snout / tail, abs=0.02)
+    frames = replay(segment, np.zeros(3), np.eye(3), 2)
+    ahead = above(frames[:, 0] - frames[:, [5, 7]].mean(axis=1))
+    assert held.yaw == pytest.approx(np.ptp(np.degrees(np.unwrap(np.angle(ahead)))), abs=0.1)
+    assert 0.0 <= held.roll < 10.0 and 0.0 < held.snout < 10.0
 
 
 def test_the_wave_of_a_repertoire_beats_once_a_cycle(repertoire):

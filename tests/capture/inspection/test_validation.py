@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from capture.inspection.top_view import lateral_offset
 from capture.inspection.validation import FULL_TEMPO, ROW_TEMPO, bainbridge, validate
 from subsea.base.findings import MISSING
 from subsea.fish.measured import load_measured
@@ -44,11 +45,30 @@ def test_segments_that_a_file_lacks_are_not_recorded(repertoire):
         name: segment for name, segment in repertoire.segments.items() if "cstart" not in name
     }
     found = found_in(dataclasses.replace(repertoire, segments=segments))
-    assert found["cstart_left_wide: angle"].verdict == MISSING
+    assert found["cstart_left_wide: net angle"].verdict == MISSING
     segments["cstart_left_wide"] = segments["turn_left_sharp"]
     found = found_in(dataclasses.replace(repertoire, segments=segments))
     turned = segments["turn_left_sharp"].turn_deg
-    assert found["cstart_left_wide: angle"].value == pytest.approx(turned, abs=25)
+    assert found["cstart_left_wide: net angle"].value == pytest.approx(turned, abs=25)
+
+
+def test_every_grade_and_every_turn_is_compared(repertoire):
+    """Segments, measured here from the nodes of the file, beside what the table says."""
+    found = found_in(repertoire)
+    for name, segment in repertoire.segments.items():
+        kind, _, grade = name.rpartition("_")
+        if kind == "swim" and segment.cyclic:
+            aside = lateral_offset(segment)
+            snout, tail = np.ptp(aside[:, [0, -1]], axis=0)
+            assert found[f"snout over tail, {grade}"].value == pytest.approx(snout / tail, abs=0.02)
+            assert f"body wavelength, {grade}" in found and f"roll, {grade}" in found
+        if kind in ("turn_left", "turn_right"):
+            assert found[f"{name}: acceleration"].value > 0.0
+            if not segment.cyclic:
+                assert found[f"{name}: net angle"].value == pytest.approx(
+                    abs(segment.turn_deg), abs=25
+                )
+    assert found["beat over speed: slope"].value > 0.0
 
 
 def test_eels_and_rays_have_measures_of_their_own():
