@@ -4,6 +4,7 @@ The path of the tail stands for the beat, the origin of the body for the path of
 are stretches one after another, long enough for the beats of a species.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,11 +28,16 @@ TURNING_DEG_S = 5.0  # slower changes of heading are recoil
 TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
 LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
 HOVER_SPEED = 0.2  # body lengths a second
+ROLL_S = 0.5  # stretch in which roll and acceleration are measured
+BENT_DEG = 30.0  # angle of the head to the line from the tail, beyond that of a beat
+BEND_S = 0.4  # over which a rate of turning is measured beside a bend
+BENDING_DEG_S = 60.0  # least rate of a turn in which the bend counts
 STEPS = 8  # frequencies of a spectrum for each beat in a stretch
 TREND = 3  # coefficients of a curved path: a parabola
 
 Counts = tuple[float, float]  # of something, out of all
-Beats = tuple[Array, Array, Array, Array]  # Strouhal numbers, frequencies, amplitudes, strides (k,)
+Beats = tuple[Array, Array, Array, Array, Array, Array]
+"""Strouhal numbers, frequencies, amplitudes, strides, ratios of snout and tail, yaws (k,)."""
 
 
 class Swimming(NamedTuple):
@@ -41,9 +47,14 @@ class Swimming(NamedTuple):
     frequency: Array  # Hz
     amplitude: Array  # peak to peak
     stride: Array
+    snout_over_tail: Array  # ratio of their amplitudes
+    yaw: Array  # degrees, peak to peak, of the head with the beat
     speed: Array  # over SHORT_S
     hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
     radius: Array  # of turns at low speed
+    roll: Array  # degrees to one side of its mean, the greatest in stretches of straight swims
+    acceleration: Array  # of the middle of the body but in escapes, the greatest in each stretch
+    into: Counts  # ticks bent into the turn, of those with a bent body in a turn
     pitched: Counts  # ticks steeper than PITCHED_DEG
     straight: Counts  # change of heading in straight segments, rad
     idle: Counts  # stretches below the slowest stroke, without those that row
@@ -72,7 +83,9 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
     tail = record.tail[:, those].astype(np.float64) / length[:, None]
     swims = alive & _in_swims(record)[:, those]
-    beat = _beats(tail, course, place, swims, record.tick_s)
+    nose = record.snout[:, those, :2].astype(np.float64) / length[:, None]
+    beat = _beats(Paths(tail[..., :2], place[..., :2], nose, course), swims, record.tick_s)
+    calm = alive & ~_in_escapes(record)[:, those]
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
     segment, doing = (
@@ -89,6 +102,9 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
         speed=speed[short],
         hasty=speed[hasty],
         radius=_radii(place, course, alive, record.tick_s),
+        roll=_rolls(record.orientation[:, those], swims, record.tick_s),
+        acceleration=_accelerations(0.5 * (place + tail), calm, record.tick_s),
+        into=_into(tail - place, forward, course, calm, record.tick_s),
         pitched=(float((steep & alive).sum()), float(alive.sum())),
         straight=_straight(record, course, alive, those),
         idle=(float((strokes & (speed < slowest)).sum()), float(strokes.sum())),
@@ -105,6 +121,12 @@ def _in_swims(record: Record) -> Bools:
     return np.asarray(swims[record.segment])
 
 
+def _in_escapes(record: Record) -> Bools:
+    """Flag (T, n) where a fish makes a C-start."""
+    escapes = np.array([name.startswith("cstart") for name in record.segment_names])
+    return np.asarray(escapes[record.segment])
+
+
 def _ticks(seconds: float, tick_s: float) -> int:
     return max(round(seconds / tick_s), 2)
 
@@ -119,15 +141,28 @@ def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
     return values[: number * ticks].reshape(number, ticks, *values.shape[1:])
 
 
-def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float) -> Beats:
+class Paths(NamedTuple):
+    """Paths of fishes from above (T, n, 2), body lengths, and their headings."""
+
+    tail: Array
+    origin: Array  # of the body
+    nose: Array
+    course: Array  # (T, n) rad
+
+    def stretches(self, ticks: int) -> "Paths":
+        """Cut them into stretches (k, ticks, …) one after another."""
+        return Paths(*(_stretches(values, ticks) for values in self))
+
+
+def _beats(paths: Paths, alive: Bools, tick_s: float) -> Beats:
     """Measure the beats of a species, in the shortest stretches that hold `BEATS` of them.
 
     `alive` (T, n) is true where a fish swims with its tail.
     """
-    found: Beats = (np.zeros(0),) * 4
+    found: Beats = (np.zeros(0),) * 6
     for seconds in BEATS_S:
         ticks = _ticks(seconds, tick_s)
-        longer = _beats_in(tail, course, place, alive, tick_s, ticks)
+        longer = _beats_in(paths, alive, tick_s, ticks)
         if len(longer[0]):
             found = longer
             if np.median(found[1]) * seconds >= BEATS:
@@ -135,38 +170,57 @@ def _beats(tail: Array, course: Array, place: Array, alive: Bools, tick_s: float
     return found
 
 
-def _beats_in(
-    tail: Array, course: Array, place: Array, alive: Bools, tick_s: float, ticks: int
-) -> Beats:
-    """Measure strouhal numbers, frequencies, amplitudes and strides of stretches that go straight.
+def _beats_in(paths: Paths, alive: Bools, tick_s: float, ticks: int) -> Beats:
+    """Measure the beats in stretches that go straight.
 
-    The beat is that of the tail beside the body, so that a bent course does not count as one.
+    The beat is that of the tail beside the body, so that a bent course does not count as one. Its
+    amplitude is that of the tail's path at this frequency: the course wanders more slowly.
     """
-    if len(tail) < ticks:
-        return (np.zeros(0),) * 4
-    there = _stretches(alive, ticks).all(axis=1)
-    turned = np.abs(np.diff(_stretches(course, ticks)[:, [0, -1]], axis=1))[:, 0]
+    if len(alive) < ticks:
+        return (np.zeros(0),) * 6
+    there, cut = _stretches(alive, ticks).all(axis=1), paths.stretches(ticks)
+    turned = np.abs(np.diff(cut.course[:, [0, -1]], axis=1))[:, 0]
     steady = there & (turned < np.radians(STRAIGHT_DEG))
-    path, ahead = _stretches(tail - place, ticks), _stretches(course, ticks)
-    middle = ahead.mean(axis=1, keepdims=True)
-    # Across the mean course: recoil must not count as a beat of its own.
-    aside = (path[..., 1] * np.cos(middle) - path[..., 0] * np.sin(middle)).swapaxes(1, 2)
-    aside = aside[steady]  # (m, ticks)
-    frequency, amplitude = beat_of(aside, tick_s)
-    speed = np.linalg.norm(np.diff(_stretches(place, ticks)[:, [0, -1]], axis=1), axis=-1)[:, 0]
-    speed = speed[steady] / ((ticks - 1) * tick_s)
-    beats = (amplitude >= LEAST_AMPLITUDE) & (speed > LEAST_SPEED)
+    middle = cut.course.mean(axis=1, keepdims=True)
+
+    def aside(path: Array) -> Array:
+        """Path (m, ticks) across the mean course: recoil must not count as a beat of its own."""
+        across = path[..., 1] * np.cos(middle) - path[..., 0] * np.sin(middle)
+        return np.asarray(across.swapaxes(1, 2)[steady])
+
+    frequency = beat_of(aside(cut.tail - cut.origin), tick_s)[0]
+    tail, nose, yaw = (
+        amplitude_at(path, frequency, tick_s)
+        for path in (aside(cut.tail), aside(cut.nose), cut.course.swapaxes(1, 2)[steady])
+    )
+    way = np.diff(cut.origin[:, [0, -1]], axis=1)[:, 0]
+    speed = np.linalg.norm(way, axis=-1)[steady] / ((ticks - 1) * tick_s)
+    beats = (tail >= LEAST_AMPLITUDE) & (speed > LEAST_SPEED)
     beats &= frequency * ticks * tick_s >= LEAST_BEATS
-    f, a, u = frequency[beats], amplitude[beats], speed[beats]
-    return f * a / u, f, a, u / f
+    f, a, u, head, sway = (v[beats] for v in (frequency, tail, speed, nose, yaw))
+    return f * a / u, f, a, u / f, head / a, np.degrees(sway)
+
+
+def amplitude_at(aside: Array, frequency: Array, tick_s: float) -> Array:
+    """Measure the peak-to-peak amplitude (m,) of the sine at given frequencies, beside a parabola.
+
+    The sine (m,) is the one that fits lateral paths (m, t) best.
+    """
+    ticks = aside.shape[-1]
+    trend = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, ticks), TREND))[0]
+    phase = 2 * np.pi * tick_s * np.arange(ticks) * frequency[:, None]
+    waves = np.stack([np.cos(phase), np.sin(phase)], axis=-1)  # (m, t, 2)
+    free = waves - trend @ (trend.T @ waves)
+    rest = aside - (aside @ trend) @ trend.T
+    parts = np.linalg.pinv(free) @ rest[..., None]
+    return np.asarray(2.0 * np.linalg.norm(parts[..., 0], axis=-1))
 
 
 def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
     """Measure frequency, Hz, and peak-to-peak amplitude of lateral paths (m, t) of a beat or more.
 
     The frequency is that of the sine that fits best together with a parabola, the curved path of a
-    turn: a parabola that is taken off first also takes a part of a slow beat. The amplitude is that
-    of a sine that leaves equal variance beside the parabola.
+    turn: a parabola that is taken off first also takes a part of a slow beat.
     """
     ticks = aside.shape[-1]
     step = 1.0 / (STEPS * ticks * tick_s)
@@ -174,9 +228,7 @@ def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
     trend = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, ticks), TREND))[0]
     phase = 2 * np.pi * tick_s * np.arange(ticks) * frequencies[:, None]
     waves = np.stack([np.cos(phase), np.sin(phase)], axis=-1)  # (f, t, 2)
-    waves = waves - trend @ (trend.T @ waves)
-    kept = (waves**2).sum(axis=(1, 2)) / ticks  # share of a sine's variance, mean of all phases
-    waves = np.linalg.qr(waves)[0]
+    waves = np.linalg.qr(waves - trend @ (trend.T @ waves))[0]
     rest = aside - (aside @ trend) @ trend.T
     power = sum((rest @ waves[..., k].T) ** 2 for k in (0, 1))
     peak = power[:, 1:-1].argmax(axis=-1) + 1
@@ -184,8 +236,46 @@ def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
     before, at, after = (power[row, peak + k] for k in (-1, 0, 1))
     curve = np.minimum(before - 2 * at + after, -1e-30)
     shift = np.clip(0.5 * (before - after) / curve, -0.5, 0.5)
-    amplitude = 2 * np.sqrt(2.0 / kept[peak]) * rest.std(axis=-1)
-    return frequencies[peak] + shift * step, amplitude
+    frequency = frequencies[peak] + shift * step
+    return frequency, amplitude_at(aside, frequency, tick_s)
+
+
+def _rolls(orientation: Array, alive: Bools, tick_s: float) -> Array:
+    """Measure the greatest roll (k,) beside its mean in stretches of ROLL_S, degrees.
+
+    `orientation` (T, n, 4) are unit quaternions.
+    """
+    _, x, y, _ = np.moveaxis(orientation.astype(np.float64), -1, 0)
+    right = 1.0 - 2.0 * (x**2 + y**2)  # height of the fish's right side
+    aside = np.degrees(np.arcsin(np.clip(right, -1.0, 1.0)))
+    return _greatest(lambda part: 0.5 * np.ptp(part, axis=1), aside, alive, _ticks(ROLL_S, tick_s))
+
+
+def _accelerations(middle: Array, calm: Bools, tick_s: float) -> Array:
+    """Measure the greatest acceleration (k,) in stretches of ROLL_S, body lengths a second²."""
+    pull = np.linalg.norm(np.diff(middle, 2, axis=0), axis=-1) / tick_s**2
+    return _greatest(lambda part: part.max(axis=1), pull, calm[1:-1], _ticks(ROLL_S, tick_s))
+
+
+def _greatest(measure: Callable[[Array], Array], values: Array, there: Bools, ticks: int) -> Array:
+    """A measure of each stretch of `values` (T, n) in which a fish is `there` all the time."""
+    whole = _stretches(there, ticks).all(axis=1)
+    return np.asarray(measure(_stretches(values, ticks))[whole])
+
+
+def _into(behind: Array, forward: Array, course: Array, calm: Bools, tick_s: float) -> Counts:
+    """Count ticks with a bent body in a turn, and of these those bent into the turn.
+
+    `behind` (T, n, 3) leads from the origin of the body to its tail. The head of a body that bends
+    to the left points to the left of the line from its tail.
+    """
+    line, ahead = -(behind[..., 0] + 1j * behind[..., 1]), forward[..., 0] + 1j * forward[..., 1]
+    bend = np.degrees(np.angle(ahead * np.conj(line)))
+    half = _ticks(BEND_S, tick_s) // 2
+    rate = np.zeros_like(course)
+    rate[half:-half] = np.degrees(course[2 * half :] - course[: -2 * half]) / (2 * half * tick_s)
+    bent = calm & (np.abs(bend) > BENT_DEG) & (np.abs(rate) > BENDING_DEG_S)
+    return float((bent & (bend * rate > 0.0)).sum()), float(bent.sum())
 
 
 def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:

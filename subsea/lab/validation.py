@@ -22,6 +22,7 @@ from subsea.dive.start import start_world
 from subsea.fish.measured import (
     MeasuredRange,
     MeasuredSwimming,
+    PostureFacts,
     SwimmingFacts,
     load_measured,
     published,
@@ -49,7 +50,8 @@ PITCHED, STRAIGHT, IDLE, HOVERING = 0.05, 0.10, 0.10, 0.01  # greatest shares
 SLOW_STROUHAL = 0.45  # of a trout at 0.5 L/s (drucker_2005); seas have slow fishes
 CATCHES = 1.0, 4.0  # mean of each predator in three minutes
 TIGHTEST = 1  # percentile of radii: measured are least radii, not those of every turn
-HASTY = 99  # percentile of speeds in flights and hunts
+HASTY = 99  # percentile of speeds in flights and hunts, and of accelerations
+MOSTLY = 90  # percentile of rolls
 NAN = math.nan
 
 
@@ -211,7 +213,7 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
         row
         for name, one in found.swims.items()
         if name in table.species
-        for row in _swimming(name, one, table.species[name])
+        for row in _swimming(name, one, table.species[name], table.posture)
     ]
     for label, schools in found.schools.items():
         rows.extend(_schooling(label, schools, table))
@@ -220,7 +222,9 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
     return rows
 
 
-def _swimming(name: str, found: Swimming, facts: SwimmingFacts) -> Iterator[RangeCheck]:
+def _swimming(
+    name: str, found: Swimming, facts: SwimmingFacts, posture: PostureFacts
+) -> Iterator[RangeCheck]:
     many = f"{len(found.strouhal)} stretches"
     if facts.gait != "ray":  # its tail does not drive it
         row = published(name, "Strouhal number", _at(found.strouhal), "", facts.strouhal, many)
@@ -232,6 +236,16 @@ def _swimming(name: str, found: Swimming, facts: SwimmingFacts) -> Iterator[Rang
             amplitude = _at(found.amplitude)
             measured = facts.slow_amplitude or facts.amplitude
             yield published(name, "tail amplitude", amplitude, " L", measured)
+    if facts.wave == "carangiform":
+        yield published(name, "snout over tail", _at(found.snout_over_tail), "",
+                        posture.snout_over_tail)  # fmt: skip
+        yield published(name, "yaw of the head", _at(found.yaw), "°", posture.yaw)
+        yield published(name, "roll, 90%", _at(found.roll, MOSTLY), "°", posture.roll)
+        part, whole = found.into
+        yield published(name, "bent into the turn", part / whole if whole else NAN, "",
+                        posture.into_turn, f"{whole:.0f} ticks")  # fmt: skip
+        yield published(name, "acceleration, 99%", _at(found.acceleration, HASTY), " L/s²",
+                        posture.acceleration)  # fmt: skip
     speeds = MeasuredRange(
         range=(facts.slow.range[0], facts.cruise.range[1]),
         of=facts.cruise.of,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from subsea.lab.swimming import Swimming, beat_of, joined, swimming
+from subsea.lab.swimming import Swimming, amplitude_at, beat_of, joined, swimming
 from subsea.repertoire import SEGMENTS
 from subsea.state import EAT, ESCAPE, PREDATOR, WANDER
 from tests.support.records import LENGTH, a_record
@@ -78,6 +78,55 @@ def test_a_parabola_is_not_a_beat():
     frequency, amplitude = beat_of(np.stack([beat, beat + time**2 - 3 * time]), time[1])
     assert frequency == pytest.approx(3.0, rel=0.01)
     assert amplitude == pytest.approx(0.2, rel=0.02)
+
+
+def test_a_course_that_wanders_does_not_widen_the_beat():
+    """A swing of half the frequency and of equal amplitude beside the beat of the tail."""
+    time = TICK_S * np.arange(60)
+    wander = 0.09 * np.sin(2 * np.pi * 1.6 * time)
+    tail = 0.09 * np.sin(2 * np.pi * 4.0 * time + 0.5) + wander
+    assert amplitude_at(tail[None], np.array([4.0]), TICK_S) == pytest.approx(0.18, rel=0.08)
+
+
+@pytest.mark.parametrize("yaw", [3.0, 20.0])
+def test_the_snout_and_the_head_sway_with_the_beat(yaw):
+    """A head that yaws about the origin of the body, 0.4 lengths behind the nose."""
+    time = TICK_S * np.arange(1800)
+    beat = np.sin(2 * np.pi * 3.7 * time)
+    found = only(straight(orientation=turned(np.radians(0.5 * yaw) * beat)[:, None]))
+    assert np.median(found.yaw) == pytest.approx(yaw, rel=0.03)
+    snout = 2 * 0.4 * np.radians(0.5 * yaw)
+    assert np.median(found.snout_over_tail) == pytest.approx(snout / 0.18, rel=0.05)
+
+
+def test_the_roll_is_that_beside_its_mean():
+    time = TICK_S * np.arange(1800)
+    level = turned(0 * time)
+    roll = np.radians(4.0) * np.sin(2 * np.pi * 3.7 * time) + np.radians(12.0)
+    w, x, y, z = level.T
+    c, s = np.cos(roll / 2), np.sin(roll / 2)  # about the body's x axis, on the right
+    rolled = np.stack([w * c - x * s, x * c + w * s, y * c + z * s, z * c - y * s], axis=-1)
+    found = only(straight(orientation=rolled[:, None]))
+    assert np.median(found.roll) == pytest.approx(4.0, rel=0.05)
+    assert only(straight(orientation=level[:, None])).roll == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("bend", [50.0, -50.0, 10.0])
+def test_a_body_bends_into_its_turn_or_against_it(bend):
+    """On a circle to the left, the tail lies `bend` degrees off the line behind the head."""
+    record = circle(rate=2.0)
+    heading = 2.0 * TICK_S * np.arange(len(record.position))
+    behind = heading + np.pi - np.radians(bend)
+    record.tail[:] = record.position
+    record.tail[:, 0, 0] += 0.6 * LENGTH * np.cos(behind)
+    record.tail[:, 0, 1] += 0.6 * LENGTH * np.sin(behind)
+    into, bent = only(record).into
+    assert bent == (0 if bend == 10.0 else pytest.approx(len(heading), abs=15))
+    assert into == (bent if bend > 0.0 else 0)
+    # On a circle its middle, 0.3 L before the tail, is pulled inwards; escapes do not count.
+    pull = 4.0 * np.hypot(0.5, 0.3)
+    assert np.median(only(circle(rate=2.0)).acceleration) == pytest.approx(pull, rel=0.02)
+    assert not len(only(circle(segment=SEGMENTS.index("cstart_left_wide"))).acceleration)
 
 
 def test_a_still_tail_has_no_beat():

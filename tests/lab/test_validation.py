@@ -64,16 +64,17 @@ def test_a_small_sea_is_measured(tmp_path, capsys, monkeypatch):
     assert "bare_sea" in page.read_text() and "out of bounds" in capsys.readouterr().out
 
 
-def some(**changed):
+def some(into=(97.0, 100.0), **changed):
     """Samples of a fish that swims as a fusilier should."""
     values = {
         "strouhal": 0.3, "frequency": 5.0, "amplitude": 0.2, "stride": 0.7, "speed": 2.0,
-        "hasty": 9.0, "radius": 0.2,
+        "hasty": 9.0, "radius": 0.2, "snout_over_tail": 0.15, "yaw": 4.0, "roll": 0.5,
+        "acceleration": 8.0,
     } | changed  # fmt: skip
     return Swimming(
         **{name: np.full(10, value) for name, value in values.items()},
         pitched=(1.0, 100.0), straight=(0.5, 100.0), idle=(0.0, 10.0), hovering=(0.0, 10.0),
-        longest_hover_s=0.0,
+        longest_hover_s=0.0, into=into,
     )  # fmt: skip
 
 
@@ -122,6 +123,10 @@ def test_a_sea_like_nature_passes():
     ("given", "failed"),
     [
         ({"swims": some(strouhal=0.6)}, {"Strouhal number"}),
+        ({"swims": some(snout_over_tail=0.7)}, {"snout over tail"}),
+        ({"swims": some(yaw=30.0, roll=7.0)}, {"yaw of the head", "roll, 90%"}),
+        ({"swims": some(into=(45.0, 100.0))}, {"bent into the turn"}),
+        ({"swims": some(acceleration=72.0)}, {"acceleration, 99%"}),
         ({"swims": some()._replace(straight=(5.0, 10.0))},
          {"change of heading in straight segments"}),
         ({"swims": some(radius=1.5)}, {"turning radius at low speed, tightest hundredth"}),
