@@ -2,6 +2,7 @@
 
 spine_swings.png: a beat of the ribbon eel's spine from above, for both swing functions and two
 rules of propagation (KS's movies B1 and B2).
+spine_factors.png: KS's common fish, with each of its four factors changed, and a beat of it.
 spine_beats.jpg: a rendered beat of each spine-driven species from two sides.
 """
 
@@ -11,12 +12,12 @@ import msgspec
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-from picture_files import BLUE, ORANGE, STYLE, output_folder, save, save_plot
+from picture_files import BLUE, GREY, ORANGE, STYLE, output_folder, save, save_plot
 from PIL import Image
 
 from subsea.base.system import resource_path
 from subsea.fish.species import load_species, shipped_species
-from subsea.fish.spine import MIDDLES, UNITS, pose_spine, swing_angles
+from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Swing, pose_spine, swing_angles
 from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS
@@ -42,6 +43,20 @@ LOOKS = (  # from where, in lengths of the fish that heads along x, and what is 
     ((0.0, 0.0, 3.4), (0.0, -1.0, 0.0)),
     ((2.4, 1.6, 1.2), (0.0, 0.0, 1.0)),
 )
+
+EVEN = ((0.0, 0.6), (1.0, 0.6))
+KS_FISH = Swing(
+    angle=34.0,
+    inflections=(0.02, 0.5, 0.98),
+    flexibility=((0.0, 0.2), (0.25, 0.25), (0.6, 0.6), (1.0, 1.3)),
+)
+"""KS's common fish: three inflection points, a stiff head and a soft tail (KS II)."""
+FACTORS: dict[str, dict[str, dict[str, Any]]] = {
+    "swing function": {"sinusoidal": {}, "linear": {"function": "linear"}},
+    "inflection points": {"far apart": {}, "close": {"inflections": (0.26, 0.5, 0.74)}},
+    "propagation": {"tailward": {}, "at once": {"propagation": "at once"}},
+    "stiffness": {"stiff head": {}, "even": {"flexibility": EVEN}},
+}
 
 
 def beats() -> Image.Image:
@@ -134,8 +149,70 @@ def swings() -> Any:
     return picture
 
 
+def posed(beat: Any, **change: Any) -> Any:
+    """Places (moments, points, 2) of the spine of KS's fish, with a factor changed."""
+    rules = load_species(SPECIES).spine
+    assert rules
+    turn = msgspec.structs.replace(rules.turn, sharp_beats=20)
+    plan = msgspec.structs.replace(
+        rules, swing=msgspec.structs.replace(KS_FISH, **change), turn=turn
+    )
+    return pose_spine(plan, beat, 1.0, np.zeros((len(beat), UNITS)), np.ones(UNITS)).place
+
+
+def factors() -> Any:
+    """Plot KS's four factors, a beat with either swing function, and how far each part swings."""
+    picture = Figure(figsize=(7.4, 9.6), layout="constrained")
+    top, strips, bottom = picture.subfigures(3, 1, height_ratios=(1.6, 1.1, 1.0))
+    for axes, (name, choices) in zip(top.subplots(2, 4).T, FACTORS.items(), strict=True):
+        for axis, (label, change) in zip(axes, choices.items(), strict=True):
+            half = posed(np.linspace(0.0, 0.5, 7), **change)
+            for k, place in enumerate(half):
+                axis.plot(-place[:, 1], place[:, 0], color=BLUE, alpha=0.2 + 0.8 * k / len(half))
+            axis.set_title(label if change else f"{name}:\n{label}", fontsize=9)
+            axis.axvline(0.0, color=GREY, linewidth=0.6, linestyle=":", zorder=0)
+            marks = 0.35 - np.array(change.get("inflections", KS_FISH.inflections))
+            axis.plot([0.0] * 3, marks, "_", color=ORANGE, markersize=14)
+            bare(axis, 0.16)
+    for row, (function, colour) in zip(strips.subplots(2, 8), COLOURS.items(), strict=True):
+        row[0].set_ylabel(function)
+        for k, (axis, place) in enumerate(
+            zip(row, posed(np.arange(8) / 8, function=function), strict=True)
+        ):
+            axis.plot(-place[:, 1], place[:, 0], color=colour)
+            axis.set_title("" if function == "linear" else f"{k}/8 beat", fontsize=8)
+            bare(axis, 0.22)
+    left, right = bottom.subplots(1, 2)
+    over = np.linspace(0.0, 2.0, 400)
+    for function, colour in COLOURS.items():
+        swing = msgspec.structs.replace(KS_FISH, function=function)
+        rate = np.gradient(np.degrees(swing_angles(swing, np.full(1, 0.8), over, 1.0)), over)
+        left.plot(over, rate, color=colour, label=function)
+    left.set(xlabel="beats", ylabel="turning of a unit at 0.8 L,\n° a beat",
+             title="the linear one ticks")  # fmt: skip
+    left.set_ylim(None, 1.45 * left.get_ylim()[1])
+    left.legend(loc="upper right", ncols=2)
+    beat = np.arange(40) / 40
+    for label, line in (("stiff head", "-"), ("even", "--")):
+        sway = np.abs(posed(beat, **FACTORS["stiffness"][label])[:, :, 1]).max(axis=0)
+        right.plot(JOINTS, sway, line, color=BLUE, label=label)
+    right.set(xlabel="behind the nose, L", ylabel="farthest to a side, L", ylim=(0, None),
+              title="how far each part swings")  # fmt: skip
+    right.legend()
+    apart = np.abs(posed(beat) - posed(beat, function="linear")).max()
+    print(f"sinusoidal and linear swing lie {apart:.3f} L apart at most")
+    return picture
+
+
+def bare(axis: Any, width: float) -> None:
+    """Leave a small plot of a spine without frame and ticks."""
+    axis.set(aspect="equal", xlim=(-width, width), ylim=(-0.7, 0.4), xticks=[], yticks=[])
+    axis.spines[:].set_visible(False)
+
+
 if __name__ == "__main__":
     folder = output_folder()
     save(beats(), folder / "spine_beats.jpg")
     with rc_context(STYLE):
         save_plot(swings(), folder / "spine_swings.png")
+        save_plot(factors(), folder / "spine_factors.png")

@@ -105,6 +105,7 @@ COMMANDS = {
         "export": ["clownfish", "--to=gltf", "--out=export"],
         "mesh": ["clownfish", "mesh.obj", "--out=mesh"],
         "validate": ["clownfish"],
+        "flat": ["--quick", "--only=body"],
     },
 }
 # Commands that work for a while, to be interrupted.
@@ -140,7 +141,7 @@ int flock(int file, int what) { errno = ENOLCK; return -1; }
 int lockf(int file, int what, long size) { errno = ENOLCK; return -1; }
 """
 TRAP = "executed"
-SLOW = {"record", "plot", "learn", "export", "sweep"}  # started with odd arguments only
+SLOW = {"record", "plot", "learn", "export", "sweep", "flat"}  # started with odd arguments only
 WITH_SETTINGS = "simulate", "simulate", "film", "benchmark", "soak"  # commands with --set
 OFTEN = {"simulate", "film", "study", "benchmark"}  # started three times as often
 UP = "\x1b[A "  # written between bars of progress

@@ -31,6 +31,7 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli import main as capture_cli
+from capture.flat import lessons
 from capture.inspection import gait as timing
 from subsea.base.command_line import parse_arguments
 from subsea.base.errors import UserError
@@ -119,6 +120,7 @@ SHORT = {
     "subsea sweep": "--jobs 1 --seeds 1",
     "subsea benchmark": "--frames 1",
     "subsea soak": "--minutes 0.01",
+    "subsea-capture flat": "--quick",
     "subsea-capture learn": "--budget 2 --only swim",
     "subsea-capture export": "--detail 3",
     "subsea export": "--start 0 --seconds 0.1 --detail 3 --with none --fish 4",
@@ -530,6 +532,7 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
         patch.setattr(timing, "STEPS", 4)
         patch.setattr(timing, "FRAMES", 40)
         patch.setattr(skinning, "ROUNDS", 1)
+        patch.setattr(lessons, "QUICK", lessons.Effort(1, 2, 1, 2, 1, 1, 1))
         made = Workshop(folder)
         made.run(shlex.split("subsea simulate --ticks 4 --out run.h5"), inline=False)
         few = {"swim_fast": known_repertoire.segments["swim_fast"]}
