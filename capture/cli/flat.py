@@ -20,7 +20,8 @@ def add(commands: Any) -> None:
         "teach the flat fish of Kobashi and Snavely to swim",
         "Simulates a fish in the plane, whose muscles learn to swim and to turn by annealing, and\n"
         "prints the numbers of each experiment. Takes five minutes, with --quick seconds. A\n"
-        "scaffold of your own has other points, edges and muscles. Plots need the extra `plot`.",
+        "scaffold of your own has other points, edges and muscles. Plots and films need the extra\n"
+        "`plot`.",
         [
             "subsea-capture flat --quick",
             "subsea-capture flat --only learning --only swims --plots plots --films films",

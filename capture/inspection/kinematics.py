@@ -12,11 +12,11 @@ from capture.inspection.top_view import above, lateral_offset, midline, path_dir
 from subsea.base.arrays import Array
 from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Floats, body_frame, to_world
 from subsea.biomechanics.fins import headings, rolling, snout_bend
+from subsea.biomechanics.manoeuvres import MOST_DONE
 from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
 
 BENT_DEG = 25.0  # bend of the body beyond that of a beat: from here on it counts
-MOST_DONE = 0.9  # share of its angle at which a turn counts as done
 FINER = 16  # times as many samples, by a Fourier series, for exact extremes
 
 

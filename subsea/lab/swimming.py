@@ -53,7 +53,7 @@ class Swimming(NamedTuple):
     hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
     radius: Array  # of turns at low speed
     roll: Array  # degrees to one side of its mean, the greatest in stretches of straight swims
-    acceleration: Array  # of the middle of the body but in escapes, the greatest in each stretch
+    acceleration: Array  # of the middle of the body but in C-starts, the greatest in each stretch
     into: Counts  # ticks bent into the turn, of those with a bent body in a turn
     pitched: Counts  # ticks steeper than PITCHED_DEG
     straight: Counts  # change of heading in straight segments, rad
