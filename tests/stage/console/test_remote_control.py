@@ -176,9 +176,14 @@ def test_the_last_refusal_is_in_state_health_and_terminal(boat, user, give, capf
     with pytest.raises(UserError):
         give(StartTour("nowhere"))
     board.refusals.add("OSC /subsea/x: unknown command 'x'")
-    user.glide(boat, 1.0)
-    for content in (board.state, board.health):
-        assert "unknown command 'x'" in msgspec.json.decode(content)["refusal"]["text"]
+
+    def told():  # the state is published by the clock of the wall, not by that of the dive
+        return all(
+            "unknown command 'x'" in msgspec.json.decode(content)["refusal"]["text"]
+            for content in (board.state, board.health)
+        )
+
+    user.until(boat, told)
     assert capfd.readouterr().err.count("the console refused OSC /subsea/x: unknown command") == 1
     user.glide(boat, 1.0)
     assert "refused" not in capfd.readouterr().err
