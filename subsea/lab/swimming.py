@@ -28,6 +28,11 @@ TURNING_DEG_S = 5.0  # slower changes of heading are recoil
 TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
 LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
 HOVER_SPEED = 0.2  # body lengths a second
+CENTRE = 0.2
+"""Share of the snout, and the rest of the origin of the body frame, in a point that recoils little.
+
+Its accelerations are 1 to 3 times those of the centre of mass, in swims and turns of all species.
+"""
 ROLL_S = 0.5  # stretch in which roll and acceleration are measured
 BENT_DEG = 30.0  # angle of the head to the line from the tail, beyond that of a beat
 BEND_S = 0.4  # over which a rate of turning is measured beside a bend
@@ -53,9 +58,9 @@ class Swimming(NamedTuple):
     hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
     radius: Array  # of turns at low speed
     roll: Array  # degrees to one side of its mean, the greatest in stretches of straight swims
-    acceleration: Array  # of the middle of the body but in C-starts, the greatest in each stretch
+    acceleration: Array  # near the centre of mass but in flights, the greatest in each stretch
     into: Counts  # ticks bent into the turn, of those with a bent body in a turn
-    pitched: Counts  # ticks steeper than PITCHED_DEG
+    pitched: Counts  # ticks steeper than PITCHED_DEG, of those that do not row
     straight: Counts  # change of heading in straight segments, rad
     idle: Counts  # stretches below the slowest stroke, without those that row
     hovering: Counts  # stretches slower than HOVER_SPEED
@@ -83,18 +88,18 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
     tail = record.tail[:, those].astype(np.float64) / length[:, None]
     swims = alive & _in_swims(record)[:, those]
-    nose = record.snout[:, those, :2].astype(np.float64) / length[:, None]
-    beat = _beats(Paths(tail[..., :2], place[..., :2], nose, course), swims, record.tick_s)
-    calm = alive & ~_in_escapes(record)[:, those]
+    nose = record.snout[:, those].astype(np.float64) / length[:, None]
+    paths = Paths(tail[..., :2], place[..., :2], nose[..., :2], course)
+    beat = _beats(paths, swims, record.tick_s)
+    centre = CENTRE * nose + (1.0 - CENTRE) * place
+    doing, predator = record.intention[:, those], record.kind[those] == PREDATOR
+    hurried = (doing == ESCAPE) | ((doing == EAT) & predator)
+    calm = alive & ~hurried & ~_in_escapes(record)[:, those]
+    rows = record.segment[:, those] == _code(record, "row_forward")
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
-    segment, doing = (
-        values[every // 2 :: every, those][: len(short)]
-        for values in (record.segment, record.intention)
-    )
-    strokes = short & (segment != _code(record, "row_forward"))
-    predator = record.kind[those] == PREDATOR
-    hasty = short & ((doing == ESCAPE) | ((doing == EAT) & predator))
+    strokes = short & ~rows[every // 2 :: every][: len(short)]
+    hasty = short & hurried[every // 2 :: every][: len(short)]
     hover = short & (speed < HOVER_SPEED)
     steep = np.abs(np.degrees(np.arcsin(np.clip(forward[..., 2], -1.0, 1.0)))) > PITCHED_DEG
     return Swimming(
@@ -103,9 +108,9 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
         hasty=speed[hasty],
         radius=_radii(place, course, alive, record.tick_s),
         roll=_rolls(record.orientation[:, those], swims, record.tick_s),
-        acceleration=_accelerations(0.5 * (place + tail), calm, record.tick_s),
+        acceleration=_accelerations(centre, calm, record.tick_s),
         into=_into(tail - place, forward, course, calm, record.tick_s),
-        pitched=(float((steep & alive).sum()), float(alive.sum())),
+        pitched=(float((steep & alive & ~rows).sum()), float((alive & ~rows).sum())),
         straight=_straight(record, course, alive, those),
         idle=(float((strokes & (speed < slowest)).sum()), float(strokes.sum())),
         hovering=(float(hover.sum()), float(short.sum())),
@@ -251,9 +256,9 @@ def _rolls(orientation: Array, alive: Bools, tick_s: float) -> Array:
     return _greatest(lambda part: 0.5 * np.ptp(part, axis=1), aside, alive, _ticks(ROLL_S, tick_s))
 
 
-def _accelerations(middle: Array, calm: Bools, tick_s: float) -> Array:
+def _accelerations(centre: Array, calm: Bools, tick_s: float) -> Array:
     """Measure the greatest acceleration (k,) in stretches of ROLL_S, body lengths a second²."""
-    pull = np.linalg.norm(np.diff(middle, 2, axis=0), axis=-1) / tick_s**2
+    pull = np.linalg.norm(np.diff(centre, 2, axis=0), axis=-1) / tick_s**2
     return _greatest(lambda part: part.max(axis=1), pull, calm[1:-1], _ticks(ROLL_S, tick_s))
 
 
