@@ -33,7 +33,7 @@ SPECIES = "fusilier"
 HERTZ = (1.0, 5.0)
 START = np.array([0.5, 0.3, 0.3, 0.3, 0.5, 0.5, 0.5, 0.3, 0.6])  # of the search, in the unit box
 SPREAD = 0.2
-SEED = 1
+SEED = 2
 
 
 class Effort(NamedTuple):
@@ -42,7 +42,7 @@ class Effort(NamedTuple):
     population: int = 32
     generations: int = 120
     start: int = 120  # not measured
-    measured: int = 120
+    measured: int = 400  # so long that a gait that bursts the body later is found
     checks: int = 16  # starts of the winner
     check_ticks: int = 600
 
@@ -105,7 +105,7 @@ def draw(history: Array, effort: Effort, recorded: float, path: Path) -> None:
     axis.plot(swims, history[:, 0], color=BLUE, label="best of a generation")
     axis.plot(swims, history[:, 1], color=SKY, label="median of a generation")
     axis.axhline(recorded, color=ORANGE, linestyle="--", label="recorded fast swim")
-    axis.set(xlabel="episodes of 8 s", ylabel="speed, L/s", xlim=(0, swims[-1]))
+    axis.set(xlabel="episodes of 17 s", ylabel="speed, L/s", xlim=(0, swims[-1]))
     axis.set_ylim(bottom=min(0.0, float(history[:, 1].min())))
     axis.legend(loc="lower right")
     save_plot(figure, path)
@@ -153,7 +153,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(
         f"learned in {took:.0f} s, {own:.0f} s of processor time, {history.size // 2} generations"
     )
-    print(f"policy: {low + point[0] * (high - low):.2f} Hz, {np.round(point, 2).tolist()}")
+    print(f"policy: {low + point[0] * (high - low):.2f} Hz, {np.round(point, 3).tolist()}")
     print(f"speed over {half * TICK_S:.0f} s, {effort.checks} starts: "
           f"{speeds.min():.3f} to {speeds.max():.3f} L/s")  # fmt: skip
     print(f"recorded fast swim: {recorded:.3f} L/s; ratio {np.median(speeds) / recorded:.2f}")

@@ -144,7 +144,7 @@ def certificate(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def known_turns() -> Iterator[None]:
-    """Recordings of shipped fishes do not search again for the couples of their turns.
+    """Recordings of shipped fishes do not search again for the bends of their turns.
 
     Nor for transitions that they found before.
     """

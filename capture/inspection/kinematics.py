@@ -10,13 +10,12 @@ import numpy as np
 from capture.inspection.simulated import replay
 from capture.inspection.top_view import above, lateral_offset, midline, path_direction
 from subsea.base.arrays import Array
-from subsea.biomechanics.body import LOWER_TAIL, UPPER_TAIL, Floats, body_frame, to_world
+from subsea.biomechanics.body import Floats, body_frame, to_world
 from subsea.biomechanics.fins import headings, rolling, snout_bend
-from subsea.biomechanics.manoeuvres import MOST_DONE
+from subsea.biomechanics.manoeuvres import BENT_DEG, MOST_DONE, body_bend, ticks_to
 from subsea.fish.surface import V
 from subsea.repertoire import Repertoire, Segment
 
-BENT_DEG = 25.0  # bend of the body beyond that of a beat: from here on it counts
 FINER = 16  # times as many samples, by a Fourier series, for exact extremes
 
 
@@ -120,21 +119,6 @@ def posture(segment: Segment, wave: BodyWave) -> Posture:
         snout=snout_bend(frames),
         roll=rolling(frames),
     )
-
-
-def body_bend(frames: Floats) -> Floats:
-    """Angle (T,) of the fore-body to the left of the rear, degrees, for nodes (T, 23, 3).
-
-    The fore-body leads from the third ring to the nose, the rear from the tail to that ring.
-    """
-    middle = frames[:, 9:13].mean(axis=1)
-    fore, rear = frames[:, 0] - middle, middle - frames[:, [UPPER_TAIL, LOWER_TAIL]].mean(axis=1)
-    return np.asarray(np.degrees(np.angle(above(fore) / above(rear))))
-
-
-def ticks_to(heading: Floats, angle: float) -> int:
-    """Ticks until the heading has changed by an angle, degrees; all of them if it never does."""
-    return int(np.searchsorted(np.maximum.accumulate(heading), angle))
 
 
 class Turning(NamedTuple):

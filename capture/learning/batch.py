@@ -213,7 +213,7 @@ def report(name: str, learned: Learned) -> Iterator[str]:
         cells = f"{ticks:>12}{swim.amplitude(grade):>12.3f}"
         yield f"  {grade:<22}{cells}" + "".join(f"{value:>12.3f}" for value in values)
     yield f"  turns: {', '.join(f'{row.angle:g}°' for row in turn.steering)}, sharp {turn.sharp:g}°"
-    missed = missed_aims(waves["fast"])
+    missed = missed_aims(waves)
     if missed:
         yield f"  fast misses: {'; '.join(missed)}"
     for words in complaints(try_motion(learned.muscles)):

@@ -8,63 +8,79 @@ import msgspec
 import numpy as np
 
 from capture.learning.swim import LAGS, max_contractions
-from subsea.biomechanics.body import Floats, build_body
+from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, SwimPlan
 from subsea.biomechanics.solver import STEP, longest_step
 from subsea.fish.surface import SurfacePlan, along
 
-TICKS, FIRST_TICKS = (12, 20), 17  # of a fast beat: range of the search, and its start
-BURST_TICKS, MEDIUM_TICKS, SLOW_TICKS = 0.8, 1.45, 2.25  # over those of fast
-STIFFNESS, VISCOSITY = (20.0, 800.0), (0.03, 3.0)
-MASS_FACTOR = 4.0  # of a station's share in the mass, up or down
+TICKS = {"fast": (12, 20), "medium": (20, 32), "slow": (26, 40), "burst": (10, 17)}
+"""Range of the ticks of a beat in the search, for each grade."""
+FIRST_TICKS = {"fast": 17, "medium": 26, "slow": 35, "burst": 14}  # where it starts
+STIFFNESS, VISCOSITY = (20.0, 800.0), (0.1, 3.0)
+MASS_FACTOR = 2.0  # of a station's mass over that of the drawn fish around it, up or down
 MASS = (0.8, 1.2)  # g for each cm³ of the drawn fish, times DENSITY
 DENSITY = 1.05  # g/cm³
-WIDTH = (0.75, 1.25)  # factor of the half-widths, which are the muscles' levers
+WIDTH = (0.75, 1.5)  # factor of the half-widths, which are the muscles' levers
 MARGIN = 1.15  # of the longest stable step over the step
-SWIM_SIZE, BODY_SIZE = 4, 12
+SKIN_DRAG = (0.012, 0.032)  # coefficient of friction, with which the Strouhal number rises
+GAIT_SIZE, BODY_SIZE = 4, 13
 """Coordinates of a gait, and of a body, which follow it."""
 
 
-def outline_volume(surface: SurfacePlan, length: float) -> float:
-    """Volume of the drawn body, cm³: elliptic sections, without dorsal and ventral fins."""
-    at = np.linspace(0.0, 1.0, 201)
+def outline_volumes(surface: SurfacePlan, plan: BodyPlan) -> Floats:
+    """Volumes (7,) of the drawn body nearest to each station, cm³.
+
+    Its sections are elliptic, without dorsal and ventral fins.
+    """
+    at = (np.arange(400) + 0.5) / 400
     height = along(surface.back, at) - along(surface.belly, at)
     area = np.pi / 2 * height * np.maximum(along(surface.width, at), 0.0)
-    return float((area[1:] + area[:-1]).sum() / 2 * (at[1] - at[0]) * length**3)
+    stations = np.array(plan.stations) / plan.length
+    nearest = np.abs(at[:, None] - stations).argmin(axis=1)
+    slices = area * plan.length**3 / len(at)
+    return np.asarray(np.bincount(nearest, slices, len(stations)), np.float64)
 
 
-def species_point(plan: BodyPlan, swim: SwimPlan, volume: float, firm: bool = False) -> Floats:
+def species_point(plan: BodyPlan, swim: SwimPlan, volumes: Floats, firm: bool = False) -> Floats:
     """The point of a species in the unit box, clipped to it: where a search may begin.
 
-    A ``firm`` one has at least a stiffness that carries the mass of the water, and beats at
-    FIRST_TICKS.
+    The gait is that of grade fast. A ``firm`` one has at least a stiffness that carries the mass of
+    the water, and beats at the FIRST_TICKS.
     """
-    fewest, most = TICKS
-    low, high = LAGS
-    ticks = FIRST_TICKS if firm else swim.ticks_per_beat
     least = 0.5 if firm else 0.0
-    contraction = np.array(swim.contraction) / max_contractions(
-        build_body(plan), _burst_ticks(ticks)
-    )
+    factors = np.array(plan.masses) * NODES_AT_STATION / plan.mass * volumes.sum()
+    factors = np.log(factors / np.maximum(volumes, 1e-9)) / np.log(MASS_FACTOR)
     values = [
-        *contraction,
-        (swim.lag - low) / (high - low),
-        (ticks + 0.5 - fewest) / (most + 1 - fewest),
+        *gait_point(build_body(plan), swim, "fast", FIRST_TICKS["fast"] if firm else None),
         *(max(_share(k, STIFFNESS), least) for k in _stiffness(plan)),
         _share(plan.viscosity, VISCOSITY),
-        (plan.mass / (DENSITY * volume) - MASS[0]) / (MASS[1] - MASS[0]),
-        *np.full(len(plan.masses) - 1, 0.5),
+        (plan.mass / (DENSITY * volumes.sum()) - MASS[0]) / (MASS[1] - MASS[0]),
+        *(0.5 * (1.0 + factors[1:])),
         (1.0 - WIDTH[0]) / (WIDTH[1] - WIDTH[0]),
+        (plan.skin_drag - SKIN_DRAG[0]) / (SKIN_DRAG[1] - SKIN_DRAG[0]),
     ]
     return np.clip(values, 0.0, 1.0)
 
 
-def body_at(base: BodyPlan, point: Floats, volume: float) -> BodyPlan:
-    """The body at a point (BODY_SIZE,) of the unit box; ``volume`` is that of the drawn fish."""
+def gait_point(body: Body, swim: SwimPlan, grade: str, ticks: int | None = None) -> Floats:
+    """The point (GAIT_SIZE,) of a grade in the unit box, clipped to it, of a beat of ``ticks``."""
+    (low, high), (fewest, most), gait = LAGS, TICKS[grade], swim.at(grade)
+    ticks = ticks or gait.ticks_per_beat
+    contraction = swim.amplitude(grade) * np.array(gait.contraction)
+    values = [
+        *contraction / max_contractions(body, ticks),
+        (gait.lag - low) / (high - low),
+        (ticks + 0.5 - fewest) / (most + 1 - fewest),
+    ]
+    return np.clip(values, 0.0, 1.0)
+
+
+def body_at(base: BodyPlan, point: Floats, volumes: Floats) -> BodyPlan:
+    """The body at a point (BODY_SIZE,) of the unit box; ``volumes`` are those of the drawn fish."""
     cross, muscle, other = (_between(share, STIFFNESS) for share in point[:3])
     factors = MASS_FACTOR ** (2.0 * np.asarray(point[5:11]) - 1.0)
-    weights = np.array(base.masses) * [factors[0], *factors]
-    total = DENSITY * volume * (MASS[0] + float(point[4]) * (MASS[1] - MASS[0]))
+    weights = volumes / NODES_AT_STATION * [factors[0], *factors]
+    total = DENSITY * volumes.sum() * (MASS[0] + float(point[4]) * (MASS[1] - MASS[0]))
     width = WIDTH[0] + float(point[11]) * (WIDTH[1] - WIDTH[0])
     widths = tuple(_rounded(width * w) for w in base.half_widths)
     shaped = msgspec.structs.replace(base, half_widths=widths, masses=tuple(base.masses))
@@ -78,6 +94,7 @@ def body_at(base: BodyPlan, point: Floats, volume: float) -> BodyPlan:
         muscle_stiffness=_rounded(muscle),
         other_stiffness=_rounded(other),
         viscosity=_rounded(_between(point[3], VISCOSITY)),
+        skin_drag=_rounded(SKIN_DRAG[0] + float(point[12]) * (SKIN_DRAG[1] - SKIN_DRAG[0])),
     )
     return bearable(plan)
 
@@ -99,32 +116,18 @@ def bearable(plan: BodyPlan) -> BodyPlan:
     return plan
 
 
-def gait_at(plan: BodyPlan, base: SwimPlan, point: Floats) -> SwimPlan:
-    """The gait at a point (SWIM_SIZE,): both contractions, lag and ticks of fast, all grades.
-
-    The burst has the contractions of fast, so that they are within what a muscle can do then.
-    """
-    fewest, most = TICKS
-    low, high = LAGS
+def gait_at(body: Body, base: SwimPlan, grade: str, point: Floats | tuple[float, ...]) -> SwimPlan:
+    """The plan with the gait of a grade at a point (GAIT_SIZE,): contractions, lag and ticks."""
+    (low, high), (fewest, most) = LAGS, TICKS[grade]
     ticks = min(int(fewest + point[3] * (most + 1 - fewest)), most)
-    greatest = max_contractions(build_body(plan), _burst_ticks(ticks))
-    front, back = np.floor(1000 * np.array(point[:2]) * greatest) / 1000
-    return msgspec.structs.replace(
-        base,
-        ticks_per_beat=ticks,
-        contraction=(float(front), float(back)),
-        lag=round(float(low + point[2] * (high - low)), 3),
-        slow=0.8,
-        medium=0.9,
-        burst=1.0,
-        slow_ticks=round(SLOW_TICKS * ticks),
-        medium_ticks=round(MEDIUM_TICKS * ticks),
-        burst_ticks=_burst_ticks(ticks),
-    )
-
-
-def _burst_ticks(ticks: int) -> int:
-    return round(BURST_TICKS * ticks)
+    # Rounded down, so that the beat keeps S_MAX.
+    front, back = np.floor(1000 * np.array(point[:2]) * max_contractions(body, ticks)) / 1000
+    contraction, lag = (float(front), float(back)), round(float(low + point[2] * (high - low)), 3)
+    if grade == "fast":
+        return msgspec.structs.replace(base, ticks_per_beat=ticks, contraction=contraction, lag=lag)
+    own = {"ticks": ticks, "contraction": contraction, "lag": lag}
+    named = {f"{grade}_{key}": value for key, value in own.items()}
+    return msgspec.structs.replace(base, **named, **{grade: 1.0})
 
 
 def _stiffness(plan: BodyPlan) -> tuple[float, float, float]:

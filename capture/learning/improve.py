@@ -59,7 +59,8 @@ def _write(source: Path, target: Path, plans: dict[str, BodyPlan | SwimPlan | Tu
         # Keys that the file omits and the plan has at their default stay omitted.
         defaults = {one.name: one.default for one in msgspec.structs.fields(plan)}
         kept = {key: value for key, value in new.items() if key in old or value != defaults[key]}
-        text = edit_toml(text, old, old | kept, (name,), source)
+        left = {key: value for key, value in old.items() if key in new}
+        text = edit_toml(text, old, left | kept, (name,), source)
     with replacing(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
         written = load_toml(temporary, Species)

@@ -8,7 +8,6 @@ Fit the amplitudes of the grades, so that the tail beats about as far at each of
 
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 
 from capture.inspection.gait import muscle_work, swim_beats
@@ -23,52 +22,76 @@ from capture.learning.fitness import (
     start_swimming,
 )
 from subsea.base.errors import UserError
-from subsea.biomechanics.body import LOWER_TAIL, RINGS, UPPER_TAIL, Body, Floats, body_frame
-from subsea.biomechanics.body_plan import MAX_CONTRACTION, SwimPlan
+from subsea.biomechanics.body import (
+    LOWER_TAIL,
+    MUSCLE_LEFT,
+    RINGS,
+    UPPER_TAIL,
+    Body,
+    Floats,
+    body_frame,
+)
+from subsea.biomechanics.body_plan import SwimPlan
 from subsea.biomechanics.controllers import LEFT, S_MAX, bend_contraction, ease
 from subsea.biomechanics.fins import (
     MIN_DISTANCE,
     UP,
     contraction_step,
     headings,
+    rolling,
     snout_bend,
     straightness,
 )
-from subsea.biomechanics.simulation import BodyState, copy_state, is_sound, simulate
+from subsea.biomechanics.simulation import BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.biomechanics.trial import beat_contraction, displacement, loop_error
 
 STATIONS = [[0], *([1 + 4 * k, 2 + 4 * k, 3 + 4 * k, 4 + 4 * k] for k in range(RINGS))]
 STATIONS.append([UPPER_TAIL, LOWER_TAIL])
 BEHIND = 0.4  # L from the snout: from here on the amplitude of a fish's wave grows
-WARM_UP, MEASURED = 30, 5  # beats of a candidate at each grade
-TRIED, HALF = ("burst", "slow"), 0.5
-"""Grades of a candidate besides fast, those that differ most from it, and an amplitude of fast."""
-RATIOS = (at_least(1.15), at_most(0.5), at_most(0.7))  # of their speeds over that of fast
-POOR, OTHERS_MOST = 15.0, 10.0
-"""Loss of a fast gait whose other grades are not tried, and the greatest of another grade."""
+WARM_UP, MEASURED = 40, 5  # beats of a candidate at each grade
+POOR = 20.0  # loss of a fast gait that is far from a fish's
 
 # Aims lie within the published ranges, because what is recorded differs a little from a trial.
-LIMITS = {
-    "strouhal": Range(0.26, 0.35),  # Taylor et al. 2003; Eloy 2012
-    "stride": Range(0.62, 0.78),
-    "tail": Range(0.18, 0.22),  # Bainbridge 1958
-    "envelope": at_most(0.019),
-    "growth": at_least(1.1),
+EVERY = {
+    "snout_over_tail": Range(0.09, 0.22),
+    "wavelength": Range(0.9, 1.2),
+    "yaw": at_most(8.0),
+    "roll": at_most(1.7),
+    "snout": at_most(4.0),
+    "growth": at_least(1.0),
     "bend": at_most(25.0),  # that of the envelope at a wavelength of 0.95 L and joints 0.15 L apart
-    "wavelength": Range(0.9, 1.08),
-    "snout": at_most(5.0),
     "contraction_step": at_most(S_MAX),
     "closure": at_most(1e-3),
+    "settled": at_least(5.0),
     "drift": at_most(1.0),
     "aside": at_most(0.02),
 }
+LIMITS = {  # Taylor et al. 2003; Eloy 2012; Bainbridge 1958: slower fishes beat less wide
+    "fast": EVERY
+    | {
+        "strouhal": Range(0.26, 0.35),
+        "stride": Range(0.6, 0.78),
+        "tail": Range(0.17, 0.22),
+        "envelope": at_most(0.019),
+        "growth": at_least(1.1),
+        "wavelength": Range(0.9, 1.08),
+    },
+    "medium": EVERY
+    | {"strouhal": Range(0.25, 0.36), "stride": Range(0.45, 0.66), "tail": Range(0.14, 0.19)},
+    "slow": EVERY
+    | {"strouhal": Range(0.25, 0.37), "stride": Range(0.35, 0.56), "tail": Range(0.1, 0.16)},
+    "burst": EVERY | {"strouhal": Range(0.22, 0.4), "tail": Range(0.12, 0.23)},
+}
+RATIOS = {"medium": Range(0.62, 0.72), "slow": Range(0.38, 0.52), "burst": at_least(1.12)}
+"""Speeds over that of fast."""
+TURN = at_least(20.0)  # degrees, of a body that bends by BEND from rest and straightens
+BEND, BEND_TICKS = 0.35, (10.0, 4.0, 12.0, 14.0)  # contraction; ticks to bend, hold, release, rest
 RADIUS = at_most(1.0)  # L, of the circle of a body bent by PROBE
 PROBE, PROBE_TICKS, PROBE_BEATS = (0.3, 0.3), 10, 4  # contraction, ticks to it, and beats
-SLOWEST = at_least(0.2)  # stride of any grade
 HARD = {"strouhal": Range(0.22, 0.42), "tail": Range(0.15, 0.25), "stride": at_least(0.45)}
-ENVELOPE_WEIGHT = 20.0  # of the mean deviation in L
-ECONOMY, HASTE = 0.05, 0.5  # of ln(cost), and of -ln(speed)
+ENVELOPE_WEIGHT = 20.0  # of the mean deviation in L, of fast
+ECONOMY, HASTE = 0.05, 0.5  # of ln(cost), and of -ln(speed), of fast
 
 
 class Wave(NamedTuple):
@@ -82,9 +105,13 @@ class Wave(NamedTuple):
     growth: float  # least ratio of the half amplitudes of neighbouring stations behind BEHIND
     bend: float  # degrees, greatest angle between neighbouring sections behind BEHIND
     wavelength: float  # L
-    snout: float  # degrees
+    snout: float  # degrees, bend of the snout alone
+    snout_over_tail: float  # ratio of their amplitudes
+    yaw: float  # degrees, peak to peak, of the head
+    roll: float  # degrees, to one side
     contraction_step: float  # cm a step
     closure: float  # L
+    settled: float  # -log10 of closure / L, which grows beat by beat where a gait is stable
     drift: float  # degrees of heading over the measured beats
     aside: float  # L meanwhile
     cost: float  # J/(kg m)
@@ -115,8 +142,12 @@ def measure_wave(body: Body, swim: SwimPlan, amplitude: float, state: BodyState)
         bend=rear_bend(last, at),
         wavelength=wavelength(across, at),
         snout=snout_bend(last),
+        snout_over_tail=half[0] / max(half[-1], 1e-6),
+        yaw=float(np.ptp(headings(last))),
+        roll=rolling(last),
         contraction_step=contraction_step(body, beat),
         closure=loop_error(last) / length,
+        settled=-float(np.log10(max(loop_error(last) / length, 1e-12))),
         drift=drift,
         aside=aside / length,
         cost=work / (float(body.mass.sum()) * abs(way)),
@@ -153,38 +184,57 @@ def wavelength(across: Floats, at: Floats) -> float:
     return 2 * np.pi / -slope if slope < 0 else np.inf
 
 
-def wave_loss(body: Body, swim: SwimPlan, seed: int) -> float:
-    """Penalties of the gait at fast, and at the other grades, which must be sound and straight.
+def wave_loss(
+    body: Body, swim: SwimPlan, grade: str, seed: int, fast: float | None = None
+) -> float:
+    """Penalties of the gait of a grade, also for its speed over that of grade fast.
 
-    ``seed`` disturbs the start. A body that loses its shape has UNSOUND or more. Gaits beyond
-    POOR are not tried at other grades and pay what these can cost.
+    ``fast`` is that speed in L a tick, None at grade fast itself. ``seed`` disturbs the start. A
+    body that loses its shape has UNSOUND or more.
     """
-    rng = np.random.default_rng(seed)
-    others = [(swim.at(grade), swim.amplitude(grade)) for grade in TRIED]
-    trials = [(swim, 1.0), *others, (swim, HALF)]
-    loss, speed = 0.0, 0.0
-    for number, (gear, amplitude) in enumerate(trials):
-        wave, state, survived = swim_and_measure(body, gear, amplitude, DISTURBANCE, rng)
-        if wave is None:
-            return UNSOUND + len(trials) - number - survived
-        if number == 0:
-            speed = wave.stride / swim.ticks_per_beat
-            loss = _fast_loss(wave) - HASTE * float(np.log(max(speed, 1e-4)))
-            if loss > POOR:
-                return min(loss + OTHERS_MOST * (len(trials) - 1), UNSOUND - 1.0)
-        else:
-            ratio = wave.stride / gear.ticks_per_beat / max(speed, 1e-6)
-            loss += _other_loss(wave, ratio, RATIOS[number - 1])
-    loss += PENALTY * excess(turning_radius(body, swim, state), RADIUS)
-    return min(loss, UNSOUND - 1.0)
+    gait, rng = swim.at(grade), np.random.default_rng(seed)
+    wave, state, survived = swim_and_measure(body, gait, 1.0, DISTURBANCE, rng)
+    if wave is None:
+        return UNSOUND + 1.0 - survived
+    missed = _missed(wave, LIMITS[grade])
+    speed = wave.stride / gait.ticks_per_beat
+    if fast is not None:
+        loss = PENALTY * (missed + 2 * excess(speed / fast, RATIOS[grade]))
+        if grade == "medium":
+            loss += PENALTY * excess(turning_radius(body, gait, state), RADIUS)
+    else:
+        missed += 2 * _missed(wave, HARD) + 4.0 * (wave.stride < 0)
+        missed += excess(bent_turn(body), TURN)
+        loss = PENALTY * missed + ENVELOPE_WEIGHT * wave.deviation
+        loss += ECONOMY * float(np.log(np.clip(wave.cost, 1e-3, 1e3)))
+        loss -= HASTE * float(np.log(max(speed, 1e-4)))
+    return float(min(loss, UNSOUND - 1.0))
+
+
+def _missed(wave: Wave, limits: dict[str, Range]) -> float:
+    return sum(excess(getattr(wave, name), limit) for name, limit in limits.items())
+
+
+def bent_turn(body: Body) -> float:
+    """Degrees by which a body at rest turns that bends to one side and straightens again.
+
+    NaN where it loses its shape.
+    """
+    bend, hold, release, _ = BEND_TICKS
+    at = np.arange(int(sum(BEND_TICKS)) * STEPS_PER_TICK) / STEPS_PER_TICK
+    share = ease(at / bend) - ease((at - bend - hold) / release)
+    state = at_rest(body)
+    frames = simulate(body, state, BEND * np.outer(share, MUSCLE_LEFT > 0))
+    heading = headings(frames)
+    return float(heading[-1] - heading[0]) if is_sound(state) else np.nan
 
 
 def turning_radius(body: Body, swim: SwimPlan, state: BodyState) -> float:
-    """Radius in L of the circle of a body that is held bent by PROBE and beats at HALF.
+    """Radius in L of the circle of a body that is held bent by PROBE and beats on.
 
     NaN where it loses its shape. ``state`` of a body that swims so, at phase 0, changes.
     """
-    beat = beat_contraction(swim, HALF)
+    beat = beat_contraction(swim, 1.0)
     steps = np.arange(PROBE_BEATS * len(beat))
     bend = bend_contraction(PROBE, LEFT, ease(steps / (PROBE_TICKS * STEPS_PER_TICK)))
     frames = simulate(body, state, np.tile(beat, (PROBE_BEATS, 1)) + bend)
@@ -207,66 +257,21 @@ def swim_and_measure(
     state = start_swimming(body, beat, rms, rng)
     beats = WARM_UP - 1
     survived = beats_survived(body, state, beat, beats) if is_sound(state) else 0
-    if survived < beats:
-        return None, state, survived / (beats + MEASURED)
-    wave = measure_wave(body, swim, amplitude, state)
-    if not is_sound(state):
-        return None, state, beats / (beats + MEASURED)
-    return wave, state, 1.0
+    if survived == beats:
+        wave = measure_wave(body, swim, amplitude, state)
+        if is_sound(state):
+            return wave, state, 1.0
+    return None, state, survived / (beats + MEASURED)
 
 
-def _fast_loss(wave: Wave) -> float:
-    off = [excess(getattr(wave, name), limit) for name, limit in LIMITS.items()]
-    hard = [excess(getattr(wave, name), limit) for name, limit in HARD.items()]
-    if wave.stride < 0:
-        hard.append(2.0)
-    loss = PENALTY * (sum(off) + 2 * sum(hard)) + ENVELOPE_WEIGHT * wave.deviation
-    return float(loss + ECONOMY * np.log(np.clip(wave.cost, 1e-3, 1e3)))
-
-
-def _other_loss(wave: Wave, ratio: float, limit: Range) -> float:
-    """Penalties of another grade: it swims straight, in a closed loop and at another speed.
-
-    ``ratio`` is its speed over that of fast, with its ``limit``.
-    """
-    steady = {name: LIMITS[name] for name in ("drift", "aside", "closure", "snout")}
-    loss = sum(excess(getattr(wave, name), limit) for name, limit in steady.items())
-    loss += excess(wave.stride, SLOWEST) + excess(ratio, limit)
-    return float(min(PENALTY / 2 * loss, OTHERS_MOST))
-
-
-def missed_aims(wave: Wave) -> list[str]:
-    """The aims that a gait misses, as text."""
+def missed_aims(waves: dict[str, Wave]) -> list[str]:
+    """The aims that the gaits of the grades miss, as text."""
     return [
-        f"{name} {getattr(wave, name):.3g} (aim {limit.text('')})"
-        for name, limit in LIMITS.items()
+        f"{grade}: {name} {getattr(wave, name):.3g} (aim {limit.text('')})"
+        for grade, wave in waves.items()
+        for name, limit in LIMITS[grade].items()
         if not limit.holds(getattr(wave, name))
     ]
-
-
-TAIL = {"slow": 0.8, "medium": 0.9, "burst": 1.0}  # amplitude of the tail over that at fast
-ROUNDS, NEAR = 5, 0.02  # of the fit, and share by which a grade may miss its amplitude
-
-
-def with_amplitudes(body: Body, swim: SwimPlan) -> SwimPlan:
-    """The plan with amplitudes that move the tail as TAIL says, within what muscles can do.
-
-    UserError where the body loses its shape.
-    """
-    aim = _wave(body, swim, "fast").tail
-    found = {}
-    for grade in (grade for grade in swim.grades if grade != "fast"):
-        most = _greatest(body, swim, grade)
-        amplitude = min(swim.amplitude(grade), most)
-        for _ in range(ROUNDS):
-            gear = msgspec.structs.replace(swim, **{grade: amplitude})
-            ratio = TAIL[grade] * aim / _wave(body, gear, grade).tail
-            better = round(min(most, amplitude * float(np.clip(ratio, 0.5, 2.0))), 3)
-            if abs(ratio - 1.0) <= NEAR or better == amplitude:
-                break
-            amplitude = better
-        found[grade] = amplitude
-    return msgspec.structs.replace(swim, **found)
 
 
 def grade_waves(body: Body, swim: SwimPlan) -> dict[str, Wave]:
@@ -281,11 +286,3 @@ def _wave(body: Body, swim: SwimPlan, grade: str) -> Wave:
     if wave is None:
         raise UserError(f"it loses its shape at grade {grade}")
     return wave
-
-
-def _greatest(body: Body, swim: SwimPlan, grade: str) -> float:
-    """The greatest amplitude of a grade: by speed and share of contraction, and that of fast."""
-    step = contraction_step(body, beat_contraction(swim.at(grade), 1.0))
-    share = MAX_CONTRACTION / max(*swim.contraction, 1e-3)
-    most = min(S_MAX / max(step, 1e-6), share, 1.0)
-    return float(np.floor(1000 * most) / 1000)

@@ -1,9 +1,9 @@
 """Learn a species' body and gaits against those of real fishes, then its turns.
 
 One search finds material, distribution of mass and the fast gait together (body_space.py,
-lifelike.py). Amplitudes of the other grades follow from measured tail amplitudes (grades.py), the
-gradual turn from measured headings (turn.py). Candidates are verified, best first: the first that
-closes its beats at all grades, burst included, is taken, else the first without a burst.
+lifelike.py). On the best bodies a search for each other grade finds its gait. The gradual turn
+follows from measured headings (turn.py). Of the candidates that pass the verification the one with
+the least loss of all grades is taken.
 """
 
 from itertools import islice
@@ -15,15 +15,17 @@ import numpy as np
 
 from capture.learning.body_space import (
     BODY_SIZE,
-    SWIM_SIZE,
+    FIRST_TICKS,
+    GAIT_SIZE,
     body_at,
     gait_at,
-    outline_volume,
+    gait_point,
+    outline_volumes,
     species_point,
 )
 from capture.learning.fitness import disturbed_faults
 from capture.learning.journal import Journal
-from capture.learning.lifelike import HALF, POOR, grade_waves, wave_loss, with_amplitudes
+from capture.learning.lifelike import POOR, grade_waves, wave_loss
 from capture.learning.search import SPREAD, distinct, search
 from capture.learning.turn import with_gradual
 from capture.recording.fingerprint import fingerprint
@@ -35,7 +37,10 @@ from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
 LEAST_RATIO = 1.05  # of the speeds of neighbouring grades
-MAX_VERIFIED = 24  # most candidates that are verified: few of the best close their beat and burst
+MAX_TRIED, MAX_SEARCHED = 40, 10  # most candidates, and most whose other grades are searched ...
+ENOUGH_SEARCHED = 3  # ... as long as none passes the verification
+GRADE_BUDGET = 250  # evaluations of a search for the gait of a grade
+GRADE_SEARCHES, GOOD = 3, 1.0  # most searches, and the loss of a gait for which no more are needed
 NEARBY = 0.07  # first steps of a search that begins at a sound gait
 
 
@@ -74,22 +79,21 @@ def learn_whole(task: LearningTask) -> Learned:
 def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | None:
     muscles = task.species.muscles
     assert muscles
-    volume = outline_volume(task.species.surface, muscles.body.length)
-    size = SWIM_SIZE + BODY_SIZE if task.body else SWIM_SIZE
+    volumes = outline_volumes(task.species.surface, muscles.body)
+    size = GAIT_SIZE + BODY_SIZE if task.body else GAIT_SIZE
+    plain = _without_grades(muscles.swim)
 
     def at(point: Floats | tuple[float, ...]) -> tuple[BodyPlan, SwimPlan]:
         place = np.asarray(point)
-        plan = muscles.body
-        if task.body:
-            plan = body_at(plan, place[SWIM_SIZE:], volume)
-        return plan, gait_at(plan, muscles.swim, place[:SWIM_SIZE])
+        plan = body_at(muscles.body, place[GAIT_SIZE:], volumes) if task.body else muscles.body
+        return plan, gait_at(build_body(plan), plain, "fast", place)
 
     def loss(point: Floats) -> float:
         plan, swim = at(point)
-        return wave_loss(build_body(plan), swim, task.seed)
+        return wave_loss(build_body(plan), swim, "fast", task.seed)
 
     own, firm = (
-        species_point(muscles.body, muscles.swim, volume, firm)[:size] for firm in (False, True)
+        species_point(muscles.body, muscles.swim, volumes, firm)[:size] for firm in (False, True)
     )
     remembered = journal.remembered(loss)
     first = remembered(own)
@@ -100,28 +104,85 @@ def _learn(task: LearningTask, journal: Journal, notes: list[str]) -> Muscles | 
         return first if known and np.array_equal(point, own) else remembered(point)
 
     tried = search(again, start, "cma", budget, task.seed, spread=spread)
-    kept = None
-    for one in islice(distinct(tried), MAX_VERIFIED):
-        found = _verified(task, at(one.point), kept is not None, notes)
-        if found and found.swim.burst is not None:
-            return found
-        kept = kept or found
-    return kept
+    best, least, searched = None, np.inf, 0
+    for candidate in islice(distinct(tried), MAX_TRIED):
+        plan, swim = at(candidate.point)
+        swim, others = _with_grades(build_body(plan), swim, task.seed, journal)
+        searched += np.isfinite(others)
+        if searched > (ENOUGH_SEARCHED if best else MAX_SEARCHED):
+            break
+        if candidate.loss + others >= least:
+            continue
+        if learned := _verified(task, plan, swim, notes):
+            best, least = learned, candidate.loss + others
+    return best
+
+
+def _without_grades(swim: SwimPlan) -> SwimPlan:
+    """A plan of its fast gait alone, which the other grades begin with."""
+    return SwimPlan(
+        ticks_per_beat=swim.ticks_per_beat,
+        contraction=swim.contraction,
+        lag=swim.lag,
+        slow=0.8,
+        medium=0.9,
+        burst=1.0,
+        burst_contraction=swim.contraction,
+    )
+
+
+def _with_grades(body: Body, swim: SwimPlan, seed: int, journal: Journal) -> tuple[SwimPlan, float]:
+    """Search the gait of each other grade on a given body; return the plan and their losses."""
+    try:
+        fast, total = _speed(body, swim, "fast") / float(np.ptp(body.rest[:, 0])), 0.0
+    except UserError:
+        return swim, np.inf
+    for grade, ticks in FIRST_TICKS.items():
+        if grade == "fast":
+            continue
+        swim, loss = _with_grade(body, swim, grade, ticks, fast, seed, journal)
+        total += loss if grade != "burst" else 0.0  # a fish may lack it
+    return swim, total
+
+
+def _with_grade(
+    body: Body, swim: SwimPlan, grade: str, ticks: int, fast: float, seed: int, journal: Journal
+) -> tuple[SwimPlan, float]:
+    """Search the gait of a grade; of several searches the best that withstands disturbances."""
+
+    def loss(point: Floats) -> float:
+        return wave_loss(body, gait_at(body, swim, grade, point), grade, seed, fast)
+
+    start = gait_point(body, swim, grade, ticks)
+    found = []
+    for attempt in range(GRADE_SEARCHES):
+        best = search(journal.remembered(loss), start, "cma", GRADE_BUDGET, seed + attempt)[0]
+        plan = gait_at(body, swim, grade, best.point)
+        weak = bool(_grade_faults(body, plan, grade, seed))
+        found.append((weak, best.loss, attempt, plan))
+        if not weak and best.loss < GOOD:
+            break
+    _, least, _, plan = min(found)
+    return plan, least
+
+
+def _grade_faults(body: Body, swim: SwimPlan, grade: str, seed: int) -> list[str]:
+    """Why a grade cannot be recorded; empty for a steady one that withstands disturbances."""
+    try:
+        _speed(body, swim, grade)
+    except UserError as fault:
+        return [str(fault)]
+    return disturbed_faults(body, [(swim.at(grade), swim.amplitude(grade))], seed)
 
 
 def _verified(
-    task: LearningTask, found: tuple[BodyPlan, SwimPlan], bursts: bool, notes: list[str]
+    task: LearningTask, plan: BodyPlan, swim: SwimPlan, notes: list[str]
 ) -> Muscles | None:
-    """Body and gait with all grades and turns, if they pass the verification.
-
-    With ``bursts`` a burst must be among them.
-    """
-    plan, swim = found
+    """Body and gaits with turns, if they pass the verification."""
     body = build_body(plan)
     try:
-        swim = _with_fit_burst(body, with_amplitudes(body, swim))
-        faults = ["it has no burst"] if bursts and swim.burst is None else []
-        faults = faults or whole_faults(body, swim, task.seed)
+        swim = _with_fit_burst(body, swim)
+        faults = whole_faults(body, swim, task.seed)
     except (UserError, ValueError) as fault:
         faults = [str(fault)]
     if faults:
@@ -148,7 +209,9 @@ def _with_fit_burst(body: Body, swim: SwimPlan) -> SwimPlan:
         burst = fast = 1.0
     if burst >= LEAST_RATIO * fast:
         return swim
-    return msgspec.structs.replace(swim, burst=None, burst_ticks=None)
+    return msgspec.structs.replace(
+        swim, burst=None, burst_ticks=None, burst_contraction=None, burst_lag=None
+    )
 
 
 def _speed(body: Body, swim: SwimPlan, grade: str) -> float:
@@ -169,5 +232,7 @@ def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if speed < LEAST_RATIO * below:
             return [f"{name} is only {speed / below:.2f} times as fast as the grade below"]
-    graded = [(swim.at(grade), swim.amplitude(grade)) for grade in swim.grades]
-    return disturbed_faults(body, [*graded, (swim, HALF)], seed)
+    for grade in swim.grades:
+        if faults := _grade_faults(body, swim, grade, seed):
+            return [f"{grade}: {faults[0]}"]
+    return []

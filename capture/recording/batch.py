@@ -106,7 +106,7 @@ def finished_segments(folder: Path, name: str, species: Species) -> dict[str, Re
             found[segment] = Recorded(
                 one.segments[segment],
                 one.provenance["warm_up_beats"][segment],
-                one.provenance["couples"].get(segment, 0.0),
+                tuple(one.provenance["bends"].get(segment, ())),
             )
     return found
 

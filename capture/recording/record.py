@@ -38,11 +38,11 @@ def row_trial(species: Species) -> Trial:
 
 
 class Recorded(NamedTuple):
-    """A segment, the number of its warm-up beats, and the couple of fins that the hull lacks."""
+    """A segment, the number of its warm-up beats, and how a turn bends."""
 
     segment: Segment
     warm_up_beats: int = 0
-    couple: float = 0.0  # rad/tu²
+    bend: tuple[float, ...] = ()  # `biomechanics.manoeuvres.Bend`
 
 
 def record_segment(species: Species, name: str) -> Recorded:
@@ -63,7 +63,7 @@ def record_segment(species: Species, name: str) -> Recorded:
         cyclic=grade not in ACYCLIC,
         coupling=_surface_coupling(species.surface, motion.body) if species.schooling else None,
     )
-    return Recorded(segment, trial.warm_up_beats, trial.couple)
+    return Recorded(segment, trial.warm_up_beats, trial.bend)
 
 
 def _surface_coupling(surface: SurfacePlan, body: BodyPlan) -> Coupling:
@@ -133,8 +133,8 @@ def assemble(name: str, species: Species, recorded: dict[str, Recorded]) -> Repe
             "step_tu": STEP,
             "steps_per_tick": STEPS_PER_TICK,
             "time_unit_s": TIME_UNIT_S,
+            "bends": {name: one.bend for name, one in sorted(recorded.items()) if one.bend},
             "warm_up_beats": {name: one.warm_up_beats for name, one in sorted(recorded.items())},
-            "couples": {name: one.couple for name, one in sorted(recorded.items()) if one.couple},
             **{key: msgspec.to_builtins(plan) for key, plan in plans.items()},
         },
         rest_nodes=rest,

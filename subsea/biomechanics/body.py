@@ -14,21 +14,41 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.reactive_water import Sections, make_sections
+from subsea.geometry.vector import Vector, cross, minus, plus, times, unit, vector
+from subsea.kernels import kernel
 
 
 def body_frame(nodes: Array) -> tuple[Array, Array]:
     """Origin (…, 3) and rotation (…, 3, 3) of B for world nodes (…, 23, 3).
 
-    Columns of the rotation are x anterior, y dorsal, z right lateral. The y axis is normalised,
-    which SMC eq. 3 as printed omits: else the frame shrinks when x and n5 - n6 are not
-    perpendicular.
+    Columns of the rotation are x anterior, y dorsal, z right lateral. SMC eqs. 1 to 3 take one
+    edge and one diagonal of the second ring. Here all four nodes count: the ring of a bent body is
+    a trapezium, whose upper edge alone rolls and heaves with each beat. The y axis is normalised,
+    which SMC eq. 3 as printed omits.
     """
-    n0, n5, n6, n7 = (nodes[..., i, :] for i in (0, 5, 6, 7))
-    origin = 0.5 * (n5 + n7)
-    x = _unit(n0 - origin)
-    y = _unit(np.cross(x, n5 - n6))
+    nose, ring = nodes[..., 0, :], nodes[..., 5:9, :]
+    origin = ring.mean(axis=-2)
+    left = ring[..., 0, :] - ring[..., 1, :] + ring[..., 3, :] - ring[..., 2, :]
+    x = _unit(nose - origin)
+    y = _unit(np.cross(x, left))
     z = np.cross(x, y)
     return origin, np.stack([x, y, z], axis=-1)
+
+
+@kernel
+def origin_of(x: Array) -> Vector:
+    """Compute the origin of B for nodes (23, 3): as `body_frame`, compiled."""
+    upper, lower = plus(vector(x[5]), vector(x[6])), plus(vector(x[7]), vector(x[8]))
+    return times(0.25, plus(upper, lower))
+
+
+@kernel
+def axes_of(x: Array, origin: Vector) -> tuple[Vector, Vector, Vector]:
+    """Compute the axes ahead, up and right of B for nodes (23, 3): as `body_frame`, compiled."""
+    ahead = unit(minus(vector(x[0]), origin))
+    left, right = plus(vector(x[5]), vector(x[8])), plus(vector(x[6]), vector(x[7]))
+    up = unit(cross(ahead, minus(left, right)))
+    return ahead, up, cross(ahead, up)
 
 
 def to_body(points: Array, origin: Array, rotation: Array) -> Array:

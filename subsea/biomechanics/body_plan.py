@@ -19,6 +19,7 @@ Modulus = Annotated[float, msgspec.Meta(gt=0, le=1e5)]
 MAX_CONTRACTION = 0.6
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=MAX_CONTRACTION)]
 Ticks = Annotated[int, msgspec.Meta(ge=4, le=60)]  # of a beat
+Lag = Annotated[float, msgspec.Meta(ge=0, le=3.2)]  # rad
 GRADES = ("slow", "medium", "fast", "burst")
 
 
@@ -121,28 +122,37 @@ class SwimPlan(
     """The swim controller (Tu §4.6.1): contractions are fractions of a muscle's rest length.
 
     ``contraction`` holds those of the anterior and posterior swimming segment at grade fast,
-    ``ticks_per_beat`` its beat; ``slow``, ``medium`` and ``burst`` are the amplitudes of the other
-    grades relative to it, and ``..._ticks`` their beats, by default that of fast. ``lag`` is the
-    phase in radians by which the posterior segment follows the anterior one.
+    ``ticks_per_beat`` its beat, and ``lag`` the phase in radians by which the posterior segment
+    follows the anterior one. Other grades have ``..._contraction``, ``..._ticks`` and ``..._lag``,
+    by default those of fast; ``slow``, ``medium`` and ``burst`` scale their contractions.
     """
 
     ticks_per_beat: Ticks
     contraction: tuple[Fraction, Fraction]
-    lag: Annotated[float, msgspec.Meta(ge=0, le=3.2)]
+    lag: Lag
     slow: Annotated[float, msgspec.Meta(gt=0, le=1)]
     medium: Annotated[float, msgspec.Meta(gt=0, le=1)]
     burst: Annotated[float, msgspec.Meta(gt=0, le=2)] | None = None  # None: no such grade
     slow_ticks: Ticks | None = None
     medium_ticks: Ticks | None = None
     burst_ticks: Ticks | None = None
+    slow_contraction: tuple[Fraction, Fraction] | None = None
+    medium_contraction: tuple[Fraction, Fraction] | None = None
+    burst_contraction: tuple[Fraction, Fraction] | None = None
+    slow_lag: Lag | None = None
+    medium_lag: Lag | None = None
+    burst_lag: Lag | None = None
 
     def __post_init__(self) -> None:
         """Reject a slow grade that is not slower than medium, and an impossible burst."""
-        if self.slow_ticks == self.medium_ticks and self.slow >= self.medium:
+        alike = self.slow_ticks == self.medium_ticks
+        if alike and self.slow_contraction == self.medium_contraction and self.slow >= self.medium:
             raise ValueError(f"slow = {self.slow:g} must be less than medium = {self.medium:g}")
-        if self.burst is None and self.burst_ticks is not None:
-            raise ValueError("burst_ticks needs burst, the amplitude of that grade")
-        if self.burst is not None and max(self.contraction) * self.burst > MAX_CONTRACTION:
+        for key in ("burst_ticks", "burst_contraction", "burst_lag"):
+            if self.burst is None and getattr(self, key) is not None:
+                raise ValueError(f"{key} needs burst, the amplitude of that grade")
+        most = max(self.burst_contraction or self.contraction)
+        if self.burst is not None and most * self.burst > MAX_CONTRACTION:
             raise ValueError(f"burst = {self.burst:g} contracts muscles over {MAX_CONTRACTION:g}")
 
     @property
@@ -151,16 +161,24 @@ class SwimPlan(
         return GRADES[: 3 if self.burst is None else 4]
 
     def amplitude(self, grade: str) -> float:
-        """Amplitude of the beat at a grade, relative to fast."""
+        """Share of its contractions with which a grade beats."""
         given = {"slow": self.slow, "medium": self.medium, "fast": 1.0, "burst": self.burst}[grade]
         return 1.0 if given is None else given
 
     def at(self, grade: str) -> "SwimPlan":
-        """This plan with the ticks of a grade as ``ticks_per_beat``: apply once."""
-        ticks = None if grade == "fast" else getattr(self, f"{grade}_ticks")
-        if ticks in (None, self.ticks_per_beat):
+        """This plan with the beat of a grade as that of fast: apply once."""
+        if grade == "fast":
             return self
-        return msgspec.structs.replace(self, ticks_per_beat=ticks)
+        own = {
+            key: value
+            for key, suffix in (("ticks_per_beat", "ticks"), ("contraction",) * 2, ("lag",) * 2)
+            if (value := getattr(self, f"{grade}_{suffix}")) is not None
+        }
+        if all(getattr(self, key) == value for key, value in own.items()):
+            return self
+        if self.burst is not None:  # its contractions stay those of fast
+            own.setdefault("burst_contraction", self.burst_contraction or self.contraction)
+        return msgspec.structs.replace(self, **own)
 
 
 class Steering(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -110,14 +110,14 @@ def turn_contraction(swim: SwimPlan, turn: TurnPlan, angle: float, phase: float 
     keeps; the steering map holds for left turns at phase 0 and right ones at π. A turn wider than
     WIDEST_TURN is a sequence of equal smaller ones, each of a whole number of beats.
     """
-    side = LEFT if angle >= 0 else RIGHT
+    side, gait = LEFT if angle >= 0 else RIGHT, swim.at("medium")
     parts = max(1, int(np.ceil(abs(angle) / WIDEST_TURN)))
     row = steering(turn, abs(angle) / parts)
-    per_beat = swim.at("medium").ticks_per_beat * STEPS_PER_TICK
+    per_beat = gait.ticks_per_beat * STEPS_PER_TICK
     steps = np.arange(turn_beats(swim, row) * per_beat)
     share = turn_share(row, steps / STEPS_PER_TICK)
     amplitude = swim.medium + (turn.amplitude - swim.medium) * share
-    beat = swim_contraction(swim, phase + 2 * np.pi * steps / per_beat, amplitude)
+    beat = swim_contraction(gait, phase + 2 * np.pi * steps / per_beat, amplitude)
     return np.tile(beat + bend_contraction(row.contraction, side, share), (parts, 1))
 
 

@@ -1,39 +1,33 @@
 """Simulate the acyclic segments: escapes, turns from rest and glides, starts and stops.
 
-The muscles bend the body to the inner side and straighten it again. Bending and straightening
-alone are nearly reciprocal: both waters turn most of the heading back. A fish holds it with fins
-that the hull lacks, spread and swept by its own muscles. They are a couple about the vertical, and
-its size is found such that the fish turns by the angle that is wanted. As the body straightens,
-the couple also resists further turning. Only turns to the left are simulated: those to the right
+The muscles bend the body to the inner side, hold it bent and straighten it again, while the tail
+beats on. Nothing else turns the fish. How far, how long and how fast it bends is searched, such
+that it turns by the angle that is wanted. Only turns to the left are simulated: those to the right
 are their mirror images.
 """
 
 from functools import lru_cache
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import (
+    LOWER_TAIL,
+    MUSCLE_LEFT,
+    MUSCLE_SEGMENT,
     MUSCLES,
     RINGS,
+    UPPER_TAIL,
     Body,
     Floats,
     body_frame,
     build_body,
     to_body,
 )
-from subsea.biomechanics.body_plan import Muscles, SwimPlan
-from subsea.biomechanics.controllers import (
-    LEFT,
-    S_MAX,
-    bend_contraction,
-    ease,
-    swim_contraction,
-)
-from subsea.biomechanics.fins import brake, couple_force, headings, pectoral_force
-from subsea.biomechanics.reactive_water import inertial_mass
+from subsea.biomechanics.body_plan import MAX_CONTRACTION, Muscles, SwimPlan
+from subsea.biomechanics.controllers import S_MAX, ease, swim_contraction
+from subsea.biomechanics.fins import brake, headings, pectoral_force
 from subsea.biomechanics.simulation import (
     STILL,
     BodyState,
@@ -42,7 +36,7 @@ from subsea.biomechanics.simulation import (
     is_sound,
     simulate,
 )
-from subsea.biomechanics.solver import STEPS_PER_TICK, TICK_TU
+from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.biomechanics.trial import (
     Trial,
     displacement,
@@ -53,24 +47,21 @@ from subsea.biomechanics.trial import (
 
 MIRROR = np.array([0, *(1 + 4 * ring + k for ring in range(RINGS) for k in (1, 0, 3, 2)), 21, 22])
 """The node on the other side of the body for each node."""
-UPWARDS = (0.0, 1.0, 0.0)
-TOLERANCE_DEG = 0.5
-MOST_JERK_BL = 0.1  # largest change of the velocity of a node, body lengths per tick²
-MOST_STEP_BL = 0.16  # largest displacement of a node in a tick, body lengths
-MOST_SPIN_DEG = 20.0  # of the head in a tick
-CLOSE_DEG = 5.0  # a turn that is nearer to its angle is not tried with less bend
-LOOP_DEG = 100.0  # error that counts as much as ending a body length off the swim it began in
-SLOWER = (1.0, 1.5)  # factors of the times of a turn, if it cannot be as fast
-SHARES = (1.0, 0.8, 0.6, 0.4)  # of the bend and the beat
-COUPLES = np.concatenate([[0.0], np.geomspace(0.02, 4.0, 24)])  # rad/tu² of a body without drag
-MOST_LOST = 3  # greater couples in a row that a body does not bear
-YAW_DAMPINGS = (0.6, 1.5, 0.3)  # 1/tu: couples that resist turning over its rate, as tried
-MOST_DONE = 0.9  # share of the greatest change of heading at which a turn counts as done
-SKETCHED = 0.4  # share of its angle that a sketched turn reaches
-SPEED_DEG = 100.0  # error that counts as much as ending at twice the speed ...
-MOST_FASTER = 1.3  # ... beyond this ratio to the fastest tick of the swim it began in
-LATE_DEG = 2.0  # error that counts as much as a tick after the time to be done
-SETTLE_TICKS = 20  # over which it ceases
+SLOPE = 1.5  # greatest rate of `ease` over its mean one
+BENT_DEG = 25.0  # bend of the body beyond that of a beat: from here on it counts
+FOLDED_DEG = 85.0  # bend beyond which a body of a calm turn is folded
+MOST_ACCELERATION_BL = 0.0035  # of the centre of mass in a calm turn, body lengths per tick²
+MOST_JERK_BL = 0.08  # change of the velocity of a node, body lengths per tick²
+MOST_STEP_BL = 0.15  # displacement of a node in a tick, body lengths
+MOST_SPIN_DEG = 16.0  # of the head in a tick
+LOOP_BL = 0.02  # distance from the pose of the swim in which a turn ends
+SPEEDS = (0.8, 1.25)  # at the end of a turn from a swim, over that of the swim
+MOST_DONE = 0.9  # share of the angle at which a turn counts as done
+FIRST, SAMPLES, ELITES, ROUNDS, SKETCHED_ROUNDS = 240, 24, 6, 25, 2
+"""Bends in rounds of the search, those that the next round is drawn around, and rounds."""
+HASTE = 0.36  # loss of a tick more of an escape; a degree short is a third
+UNSOUND = 1e4  # least loss of a bend in which the body loses its shape
+SMOOTHING = 0.2  # share of the last round in what the next one is drawn from
 FIN_AREA = 0.01  # area of a pectoral fin over the square of the body length
 COAST_TICKS = 12  # of a glide before a turn
 MOST_QUICK_BEATS = 8  # of a start
@@ -82,27 +73,39 @@ BACKING = 0.8  # speed at which the fins sweep forwards to stop, over that of me
 STOPPED = 0.1  # share of the speed of medium at which a fish counts as stopped
 
 
-class BendingTurn(NamedTuple):
-    """A bend to the inner side with a couple, and the beats after it; times in ticks."""
+class Bend(NamedTuple):
+    """Course of the bend in a turn; contractions are fractions of a rest length, times ticks."""
 
-    angle: float  # degrees, of the mean heading
-    contraction: float  # of all three muscle segments; less where the body would lose its shape
-    bend: float  # until the body is bent
+    front: float  # contraction of the foremost muscle segment on the inner side ...
+    middle: float
+    rear: float
+    bend: float  # ticks until it is bent
     hold: float
     release: float  # until it is straight again
+    beat: float  # share of the beat that goes on while it is bent
     counter: float  # contraction of the outer side after the bend, relative to the bend
-    beats: int  # swum on
-    grade: str  # of these beats
-    entry: str = "rest"  # or "glide", or "swim": at medium, with a beat that goes on
-    done: float = np.inf  # ticks in which most of it should be done
+    follow: float  # share of the bend that stays until a beat before the end
 
 
+class TurnAim(NamedTuple):
+    """Aim of a turn, and the box in which its bend is searched."""
+
+    angle: float  # degrees, of the mean heading
+    entry: str  # "rest", "glide", or "swim": at medium, with a beat that goes on
+    grade: str  # of the beats after the bend
+    beats: int
+    calm: bool = True
+    least: Bend = Bend(0.0, 0.05, 0.0, 3.0, 0.0, 5.0, 0.0, 0.0, 0.0)
+    most: Bend = Bend(0.5, 0.6, 0.6, 16.0, 22.0, 26.0, 1.0, 0.0, 0.7)
+
+
+QUICKEST = Bend(0.6, 0.6, 0.6, 12.0, 18.0, 16.0, 1.0, 1.0, 0.8)
 TURNS = {
-    "cstart_left_moderate": BendingTurn(70.0, 0.34, 4.0, 1.0, 5.0, 0.6, 2, "burst", done=29),
-    "cstart_left_wide": BendingTurn(135.0, 0.38, 4.0, 4.0, 6.0, 0.6, 2, "burst", done=32),
-    "turn_left_rest": BendingTurn(100.0, 0.22, 8.0, 8.0, 12.0, 0.0, 1, "slow", done=28),
-    "turn_left_sharp": BendingTurn(90.0, 0.18, 6.0, 6.0, 10.0, 0.0, 1, "medium", "swim"),
-    "turn_left_glide": BendingTurn(90.0, 0.18, 8.0, 8.0, 12.0, 0.0, 1, "medium", "glide"),
+    "cstart_left_moderate": TurnAim(70.0, "rest", "burst", 3, calm=False, most=QUICKEST),
+    "cstart_left_wide": TurnAim(120.0, "rest", "burst", 3, calm=False, most=QUICKEST),
+    "turn_left_rest": TurnAim(90.0, "rest", "medium", 2),
+    "turn_left_sharp": TurnAim(90.0, "swim", "medium", 2),
+    "turn_left_glide": TurnAim(90.0, "glide", "medium", 2),
 }
 
 
@@ -113,47 +116,24 @@ def manoeuvre(motion: Muscles, name: str) -> Trial:
         return _start(body, swim)
     if name == "swim_stop":
         return _stop(body, swim)
+    return _turn(motion, name)
+
+
+def sketched_turn(motion: Muscles, name: str) -> Trial:
+    """Try a turn with few bends: a fast sketch of what `manoeuvre` searches."""
+    return _turn(motion, name, SKETCHED_ROUNDS)
+
+
+def _turn(motion: Muscles, name: str, rounds: int = ROUNDS) -> Trial:
     left = name.replace("_right_", "_left_")
-    trial = _left_turn(motion, left)
+    trial = _left_turn(motion, left, rounds)
     return trial if name == left else mirrored(trial)
 
 
 @lru_cache(maxsize=8)
-def _left_turn(motion: Muscles, left: str) -> Trial:
+def _left_turn(motion: Muscles, left: str, rounds: int) -> Trial:
     """Search a turn to the left, once for both sides; nobody changes its state."""
-    body, swim = build_body(motion.body), motion.swim
-    turn, start = TURNS[left], at_rest(body)
-    if left == "turn_left_sharp":
-        turn = turn._replace(angle=motion.turn.sharp)
-    if turn.entry != "rest":
-        start = _swimming(body, swim, turn.entry)
-    return turn_from(Turner(body, inertial_mass(motion.body, body.mass), swim), turn, start)
-
-
-def sketched_turn(motion: Muscles, name: str) -> Trial:
-    """Try a sharp turn with few couples: a fast sketch of what `manoeuvre` searches.
-
-    Returns the first turn of more than `SKETCHED` of its angle, else the widest. The search finds
-    one that is at least as near to its angle. UserError where the body loses its shape.
-    """
-    body, swim = build_body(motion.body), motion.swim
-    turn = TURNS["turn_left_sharp"]._replace(angle=motion.turn.sharp)
-    fish = Turner(body, inertial_mass(motion.body, body.mass), swim)
-    start = _swimming(body, swim, "swim")
-    best, widest = None, -np.inf
-    for share, couple in product(SHARES, COUPLES[::4]):
-        controls = _turn_controls(body, swim, turn, share, YAW_DAMPINGS[0])
-        trial = _with_couple(fish, start, controls._replace(couple=couple * controls.couple))
-        if not (is_sound(trial.state) and _is_smooth(trial.frames, motion.body.length)):
-            continue
-        turned = mean_heading(trial.frames, 1)
-        if turned > widest:
-            best, widest = trial._replace(couple=couple), turned
-        if turned > SKETCHED * turn.angle:
-            break
-    if best is None:
-        raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
-    return mirrored(best) if "right" in name else best
+    return Turner(motion, left).search(rounds)
 
 
 def mirrored(trial: Trial) -> Trial:
@@ -164,166 +144,127 @@ def mirrored(trial: Trial) -> Trial:
     return trial._replace(frames=trial.frames[:, MIRROR] * flip, state=state)
 
 
-class Turner(NamedTuple):
-    """A fish that turns."""
+class Turner:
+    """A fish that turns to the left: the bend of its turn is searched."""
 
-    body: Body
-    inertia: Floats  # (23,) g, of the nodes with the water that moves aside with them
-    swim: SwimPlan
+    def __init__(self, motion: Muscles, left: str) -> None:
+        """Swim, coast or rest up to the beginning of the turn with the name ``left``."""
+        turn = TURNS[left]
+        if left == "turn_left_sharp":
+            turn = turn._replace(angle=motion.turn.sharp)
+        self.turn, self.body = turn, build_body(motion.body)
+        grade = turn.grade if turn.grade in motion.swim.grades else "fast"
+        self._swim = motion.swim.at(grade)
+        self._amplitude = motion.swim.amplitude(grade)
+        self._length = motion.body.length
+        self._start, self._pace = at_rest(self.body), 0.0  # cm a tick
+        if turn.entry != "rest":
+            beat = grade_contraction(motion.swim, "medium")
+            steady = steady_beat(self.body, beat)
+            self._start = steady.state
+            self._pace = float(np.linalg.norm(displacement(steady.frames)))
+            self._pace /= len(steady.frames) - 1
+            if turn.entry == "glide":
+                simulate(self.body, self._start, _fading(beat, COAST_TICKS))
+
+    def search(self, rounds: int) -> Trial:
+        """Find the best bend by the cross-entropy method; UserError if none keeps the shape.
+
+        Each round draws bends from a normal distribution, and the best of them make the next one.
+        """
+        low, high = np.array(self.turn.least), np.array(self.turn.most)
+        rng = np.random.default_rng(1)
+        middle, spread = np.full(len(low), 0.5), np.full(len(low), 0.3)
+        best, least = middle, np.inf
+        for number in range(rounds):
+            size = SAMPLES if number else FIRST, len(low)
+            points = middle + spread * rng.normal(size=size)
+            points = np.clip(points, 0.0, 1.0)
+            if number:
+                points[0] = best
+            losses = [self._loss(Bend(*(low + point * (high - low)))) for point in points]
+            order = np.argsort(losses, kind="stable")[:ELITES]
+            if losses[order[0]] < least:
+                best, least = points[order[0]], losses[order[0]]
+            elite = points[order]
+            middle = SMOOTHING * middle + (1.0 - SMOOTHING) * elite.mean(axis=0)
+            spread = SMOOTHING * spread + (1.0 - SMOOTHING) * np.maximum(elite.std(axis=0), 0.01)
+        if least >= UNSOUND:
+            raise UserError(f"the body loses its shape in a turn of {self.turn.angle:g} degrees")
+        return self.swim(Bend(*(low + best * (high - low))))
+
+    def swim(self, bend: Bend) -> Trial:
+        """Simulate the turn with a bend, and the beats after it."""
+        state = copy_state(self._start)
+        state.watch[:] = at_rest(self.body).watch
+        frames = simulate(self.body, state, self._contraction(bend))
+        return Trial(np.concatenate([self._start.x[None], frames]), state, bend=tuple(bend))
+
+    def _contraction(self, bend: Bend) -> Floats:
+        """Contractions (6 T, 12) of the whole turn, which ends at phase 0 of the beat."""
+        beat = self._swim.ticks_per_beat
+        swims = self.turn.entry == "swim"
+        ticks = int(np.ceil(bend.bend + bend.hold + bend.release)) + self.turn.beats * beat
+        if swims:  # the first and the last frame are at the same phase
+            ticks = int(np.ceil(ticks / beat)) * beat
+        at = np.arange(ticks * STEPS_PER_TICK) / STEPS_PER_TICK
+        released, half = bend.bend + bend.hold, 0.5 * bend.release
+        inner = ease(at / bend.bend) - (1.0 - bend.follow) * ease((at - released) / bend.release)
+        inner -= bend.follow * ease((at - ticks + 1.5 * beat) / (0.75 * beat))
+        outer = ease((at - released) / half) - ease((at - released - half) / half)
+        fastest = S_MAX * STEPS_PER_TICK / (SLOPE * self.body.length[:MUSCLES])  # a tick
+        size, left = np.array(bend[:3])[MUSCLE_SEGMENT], MUSCLE_LEFT > 0
+        contraction = np.outer(inner, np.minimum(size, bend.bend * fastest) * left)
+        contraction += np.outer(outer, np.minimum(bend.counter * size, half * fastest) * ~left)
+        share = ease((at - released - half) / bend.release)
+        share = 1.0 - (1.0 - bend.beat) * inner if swims else share
+        phase = 2.0 * np.pi * (at - ticks) / beat
+        contraction += swim_contraction(self._swim, phase, self._amplitude * share)
+        return np.minimum(contraction, MAX_CONTRACTION)
+
+    def _loss(self, bend: Bend) -> float:
+        """Measure the lack of a turn: beyond `UNSOUND` where the body loses its shape."""
+        turn, length, trial = self.turn, self._length, self.swim(bend)
+        if not is_sound(trial.state):
+            return UNSOUND * (1.0 + sum(bend[:3]))  # gentler bends are nearer to sound ones
+        frames, beat = trial.frames, self._swim.ticks_per_beat
+        heading = headings(frames) - headings(frames[:1])
+        final = float(heading[-beat:].mean())
+        done = ticks_to(heading, MOST_DONE * max(final, 1.0))
+        bends = body_bend(frames)
+        against = int((bends[: done + 3] < -BENT_DEG).sum())
+        way, change = (np.linalg.norm(np.diff(frames, n, axis=0), axis=2).max() for n in (1, 2))
+        spin = float(np.abs(np.diff(heading)).max())
+        loss = abs(turn.angle - final) / 3.0 + 2.0 * against
+        loss += (0.15 if turn.calm else HASTE) * done
+        loss += 30.0 * max(change / length - MOST_JERK_BL, 0.0)
+        loss += 20.0 * max(way / length - MOST_STEP_BL, 0.0) + 0.5 * max(spin - MOST_SPIN_DEG, 0.0)
+        if turn.calm:
+            centre = np.einsum("n,tnx->tx", self.body.mass, frames) / self.body.mass.sum()
+            push = np.linalg.norm(np.diff(centre, 2, axis=0), axis=1).max() / length
+            loss += 2.0 * max(push / MOST_ACCELERATION_BL - 1.0, 0.0)
+            loss += 0.1 * max(float(np.abs(bends).max()) - FOLDED_DEG, 0.0)
+        if turn.entry == "swim":
+            speed = float(np.linalg.norm(displacement(frames[-beat - 1 :]))) / (beat * self._pace)
+            loss += 40.0 * max(loop_error(frames) / length - LOOP_BL, 0.0)
+            loss += 8.0 * max(SPEEDS[0] - speed, speed - SPEEDS[1], 0.0)
+        return float(loss)
 
 
-def turn_from(fish: Turner, turn: BendingTurn, start: BodyState) -> Trial:
-    """Turn left by ``turn.angle``: a search for the couple, and then for its nearest value.
+def body_bend(frames: Floats) -> Floats:
+    """Angle (T,) of the fore-body to the left of the rear, degrees, for nodes (T, 23, 3).
 
-    Where the body would lose its shape it bends and beats less. Returns the sound turn that is
-    nearest to the angle, and in time.
+    The fore-body leads from the third ring to the nose, the rear from the tail to that ring.
     """
-    # From swimming, the first and the last frame are at the same phase of the beat.
-    swims = turn.entry == "swim"
-    beat = 1 if swims else fish.swim.at(turn.grade).ticks_per_beat
-    best, least = None, np.inf
-    length = float(np.ptp(fish.body.rest[:, 0]))
-    usual = _fastest_tick(fish) if swims else 0.0
-
-    def attempt(couple: float) -> float:
-        """The angle that is missing, degrees; NaN where the body loses its shape."""
-        nonlocal best, least
-        trial = _with_couple(fish, start, controls._replace(couple=couple * controls.couple))
-        if not (is_sound(trial.state) and _is_smooth(trial.frames, length)):
-            return np.nan
-        missing = turn.angle - mean_heading(trial.frames, beat)
-        error = abs(missing) + LATE_DEG * max(0.0, ticks_to_turn(trial.frames) - turn.done)
-        if swims:
-            faster = float(np.linalg.norm(displacement(trial.frames[-2:]))) / usual - MOST_FASTER
-            error += LOOP_DEG * loop_error(trial.frames) / length + SPEED_DEG * max(faster, 0.0)
-        if error < least:
-            best, least = trial._replace(couple=couple), error
-        return missing
-
-    counters = dict.fromkeys((turn.counter, 0.0))
-    for slow, counter, damping, share in product(SLOWER, counters, YAW_DAMPINGS, SHARES):
-        milder = turn._replace(hold=slow * turn.hold, release=slow * turn.release, counter=counter)
-        controls = _turn_controls(fish.body, fish.swim, milder, share, damping)
-        below, lost = 0.0, 0
-        for couple in COUPLES:
-            missing = attempt(couple)
-            lost = lost + 1 if np.isnan(missing) else 0
-            if lost == MOST_LOST:
-                break
-            if missing < 0.0:
-                low, high = below, couple
-                while not abs(missing) <= TOLERANCE_DEG and high - low > 1e-4:
-                    middle = 0.5 * (low + high)
-                    missing = attempt(middle)
-                    low, high = (middle, high) if missing > 0.0 else (low, middle)
-                break
-            below = couple
-        if least < CLOSE_DEG:
-            break
-    if best is None:
-        raise UserError(f"the body loses its shape in a turn of {turn.angle:g} degrees")
-    return best
+    middle = frames[:, 9:13].mean(axis=1)
+    fore, rear = frames[:, 0] - middle, middle - frames[:, [UPPER_TAIL, LOWER_TAIL]].mean(axis=1)
+    angle = np.arctan2(-fore[:, 2], fore[:, 0]) - np.arctan2(-rear[:, 2], rear[:, 0])
+    return np.asarray(np.degrees(np.angle(np.exp(1j * angle))))
 
 
-def _fastest_tick(fish: Turner) -> float:
-    """The longest way in a tick of the medium swim, cm."""
-    frames = steady_beat(fish.body, grade_contraction(fish.swim, "medium")).frames
-    ways = [np.linalg.norm(displacement(frames[k : k + 2])) for k in range(len(frames) - 1)]
-    return float(max(ways))
-
-
-def _is_smooth(frames: Floats, length: float) -> bool:
-    """True if no node leaps, and neither a node nor the snout is jerked."""
-    way, change = (np.linalg.norm(np.diff(frames, n, axis=0), axis=2).max() for n in (1, 2))
-    spin = np.abs(np.diff(headings(frames))).max()
-    smooth = way <= MOST_STEP_BL * length and change <= MOST_JERK_BL * length
-    return bool(smooth and spin <= MOST_SPIN_DEG)
-
-
-def mean_heading(frames: Floats, beat: int) -> float:
-    """Mean heading over the last ``beat`` ticks relative to the first frame, degrees."""
-    heading = headings(frames)
-    return float(heading[-beat:].mean() - heading[0])
-
-
-def ticks_to_turn(frames: Floats) -> int:
-    """Ticks until most of the greatest change of heading is done."""
-    change = np.maximum.accumulate(np.abs(headings(frames) - headings(frames[:1])))
-    return int(np.searchsorted(change, MOST_DONE * change[-1]))
-
-
-class Controls(NamedTuple):
-    """Muscles and fins in a turn of T ticks."""
-
-    contraction: Floats  # (6 T, 12)
-    couple: Floats  # (T,) rad/tu², about the vertical through the centre of mass
-    damping: Floats  # (T,) 1/tu, of the couple that resists turning
-
-
-def _turn_controls(
-    body: Body, swim: SwimPlan, turn: BendingTurn, share: float, resistance: float
-) -> Controls:
-    """Controls with a couple of at most 1, and one that resists turning."""
-    swim = swim.at(turn.grade)
-    amplitude = share * swim.amplitude(turn.grade)
-    turning = turn.bend + turn.hold + turn.release
-    ticks = int(np.ceil(turning)) + turn.beats * swim.ticks_per_beat
-    if turn.entry == "swim":
-        ticks = int(np.ceil(ticks / swim.ticks_per_beat)) * swim.ticks_per_beat
-    at = np.arange(ticks * STEPS_PER_TICK) / STEPS_PER_TICK
-    fastest = S_MAX * STEPS_PER_TICK * turn.bend / body.length[:MUSCLES].max()
-    size = share * min(turn.contraction, fastest)
-    released = turn.bend + turn.hold
-    inner = np.clip(at / turn.bend, 0.0, 1.0) - ease((at - released) / turn.release)
-    half = 0.5 * turn.release
-    outer = ease((at - released) / half) - ease((at - released - half) / half)
-    contraction = _bend(size, LEFT, inner) + _bend(turn.counter * size, -LEFT, outer)
-    begin = released + half
-    fade = amplitude * (ease((at - begin) / turn.release) if turn.entry != "swim" else 1.0)
-    phase = 2.0 * np.pi * (at - ticks) / swim.ticks_per_beat  # ends at phase 0
-    contraction += swim_contraction(swim, phase, fade)
-    middle = (np.arange(ticks) + 0.5) / turning
-    couple = np.where(middle < 1.0, np.sin(np.pi * middle) ** 2, 0.0)
-    begun, left = np.arange(ticks) - released, ticks - np.arange(ticks)
-    damping = resistance * ease(begun / turn.release) * ease(left / SETTLE_TICKS)
-    return Controls(contraction, couple, damping)
-
-
-def _bend(size: float, side: float, share: Floats) -> Floats:
-    """Contractions of all three muscle segments on one side."""
-    front = bend_contraction((size, size), side, share)
-    front[:, 8:] = front[:, 4:8]
-    return front
-
-
-def _with_couple(fish: Turner, start: BodyState, controls: Controls) -> Trial:
-    """Simulate a turn; where the body loses its shape, the last frame is repeated."""
-    state, inertia = copy_state(start), fish.inertia
-    frames = [state.x.copy()]
-    rate = 0.0  # rad/tu
-    for tick, push, damping in zip(
-        _ticks(controls.contraction), controls.couple, controls.damping, strict=True
-    ):
-        force = couple_force(state.x, inertia, UPWARDS, float(push - damping * rate))
-        frames.extend(simulate(fish.body, state, tick, force=force))
-        if not is_sound(state):
-            frames += [state.x.copy()] * (len(controls.couple) + 1 - len(frames))
-            break
-        rate = float(np.radians(np.diff(headings(np.array(frames[-2:])))[0])) / TICK_TU
-    return Trial(np.array(frames), state)
-
-
-def _ticks(contraction: Floats) -> list[Floats]:
-    return np.split(contraction, len(contraction) // STEPS_PER_TICK)
-
-
-def _swimming(body: Body, swim: SwimPlan, entry: str) -> BodyState:
-    """The state of a fish that swims at grade medium, or coasts from there with a straight body."""
-    beat = grade_contraction(swim, "medium")
-    state = steady_beat(body, beat).state
-    if entry == "glide":
-        simulate(body, state, _fading(beat, COAST_TICKS))
-    return state
+def ticks_to(heading: Floats, angle: float) -> int:
+    """Ticks until the heading has changed by an angle, degrees; all of them if it never does."""
+    return int(np.searchsorted(np.maximum.accumulate(heading), angle))
 
 
 def _fading(beat: Floats, ticks: int) -> Floats:

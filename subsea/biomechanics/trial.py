@@ -34,7 +34,7 @@ class Trial(NamedTuple):
     frames: Floats
     state: BodyState
     warm_up_beats: int = 0
-    couple: float = 0.0  # rad/tu², of fins that the hull lacks: `subsea/biomechanics/manoeuvres.py`
+    bend: tuple[float, ...] = ()  # of a turn: how it bends, see `biomechanics.manoeuvres.Bend`
 
 
 def deformation(frames: Floats) -> Floats:

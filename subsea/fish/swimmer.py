@@ -7,6 +7,7 @@ averaged over a beat.
 from collections import deque
 from typing import Literal, get_args
 
+import msgspec
 import numpy as np
 
 from subsea.base.arrays import Array
@@ -49,6 +50,7 @@ class Swimmer:
         self.mode: Mode = "medium"
         self._left_s = 0.0  # time not simulated yet
         self._phase, self._amplitude, self._bend = 0.0, 0.0, 0.0
+        self._gait = np.zeros(3)  # contractions and lag of the beat
         self._state: BodyState | None = None
         self._beat: deque[tuple[Array, Array]] = deque(maxlen=1)  # origins, headings
         self.contraction = np.zeros(MUSCLES)  # shares of the rest length
@@ -102,31 +104,33 @@ class Swimmer:
         if self._muscles:
             self._swim(self._muscles)
         elif self._spine:
-            self._phase += 1.0 / self._gait(self._spine).ticks_per_beat
+            self._phase += 1.0 / self._spine_gait(self._spine).ticks_per_beat
 
     def _goal(self) -> tuple[float, float]:
         """Target amplitude and bend."""
         if self.mode == "rest":
             return 0.0, 0.0
         if self._spine:
-            return self._gait(self._spine).amplitude, 0.0
-        assert self._muscles
-        swim = self._muscles.swim
-        grades = {"slow": swim.slow, "fast": 1.0}
+            return self._spine_gait(self._spine).amplitude, 0.0
         sides = {"left": LEFT, "right": RIGHT}
-        return grades.get(self.mode, swim.medium), sides.get(self.mode, 0.0)
+        return 1.0, sides.get(self.mode, 0.0)
 
-    def _gait(self, spine: SpinePlan) -> SpineGait:
+    def _spine_gait(self, spine: SpinePlan) -> SpineGait:
         return {"slow": spine.slow, "fast": spine.fast}.get(self.mode, spine.medium)
 
     def _swim(self, muscles: Muscles) -> None:
         """Simulate a tick; restart if the body loses its shape."""
         assert self._state is not None
         grade = self.mode if self.mode in GRADES else "medium"
-        per_beat = muscles.swim.at(grade).ticks_per_beat * STEPS_PER_TICK
+        swim = muscles.swim.at(grade)
+        goal = np.array([*np.multiply(swim.amplitude(grade), swim.contraction), swim.lag])
+        self._gait += (EASE if self._gait.any() else 1.0) * (goal - self._gait)
+        front, back, lag = self._gait.tolist()
+        swim = msgspec.structs.replace(swim, contraction=(front, back), lag=lag)
+        per_beat = swim.ticks_per_beat * STEPS_PER_TICK
         phase = self._phase + 2 * np.pi * np.arange(STEPS_PER_TICK) / per_beat
         self._phase = float(self._phase + 2 * np.pi * STEPS_PER_TICK / per_beat) % (2 * np.pi)
-        contraction = swim_contraction(muscles.swim, phase, self._amplitude)
+        contraction = swim_contraction(swim, phase, self._amplitude)
         side = LEFT if self._bend >= 0 else RIGHT
         contraction += abs(self._bend) * bend_contraction(muscles.turn.gradual, side)
         with np.errstate(all="ignore"):

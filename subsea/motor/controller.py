@@ -45,8 +45,9 @@ PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
 BEND_GAIN = 2.5  # 1/s: likewise by bends, of the angle from the head, which leads the way
 STEER_EASE = np.radians(90.0)  # rad/s², at the recorded pace: how fast that rate may change
-MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim, unless in a burst
-BURST_PITCH_RAD = np.radians(38.0)
+MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim ...
+BURST_PITCH_RAD = np.radians(38.0)  # ... in a burst ...
+ROW_PITCH_RAD = np.radians(65.0)  # ... and by their fins alone, which hold the body at any pitch
 STEEP = np.cos(np.radians(60.0))  # level share of a goal's direction below which turns are smaller
 TEMPO_EASE = 1.2  # 1/s: how fast the rate may change
 BURST_EASE = 15.0  # 1/s: of a fish in a hurry, which bursts within 0.2 s
@@ -102,6 +103,7 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
         rows = fishes.segment[i] in (ROW, STOP)
         yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate if rows else 0.0
         steepest = BURST_PITCH_RAD if share > HURRIED else MAX_PITCH_RAD
+        steepest = ROW_PITCH_RAD if fishes.segment[i] == ROW else steepest
         climb = math.atan2(np.float64(g[2]), level)
         climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
         lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate

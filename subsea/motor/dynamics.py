@@ -19,7 +19,9 @@ from subsea.biomechanics.body import (
     NODES,
     Body,
     Material,
+    axes_of,
     build_body,
+    origin_of,
 )
 from subsea.biomechanics.body_plan import GRADES, Muscles
 from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
@@ -42,11 +44,9 @@ from subsea.geometry.vector import (
     Vector,
     cross,
     dot,
-    minus,
     plus,
     store,
     times,
-    unit,
     vector,
 )
 from subsea.kernels import kernel
@@ -63,8 +63,9 @@ FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
 BEND_EASE = 1.0 / 16.0  # share of the full bend that may change in a tick
 MOST_BEND = 0.6  # share of the full bend: fins add the rest, as quick bends strain the body
 TURN_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
+RIGHTING = 0.15  # 1/tu: how dorsal and anal fins and a swim bladder, which the hull lacks, right it
 MOST_COUPLE = 0.25  # rad/tu²: ... and its limit
-AMPLITUDE_EASE = 1.0 / 14.0  # share of the fast beat's amplitude that may change in a tick
+GEAR_EASE = 3.0 / 14.0  # grades by which the beat may change in a tick
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # change of the tempo per tick toward the recorded one
@@ -76,6 +77,9 @@ SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
 COURSE_TIME = 21.0  # likewise the heading, in recorded frames
 
 
+GEARS = np.arange(4.0)  # still, slow, medium and fast, between which a live fish beats
+
+
 class BodyTables(NamedTuple):
     """Constants of the simulation for S species; cm, g, tu and radians."""
 
@@ -85,12 +89,11 @@ class BodyTables(NamedTuple):
     viscosity: Array  # (S, 91)
     drag: Array  # (S,)
     sections: Array  # (S, 5, 6) fields of `Sections`
-    contraction: Array  # (S, 3) of the three muscle segments at grade fast
-    lag: Array  # (S, 3) of their beat
     beat: Array  # (S,) ticks in a beat at grade fast
     speed: Array  # (S, 4) cm/s: standing still and the three swims, at the recorded tempo ...
-    amplitude: Array  # (S, 4) ... and the amplitudes of the beat that make them ...
-    pace: Array  # (S, 4) ... and its frequencies, relative to fast
+    contraction: Array  # (S, 4, 2) ... and of the two swimming segments that make them ...
+    lag: Array  # (S, 4) ... and the lag of the posterior one ...
+    pace: Array  # (S, 4) ... and the frequencies of the beat, relative to fast
     bend: Array  # (S, 2) contractions of the two turning segments in a gradual turn: the full bend
     turn_rate: Array  # (S, n) rad/s, mean turning rate of each segment, left positive
     inertia: Array  # (S, 23) mass of the nodes with the water that moves aside with them
@@ -111,7 +114,7 @@ def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, (5, 6), 3, 3, 1, 4, 4, 4, 2, len(SEGMENTS), 23, 1, 1)
+_ROW = (23, 91, 91, 91, 1, (5, 6), 1, 4, (4, 2), 4, 4, 2, len(SEGMENTS), 23, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -135,12 +138,17 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
 
 def _body(muscles: Muscles, speed: Array, turn_rate: Array) -> tuple[Any, ...]:
     body, swim = build_body(muscles.body), muscles.swim
-    paces = [swim.ticks_per_beat / swim.at(grade).ticks_per_beat for grade in GRADES[:3]]
+    gaits = [swim.at(grade) for grade in GRADES[:3]]
+    paces = [swim.ticks_per_beat / gait.ticks_per_beat for gait in gaits]
+    contractions = [
+        np.multiply(swim.amplitude(grade), gait.contraction)
+        for grade, gait in zip(GRADES, gaits, strict=False)
+    ]
     fin_area = FIN_AREA * muscles.body.length**2
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag, np.array(body.sections),
-        (0.0, *swim.contraction), (0.0, 0.0, swim.lag), swim.ticks_per_beat,
-        (0.0, *speed[:3]), (0.0, swim.slow, swim.medium, 1.0), (paces[0], *paces),
+        swim.ticks_per_beat, (0.0, *speed[:3]), np.array([(0.0, 0.0), *contractions]),
+        (gaits[0].lag, *(gait.lag for gait in gaits)), (paces[0], *paces),
         muscles.turn.gradual, turn_rate, inertial_mass(muscles.body, body.mass),
         fin_area, _roll_lead(body, fin_area),
     )  # fmt: skip
@@ -192,8 +200,7 @@ def swim_live(
         step = time * rate / steps
         beat = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * live.tempo[slot]
         for n in range(steps):
-            contract(bodies, kind, live.phase[slot], live.amplitude[slot], live.bend[slot],
-                     muscles[n])  # fmt: skip
+            contract(bodies, kind, live.phase[slot], live.gear[slot], live.bend[slot], muscles[n])
             live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
         yaw = turning_rate(fishes, library, bodies, i)
@@ -204,12 +211,16 @@ def swim_live(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
             bodies.viscosity[kind], bodies.drag[kind], sections_of(bodies.sections[kind]),
         )  # fmt: skip
+        inertia = bodies.inertia[kind]
         # The fins follow the body at every recorded frame: more rarely they would overshoot.
         for begin in range(0, steps, iterations):
             force = fin_force(bodies, kind, x, v, brake)
-            across = rotate(frame_of(x)[0], (0.0, 0.0, 1.0))
-            force += _turning_force(bodies, kind, x, v, UPWARDS, yaw * TICK_S / TICK_TU)
-            force += _turning_force(bodies, kind, x, v, across, lift * TICK_S / TICK_TU)
+            q, _ = frame_of(x)
+            along, across = x_axis(q), rotate(q, (0.0, 0.0, 1.0))
+            righting = RIGHTING * across[2] * rotate(q, (0.0, 1.0, 0.0))[2]
+            force += _turning_force(inertia, x, v, UPWARDS, yaw * TICK_S / TICK_TU, TURN_GAIN)
+            force += _turning_force(inertia, x, v, across, lift * TICK_S / TICK_TU, TURN_GAIN)
+            force += _turning_force(bodies.mass[kind], x, v, along, righting, TURN_GAIN)
             part = muscles[begin : min(begin + iterations, steps)]
             advance(x, v, material, part, np.zeros(3), force, step, watch)
         sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
@@ -238,7 +249,7 @@ def _keep_speed(fishes: Fishes, library: Library, live: Live, slot: int) -> None
 def _ease_muscles(
     fishes: Fishes, library: Library, bodies: BodyTables, live: Live, slot: int
 ) -> None:
-    """Ease amplitude, tempo and bend toward the speed and the turning rate of playback.
+    """Ease gear, tempo and bend toward the speed and the turning rate of playback.
 
     The tempo is that of the beat relative to grade fast: those of the grades, and between them.
     """
@@ -257,9 +268,8 @@ def _ease_muscles(
     # A bent body keeps its shape at the beat of a gradual turn, which is that of medium.
     medium, fast = bodies.speed[kind, 2], bodies.speed[kind, 3]
     speed = min(speed, fast + abs(share) * (medium - fast))
-    amplitude = np.interp(speed, bodies.speed[kind], bodies.amplitude[kind])
-    gap = amplitude - live.amplitude[slot]
-    live.amplitude[slot] += min(max(gap, -AMPLITUDE_EASE), AMPLITUDE_EASE)
+    gap = np.interp(speed, bodies.speed[kind], GEARS) - live.gear[slot]
+    live.gear[slot] += min(max(gap, -GEAR_EASE), GEAR_EASE)
     tempo = np.interp(speed, bodies.speed[kind], bodies.pace[kind])
     live.tempo[slot] += min(max(tempo - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
 
@@ -278,13 +288,12 @@ def turning_rate(fishes: Fishes, library: Library, bodies: BodyTables, i: int) -
 
 @kernel
 def _turning_force(
-    bodies: BodyTables, kind: int, at: Array, v: Array, axis: Vector, rate: float
+    inertia: Array, at: Array, v: Array, axis: Vector, rate: float, gain: float
 ) -> Array:
-    """Force (23, 3) on the nodes that turns a body about `axis` at `rate`, rad/tu."""
-    inertia = bodies.inertia[kind]
+    """Force (23, 3) on the nodes that turns a body about `axis` at `rate`, rad/tu; gain in 1/tu."""
     if inertia[0] == 0.0:
         return np.zeros((NODES, 3))
-    couple = TURN_GAIN * (rate - roll_rate(at, v, inertia, axis))
+    couple = gain * (rate - roll_rate(at, v, inertia, axis))
     return couple_force(at, inertia, axis, min(max(couple, -MOST_COUPLE), MOST_COUPLE))
 
 
@@ -305,17 +314,24 @@ def _brake(fishes: Fishes, library: Library, live: Live, slot: int) -> float:
 
 @kernel
 def contract(
-    bodies: BodyTables, kind: int, phase: float, amplitude: float, bend: Array, out: Array
+    bodies: BodyTables, kind: int, phase: float, gear: float, bend: Array, out: Array
 ) -> None:
     """Write the muscles' rest lengths (12,) at a phase of the beat, in cm (Tu §4.6.1).
 
-    The sum of `biomechanics.controllers.swim_contraction` and `bend_contraction`; `bend` (2,) is
-    positive to the left.
+    The gear is 0 for still, and 1 to 3 for slow, medium and fast. As the sum of
+    `biomechanics.controllers.swim_contraction` and `bend_contraction`; `bend` (2,) is positive to
+    the left.
     """
+    lower = min(int(gear), len(GEARS) - 2)
+    weight = gear - lower
+    table, lags = bodies.contraction[kind], bodies.lag[kind]
+    lag = (1.0 - weight) * lags[lower] + weight * lags[lower + 1]
     for m in range(MUSCLES):
-        part, side = MUSCLE_SEGMENT[m], MUSCLE_LEFT[m]
-        wave = math.sin(phase - bodies.lag[kind, part]) * side
-        share = amplitude * bodies.contraction[kind, part] * (1.0 + wave) / 2.0
+        part, side, share = MUSCLE_SEGMENT[m], MUSCLE_LEFT[m], 0.0
+        if part > 0:
+            size = (1.0 - weight) * table[lower, part - 1] + weight * table[lower + 1, part - 1]
+            wave = math.sin(phase - (lag if part == 2 else 0.0)) * side
+            share = size * (1.0 + wave) / 2.0
         if part < 2:
             share += max(bend[part] * side, 0.0)
         out[m] = bodies.length[kind, m] * (1.0 - share)
@@ -337,11 +353,9 @@ def fin_force(bodies: BodyTables, kind: int, at: Array, v: Array, brake: float) 
     row = max(SCULL_SPEED - ahead, 0.0)
     w = plus(u, times(row, x))
     speed = math.sqrt(dot(w, w))
-    # Faster water needs less tilt; the beat itself makes B wobble.
     lean = rotate(q, (0.0, 0.0, 1.0))[2]
     swing = -y[2] * roll_rate(at, v, bodies.mass[kind], x)
     roll = ROLL_GAIN * (lean + bodies.roll_lead[kind] * swing)
-    roll *= min((SCULL_SPEED / speed) ** 2, 1.0)
     force = np.zeros((NODES, 3))
     for node in range(1, 13):
         tilt = MUSCLE_LEFT[node - 1] * roll
@@ -429,7 +443,5 @@ def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float
 @kernel
 def frame_of(x: Array) -> tuple[Quaternion, Vector]:
     """Orientation and origin of B for nodes (23, 3): `biomechanics.body_frame`, compiled."""
-    o = times(0.5, plus(vector(x[5]), vector(x[7])))
-    ahead = unit(minus(vector(x[0]), o))
-    up = unit(cross(ahead, minus(vector(x[5]), vector(x[6]))))
-    return of_axes(ahead, up, cross(ahead, up)), o
+    o = origin_of(x)
+    return of_axes(*axes_of(x, o)), o

@@ -16,7 +16,7 @@ from subsea.fish.species import Species
 from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import height_at
 from subsea.motor.containment import roll_of
-from subsea.motor.dynamics import BodyTables, Integration, make_bodies, swim_live, under
+from subsea.motor.dynamics import GEARS, BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import (
     FAST,
     HURRIED,
@@ -252,7 +252,7 @@ def to_live(
     pace = float(np.interp(speed, speeds, bodies.pace[kind]))
     beats = (row + w) * pace / bodies.beat[kind]
     live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
-    live.amplitude[slot] = np.interp(speed, speeds, bodies.amplitude[kind])
+    live.gear[slot] = np.interp(speed, speeds, GEARS)
     live.tempo[slot] = tempo * pace
     share = bodies.turn_rate[kind, segment] / bodies.turn_rate[kind, LEFT_GRADUAL]
     share *= abs(level) / LEVELS if level else 1.0

@@ -137,7 +137,7 @@ class Live(NamedTuple):
     v: Annotated[F64, motor("k", 23, 3, unit="cm/tu"), "velocity relative to the water"]
     phase: Annotated[F64, motor("k", unit="rad"), "of the beat"]
     tempo: Annotated[F64, motor("k", start=1), "of the beat, 1 is the recorded one"]
-    amplitude: Annotated[F64, motor("k"), "of the beat, 1 is grade fast"]
+    gear: Annotated[F64, motor("k"), "of the beat: 0 still, 1 slow, 2 medium, 3 fast"]
     bend: Annotated[F64, motor("k", 2), "contractions of the two turning segments, left positive"]
     speed: Annotated[F64, motor("k", unit="cm/s"), "smoothed, along x, of the recorded fish"]
     course: Annotated[F64, motor("k", unit="rad"), "mean heading, without the beat of the head"]

@@ -45,6 +45,9 @@ def test_impossible_controllers_are_refused(fusilier):
         (SwimPlan, swim | {"ticks_per_beat": 2}, "ticks_per_beat"),
         (SwimPlan, swim | {"burst": 1.2}, "over 0.6"),
         (SwimPlan, swim | {"burst_ticks": 12}, "needs burst"),
+        (SwimPlan, swim | {"burst_lag": 1.2}, "burst_lag needs burst"),
+        (SwimPlan, swim | {"burst": 1.0, "burst_contraction": [0.1, 0.7]}, "contraction"),
+        (SwimPlan, swim | {"slow_lag": 4.0}, "slow_lag"),
         (TurnPlan, turn | {"steering": steering[::-1]}, "must increase"),
         (TurnPlan, turn | {"sharp": 80.0, "steering": steering[:3]}, "ends at 60 degrees"),
     ]
@@ -73,6 +76,13 @@ def test_each_grade_has_its_own_beat(fusilier):
     graded = msgspec.structs.replace(old, slow=0.9, medium=0.8, slow_ticks=30, burst=1.1)
     assert [graded.at(grade).ticks_per_beat for grade in graded.grades] == [30, 14, 14, 14]
     assert [graded.amplitude(grade) for grade in graded.grades] == [0.9, 0.8, 1.0, 1.1]
+    own = msgspec.structs.replace(
+        graded, slow_contraction=(0.1, 0.5), slow_lag=2.0, burst_contraction=(0.2, 0.3)
+    )
+    slow, burst = own.at("slow"), own.at("burst")
+    assert (slow.contraction, slow.lag, slow.ticks_per_beat) == ((0.1, 0.5), 2.0, 30)
+    assert (burst.contraction, burst.lag) == ((0.2, 0.3), old.lag)
+    assert own.at("fast") is own and own.at("medium").contraction == old.contraction
     # Old files have no new keys, and written plans are read again.
     assert not {"burst", "slow_ticks"} & msgspec.to_builtins(old).keys()
     assert msgspec.convert(msgspec.to_builtins(graded), SwimPlan) == graded

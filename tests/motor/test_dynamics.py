@@ -2,10 +2,12 @@
 
 from itertools import product
 
+import msgspec
 import numpy as np
 import pytest
 
 from subsea.biomechanics.body import body_frame, build_body
+from subsea.biomechanics.body_plan import GRADES
 from subsea.biomechanics.controllers import (
     LEFT,
     RIGHT,
@@ -19,7 +21,7 @@ from subsea.biomechanics.solver import STEPS_PER_TICK, STRAIN_LIMITS
 from subsea.fish.species import load_species, muscular_names
 from subsea.geometry.rotation import about, from_matrix, matrix, multiply
 from subsea.motor.containment import roll_of
-from subsea.motor.controller import MAX_PITCH_RAD
+from subsea.motor.controller import MAX_PITCH_RAD, ROW_PITCH_RAD
 from subsea.motor.dynamics import (
     SCULL_SPEED,
     Integration,
@@ -29,6 +31,7 @@ from subsea.motor.dynamics import (
     roll_rate,
     swim_live,
 )
+from subsea.motor.playback import ROW
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -53,15 +56,31 @@ def _travel(tank, before, ticks):
     return tank.fishes.position[0] - begin
 
 
+def _geared(swim, gear, phase):
+    """Contractions (T, 12) of a beat: those of a grade, or between those of two grades."""
+    whole = {1: swim.at("slow"), 2: swim.at("medium"), 3: swim}
+    if gear in whole:
+        return swim_contraction(whole[gear], phase, swim.amplitude(GRADES[int(gear) - 1]))
+    lower, upper = int(gear), int(gear) + 1
+    share = gear - lower
+    low, high = (swim.amplitude(GRADES[one - 1]) for one in (lower, upper))
+    parts = np.outer((1 - share) * low, whole[lower].contraction)
+    parts += np.outer(share * high, whole[upper].contraction)
+    lag = (1 - share) * whole[lower].lag + share * whole[upper].lag
+    between = msgspec.structs.replace(swim, contraction=tuple(parts[0]), lag=lag)
+    return swim_contraction(between, phase)
+
+
 @every_species
-def test_muscles_contract_as_the_plain_controllers_say(make_tank, species):
+@pytest.mark.parametrize("gear", [1, 2, 2.4, 3])
+def test_muscles_contract_as_the_plain_controllers_say(make_tank, species, gear):
     plan = load_species(species)
     bodies = make_tank(species).dynamics.bodies
     bend = plan.turn.gradual
     for side, phase in product((LEFT, RIGHT), np.linspace(0.0, 6.0, 7)):
         lengths = np.empty(12)
-        contract(bodies, 0, phase, 0.6, side * np.array(bend), lengths)
-        contraction = swim_contraction(plan.swim, phase, 0.6) + bend_contraction(bend, side)
+        contract(bodies, 0, phase, gear, side * np.array(bend), lengths)
+        contraction = _geared(plan.swim, gear, phase) + bend_contraction(bend, side)
         expected = muscle_lengths(build_body(plan.body), contraction)[0]
         np.testing.assert_allclose(lengths, expected, rtol=1e-12, err_msg=f"{side}, {phase}")
 
@@ -76,10 +95,10 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     begin = live.phase[0]
     assert live.fish[0] == 0
     assert swim_live(tank.fishes, tank.library, bodies, live, USUAL)[0]
-    # The kernel eases amplitude, tempo and bend first, then holds them for the tick.
+    # The kernel eases gear, tempo and bend first, then holds them for the tick.
     beat = 2 * np.pi / (plan.swim.ticks_per_beat * STEPS_PER_TICK) * live.tempo[0]
     steps = beat * np.arange(STEPS_PER_TICK)
-    contraction = swim_contraction(plan.swim, begin + steps, live.amplitude[0])
+    contraction = _geared(plan.swim, live.gear[0], begin + steps)
     contraction += bend_contraction(tuple(np.abs(live.bend[0])), np.sign(live.bend[0, 0]))
     simulate(build_body(plan.body), state, contraction)
     origin = body_frame(state.x)[0]
@@ -146,7 +165,8 @@ def test_fins_climb_and_dive(make_tank, species):
         tank.aim(0.0, speed, np.radians(climb))
         way = _travel(tank, 300, 56)
         angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
-        steepest = np.degrees(MAX_PITCH_RAD)
+        rows = tank.fishes.wanted_segment[0] == ROW
+        steepest = np.degrees(ROW_PITCH_RAD if rows else MAX_PITCH_RAD)
         # Slow water gives fins the less hold; the tang sways from side to side and is slower.
         near = 11 if speed < 0.5 or species == "blue_tang" else 7
         assert angle == pytest.approx(np.clip(climb, -steepest, steepest), abs=near), climb

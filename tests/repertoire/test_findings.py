@@ -43,11 +43,11 @@ def test_each_fault_of_recorded_motion_is_a_sentence(fusilier):
     of = fusilier.segments
     left, right = of["turn_left_gradual"], of["turn_right_gradual"]
     cases = {
-        "The burst swim turns by +31.7° a beat": {"swim_burst": left},
-        "A gradual turn to either side turns the wrong way, by 32° a beat": {
+        "The burst swim turns by +29.6° a beat": {"swim_burst": left},
+        "A gradual turn to either side turns the wrong way, by 30° a beat": {
             "turn_left_gradual": right, "turn_right_gradual": left,
         },
-        "A sharp turn to the left turns the wrong way, by 90°": {
+        "A sharp turn to the left turns the wrong way, by 89°": {
             "turn_left_sharp": of["turn_right_sharp"],
         },
         "A gradual turn to the right turns the fish by 9° a beat; 10° are expected": {
@@ -103,7 +103,10 @@ def test_a_body_whose_medium_beat_turns_is_found_though_it_is_symmetric():
         other_stiffness=224.08039339071644, viscosity=1.3388825993627076,
     )  # fmt: skip
     gait = (0.42259030761691696, 0.4059365023906345)
-    swim = structs.replace(base.swim, contraction=gait, lag=1.311736365578999)
+    swim = structs.replace(
+        base.swim, contraction=gait, lag=1.311736365578999, medium=0.709, medium_ticks=29,
+        medium_contraction=None, medium_lag=None,
+    )  # fmt: skip
     trial = run_trial(base._replace(body=body, swim=swim), "swim_medium")
     segment = make_segment(trial.frames, body.length, "forward", "medium", True)
     motion = FishMotion({"swim_medium": segment}, body.length)

@@ -43,7 +43,7 @@ def test_a_file_whose_body_is_unstable_is_opened_and_mended(tmp_path):
     """Commands refuse it; only the builder can mend it."""
     path = tmp_path / "stiff.toml"
     text = species_file("fusilier").read_text(encoding="utf-8")
-    path.write_text(text.replace("muscle_stiffness = 258.0", "muscle_stiffness = 2580.0"))
+    path.write_text(text.replace("muscle_stiffness = 98.6", "muscle_stiffness = 2580.0"))
     with pytest.raises(UserError, match="too light for the stiffness"):
         load_species(str(path))
     draft = read_draft(path)
@@ -55,7 +55,7 @@ def test_a_file_whose_body_is_unstable_is_opened_and_mended(tmp_path):
     softer = with_value(draft, ("body", "muscle_stiffness"), 1500.0)  # not enough
     save_draft(softer, path)
     assert read_draft(path).species == softer.species
-    mended = with_value(softer, ("body", "muscle_stiffness"), 258.0)
+    mended = with_value(softer, ("body", "muscle_stiffness"), 98.6)
     assert mended.species == load_species("fusilier")
     save_draft(mended, path)
     assert load_species(str(path)) == mended.species

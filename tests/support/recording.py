@@ -3,25 +3,17 @@
 from collections.abc import Callable
 from functools import cache
 
-import numpy as np
-import pytest
-
 from capture.recording.batch import is_up_to_date
 from capture.recording.record import Recorded, record_segment
 from subsea.base.system import resource_path
 from subsea.biomechanics import manoeuvres
 from subsea.biomechanics.body_plan import Muscles
-from subsea.biomechanics.trial import Trial, deformation
+from subsea.biomechanics.trial import Trial
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.repertoire import Repertoire, Segment, read_repertoire
 from subsea.repertoire.transitions import Transitions, plan_transitions
 
-SAME_BL = 1e-6  # distance of nodes in the same turn of another processor, body lengths
-search, attempt = manoeuvres._left_turn, manoeuvres._with_couple
-
-
-class TurnFoundError(Exception):
-    """Ends a search with the turn of the file."""
+search = manoeuvres._left_turn
 
 
 @cache
@@ -36,36 +28,15 @@ def shipped_motion(motion: Muscles) -> Repertoire | None:
 
 
 @cache
-def known_turn(motion: Muscles, left: str) -> Trial:
-    """The turn that the search finds, to the last bit: only the couple of the file is tried.
+def known_turn(motion: Muscles, left: str, rounds: int) -> Trial:
+    """The turn that the search finds: only the bend of the file is tried.
 
     It is searched for a fish that is not shipped, or after a change of the code that records.
     """
     shipped = shipped_motion(motion)
-    if shipped is None:
-        return search(motion, left)
-    nodes, couple = shipped.segments[left].nodes, shipped.provenance["couples"].get(left, 0.0)
-
-    def tried(fish: manoeuvres.Turner, *how: object) -> Trial:
-        trial = attempt(fish, *how)
-        seen = deformation(trial.frames[1:])
-        if (
-            len(seen) == len(nodes)
-            and np.abs(seen - nodes).max() < SAME_BL * shipped.body_length_cm
-        ):
-            raise TurnFoundError(trial._replace(couple=couple))
-        return trial
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(manoeuvres, "COUPLES", (couple,))
-        patch.setattr(manoeuvres, "TOLERANCE_DEG", np.inf)  # no couple nearer to the angle
-        patch.setattr(manoeuvres, "CLOSE_DEG", -np.inf)  # nor the first one that is near
-        patch.setattr(manoeuvres, "_with_couple", tried)
-        try:
-            search.__wrapped__(motion, left)
-        except TurnFoundError as found:
-            return found.args[0]
-    return search(motion, left)
+    if shipped is None or rounds < manoeuvres.ROUNDS:
+        return search(motion, left, rounds)
+    return manoeuvres.Turner(motion, left).swim(manoeuvres.Bend(*shipped.provenance["bends"][left]))
 
 
 def forget_turns() -> None:

@@ -13,14 +13,16 @@ from subsea.biomechanics.body import (
     UNITS,
     Floats,
     Material,
+    axes_of,
     build_body,
+    origin_of,
 )
 from subsea.biomechanics.body_plan import Muscles
 from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import EDGE_ON
 from subsea.biomechanics.reactive_water import sections_of
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, advance
-from subsea.geometry.vector import Vector, cross, dot, minus, plus, store, times, unit, vector
+from subsea.geometry.vector import Vector, dot, minus, plus, store, times, vector
 from subsea.kernels import kernel
 from subsea.kernels.struct_ref import Kind, by_pointer
 from subsea.motor.dynamics import BEND_EASE, FIN_AREA, SCULL_SPEED
@@ -232,20 +234,6 @@ def observe_one(bodies: SwimBodies, i: int) -> None:
 def bounded(value: float) -> float:
     """Clip a value to the bounds of the observation space."""
     return min(max(value, -BOUND), BOUND)
-
-
-@kernel
-def origin_of(x: Array) -> Vector:
-    """Compute the origin of the body frame of nodes (23, 3), as in `biomechanics.body_frame`."""
-    return times(0.5, plus(vector(x[5]), vector(x[7])))
-
-
-@kernel
-def axes_of(x: Array, origin: Vector) -> tuple[Vector, Vector, Vector]:
-    """Compute the axes ahead, up and right of the body frame, as in `biomechanics.body_frame`."""
-    ahead = unit(minus(vector(x[0]), origin))
-    up = unit(cross(ahead, minus(vector(x[5]), vector(x[6]))))
-    return ahead, up, cross(ahead, up)
 
 
 @kernel

@@ -94,7 +94,7 @@ def test_recording_warns_of_turns_that_go_the_wrong_way(recorded, tmp_path, caps
     assert main(["record", "fusilier", "--out", str(tmp_path)]) == 0
     first, warning = capsys.readouterr().out.splitlines()
     assert first == f"{path}: up to date"
-    assert warning.startswith("  warning: A sharp turn to the left turns the wrong way, by 90°.")
+    assert warning.startswith("  warning: A sharp turn to the left turns the wrong way, by 89°.")
 
 
 def test_an_installed_package_is_not_written_into(tmp_path, monkeypatch, capsys):

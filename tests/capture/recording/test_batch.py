@@ -140,7 +140,7 @@ def test_a_segment_is_saved_exactly(name, tmp_path):
     segment = recorded.segment
     save_segment(tmp_path, name, species, "turn_left_sharp", recorded)
     ((back, *numbers),) = finished_segments(tmp_path, name, species).values()
-    assert numbers == [recorded.warm_up_beats, recorded.couple]
+    assert numbers == [recorded.warm_up_beats, recorded.bend]
     for field in dataclasses.fields(segment):
         ours, theirs = getattr(segment, field.name), getattr(back, field.name)
         if field.name == "control_points" and ours is not None:
