@@ -4,7 +4,7 @@
 #include "individual.glsl"
 
 uniform float u_without;     // number of the fish through whose eyes this is, below 0 nobody's
-uniform sampler2D u_table;   // control points: column by point, row by recorded frame
+uniform sampler2D u_table;   // control points of recorded frames: see table_place
 uniform sampler2D u_places;  // column by vertex, row by species: place on the atlas of skins,
                              // third -1 if there is no such fin
 
@@ -34,8 +34,8 @@ flat out float v_object_id;
 const float WRAP = 0.25;
 
 vec3 control(float point) {
-    vec3 a = texelFetch(u_table, ivec2(int(point), int(i_pose.x)), 0).xyz;
-    vec3 b = texelFetch(u_table, ivec2(int(point), int(i_pose.y)), 0).xyz;
+    vec3 a = texelFetch(u_table, table_place(int(point), int(i_pose.x)), 0).xyz;
+    vec3 b = texelFetch(u_table, table_place(int(point), int(i_pose.y)), 0).xyz;
     return mix(a, b, i_pose.z);
 }
 

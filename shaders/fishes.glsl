@@ -23,3 +23,11 @@ layout(std140) uniform Looks {
     vec4 frames[5];  // left, bottom, width, height, shares of a skin: the fins, as parts are
                      // numbered (dorsal, ventral, pectoral, pelvic), then the body
 };
+
+// Column and row of a control point of a recorded frame in their table: blocks of TABLE_ROWS frames
+// stand side by side, as drivers limit the height of a texture.
+const int CONTROL_POINTS = 426, TABLE_ROWS = 4096;
+
+ivec2 table_place(int point, int frame) {
+    return ivec2(point + CONTROL_POINTS * (frame / TABLE_ROWS), frame % TABLE_ROWS);
+}

@@ -5,7 +5,7 @@
 #include "mouth.glsl"
 
 uniform float u_without;     // number of the fish through whose eyes this is, below 0 nobody's
-uniform sampler2D u_table;     // control points: column by point, row by recorded frame
+uniform sampler2D u_table;     // control points of recorded frames: see table_place
 uniform sampler2D u_vertices;  // column by vertex, row by species: place on the skin, first
                                // control point of the 3×3 or -1 for none, place along the patch
 
@@ -56,9 +56,9 @@ const float JOINT = 0.25;  // of the jaws behind the corner of the mouth, length
 const float LEAN = 0.35;  // of a paddle's plane, outwards
 
 vec3 control(int point) {
-    point = min(point, textureSize(u_table, 0).x - 1);
-    vec3 a = texelFetch(u_table, ivec2(point, int(i_pose.x)), 0).xyz;
-    vec3 b = texelFetch(u_table, ivec2(point, int(i_pose.y)), 0).xyz;
+    point = min(point, CONTROL_POINTS - 1);
+    vec3 a = texelFetch(u_table, table_place(point, int(i_pose.x)), 0).xyz;
+    vec3 b = texelFetch(u_table, table_place(point, int(i_pose.y)), 0).xyz;
     return mix(a, b, i_pose.z);
 }
 

@@ -50,6 +50,7 @@ NO_TRIANGLE = np.zeros((1, 3), np.int32)
 NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 
 AT_ONCE = 128  # instances of a `FishShape`
+TABLE_ROWS = 4096  # of the table of control points, as in shaders/fishes.glsl
 
 # Texels around each skin that repeat its border: one texel at the coarsest mipmap.
 GUTTER = 2**COARSEST
@@ -74,7 +75,7 @@ class FishRenderer(GpuOwner):
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
         self._context = context
-        self._table = self.own(table(context, _texels(scene.control_points)))
+        self._table = self.own(table(context, folded(_texels(scene.control_points))))
         self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
         self._skins = self.own(_atlas(context, scene.species, skins))
         looks = _looks(scene.species, scene.recorded_length_cm)
@@ -113,10 +114,10 @@ class FishRenderer(GpuOwner):
         # Never empty: the first call of a program reads one instance.
         records = packet.instances if len(packet.instances) else NOBODY
         replace_data(self._instances, np.ascontiguousarray(records))
-        rows, points = packet.live_points.shape[:2]
-        if rows:
-            place = 0, packet.live_row, points, rows
-            self._table.write(_texels(packet.live_points).tobytes(), viewport=place)
+        points = packet.live_points.shape[1]
+        for k, texels in enumerate(_texels(packet.live_points), start=packet.live_row):
+            block, row = divmod(k, TABLE_ROWS)
+            self._table.write(texels.tobytes(), viewport=(points * block, row, points, 1))
 
     def update(
         self, species: tuple[Species, ...], length_cm: tuple[float, ...],
@@ -224,6 +225,16 @@ def _defines(own: tuple[str, ...], defines: tuple[str, ...]) -> tuple[str, ...]:
 def _texels(points: Array) -> Array:
     """Control points (rows, n, 3) as texels (rows, n, 4)."""
     return np.pad(np.asarray(points, np.float32), ((0, 0), (0, 0), (0, 1)))
+
+
+def folded(texels: Array) -> Array:
+    """Texels (rows, n, 4) with blocks of TABLE_ROWS side by side: `table_place` of fishes.glsl."""
+    rows, points, planes = texels.shape
+    if rows <= TABLE_ROWS:
+        return texels
+    blocks = np.pad(texels, ((0, -rows % TABLE_ROWS), (0, 0), (0, 0)))
+    blocks = blocks.reshape(-1, TABLE_ROWS, points, planes)
+    return np.ascontiguousarray(blocks.swapaxes(0, 1)).reshape(TABLE_ROWS, -1, planes)
 
 
 class DrawnVertices(NamedTuple):

@@ -8,6 +8,7 @@ import pytest
 from subsea.frame import packet as frame
 from subsea.geometry.rotation import x_axis
 from subsea.motor.pose import control_points_world
+from subsea.rendering.fish.fishes import TABLE_ROWS
 from subsea.scenario.load import load_scenario
 from subsea.submarine.vessel import NEUTRAL
 from subsea.view.display_rigs import views_for
@@ -52,6 +53,21 @@ def test_the_picture_is_that_of_rows_that_were_there_from_the_start(drawn, world
     live = drawn(packet, scene=replace(scene, control_points=blank))
     rows = replace(packet, live_points=nothing)
     np.testing.assert_array_equal(live, drawn(rows, scene=replace(scene, control_points=full)))
+
+
+def test_a_table_may_have_more_rows_than_a_texture(drawn, world):
+    """Rows stand in blocks side by side; here simulated fishes cross the border of two blocks."""
+    packet = _packet(world, np.flatnonzero(world.state.fishes.live)[0], 0.4)
+    scene = frame.make_scene(world)
+    more = 5 * TABLE_ROWS - packet.live_row - 1
+    assert more + packet.live_row > 16_384  # the greatest height of many drivers
+    records = packet.instances.copy()
+    records[:, [frame.ROW_A, frame.ROW_B]] += more
+    blank = np.zeros((more, *scene.control_points.shape[1:]), np.float32)
+    table = np.concatenate([blank, scene.control_points])
+    far = replace(packet, instances=records, live_row=packet.live_row + more)
+    usual = drawn(packet, scene=scene)
+    np.testing.assert_array_equal(drawn(far, scene=replace(scene, control_points=table)), usual)
 
 
 def test_the_silhouette_is_where_the_oracle_has_the_control_points(drawn, world):
