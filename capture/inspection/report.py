@@ -15,9 +15,9 @@ from capture.recording.record import Motion, motion_from_provenance
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES, Floats, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
-from subsea.biomechanics.solver import STEP, STEPS_PER_TICK
+from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S
 from subsea.fish.surface import SurfacePlan, along
-from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, read_repertoire
+from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment, read_repertoire
 
 HEADINGS = (
     "segment", "pattern", "grade", "frames", "cyclic", "cm/s", "L/s", "L/beat", "turn °",
@@ -210,3 +210,11 @@ def glide_drag(motion: Motion, surface: SurfacePlan, speed: float) -> float:
     mass = float(build_body(motion.body).mass.sum())
     area = wetted_area(surface) * motion.body.length**2
     return drag_coefficient(glide(motion, speed), STEPS_PER_TICK * STEP, mass, area)
+
+
+def coast_drag(motion: Motion, surface: SurfacePlan, coast: Segment) -> float:
+    """Drag coefficient of a recorded coast, from the speed that it loses in a tick."""
+    mass = float(build_body(motion.body).mass.sum())
+    area = wetted_area(surface) * motion.body.length**2
+    way = coast.speed_cm_s * TICK_S  # in a tick
+    return 2.0 * mass * coast.slowing / (WATER_DENSITY * area * way)

@@ -16,7 +16,7 @@ from capture.inspection.kinematics import (
     turning_radius,
     wing_amplitude,
 )
-from capture.inspection.report import expected_strouhal, glide_drag
+from capture.inspection.report import coast_drag, expected_strouhal, glide_drag
 from capture.recording.record import motion_from_provenance
 from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S
@@ -33,7 +33,7 @@ NEAR = 0.3  # relative distance from a line that counts as near
 SWIMS = ("swim_slow", "swim_medium", "swim_fast", "swim_burst")
 TURNS = tuple(
     f"turn_{side}_{grade}"
-    for grade in ("sharp", "rest", "glide", "gradual")
+    for grade in ("sharp", "rest", "glide", "gradual", "row", "coast")
     for side in ("left", "right")
 )
 ROW = "row_forward"
@@ -262,3 +262,8 @@ def _drag(
     speed = repertoire.segments["swim_fast"].speed_cm_s * TIME_UNIT_S
     drag = glide_drag(motion, species.surface, speed)
     yield published(found.species, "drag coefficient of a glide", drag, "", table.coasting.drag)
+    if coast := repertoire.segments.get("swim_coast"):
+        drag = coast_drag(motion, species.surface, coast)
+        note = "recorded coast"
+        yield published(found.species, "drag coefficient of a coast", drag, "",
+                        table.coasting.drag, note)  # fmt: skip

@@ -10,7 +10,10 @@ from capture.recording.segment import record_spine_segment, spine_segments
 from capture.recording.spine_motion import nodes_at_rest
 from subsea.biomechanics.body import build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan, TurnPlan
-from subsea.biomechanics.rowing import row_ticks
+from subsea.biomechanics.coasting import row_turn
+from subsea.biomechanics.controllers import RIGHT
+from subsea.biomechanics.manoeuvres import mirrored
+from subsea.biomechanics.rowing import oars_of, row_ticks
 from subsea.biomechanics.simulation import at_rest
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S, TIME_UNIT_S
 from subsea.biomechanics.trial import Trial
@@ -20,18 +23,24 @@ from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, rest_control_points
 from subsea.repertoire import SEGMENTS, Repertoire, Segment
 from subsea.repertoire.schema import ACYCLIC
-from subsea.repertoire.segments import make_segment, run_trial
+from subsea.repertoire.segments import make_segment, run_trial, side_of
 
 Motion = Muscles  # the three plans that determine how a species moves
+ROWED = ("row_forward", "turn_left_row", "turn_right_row")  # segments of species that row
 
 
-def row_trial(species: Species) -> Trial:
+def row_trial(species: Species, name: str) -> Trial:
     """One steady stroke of the pectoral fins; ValueError for a species that does not row."""
     motion, fin = motion_of(species), species.surface.pectoral
     if not (species.row and fin):
         raise ValueError(f"{species.name} does not row")
     body, length = build_body(motion.body), motion.body.length
-    steps = row_ticks(body, species.row, (fin.length * length, fin.width * length))
+    size = fin.length * length, fin.width * length
+    if name != "row_forward":
+        oars = oars_of(body, species.row, size)
+        trial = row_turn(motion, oars, species.row.ticks_per_stroke)
+        return mirrored(trial) if side_of(name) == RIGHT else trial
+    steps = row_ticks(body, species.row, size)
     frames = np.repeat(body.rest[None], len(steps) + 1, axis=0)
     frames[1:, :, 0] += np.cumsum(steps)[:, None]
     return Trial(frames, at_rest(body))
@@ -53,8 +62,8 @@ def record_segment(species: Species, name: str) -> Recorded:
     if species.spine:
         return Recorded(record_spine_segment(species.spine, species.surface, name))
     motion = motion_of(species)
-    trial = row_trial(species) if name == "row_forward" else run_trial(motion, name)
     grade = name.rpartition("_")[2]
+    trial = row_trial(species, name) if name in ROWED else run_trial(motion, name)
     segment = make_segment(
         trial.frames,
         species.length_cm,
@@ -62,6 +71,7 @@ def record_segment(species: Species, name: str) -> Recorded:
         grade=grade,
         cyclic=grade not in ACYCLIC,
         coupling=_surface_coupling(species.surface, motion.body) if species.schooling else None,
+        slowing=trial.slowing,
     )
     return Recorded(segment, trial.warm_up_beats, trial.bend)
 
@@ -98,7 +108,7 @@ def segments_of(species: Species) -> tuple[str, ...]:
     """The segments that are recorded of a species, in the order of SEGMENTS."""
     if species.spine:
         return spine_segments(species.spine)
-    missing = set() if species.row else {"row_forward"}
+    missing = set() if species.row else set(ROWED)
     if "burst" not in motion_of(species).swim.grades:
         missing.add("swim_burst")
     return tuple(name for name in SEGMENTS if name not in missing)

@@ -8,6 +8,7 @@ from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Segment
 from subsea.repertoire.schema import ACYCLIC
 from subsea.repertoire.segments import make_segment
 
+FIN_GRADES = ("forward", "row", "coast")  # of segments that need muscles or pectoral fins
 GLIDES = ("turn_left_glide", "turn_right_glide")
 
 
@@ -21,7 +22,7 @@ def spine_segments(plan: SpinePlan) -> tuple[str, ...]:
     if plan.wings:
         names = {*BASIC_SEGMENTS, *GLIDES, "swim_burst"}
     else:
-        names = set(SEGMENTS) - {"row_forward"}
+        names = {name for name in SEGMENTS if name.rpartition("_")[2] not in FIN_GRADES}
     if plan.burst is None:
         names -= {"swim_burst"}
     return tuple(name for name in SEGMENTS if name in names)

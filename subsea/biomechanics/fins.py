@@ -32,7 +32,8 @@ ROLL_GAIN, PITCH_GAIN = 2.0, 6.0
 UP = np.array([0.0, 1.0, 0.0])
 """Up in the world of a simulation, whose axes are those of a fish at rest."""
 
-_SIDE = np.tile(RING_LEFT, 3)  # of nodes 1 to 12, which carry the fins
+MIDSECTION = slice(1, 13)  # nodes that carry the fins ...
+_SIDE = np.tile(RING_LEFT, 3)  # ... and their sides
 
 
 def pectoral_force(
@@ -45,13 +46,22 @@ def pectoral_force(
     is the speed at which the fins themselves sweep forwards along the body.
     """
     rotation = body_frame(state.x)[1]
-    midsection = slice(1, 13)
-    velocity = state.v[midsection].mean(axis=0) - water + rowing * rotation[:, 0]
-    force = np.zeros((NODES, 3))
-    for side, angle in ((1.0, left), (-1.0, right)):
+    velocity = state.v[MIDSECTION].mean(axis=0) - water + rowing * rotation[:, 0]
+    pushes = []
+    for angle in (left, right):
         normal = np.cos(angle) * rotation[:, 0] + np.sin(angle) * rotation[:, 1]
-        push = -area * np.linalg.norm(velocity) * (normal @ velocity) * normal
-        force[midsection][side == _SIDE] = push / 6.0
+        pushes.append(-area * np.linalg.norm(velocity) * (normal @ velocity) * normal)
+    return side_force(np.array(pushes))
+
+
+def side_force(push: Floats) -> Floats:
+    """Forces (23, 3) of ``push`` (2, 3) on the left and the right side of the midsection.
+
+    The nodes of a side share its push.
+    """
+    force = np.zeros((NODES, 3))
+    for side, own in zip((1.0, -1.0), push, strict=True):
+        force[MIDSECTION][side == _SIDE] = own / 6.0
     return force
 
 

@@ -135,9 +135,9 @@ def hull_drag(body: Body) -> float:
     )
 
 
-def row_ticks(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Floats:
-    """Distances (T,), cm, of the ticks of a steady stroke with fins of length and width ``fin``."""
-    oars = Oars(
+def oars_of(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Oars:
+    """The fins of length and width ``fin``, cm, that drive a body."""
+    return Oars(
         *fin,
         np.radians(plan.amplitude),
         plan.ticks_per_stroke * STEPS_PER_TICK * STEP,
@@ -145,6 +145,11 @@ def row_ticks(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Floats:
         hull_drag(body),
         plan.flaps,
     )
+
+
+def row_ticks(body: Body, plan: RowPlan, fin: tuple[float, float]) -> Floats:
+    """Distances (T,), cm, of the ticks of a steady stroke with fins of length and width ``fin``."""
+    oars = oars_of(body, plan, fin)
     per_tick = STEPS_PER_TICK * SUBSTEPS
     speeds = steady_stroke(oars, plan.ticks_per_stroke * per_tick)
     mean = 0.5 * (speeds[1:] + speeds[:-1]).reshape(plan.ticks_per_stroke, per_tick).mean(axis=1)

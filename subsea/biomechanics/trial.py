@@ -35,6 +35,7 @@ class Trial(NamedTuple):
     state: BodyState
     warm_up_beats: int = 0
     bend: tuple[float, ...] = ()  # of a turn: how it bends, see `biomechanics.manoeuvres.Bend`
+    slowing: float = 0.0  # share of its speed that a fish loses in a tick, where nothing drives it
 
 
 def deformation(frames: Floats) -> Floats:

@@ -100,6 +100,8 @@ def write_repertoire(path: Path, repertoire: Repertoire) -> None:
                 group.attrs[key] = hdf5.text(getattr(segment, key))
             for key in ("cyclic", "speed_cm_s", "turn_deg", "loop_error_bl", "bounding_radius_bl"):
                 group.attrs[key] = getattr(segment, key)
+            if segment.slowing:
+                group.attrs["slowing"] = segment.slowing
         if all(name in repertoire.segments for name in BASIC_SEGMENTS):
             known = [repertoire.segments[name] for name in repertoire.recorded_names()]
             plan = plan_transitions(known)
@@ -151,6 +153,11 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
     points = None
     if hdf5.has_member(group, "control_points"):
         points = hdf5.array(group, "control_points", (frames, CONTROL_POINTS, 3), where)
+    slowing: float = 0.0
+    if "slowing" in group.attrs:
+        slowing = hdf5.attribute(group, "slowing", float, where)
+        if not 0.0 <= slowing < 1.0:
+            raise UserError(f"slowing is {slowing:g}, expected 0 to 1", file=where)
     for name, values in (("increment_translation", translation), ("nodes", nodes)):
         _within(values, length, f"{where}/{name}")
     if points is not None:
@@ -167,6 +174,7 @@ def _read_segment(group: Any, length: float, where: str) -> Segment:
         turn_deg=hdf5.attribute(group, "turn_deg", float, where),
         loop_error_bl=hdf5.attribute(group, "loop_error_bl", float, where),
         bounding_radius_bl=_positive(group, "bounding_radius_bl", where),
+        slowing=slowing,
     )
 
 

@@ -42,6 +42,7 @@ SWAY_DEG = 10.0  # by which a fish may roll to each side within a beat
 PER_BEAT = 0.35  # body lengths in fast swimming: docs/developers/biomechanics-figures.md
 FASTER = 1.05  # least ratio of the speeds of two grades
 LEAST_TURN_DEG = 10.0  # of a gradual turn, by beat
+LEAST_CYCLE_DEG = {"gradual": LEAST_TURN_DEG, "row": 4.0, "coast": 1.0}  # of turns that go on
 LEAST_SHARP_DEG = 20.0  # of any other turn
 SIDES = ("left", "right")
 TURNS = {
@@ -51,7 +52,10 @@ TURNS = {
     "glide": "turn from a glide",
     "moderate": "moderate escape",
     "wide": "wide escape",
+    "coast": "turn in a coast",
+    "row": "rowing turn",
 }
+CYCLES = {"gradual": " a beat", "row": " a stroke", "coast": " in four ticks"}
 CALM = "Contract the swimming muscles less, or let Learn find a calmer gait."
 
 _good, _warning, _fault = (partial(FishFinding, severity) for severity in Severity)
@@ -158,11 +162,11 @@ def _speeds(swims: Mapping[str, Segment], length_cm: float) -> list[FishFinding]
 
 def _turn(name: str, segment: Segment, advice: Mapping[str, str]) -> list[FishFinding]:
     """Judge a turn or an escape."""
-    gradual = segment.grade == "gradual"
+    cycle = CYCLES.get(segment.grade, "")
     turned = segment.turn_deg * (1.0 if "left" in name else -1.0)
-    least = LEAST_TURN_DEG if gradual else LEAST_SHARP_DEG
-    by = f"{round(abs(turned))}°{' a beat' if gradual else ''}"
-    remedy = advice.get(name, "Contract the turning muscles more." if gradual else CALM)
+    least = LEAST_CYCLE_DEG[segment.grade] if cycle else LEAST_SHARP_DEG
+    by = f"{round(abs(turned))}°{cycle}"
+    remedy = advice.get(name, "Contract the turning muscles more." if cycle else CALM)
     if round(turned) < 0:
         return [_fault(f"A {words_of(name)} turns the wrong way, by {by}. {remedy}")]
     if round(turned) < least:

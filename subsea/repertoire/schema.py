@@ -29,6 +29,8 @@ GRADES = (
     "start",
     "stop",
     "forward",
+    "coast",
+    "row",
 )
 
 ACYCLIC = ("sharp", "moderate", "wide", "rest", "glide", "start", "stop")  # grades: played once
@@ -58,6 +60,18 @@ SUBSTITUTES = {
     "swim_start": "swim_medium",
     "swim_stop": "swim_slow",
     "row_forward": "swim_slow",
+    "swim_coast": "swim_slow",
+    "turn_left_coast": "turn_left_gradual",
+    "turn_right_coast": "turn_right_gradual",
+    "turn_left_row": "turn_left_gradual",
+    "turn_right_row": "turn_right_gradual",
+}
+
+# Swims and their turns to left and right that bend the body step by step.
+FAMILIES = {
+    "swim_medium": ("turn_left_gradual", "turn_right_gradual"),
+    "swim_coast": ("turn_left_coast", "turn_right_coast"),
+    "row_forward": ("turn_left_row", "turn_right_row"),
 }
 
 # The code of a segment in `state.fishes.segment` is its place in this list.
@@ -83,6 +97,8 @@ class Segment:
     turn_deg: float  # change of heading over the segment, left positive
     loop_error_bl: float  # gap between last and first frame, body lengths
     bounding_radius_bl: float  # farthest node from the origin, body lengths
+    # The share of this speed that the fish loses in a row, where nothing drives it.
+    slowing: float = 0.0
 
 
 class Transitions(NamedTuple):

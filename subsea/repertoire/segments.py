@@ -7,8 +7,9 @@ import numpy as np
 
 from subsea.biomechanics.body import Floats, body_frame, build_body, to_body
 from subsea.biomechanics.body_plan import Muscles as Motion
+from subsea.biomechanics.coasting import coast
 from subsea.biomechanics.controllers import LEFT, RIGHT
-from subsea.biomechanics.manoeuvres import manoeuvre
+from subsea.biomechanics.manoeuvres import manoeuvre, mirrored
 from subsea.biomechanics.solver import TICK_S
 from subsea.biomechanics.trial import STRAIGHT, Trial, grade_contraction, steady_beat
 from subsea.fish.skinning import Coupling, place
@@ -27,13 +28,17 @@ def steady_contraction(motion: Motion, name: str) -> Floats:
 
 def side_of(name: str) -> float:
     """LEFT or RIGHT: the side of a turn, by the name of its segment."""
-    return LEFT if "left" in name else RIGHT
+    return RIGHT if "right" in name else LEFT
 
 
 def run_trial(motion: Motion, name: str) -> Trial:
     """Simulate the trial of the segment ``name``."""
-    if name.rpartition("_")[2] in ACYCLIC:
+    kind, _, grade = name.rpartition("_")
+    if grade in ACYCLIC:
         return manoeuvre(motion, name)
+    if grade == "coast":
+        trial = coast(motion, kind != "swim")
+        return mirrored(trial) if side_of(name) == RIGHT else trial
     return steady_beat(build_body(motion.body), steady_contraction(motion, name))
 
 
@@ -45,6 +50,7 @@ def make_segment(
     cyclic: bool,
     coupling: Coupling | None = None,
     surface: Floats | None = None,
+    slowing: float = 0.0,
 ) -> Segment:
     """The segment of states ``frames`` (T + 1, 23, 3), world axes, cm.
 
@@ -75,6 +81,7 @@ def make_segment(
         turn_deg=heading_change(rotation[0], rotation[-1]),
         loop_error_bl=float(np.linalg.norm(nodes[-1] - nodes[0], axis=1).max() / length),
         bounding_radius_bl=float(np.linalg.norm(reach, axis=2).max() / length),
+        slowing=slowing,
     )
 
 
