@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from subsea.base.arrays import Array, Bools, Ints
 from subsea.lab.measures import headings, runs
 from subsea.media.record import Record
+from subsea.repertoire.schema import FAMILIES
 from subsea.state import EAT, ESCAPE, PREDATOR
 
 BEATS_S = 1.0, 2.0, 4.0, 8.0  # stretches in which a beat is measured: the first long enough
@@ -62,7 +63,7 @@ class Swimming(NamedTuple):
     into: Counts  # ticks bent into the turn, of those with a bent body in a turn
     pitched: Counts  # ticks steeper than PITCHED_DEG, of those that do not row
     straight: Counts  # change of heading in straight segments, rad
-    idle: Counts  # stretches below the slowest stroke, without those that row
+    idle: Counts  # stretches below the slowest stroke, without those that row or coast
     hovering: Counts  # stretches slower than HOVER_SPEED
     longest_hover_s: float
 
@@ -95,10 +96,11 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     doing, predator = record.intention[:, those], record.kind[those] == PREDATOR
     hurried = (doing == ESCAPE) | ((doing == EAT) & predator)
     calm = alive & ~hurried & ~_in_escapes(record)[:, those]
-    rows = record.segment[:, those] == _code(record, "row_forward")
+    rows = _plays(record, "row_forward")[:, those]
+    still = rows | _plays(record, "swim_coast")[:, those]
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
-    strokes = short & ~rows[every // 2 :: every][: len(short)]
+    strokes = short & ~still[every // 2 :: every][: len(short)]
     hasty = short & hurried[every // 2 :: every][: len(short)]
     hover = short & (speed < HOVER_SPEED)
     steep = np.abs(np.degrees(np.arcsin(np.clip(forward[..., 2], -1.0, 1.0)))) > PITCHED_DEG
@@ -122,7 +124,9 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
 
 def _in_swims(record: Record) -> Bools:
     """Flag (T, n) where a fish swims straight with its tail."""
-    swims = np.array([name.startswith("swim") for name in record.segment_names])
+    swims = np.array(
+        [name.startswith("swim") and name != "swim_coast" for name in record.segment_names]
+    )
     return np.asarray(swims[record.segment])
 
 
@@ -136,8 +140,10 @@ def _ticks(seconds: float, tick_s: float) -> int:
     return max(round(seconds / tick_s), 2)
 
 
-def _code(record: Record, name: str) -> int:
-    return record.segment_names.index(name) if name in record.segment_names else -1
+def _plays(record: Record, name: str) -> Bools:
+    """Flag (T, n) where a fish swims by the segment `name` or turns by one of its family."""
+    names = name, *FAMILIES[name]
+    return np.asarray(np.isin(record.segment_names, names)[record.segment])
 
 
 def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:

@@ -5,27 +5,30 @@ import math
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.biomechanics.solver import TICK_S
 from subsea.geometry.noise import uniform
 from subsea.geometry.rotation import x_axis
 from subsea.kernels import kernel
 from subsea.motor.playback import (
+    BASE,
     BURST,
+    COAST,
     FAST,
     FIRST_CSTART,
     HURRIED,
     LAST_CSTART,
+    LEAST_TEMPO,
     LEFT_GLIDE,
-    LEFT_GRADUAL,
     LEFT_REST,
     LEFT_SHARP,
     MEDIUM,
-    RIGHT_GRADUAL,
     RIGHT_SHARP,
     ROW,
     SLOW,
     START,
     STOP,
     TEMPO,
+    TURNS,
     between,
     blends,
     is_cstart,
@@ -44,6 +47,7 @@ YAW_RATE = np.radians(30.0)  # rad/s: the fastest turn on the spot by pectoral f
 PITCH_RATE = np.radians(32.0)
 STEER_GAIN = 1.6  # 1/s: share of the angle closed per second
 BEND_GAIN = 2.5  # 1/s: likewise by bends, of the angle from the head, which leads the way
+STILL_GAIN = 1.5  # 1/s: likewise of a body without a beat, whose bend changes more slowly
 STEER_EASE = np.radians(90.0)  # rad/s², at the recorded pace: how fast that rate may change
 MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... in a burst ...
@@ -59,8 +63,14 @@ TURN_TEMPO = (1.0, 2.0)  # of sharp turns
 ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it ...
 TAIL_SHARE = 0.7  # ... or above this share of the fast swim
 KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
-CYCLE_S = 6.0  # of burst and coast below the slowest beat, at the recorded size
-COAST_TIME_S = 1.0  # time constant of a coasting body, at the recorded size
+RHYTHM = (0.15, 0.3)  # by which burst and coast leave the wanted speed, by a fish's identity
+STEADY = 0.8  # share of the fast swim from which a fish beats without pause ...
+SLOW_DOWN = 1.2  # ... unless it is so much faster than it wants to be
+REACHED = 1.1  # speed for which a burst beats, over that at which it ends
+HOVER = 0.1  # share of the slow swim below which a fish stands in the water
+BRAKING = 1.8  # speed over the wanted one from which fins brake a coast
+STAND_TIME_S = 1.0  # time constant of a fish that stops, at the recorded size
+CYCLE_S = 6.0  # of beats and stops below the slowest beat, without a recorded coast
 MOVING = 0.3  # share of the slow swim above which a fish need not start from rest
 MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
 MONOTONY_PURPOSE = np.int64(50)  # key of the random numbers
@@ -94,16 +104,18 @@ def command(who: Ints, fishes: Fishes, library: Library, clock: Clock) -> None:
         wanted = fishes.wanted_segment[i]
         if not is_cstart(wanted) or fishes.segment[i] == wanted:
             wanted = _swim(fishes, library, i, speed, clock)
+            wanted, speed = _burst_and_coast(fishes, library, i, wanted, speed, dt)
             wanted = _turn(fishes, library, i, azimuth, wanted, dt)
             fishes.wanted_segment[i] = wanted
         _ease_speed(fishes, library, i, speed, dt)
 
         # Large fishes beat more slowly and turn more slowly.
         rate = np.float64(fishes.rate[i])
-        rows = fishes.segment[i] in (ROW, STOP)
+        now = fishes.segment[i]
+        rows = now == STOP or (now == ROW and not blends(library, kind, ROW))
         yaw = min(max(STEER_GAIN * azimuth, -YAW_RATE), YAW_RATE) * rate if rows else 0.0
         steepest = BURST_PITCH_RAD if share > HURRIED else MAX_PITCH_RAD
-        steepest = ROW_PITCH_RAD if fishes.segment[i] == ROW else steepest
+        steepest = ROW_PITCH_RAD if BASE[now] == ROW else steepest
         climb = math.atan2(np.float64(g[2]), level)
         climb = min(max(climb, -steepest), steepest) - math.asin(min(max(x[2], -1.0), 1.0))
         lift = min(max(STEER_GAIN * climb, -PITCH_RATE), PITCH_RATE) * rate
@@ -144,16 +156,60 @@ def _swim(fishes: Fishes, library: Library, i: int, speed: float, clock: Clock) 
     own, has = library.speed[kind], library.has[kind]
     if has[ROW]:
         most = min(KEEP_ROWING * ROW_TEMPO * own[ROW], TAIL_SHARE * own[FAST])
-        most /= 1.0 if now == ROW else KEEP_ROWING
+        most /= 1.0 if BASE[now] == ROW else KEEP_ROWING
         if speed < max(most, TEMPO[0] * own[SLOW]):
             return ROW
-    elif has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:
-        # Burst and coast: the share of burst sets the speed.
+    elif has[COAST] and has[STOP] and fishes.ram[i] == 0.0 and speed < HOVER * own[SLOW]:
+        return STOP
+    elif not has[COAST] and has[STOP] and fishes.ram[i] == 0.0 and speed < TEMPO[0] * own[SLOW]:
+        # The share of the cycle in which it beats sets the speed.
         cycle = clock.tick * clock.dt * fishes.rate[i] / CYCLE_S + fishes.identity[i]
         return SLOW if cycle % 1.0 < speed / (TEMPO[0] * own[SLOW]) else STOP
     if now == STOP and has[START] and fishes.thrust[i] < MOVING:
         return START
     return _grade(own, has[BURST], now, speed)
+
+
+@kernel
+def _burst_and_coast(
+    fishes: Fishes, library: Library, i: int, swim: int, speed: float, dt: float
+) -> tuple[int, float]:
+    """The swim or a coast, and the speed to beat for, of fish i that wants a mean speed.
+
+    A fish beats until it is faster than that, coasts until it is slower, and so on, each in its
+    own rhythm: it keeps still about half of the time and needs less work. One in a hurry and one
+    that breathes by swimming beat without pause. A fish that rows coasts to the speed of its oars.
+    """
+    kind, now = fishes.species[i], fishes.segment[i]
+    own = library.speed[kind]
+    if not library.has[kind, COAST] or fishes.ram[i] > 0.0 or swim in (STOP, START):
+        return swim, speed
+    if fishes.goal_speed[i] > HURRIED or is_cstart(now):
+        return swim, speed
+    low, high = speed, SLOW_DOWN * speed
+    if swim == ROW:
+        low = max(speed, np.float64(own[ROW]))
+        high = SLOW_DOWN * low if BASE[now] != ROW else np.inf
+    elif speed < STEADY * own[FAST]:
+        least, most = RHYTHM
+        share = least + (most - least) * np.float64(fishes.identity[i])
+        high = max((1.0 + share) * speed, TEMPO[0] * own[SLOW])
+        low = max(2.0 * speed - high, (1.0 - 2.0 * most) * speed)
+    if through_water(fishes, i, dt) > (low if BASE[now] == COAST else high):
+        return COAST, speed
+    if swim == ROW or high == SLOW_DOWN * speed:
+        return swim, speed
+    return _grade(own, library.has[kind, BURST], now, REACHED * high), REACHED * high
+
+
+@kernel
+def through_water(fishes: Fishes, i: int, dt: float) -> float:
+    """The speed of fish i through the water, cm/s at the recorded size and pace, a tick ago."""
+    way = 0.0
+    for axis in range(3):
+        way += (np.float64(fishes.velocity[i, axis]) - fishes.drift[i, axis]) ** 2
+    frames = np.float64(fishes.rate[i]) * fishes.scale[i] * TICK_S
+    return math.sqrt(way) * dt / frames
 
 
 @kernel
@@ -164,29 +220,37 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
     the spot one from rest, and in a glide one from a glide, where they were recorded.
     """
     kind, now = fishes.species[i], fishes.segment[i]
+    if BASE[now] in (ROW, COAST) and not fishes.live[i]:
+        # Without a beat the head turns with the bend at once: what counts is the way.
+        weight = float(fishes.weight[i])
+        azimuth += (1.0 - weight) * library.facing[fishes.row_a[i]]
+        azimuth += weight * library.facing[fishes.row_b[i]]
     has, angle = library.has[kind], abs(azimuth)
     side = 0 if azimuth > 0.0 else 1
     fishes.bend[i] = 0.0
     sharp = LEFT_SHARP if side == 0 else RIGHT_SHARP
-    if now in (ROW, STOP):
-        if has[LEFT_REST] and abs(fishes.thrust[i]) < MOVING:
+    if (now == STOP or BASE[now] in (ROW, COAST)) and not fishes.live[i]:
+        pace = fishes.tempo[i] if BASE[now] == COAST else fishes.thrust[i]
+        if has[LEFT_REST] and abs(pace) < MOVING:
             sharp = LEFT_REST + side
         elif has[LEFT_GLIDE]:
             sharp = LEFT_GLIDE + side
     if angle > max(SHARP_SHARE * abs(library.turn[kind, sharp]), SHARP_RAD):
         return sharp
-    if swim in (ROW, STOP, START):
+    base = swim if swim in (ROW, COAST) else MEDIUM
+    if swim in (STOP, START) or (base != MEDIUM and not blends(library, kind, base)):
         return swim
-    gradual = LEFT_GRADUAL if side == 0 else RIGHT_GRADUAL
-    if library.veer[kind, 0] < 0:
+    gradual = TURNS[base, side]
+    if not blends(library, kind, base):
         least = RELEASE_RAD if now == gradual else BEGIN_RAD
         return gradual if angle > least else swim
     if fishes.goal_speed[i] > HURRIED and angle < (RELEASE_RAD if now == gradual else STRAIGHT_RAD):
         return swim
     full = abs(library.turn[kind, gradual]) / (library.length[kind, gradual] * dt)
-    bend = BEND_GAIN * azimuth / (full * fishes.tempo[i])
+    gain = BEND_GAIN if base == MEDIUM else STILL_GAIN
+    bend = gain * azimuth / (full * fishes.tempo[i])
     bend = min(max(bend, -TIGHTEST / LEVELS), TIGHTEST / LEVELS)
-    if abs(bend) * LEVELS < 0.5 or (angle < LEAVE_RAD and not blends(now)):
+    if abs(bend) * LEVELS < 0.5 or (angle < LEAVE_RAD and BASE[now] != base):
         return swim
     fishes.bend[i] = bend
     return gradual
@@ -201,15 +265,20 @@ def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: floa
     tempo, thrust = 1.0, 1.0
     if is_cstart(now) or is_cstart(wanted):
         tempo = CSTART_TEMPO
-    elif wanted == ROW:
-        tempo = min(max(abs(speed) / own, TEMPO[0]), KEEP_ROWING * ROW_TEMPO)
+    elif BASE[wanted] == COAST:
+        _coast(fishes, library, i, speed, dt)
+        return
+    elif BASE[wanted] == ROW:
+        # Oars also turn a fish, and beat the faster the more it turns.
+        least = TEMPO[0] + (1.0 - TEMPO[0]) * min(abs(float(fishes.bend[i])), 1.0)
+        tempo = min(max(abs(speed) / own, least), KEEP_ROWING * ROW_TEMPO)
         thrust = min(max(speed / (tempo * own), RETREAT), 1.0)
     elif wanted == STOP:
         tempo = float(fishes.tempo[i])
         thrust = max(speed / library.speed[kind, SLOW], RETREAT) if speed < 0.0 else 0.0
         if now != STOP:  # it beats until a good row
             thrust = float(fishes.thrust[i])
-    elif wanted <= FAST or wanted == BURST or blends(wanted):
+    elif wanted <= FAST or wanted == BURST or BASE[wanted] == MEDIUM:
         tempo = min(max(speed / own, TEMPO[0]), TEMPO[1])
         thrust = min(max(speed / (tempo * own), RETREAT), 1.0)
     elif wanted != START:
@@ -219,18 +288,38 @@ def _ease_speed(fishes: Fishes, library: Library, i: int, speed: float, dt: floa
     fishes.tempo[i] += np.float32(min(max(tempo - fishes.tempo[i], -slower), faster))
     if now == STOP and thrust >= 0.0:
         if library.follow[fishes.row_b[i]] == fishes.row_b[i] and wanted == STOP:
-            fishes.thrust[i] -= np.float32(fishes.thrust[i] * fishes.rate[i] * dt / COAST_TIME_S)
+            fishes.thrust[i] -= np.float32(fishes.thrust[i] * fishes.rate[i] * dt / STAND_TIME_S)
         return
     ease = (BURST_EASE if hurried else THRUST_EASE) * dt
     fishes.thrust[i] += np.float32(min(max(thrust - fishes.thrust[i], -ease), ease))
 
 
 @kernel
+def _coast(fishes: Fishes, library: Library, i: int, speed: float, dt: float) -> None:
+    """Slow a coasting fish by the drag of its body, and by its fins if it is much too fast.
+
+    The tempo is its speed: 1 / tempo grows by the recorded slowing in every frame. A fish that is
+    to coast beats on until a good row.
+    """
+    if BASE[fishes.segment[i]] != COAST:
+        return
+    kind, segment = fishes.species[i], fishes.segment[i]
+    bent = abs(float(fishes.bend[i])) if segment != COAST else 0.0
+    own = between(library.speed[kind], segment, bent)
+    lost = between(library.slowing[kind], segment, bent) * fishes.rate[i] * fishes.tempo[i]
+    tempo = fishes.tempo[i] / (1.0 + lost)
+    if fishes.tempo[i] * own > BRAKING * speed:
+        tempo -= TEMPO_EASE * dt
+    fishes.tempo[i] = max(tempo, LEAST_TEMPO)
+
+
+@kernel
 def own_speed(fishes: Fishes, library: Library, i: int) -> float:
     """The recorded speed, cm/s, of the wanted segment of fish i, bent as much as it asks."""
     kind = fishes.species[i]
-    bent = abs(float(fishes.bend[i])) if library.veer[kind, 0] >= 0 else 1.0
-    return between(library.speed[kind], fishes.wanted_segment[i], bent)
+    wanted = fishes.wanted_segment[i]
+    bent = abs(float(fishes.bend[i])) if blends(library, kind, wanted) else 1.0
+    return between(library.speed[kind], wanted, bent)
 
 
 @kernel
@@ -241,7 +330,7 @@ def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
     """
     fishes.recommended[i] = -1
     now, wanted = fishes.segment[i], fishes.wanted_segment[i]
-    if now != wanted and not (blends(now) and blends(wanted)):
+    if BASE[now] != BASE[wanted]:
         fishes.monotony[i] = 0.0
         return
     fishes.monotony[i] += np.float32(clock.dt)
@@ -264,7 +353,7 @@ def _grade(own: Array, bursts: bool, now: int, speed: float) -> int:
         if grade == BURST and (goal <= HURRIED * own[FAST] or not bursts):
             continue
         ratio = max(goal / own[grade], own[grade] / goal)
-        if grade == now or (grade == MEDIUM and blends(now)):
+        if grade == now or (grade == MEDIUM and BASE[now] == MEDIUM):
             ratio /= GRADE_MARGIN
         if ratio < least:
             best, least = grade, ratio

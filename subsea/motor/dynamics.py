@@ -51,7 +51,7 @@ from subsea.geometry.vector import (
 )
 from subsea.kernels import kernel
 from subsea.motor.controller import own_speed
-from subsea.motor.playback import LEFT_GRADUAL, TEMPO, blends
+from subsea.motor.playback import BASE, COAST, LEFT_GRADUAL, TEMPO, TURNS, blends
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
@@ -239,7 +239,7 @@ def _keep_speed(fishes: Fishes, library: Library, live: Live, slot: int) -> None
     i = live.fish[slot]
     now, wanted = fishes.segment[i], fishes.wanted_segment[i]
     fishes.segment[i] = wanted
-    if now == wanted or (blends(now) and blends(wanted)):
+    if BASE[now] == BASE[wanted]:
         return
     tempo = live.speed[slot] / own_speed(fishes, library, i)
     fishes.tempo[i] = min(max(tempo, TEMPO[0]), TEMPO[1])
@@ -256,7 +256,8 @@ def _ease_muscles(
     i = live.fish[slot]
     kind = fishes.species[i]
     yaw = turning_rate(fishes, library, bodies, i)
-    share = yaw / bodies.turn_rate[kind, LEFT_GRADUAL]
+    coasts = BASE[fishes.wanted_segment[i]] == COAST
+    share = fishes.bend[i] if coasts else yaw / bodies.turn_rate[kind, LEFT_GRADUAL]
     # A fish that is to be played back straightens, as every segment is begun.
     share = min(max(share, -MOST_BEND), MOST_BEND) if live.waiting[slot] == 0 else 0.0
     for k in range(2):
@@ -265,6 +266,8 @@ def _ease_muscles(
         live.bend[slot, k] += min(max(gap, -ease), ease)
     speed = _wanted_speed(fishes, library, i)
     speed += SPEED_GAIN * (speed - live.speed[slot])
+    if coasts:
+        speed = 0.0
     # A bent body keeps its shape at the beat of a gradual turn, which is that of medium.
     medium, fast = bodies.speed[kind, 2], bodies.speed[kind, 3]
     speed = min(speed, fast + abs(share) * (medium - fast))
@@ -281,8 +284,9 @@ def turning_rate(fishes: Fishes, library: Library, bodies: BodyTables, i: int) -
     That of the segment or of its bend, and of the steering.
     """
     kind, wanted = fishes.species[i], fishes.wanted_segment[i]
-    if blends(wanted) and library.veer[kind, 0] >= 0:
-        return float(bodies.turn_rate[kind, LEFT_GRADUAL] * fishes.bend[i] * fishes.tempo[i])
+    if blends(library, kind, wanted):
+        left = TURNS[BASE[wanted], 0]
+        return float(bodies.turn_rate[kind, left] * fishes.bend[i] * fishes.tempo[i])
     return float(bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i])
 
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from subsea.base.arrays import Ints
 from subsea.kernels import kernel
-from subsea.motor.playback import ROW, SIDES
+from subsea.motor.playback import ROW, SIDES, blends
+from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
 
@@ -45,7 +46,8 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         steering = fishes.steering[i, 0]
         effort = min((abs(steering) + abs(fishes.steering[i, 1])) / FULL_STEERING, 1.0)
         speed = min(max(np.float64(fishes.goal_speed[i]), 0.0), 1.0)
-        turning = min(max(steering / FULL_STEERING + SIDES[fishes.segment[i]], -1.0), 1.0)
+        turning = steering / FULL_STEERING + _turn_share(fishes, library, i)
+        turning = min(max(turning, -1.0), 1.0)
         braking = min(max(1.0 - np.float64(fishes.thrust[i]), 0.0), 1.0)
 
         # Oars beat faster in a faster fish (Tu B.2); other fins scull while it hovers.
@@ -90,10 +92,21 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
 
 
 @kernel
+def _turn_share(fishes: Fishes, library: Library, i: int) -> float:
+    """How hard the segment of fish i turns: from -1, to the right, to 1."""
+    segment, row = fishes.segment[i], fishes.row_b[i]
+    if blends(library, fishes.species[i], segment) and row < len(library.level):
+        return library.level[row] / LEVELS
+    return float(SIDES[segment])
+
+
+@kernel
 def _stroke(fishes: Fishes, library: Library, i: int) -> tuple[float, float]:
     """Share of the pectoral gait in the pose of fish i, and its phase, rad; back in a retreat."""
     kind, a, b = fishes.species[i], fishes.row_a[i], fishes.row_b[i]
     first, length = library.first[kind, ROW], library.length[kind, ROW]
+    if b < len(library.straight):
+        a, b = library.straight[a], library.straight[b]
     from_row, to_row = first <= a < first + length, first <= b < first + length
     if not (library.has[kind, ROW] and (from_row or to_row)):
         return 0.0, 0.0

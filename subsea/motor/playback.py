@@ -22,6 +22,7 @@ from subsea.motor.containment import balanced
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
+from subsea.repertoire.schema import FAMILIES
 from subsea.state import Fishes
 
 SLOW, MEDIUM, FAST, LEFT_GRADUAL, LEFT_SHARP, RIGHT_GRADUAL, RIGHT_SHARP = range(7)
@@ -32,8 +33,15 @@ LEFT_REST = SEGMENTS.index("turn_left_rest")
 LEFT_GLIDE = SEGMENTS.index("turn_left_glide")
 START, STOP = SEGMENTS.index("swim_start"), SEGMENTS.index("swim_stop")
 ROW = SEGMENTS.index("row_forward")
+COAST = SEGMENTS.index("swim_coast")
 # The side to which each segment turns: 1 left, -1 right, 0 none.
 SIDES = np.array([("left" in name) - float("right" in name) for name in SEGMENTS])
+# The straight swim of a segment's family, or the segment itself; and its turns, -1 for none.
+BASE, TURNS = np.arange(len(SEGMENTS)), np.full((len(SEGMENTS), 2), -1)
+for _straight, _names in FAMILIES.items():
+    _code = SEGMENTS.index(_straight)
+    TURNS[_code] = [SEGMENTS.index(name) for name in _names]
+    BASE[TURNS[_code]] = _code
 
 
 @kernel
@@ -43,9 +51,10 @@ def is_cstart(segment: int) -> bool:
 
 
 @kernel
-def blends(segment: int) -> bool:
-    """True for the straight swim and the gradual turns, which blend with it row by row."""
-    return segment in (MEDIUM, LEFT_GRADUAL, RIGHT_GRADUAL)
+def blends(library: Library, kind: int, segment: int) -> bool:
+    """True for a straight swim and its turns that blend with it row by row."""
+    turn = TURNS[BASE[segment], 0]
+    return turn >= 0 and library.veer[kind, turn] >= 0
 
 
 TEMPO = (0.4, 3.0)  # range of a segment's rate, to meet a speed at the recorded stride
@@ -54,6 +63,7 @@ HURRIED = 1.0  # goal speed above which a fish does not wait for a good row
 SUDDEN = 3.0  # frames of a glide to an escape from a row without a plan
 LEVEL_PHASE = 12  # part of a beat in which the bend changes by a level
 MOST_BEGUN = 1  # largest level of bend to which other segments glide
+LEAST_TEMPO = 0.05  # of a coast, whose tempo is its speed
 AT_REST = 0.3  # share of the slow swim's pace below which a segment begins at rest
 
 
@@ -146,7 +156,7 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
     at_end = library.follow[a] == a
     if _changes_segment(fishes, library, i, at_end):
         _change_segment(fishes, library, i, before, at_end)
-    elif library.veer[kind, 0] >= 0 and blends(fishes.segment[i]):
+    elif blends(library, kind, fishes.segment[i]):
         _change_bend(fishes, library, i)
     else:
         fishes.row_b[i] = library.follow[a]
@@ -164,19 +174,19 @@ def _next_row(fishes: Fishes, library: Library, i: int) -> None:
 def _changes_segment(fishes: Fishes, library: Library, i: int, at_end: bool) -> bool:
     """Decide whether fish i leaves its segment at row a.
 
-    Between the straight swim and its gradual turns the bend changes level by level. Other segments
-    are entered and left with a body that is nearly straight, as in the swim.
+    Between a straight swim and its turns the bend changes level by level. A body that is bent goes
+    on to swims that bend; other segments are entered and left with a nearly straight one.
     """
     kind, a = fishes.species[i], fishes.row_a[i]
     now, wanted = fishes.segment[i], fishes.wanted_segment[i]
     if is_cstart(wanted) and not is_cstart(now):
         return True
-    blended = library.veer[kind, 0] >= 0
-    if blended and blends(now) and blends(wanted):
+    blended = blends(library, kind, wanted)
+    if blended and BASE[now] == BASE[wanted]:
         return False
-    good = library.leave[a, MEDIUM if blended and blends(wanted) else wanted]
+    good = library.leave[a, BASE[wanted] if blended else wanted]
     if library.cyclic[kind, now]:
-        straight = abs(library.level[a]) <= MOST_BEGUN
+        straight = blended or abs(library.level[a]) <= MOST_BEGUN
         return wanted != now and ((straight and good) or fishes.goal_speed[i] > HURRIED)
     return (good or at_end) and (wanted != now or (at_end and now != STOP))
 
@@ -186,18 +196,20 @@ def _change_segment(fishes: Fishes, library: Library, i: int, before: int, at_en
     """Glide from row a to the entry of the wanted segment, at the speed so far."""
     kind, a = fishes.species[i], fishes.row_a[i]
     now, wanted = fishes.segment[i], fishes.wanted_segment[i]
-    blended = library.veer[kind, 0] >= 0 and blends(wanted)
-    goal = MEDIUM if blended else wanted
+    blended = blends(library, kind, wanted)
+    goal = BASE[wanted] if blended else wanted
     fishes.row_b[i] = library.entry[a, goal]
     planned = library.cyclic[kind, now] or at_end or library.has[kind, wanted]
     fishes.span[i] = library.glide[a, goal] if planned else SUDDEN
     fishes.segment[i] = wanted
     if blended:
-        level = min(max(_asked(fishes, i), -MOST_BEGUN), MOST_BEGUN)
+        held = library.level[a] if blends(library, kind, now) else 0
+        level = min(max(_asked(fishes, i), held - MOST_BEGUN), held + MOST_BEGUN)
         _bend(fishes, library, i, fishes.row_b[i], level)
     fishes.glide_tempo[i] = fishes.tempo[i]
     fishes.glide_thrust[i] = fishes.thrust[i]
-    share, bent = _bent(library, kind, a), _bent(library, kind, fishes.row_b[i])
+    share = _bent(library, kind, now, a)
+    bent = _bent(library, kind, wanted, fishes.row_b[i])
     slow = library.pace[kind, SLOW, 0]
     out = slow if before == a else between(library.pace[kind, :, 1], now, share)
     into = between(library.pace[kind, :, 0], wanted, bent)
@@ -208,7 +220,7 @@ def _change_segment(fishes: Fishes, library: Library, i: int, before: int, at_en
 
 @kernel
 def _change_bend(fishes: Fishes, library: Library, i: int) -> None:
-    """Go on in a straight swim or a gradual turn, a level nearer to the bend that is asked for."""
+    """Go on in a straight swim or its turn, a level nearer to the bend that is asked for."""
     kind, a = fishes.species[i], fishes.row_a[i]
     level, row = library.level[a], library.straight[a]
     change = min(max(_asked(fishes, i) - level, -1), 1)
@@ -222,42 +234,40 @@ def _change_bend(fishes: Fishes, library: Library, i: int) -> None:
 
 @kernel
 def between(own: Array, segment: int, bent: float) -> float:
-    """A property of the segments `own` (n,), at a share of a gradual turn's bend."""
-    if not blends(segment):
-        return float(own[segment])
-    return float((1.0 - bent) * own[MEDIUM] + bent * own[segment])
+    """A property of the segments `own` (n,), at a share of the bend of a turn."""
+    return float((1.0 - bent) * own[BASE[segment]] + bent * own[segment])
 
 
 @kernel
-def _bent(library: Library, kind: int, row: int) -> float:
-    """The bend at a row of a species, as a share of the gradual turn's."""
-    return abs(library.level[row]) / LEVELS if library.veer[kind, 0] >= 0 else 1.0
+def _bent(library: Library, kind: int, segment: int, row: int) -> float:
+    """The bend at a row of a segment, as a share of its turn's."""
+    return abs(library.level[row]) / LEVELS if blends(library, kind, segment) else 1.0
 
 
 @kernel
 def _asked(fishes: Fishes, i: int) -> int:
     """The level of bend that the controller asks for; the recorded turn if it names no bend."""
     wanted = fishes.wanted_segment[i]
-    if wanted not in (LEFT_GRADUAL, RIGHT_GRADUAL):
+    if BASE[wanted] == wanted:
         return 0
     asked = round(abs(float(fishes.bend[i])) * LEVELS)
     asked = min(int(asked), TIGHTEST) if fishes.bend[i] != 0.0 else LEVELS
-    return asked if wanted == LEFT_GRADUAL else -asked
+    return asked if SIDES[wanted] > 0.0 else -asked
 
 
 @kernel
 def _bend(fishes: Fishes, library: Library, i: int, row: int, level: int) -> None:
     """Make row b the one at the phase of `row`, bent by `level`, and name its segment."""
-    kind = fishes.species[i]
+    kind, base = fishes.species[i], BASE[fishes.segment[i]]
     straight = library.straight[row]
     if level == 0:
-        fishes.row_b[i], fishes.segment[i] = straight, MEDIUM
+        fishes.row_b[i], fishes.segment[i] = straight, base
         return
-    side = 0 if level > 0 else 1
-    phase = straight - library.first[kind, MEDIUM]
-    behind = (abs(level) - 1) * library.length[kind, MEDIUM] + phase
-    fishes.row_b[i] = library.veer[kind, side] + behind
-    fishes.segment[i] = LEFT_GRADUAL if side == 0 else RIGHT_GRADUAL
+    turn = TURNS[base, 0 if level > 0 else 1]
+    phase = straight - library.first[kind, base]
+    behind = (abs(level) - 1) * library.length[kind, base] + phase
+    fishes.row_b[i] = library.veer[kind, turn] + behind
+    fishes.segment[i] = turn
 
 
 @kernel
@@ -266,12 +276,16 @@ def _keep_speed(fishes: Fishes, i: int, ratio: float, moving: bool, quick: float
 
     The tempo takes up what it can, up to `quick` or a little haste, and the thrust the rest: a
     fish that slows down coasts. The controller then eases both toward the goal. A segment that
-    does not begin `moving` has its own speed.
+    does not begin `moving` has its own speed. The tempo of a coast is its speed.
     """
     if not moving or is_cstart(fishes.segment[i]):
         fishes.thrust[i] = 1.0
         return
     exact = fishes.tempo[i] * ratio
+    if BASE[fishes.segment[i]] == COAST:
+        fishes.tempo[i] = max(exact * max(fishes.thrust[i], 0.0), LEAST_TEMPO)
+        fishes.thrust[i] = 1.0
+        return
     most = min(max(quick, HASTE), TEMPO[1])
     fishes.tempo[i] = min(max(exact, TEMPO[0]), most)
     fishes.thrust[i] *= exact / fishes.tempo[i]

@@ -18,6 +18,8 @@ from subsea.geometry.solids import height_at
 from subsea.motor.containment import roll_of
 from subsea.motor.dynamics import GEARS, BodyTables, Integration, make_bodies, swim_live, under
 from subsea.motor.playback import (
+    BASE,
+    COAST,
     FAST,
     HURRIED,
     LEFT_GRADUAL,
@@ -84,11 +86,11 @@ def make_dynamics(
 
 
 def _bends(library: Library) -> list[Kinematics]:
-    """The kinematics of the rows that blend gradual turns with the straight swim."""
+    """The kinematics of the rows that blend turns with a straight swim, in their order."""
     cycles = []
-    for kind, side in np.argwhere(library.veer >= 0):
-        beat = int(library.length[kind, MEDIUM])
-        for begin in library.veer[kind, side] + beat * np.arange(TIGHTEST):
+    for kind, turn in sorted(np.argwhere(library.veer >= 0), key=lambda at: library.veer[*at]):
+        beat = int(library.length[kind, turn])
+        for begin in library.veer[kind, turn] + beat * np.arange(TIGHTEST):
             tables = library.rotation, library.translation, library.nodes
             turns, shifts, nodes = (
                 table[begin : begin + beat].astype(np.float64) for table in tables
@@ -201,16 +203,17 @@ def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
     """The present row of fish i in its segment; in a bend the one of equal phase of the swim."""
     kind, segment, row = int(fishes.species[i]), int(fishes.segment[i]), int(fishes.row_a[i])
     if row < len(library.straight) and library.level[row]:
-        segment, row = MEDIUM, int(library.straight[row])
+        segment, row = int(BASE[segment]), int(library.straight[row])
     return row - int(library.first[kind, segment])
 
 
 def steady(fishes: Fishes, library: Library) -> Bools:
     """(n,) True for fishes that may be simulated: they swim or turn at a usual speed.
 
-    Those that burst, row, coast or escape are played back.
+    Those that burst, row, stop or escape are played back.
     """
-    usual = np.maximum(fishes.segment, fishes.wanted_segment) <= RIGHT_SHARP
+    asked = np.stack([fishes.segment, fishes.wanted_segment])
+    usual = ((asked <= RIGHT_SHARP) | (BASE[asked] == COAST)).all(axis=0)
     own = library.speed[fishes.species]
     now = np.take_along_axis(own, fishes.segment[:, None].astype(np.intp), axis=1)[:, 0]
     hurried = fishes.tempo > FASTEST * np.maximum(1.0, own[:, FAST] / now)
@@ -246,16 +249,16 @@ def to_live(
     level = int(library.level[a])
     begin = math.pi if segment == RIGHT_GRADUAL and not level else 0.0  # a mirror image
     row = _row_of_beat(fishes, library, i) + 1
-    blended = library.veer[kind, 0] >= 0 and blends(segment)
+    blended = blends(library, kind, segment)
     speed = library.speed[kind, MEDIUM if blended else segment]
     speeds = bodies.speed[kind]
     pace = float(np.interp(speed, speeds, bodies.pace[kind]))
     beats = (row + w) * pace / bodies.beat[kind]
     live.phase[slot] = (begin + 2.0 * math.pi * beats) % (2.0 * math.pi)
-    live.gear[slot] = np.interp(speed, speeds, GEARS)
+    live.gear[slot] = 0.0 if BASE[segment] == COAST else np.interp(speed, speeds, GEARS)
     live.tempo[slot] = tempo * pace
     share = bodies.turn_rate[kind, segment] / bodies.turn_rate[kind, LEFT_GRADUAL]
-    share *= abs(level) / LEVELS if level else 1.0
+    share = level / LEVELS if level else share
     live.bend[slot] = bodies.bend[kind] * min(max(share, -1.0), 1.0)
     live.speed[slot] = library.speed[kind, segment] * tempo * float(fishes.thrust[i])
     sway = (1.0 - w) * library.sway[a] + w * library.sway[b]

@@ -1,4 +1,4 @@
-"""Blend gradual turns with the straight swim, and measure what playback needs of each row.
+"""Blend turns with their straight swims, and measure what playback needs of each row.
 
 Frame B is fixed to the head, and the head of a bent body points inwards, by up to 50° from its
 way. So that a fish keeps its way as it bends, playback turns the head as the bend changes.
@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
 from subsea.geometry.rotation import about, mixed, multiply, rotate
-from subsea.repertoire.schema import Segment
+from subsea.repertoire.schema import FAMILIES, Segment
 
 LEVELS = 12  # parts from the straight swim (0) to the recorded gradual turn
 TIGHTEST = 14  # level of the tightest turn: bends are small enough to extrapolate a little
 JOINT = np.repeat(np.arange(5), (9, 4, 4, 4, 2))  # of each node: the stiff head, rings and tail
 STRAIGHT = 1e-3  # rad per frame below which a swim does not turn
+TAIL_BEAT = "swim_medium"  # that of FAMILIES whose turns differ in phase
 EDGE_ROWS = 5  # at the ends of an acyclic segment, over which its speed there is measured
 
 
@@ -33,17 +34,20 @@ class Blend(NamedTuple):
     facing: tuple[float, float]  # rad, of the head from its way in the full turns, left positive
 
 
-def blend_turns(segments: dict[str, Segment]) -> Blend | None:
-    """Mix swim_medium with the two gradual turns at equal phase; None if their beats differ."""
-    swim = segments["swim_medium"]
-    turns = [segments[f"turn_{side}_gradual"] for side in ("left", "right")]
+def blend_turns(segments: dict[str, Segment], straight: str) -> Blend | None:
+    """Mix one of `FAMILIES` with its turns at equal phase; None without them or a common beat."""
+    names = straight, *FAMILIES[straight]
+    if any(name not in segments for name in names):
+        return None
+    swim, *turns = (segments[name] for name in names)
     rows = len(swim.nodes)
     if any(len(turn.nodes) != rows for turn in turns):
         return None
     rotation, translation, nodes, phase, facing = [], [], [], [], []
     for turn in turns:
-        # The turn to the right is a mirror image: half a beat apart.
-        gaps = [np.square(np.roll(turn.nodes, k, axis=0) - swim.nodes).sum() for k in range(rows)]
+        # The turn to the right is a mirror image: half a beat of the tail apart.
+        lags = range(rows if straight == TAIL_BEAT else 1)
+        gaps = [np.square(np.roll(turn.nodes, k, axis=0) - swim.nodes).sum() for k in lags]
         lag = int(np.argmin(gaps))
         phase.append((np.arange(rows) + lag) % rows)
         ahead, _, across = turn.increment_translation.sum(axis=0)

@@ -20,6 +20,7 @@ from subsea.repertoire.blending import (
 )
 from subsea.repertoire.schema import (
     BASIC_SEGMENTS,
+    FAMILIES,
     SEGMENTS,
     SUBSTITUTES,
     Repertoire,
@@ -38,8 +39,8 @@ class Library(NamedTuple):
     """Rows are frames of all segments of all species in sequence (R rows, S species).
 
     There are n segments, as in SEGMENTS. One that was not recorded has the rows of its substitute.
-    Behind the recorded rows lie those that blend gradual turns with the straight swim. A world
-    with k simulated fishes appends 2 k rows for their poses.
+    Behind the recorded rows lie those that blend straight swims with their turns (FAMILIES).
+    A world with k simulated fishes appends 2 k rows for their poses.
     """
 
     rotation: Array  # (R + 2 k, 4) float32, increments in body axes
@@ -57,9 +58,10 @@ class Library(NamedTuple):
     pace: Array  # (S, n, 2) float32, cm per frame at the beginning and end of each segment
     turn: Array  # (S, n) float32, rad, change of heading over each segment, left positive
     follow: Ints  # (R,) int32, the next row; the last one of an acyclic segment is its own
-    straight: Ints  # (R,) int32, of a row of a gradual turn the swim's at equal phase, else itself
-    level: Ints  # (R,) int32, share of the gradual turn in LEVELS parts, left positive
-    veer: Ints  # (S, 2) int32, first blended row of the turns to left and right, -1 for none
+    straight: Ints  # (R,) int32, of a row of a blended turn the swim's at equal phase, else itself
+    level: Ints  # (R,) int32, share of a blended turn in LEVELS parts, left positive
+    veer: Ints  # (S, n) int32, first blended row of each turn, -1 for none
+    slowing: Array  # (S, n) float32, share of its speed that a fish loses per frame, undriven
     sway: Array  # (R,) float32, rad, heading of B beyond the mean course: the beat of the head
     bank: Array  # (R,) float32, rad, roll of the recorded fish
     facing: Array  # (R,) float32, rad, of the head from its way in a bend, left positive
@@ -79,7 +81,12 @@ class _Species(NamedTuple):
     played: list[int]  # place of each of SEGMENTS, or of its substitute, among `segments`
     starts: Ints  # first row of each segment, and the end of the last
     plan: Transitions
-    blend: Blend | None
+    blends: dict[str, Blend]  # by the name of the straight swim
+
+    def begin(self, name: str) -> int:
+        """The first row of a segment."""
+        return int(self.starts[self.played[SEGMENTS.index(name)]])
+
     courses: list[TurningWay]
 
 
@@ -110,13 +117,14 @@ def pack(repertoires: Sequence[Repertoire], couplings: Sequence[Coupling]) -> Li
     for repertoire in repertoires:
         species.append(_species(repertoire, int(species[-1].starts[-1]) if species else 0))
     parts = [_recorded(one, skin) for one, skin in zip(species, couplings, strict=True)]
-    row, veer = sum(len(part.entry) for part in parts), []
+    row = sum(len(part.entry) for part in parts)
+    veer = np.full((len(species), len(SEGMENTS)), -1, np.int32)
     for k, one in enumerate(species):
-        veer.append((-1, -1))
-        if one.blend:
-            veer[-1] = row, row + len(one.blend.nodes) // 2
-            row += len(one.blend.nodes)
-            parts.append(_blended(one, parts[k], couplings[k], veer[-1]))
+        for straight, blend in one.blends.items():
+            parts.append(_blended(one, straight, parts[k], couplings[k], row))
+            for name in FAMILIES[straight]:
+                veer[k, SEGMENTS.index(name)] = row
+                row += len(blend.nodes) // 2
     rows = _Rows(*(_table(column) for column in zip(*parts, strict=True)))
     return Library(
         rotation=rows.rotation,
@@ -138,7 +146,10 @@ def pack(repertoires: Sequence[Repertoire], couplings: Sequence[Coupling]) -> Li
         follow=rows.follow,
         straight=rows.straight,
         level=rows.level,
-        veer=np.array(veer, np.int32),
+        veer=veer,
+        slowing=np.array(
+            [[one.segments[k].slowing for k in one.played] for one in species], np.float32
+        ),
         sway=rows.sway,
         bank=rows.bank,
         facing=rows.facing,
@@ -163,7 +174,11 @@ def _species(repertoire: Repertoire, row: int) -> _Species:
         [names.index(n if n in names else SUBSTITUTES[n]) for n in SEGMENTS],
         row + np.cumsum([0] + [len(s.nodes) for s in segments]),
         repertoire.transitions or plan_transitions(segments),
-        blend_turns(repertoire.segments),
+        {
+            name: blend
+            for name in FAMILIES
+            if (blend := blend_turns(repertoire.segments, name)) is not None
+        },
         [course_of(segment) for segment in segments],
     )
 
@@ -178,13 +193,11 @@ def _recorded(one: _Species, coupling: Coupling) -> _Rows:
     )
     for segment, begin, after in zip(segments, one.starts, one.starts[1:], strict=False):
         follow[after - 1 - first] = begin if segment.cyclic else after - 1
-    medium = SEGMENTS.index("swim_medium")
-    for side, code in enumerate(SEGMENTS.index(f"turn_{s}_gradual") for s in ("left", "right")):
-        if one.blend:
-            begin = one.starts[one.played[code]] - first
-            rows = slice(begin, begin + len(one.blend.phase[side]))
-            straight[rows] = one.starts[one.played[medium]] + one.blend.phase[side]
-            level[rows] = (LEVELS, -LEVELS)[side]
+    for swim, blend in one.blends.items():
+        for turn, phase, full in zip(FAMILIES[swim], blend.phase, (LEVELS, -LEVELS), strict=True):
+            begin = one.begin(turn) - first
+            straight[begin : begin + len(phase)] = one.begin(swim) + phase
+            level[begin : begin + len(phase)] = full
     return _Rows(
         np.concatenate([s.increment_rotation for s in segments]),
         np.concatenate([s.increment_translation for s in segments]),
@@ -205,21 +218,19 @@ def _recorded(one: _Species, coupling: Coupling) -> _Rows:
     )  # fmt: skip
 
 
-def _blended(one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int, int]) -> _Rows:
-    """The rows between the straight swim of a species and its gradual turns, from `veer` on.
+def _blended(one: _Species, straight: str, recorded: _Rows, coupling: Coupling, here: int) -> _Rows:
+    """The rows between a straight swim of a species and its turns, from row `here` on.
 
     They are left as the swim at equal phase.
     """
-    assert one.blend
-    first, medium = int(one.starts[0]), SEGMENTS.index("swim_medium")
-    beat = len(one.blend.phase[0])
-    swim = one.starts[one.played[medium]] + np.arange(beat)
+    blend, first = one.blends[straight], int(one.starts[0])
+    beat = len(blend.phase[0])
+    swim = one.begin(straight) + np.arange(beat)
     level, share = [], []
-    for side, name in enumerate(("turn_left_gradual", "turn_right_gradual")):
+    for side, name in enumerate(FAMILIES[straight]):
         turn = np.empty(beat, np.int64)
-        begin = one.starts[one.played[SEGMENTS.index(name)]]
-        turn[one.blend.phase[side]] = begin + np.arange(beat)
-        recorded.facing[turn - first] = one.blend.facing[side]
+        turn[blend.phase[side]] = one.begin(name) + np.arange(beat)
+        recorded.facing[turn - first] = blend.facing[side]
         for k in range(1, TIGHTEST + 1):
             level.append(np.full(beat, k if side == 0 else -k))
             share.append(
@@ -229,16 +240,16 @@ def _blended(one: _Species, recorded: _Rows, coupling: Coupling, veer: tuple[int
                  )]
             )  # fmt: skip
     rows, phase = (np.tile(one, 2 * TIGHTEST) for one in (swim - first, np.arange(beat)))
-    here = veer[0] + np.arange(len(rows))
+    place = here + np.arange(len(rows))
     nodes, points, sway, bank, facing = (
         np.concatenate(parts) for parts in zip(*share, strict=True)
     )
     # The skin follows the nodes, which are mixed by angles.
-    points += coupling.weights @ (one.blend.nodes - nodes)
+    points += coupling.weights @ (blend.nodes - nodes)
     return _Rows(
-        one.blend.rotation, one.blend.translation, one.blend.nodes, points,
+        blend.rotation, blend.translation, blend.nodes, points,
         recorded.entry[rows], recorded.glide[rows], recorded.leave[rows],
-        here - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.concatenate(level),
+        place - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.concatenate(level),
         sway, bank, facing,
     )  # fmt: skip
 

@@ -31,7 +31,7 @@ from subsea.motor.dynamics import (
     roll_rate,
     swim_live,
 )
-from subsea.motor.playback import ROW
+from subsea.motor.playback import BASE, ROW
 
 TICK = 0.033
 STILL = np.zeros(3)
@@ -143,9 +143,12 @@ def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species):
     for speed in (0.15, 0.3, 0.45, 0.6, 0.8, 1.0):
         tank = _live(make_tank, species)
         tank.aim(0.0, speed)
-        measured = np.linalg.norm(_travel(tank, 200, 140)) / (140 * TICK)
-        least = 0.65 if speed > 0.7 else 0.75
-        assert least < measured / (speed * tank.library.speed[0, 2]) < 1.15, speed
+        # Drag slows a slow fish for long.
+        before, ticks = (200, 140) if speed > 0.4 else (400, 600)
+        measured = np.linalg.norm(_travel(tank, before, ticks)) / (ticks * TICK)
+        # The slowest coast between few beats of a body that takes long to answer.
+        least, most = (0.6, 1.6) if speed < 0.2 else (0.65 if speed > 0.7 else 0.75, 1.15)
+        assert least < measured / (speed * tank.library.speed[0, 2]) < most, speed
 
 
 @every_species
@@ -165,7 +168,7 @@ def test_fins_climb_and_dive(make_tank, species):
         tank.aim(0.0, speed, np.radians(climb))
         way = _travel(tank, 300, 56)
         angle = np.degrees(np.arcsin(way[2] / np.linalg.norm(way)))
-        rows = tank.fishes.wanted_segment[0] == ROW
+        rows = BASE[tank.fishes.wanted_segment[0]] == ROW
         steepest = np.degrees(ROW_PITCH_RAD if rows else MAX_PITCH_RAD)
         # Slow water gives fins the less hold; the tang sways from side to side and is slower.
         near = 11 if speed < 0.5 or species == "blue_tang" else 7
