@@ -4,8 +4,8 @@ In this process, in a folder with all that pages take for granted: a photograph,
 theatre, a fish of one's own. Seas are small and pictures tiny; what else is short is in `SHORT`. A
 command that stands in a sentence without what it needs (`subsea film`) is read by its parser; so is
 an example of `commands.md`, which comes last, if it has nothing that was not typed before. Every
-day one command of each kind of output is typed, with those that make its files, and a page's first
-block of Python; the others are parsed, and `make nightly` types them.
+day commands are typed until each kind of output was made, with those that make their files, and a
+page's first block of Python; the others are parsed, and `make nightly` types them.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from functools import cache
 from io import StringIO
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ from distributed.cli import dask_scheduler, dask_worker
 from PIL import Image
 
 from capture.cli import main as capture_cli
-from capture.flat import lessons
+from capture.flat import films, lessons
 from capture.inspection import gait as timing
 from subsea.base.command_line import parse_arguments
 from subsea.base.errors import UserError
@@ -120,7 +121,7 @@ SHORT = {
     "subsea sweep": "--jobs 1 --seeds 1",
     "subsea benchmark": "--frames 1",
     "subsea soak": "--minutes 0.01",
-    "subsea-capture flat": "--quick",
+    "subsea-capture flat": "--quick --only integrators",
     "subsea-capture learn": "--budget 2 --only swim",
     "subsea-capture export": "--detail 3",
     "subsea export": "--start 0 --seconds 0.1 --detail 3 --with none --fish 4",
@@ -230,14 +231,17 @@ class Workshop:
         of_python = [one for one in steps if not isinstance(one, Command) and one.kind == "python"]
         for step in steps:
             if isinstance(step, Command):
-                if (kind := kind_of(step.text)) not in self.kinds:
+                kinds = kinds_of(step.text)
+                if not kinds <= self.kinds:
                     chosen.append(step)
-                if not step.inline:
-                    self.kinds.add(kind)
+                if not step.inline or is_whole(step.text):
+                    self.kinds |= kinds
             elif step not in of_python[1:]:
                 chosen.append(step)
         for step in reversed(steps):
-            made = re.findall(r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text)
+            made = re.findall(r"(?<=--out )\S+", step.text) or re.findall(
+                r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text
+            )
             if step not in chosen and any(name in read for name in made):
                 chosen.append(step)
             if step in chosen:
@@ -280,7 +284,7 @@ class Workshop:
         elif words[0] == "python":
             script(words[1:])
         elif words[0] == "make":
-            self.make(words)
+            self.make(words, only_read)
         elif words[0] == "dask":
             part = {"scheduler": dask_scheduler, "worker": dask_worker}[words[1]]
             part.main.make_context(words[1], words[2:])
@@ -292,7 +296,7 @@ class Workshop:
                 "tests/docs/test_every_command.py, or say in NOT_TYPED why it is not typed"
             )
 
-    def make(self, words):
+    def make(self, words, only_read):
         """Check the targets of `make`, and run the dive that it opens."""
         subprocess.run(
             ["make", "-C", str(ROOT), "--dry-run", "--always-make", *words[1:]],
@@ -300,7 +304,7 @@ class Workshop:
         )  # fmt: skip
         if words[1] == "run":
             given = [word.removeprefix("ARGS=") for word in words[2:]]
-            self.run(["subsea", "dive", *shlex.split(" ".join(given))], inline=False)
+            self.run(["subsea", "dive", *shlex.split(" ".join(given))], False, only_read)
 
     def repeated(self, words):
         """True if a command has been typed with each of these options, maybe not at once."""
@@ -343,11 +347,23 @@ class Workshop:
         assert code in allowed, f"exit code {code} of {shlex.join(words)}\n{told.getvalue()}"
 
 
-def kind_of(text):
-    """The program and command of a text, and the options that tell its output."""
+def kinds_of(text):
+    """Return the kinds of output of a command: of itself, and of each option that tells one."""
     words = text.removeprefix(".venv/bin/").split()
-    formats = re.findall(r"--(?:to \w+|as \w+|json|csv|paper|auto|validate|new|eyes)\b", text)
-    return (*words[:2], *sorted(set(formats)))
+    outputs = r"--(?:to \w+|as \w+|json|csv|paper|auto|validate|plots|new|eyes)\b"
+    return {(*words[:2], output) for output in ("", *re.findall(outputs, text))}
+
+
+def is_whole(text):
+    """Return True if a command in a sentence has all that its parser needs."""
+    name, *words = shlex.split(text.removeprefix(".venv/bin/"), comments=True)
+    if name not in PROGRAMS_OF_OURS or [name, *words] in NEED_MORE:
+        return False
+    try:
+        parse_arguments(*PROGRAMS_OF_OURS[name].parsers(), words)
+    except (UserError, SystemExit):
+        return False
+    return True
 
 
 def options_in(words):
@@ -533,6 +549,8 @@ def workshop(display, tmp_path_factory, known_repertoire, known_turns):
         patch.setattr(timing, "FRAMES", 40)
         patch.setattr(skinning, "ROUNDS", 1)
         patch.setattr(lessons, "QUICK", lessons.Effort(1, 2, 1, 2, 1, 1, 1))
+        draw = films.pictures
+        patch.setattr(films, "pictures", lambda *scenes: islice(draw(*scenes), 2))
         made = Workshop(folder)
         made.run(shlex.split("subsea simulate --ticks 4 --out run.h5"), inline=False)
         few = {"swim_fast": known_repertoire.segments["swim_fast"]}
