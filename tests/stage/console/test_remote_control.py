@@ -31,6 +31,10 @@ from tests.support.scenes import BARE, scene
 from tests.support.windows import dive_options
 
 SIZE = (320, 240)
+UNDO = {
+    BlankScreens: BlankScreens(False), ShowLineUp: ShowLineUp(False), ShowCaption: ShowCaption(""),
+    FollowFish: LeaveFish(), RideFish: LeaveFish(),
+}  # fmt: skip
 CAPTION = "A voice from the side"
 DIRECTIONS = (
     'name = "fear"\nat_s = 1e5\nwho = { shoal = 0 }\nfear = 1.0\nfor_s = 2.0',
@@ -55,18 +59,19 @@ def boat(display, user, tmp_path_factory):
 @pytest.fixture
 def give(boat, user):
     """Give a command as the server does, and run frames until it is done."""
+    kinds = set()
 
     def given(command):
+        kinds.add(type(command))
         done = remote(boat)._board.put(command)
         user.until(boat, done.done)
         return done.result()
 
     yield given
-    given(BlankScreens(False))
-    given(ShowLineUp(False))
-    given(ShowCaption(""))
-    given(LeaveFish())
-    user.glide(boat, 1.0)
+    for kind in UNDO.keys() & kinds:
+        given(UNDO[kind])
+    if UNDO.keys() & kinds:
+        user.glide(boat, 1.0)
 
 
 def shown(boat, user):
