@@ -20,12 +20,12 @@ CUES = (
 )
 
 
-def test_the_scene_restarts_at_its_end_and_when_a_visitor_has_left(display, user, tmp_path):
+def test_the_scene_restarts_at_its_end_and_when_a_visitor_has_left(display, user, coarse, tmp_path):
     settings = Settings(attract=AttractSettings(after_min=AFTER_S / 60.0))
     with closing(
         Dive(
             dive_options(
-                scene(tmp_path, *CUES), (320, 240), "low",
+                scene(tmp_path, *CUES), (320, 240), coarse,
                 settings=settings, parts=[KioskPart()], tour="directed",
             )
         )
