@@ -4,6 +4,7 @@ Points on a fish are (distance from the snout, height) in body lengths, points i
 x to the right and y down. A matrix (2, 3) maps the first to the second.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -141,12 +142,16 @@ def subdivide(nodes: Array, times: int = FINER) -> Array:
         count = nodes.shape[axis]
         if count < 3:
             continue
-        at = np.arange(times * (count - 1) + 1) / times
-        t = np.interp(at, np.arange(count), greville(count))
-        weights = dense(basis_at(count, t), count)
         solved = through(np.moveaxis(nodes, axis, 0))
-        nodes = np.moveaxis(np.tensordot(weights, solved, 1), 0, axis)
+        nodes = np.moveaxis(np.tensordot(_finer(count, times), solved, 1), 0, axis)
     return nodes
+
+
+@cache  # a window draws the same meshes in every frame
+def _finer(count: int, times: int) -> Array:
+    """Compute the weights of `count` control points at `times` as many places."""
+    at = np.arange(times * (count - 1) + 1) / times
+    return dense(basis_at(count, np.interp(at, np.arange(count), greville(count))), count)
 
 
 def outline(nodes: Array) -> Array:

@@ -68,22 +68,22 @@ def test_three_sizes_and_all_qualities_leak_nothing(context, living, world):
     before, tour = living(), Tour()
     renderer = Renderer(context, make_scene(world), display_rig("mono", SIZES[0]), PRESETS["low"])
     memory, settled = empty_lod_state(len(world.state.fishes.species)), None
-    for k in range(240):
+    for k in range(96):
         if k % 5 == 0:
             step(world, tour.helm(world))
-        if k % 50 == 49:
-            renderer.arrange(display_rig("mono", SIZES[k // 50 % len(SIZES)]))
-        if k % 10 == 0:
-            renderer.adapt(LADDER[k // 10 % len(LADDER)])
+        if k % 20 == 19:
+            renderer.arrange(display_rig("mono", SIZES[k // 20 % len(SIZES)]))
+        if k % 4 == 0:
+            renderer.adapt(LADDER[k // 4 % len(LADDER)])
         quality = renderer.quality
         renderer.draw(
             pack(
                 world, sight(world, renderer), k % 5 / 5.0, options=quality.packing, memory=memory,
             )
         )  # fmt: skip
-        if k % 40 == 39:
+        if k % 16 == 15:
             assert context.error == "GL_NO_ERROR"
-        if k == 170:  # all qualities were drawn: lazily made objects exist by now
+        if k == 68:  # all qualities were drawn: lazily made objects exist by now
             renderer.adapt(PRESETS["low"])
             settled = living()
     renderer.adapt(PRESETS["low"])

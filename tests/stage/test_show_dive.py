@@ -8,6 +8,7 @@ import pytest
 
 from subsea.cli.main import main
 from subsea.dive.settings import AttractSettings, Settings
+from subsea.stage import show_player
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
 from subsea.stage.parts import ConsolePart, KioskPart, ShowPart, show_of
 from subsea.stage.show_player import DiveCount, state_folder
@@ -120,23 +121,25 @@ def test_a_show_of_items_and_two_cues(display, user, coarse, playlist):
     assert not (state_folder() / "show.state").exists()
 
 
-def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, playlist):
+def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, playlist, monkeypatch):
+    monkeypatch.setattr(show_player, "SAVE_S", 3.0)
     told = []
     show, dive = opened(playlist, coarse, told)
     with closing(dive) as running:
         user.glide(running, 2.0)
         show.player.next_cue()
-        user.glide(running, 18.0)  # a state is saved meanwhile
+        user.glide(running, 5.0)  # states are saved meanwhile
         ticks = running.world.state.tick
     assert (state_folder() / "show.state").exists()
     again, dive = opened(playlist, coarse, told)
     with closing(dive) as running:
         assert again.player.progress.item == 1 and running.source.name == "second.toml"
-        assert 10.0 < again.player.progress.elapsed_s < 20.0
-        assert 300 < running.world.state.tick < ticks  # the sea, too
-        assert [line for line in told if line.startswith("the show goes on at item 2, second 1")]
+        assert 2.0 < again.player.progress.elapsed_s < 5.0
+        assert 100 < running.world.state.tick < ticks  # the sea, too
+        second = f"{again.player.progress.elapsed_s:.0f}"
+        assert f"the show goes on at item 2, second {second}" in told
         user.glide(running, 1.0)
-        assert running.world.state.tick > 300 and again.player.shown == 1
+        assert running.world.state.tick > 100 and again.player.shown == 1
         again.end(running)
 
 

@@ -20,9 +20,9 @@ SIZE = (240, 160)
 
 
 @pytest.fixture(scope="module")
-def world():
+def world(quiet):
     """A handful of fishes, most of them simulated."""
-    world = create_world(load_scenario("peaceful")[0], fish=6, live=6, live_reach_cm=np.inf)
+    world = create_world(load_scenario(quiet)[0], fish=6, live=6, live_reach_cm=np.inf)
     for _ in range(300):
         step(world, NEUTRAL)
         if world.state.fishes.live.sum() >= 3:

@@ -8,6 +8,7 @@ from subsea.stage.headset import display as headset_display
 from subsea.stage.headset.controllers import Hand
 from subsea.stage.headset.display import gamepad_of
 from subsea.stage.headset.head import Pose
+from subsea.world import snapshot
 from tests.stage.headset.conftest import SIZE, diving
 from tests.support.headset import NOT_TURNED, turned
 
@@ -15,18 +16,20 @@ from tests.support.headset import NOT_TURNED, turned
 @pytest.fixture(scope="module")
 def dive(display, quiet):
     """One dive for all tests of this file."""
-    with pytest.MonkeyPatch.context() as patch, diving(quiet, patch) as made:
-        yield made
+    with pytest.MonkeyPatch.context() as patch, diving(quiet, patch) as (running, headset):
+        yield running, headset, snapshot.take(running.world)
 
 
 @pytest.fixture
 def worn(dive):
     """The dive at its beginning, with head and hands at rest."""
-    running, headset = dive
+    running, headset, begun = dive
     headset.rest()
     running.menu.hide()
     running.preferences.set_comfort(COMFORTS["usual"])
-    running.open_world(running.scenario, running.source, seed=1)
+    snapshot.restore(running.world, begun)
+    running.timeline.paused = False
+    running.ride_fish(None)
     running.picture.head.recentre()
     running.frame(0.0)
     running.picture.head._dark = 0.0  # it has faded in

@@ -12,6 +12,7 @@ from PIL import Image
 from capture.learning.improve import write_controllers
 from subsea.base.errors import UserError
 from subsea.fish.species import load_species, own_species_file, repertoire_file, species_file
+from subsea.rendering.fish import preview
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.repertoire.findings import FishMotion
 from subsea.scenario.load import load_scenario
@@ -41,6 +42,7 @@ def window(display, tmp_path_factory):
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
         # Test swims take the processor from the window; tests/studio/test_checks.py has them.
         patch.setattr("subsea.studio.builder.assessment.try_swimming", lambda muscles: TRIAL)
+        patch.setattr(preview, "SAMPLES", 0)  # a preview with smooth edges takes twice as long
         copy = copy_draft(read_draft(species_file("fusilier")), "red_snapper", "Red Snapper")
         save_draft(copy, own_species_file("red_snapper"))
         make = builder_for("red_snapper", over=photo)

@@ -14,6 +14,7 @@ from subsea.cli.main import main
 from subsea.fish import paint, sheet_layout
 from subsea.fish.color_sheet import sheet_of
 from subsea.fish.species import load_species, own_species, species_file
+from subsea.rendering.fish import preview
 from subsea.studio import mesh_edit as edits
 from subsea.studio.deformable_mesh import BODY, DORSAL, VENTRAL, attach_fins, copy_meshes
 from subsea.studio.lift import rasterize
@@ -95,6 +96,7 @@ def opened(display, tmp_path_factory):
     make = lambda window: SkinEditor(window, read_photograph(path), NAME, mesh=mesh)  # noqa: E731
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("home")))
+        patch.setattr(preview, "SAMPLES", 0)  # a preview with smooth edges takes twice as long
         with closing(ToolWindow("skin", make, SIZE)) as window:
             yield window, truth
 
