@@ -253,7 +253,8 @@ class Workshop:
         if isinstance(step, Command):
             self.type(step, only_read)
         elif step.kind == "python":
-            code = compile(step.text, step.page, "exec")
+            text = re.sub(r"\bstep\(\d{3,}\)", "step(30)", step.text)  # a shorter simulation
+            code = compile(text, step.page, "exec")
             if not only_read:
                 with redirect_stdout(StringIO()):
                     exec(code, {})

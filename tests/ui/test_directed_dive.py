@@ -26,10 +26,10 @@ CUES = (
 
 
 @pytest.fixture(scope="module")
-def boat(display, user, tmp_path_factory):
+def boat(display, user, coarse, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("scene"), *CUES)
     with closing(
-        Dive(dive_options(file, SIZE, "low", settings=PATIENT, tour="directed"))
+        Dive(dive_options(file, SIZE, coarse, settings=PATIENT, tour="directed"))
     ) as running:
         yield running
 

@@ -48,9 +48,9 @@ def remote(running):
 
 
 @pytest.fixture(scope="module")
-def boat(display, user, tmp_path_factory):
+def boat(display, user, coarse, tmp_path_factory):
     file = scene(tmp_path_factory.mktemp("sea"), *DIRECTIONS)
-    with closing(Dive(dive_options(file, SIZE, "low", parts=[ConsolePart(local())]))) as running:
+    with closing(Dive(dive_options(file, SIZE, coarse, parts=[ConsolePart(local())]))) as running:
         assert remote(running) is not None
         user.glide(running, 0.2)
         yield running
