@@ -114,10 +114,13 @@ class FishRenderer(GpuOwner):
         # Never empty: the first call of a program reads one instance.
         records = packet.instances if len(packet.instances) else NOBODY
         replace_data(self._instances, np.ascontiguousarray(records))
-        points = packet.live_points.shape[1]
-        for k, texels in enumerate(_texels(packet.live_points), start=packet.live_row):
-            block, row = divmod(k, TABLE_ROWS)
-            self._table.write(texels.tobytes(), viewport=(points * block, row, points, 1))
+        texels = _texels(packet.live_points)
+        points, first = texels.shape[1], packet.live_row
+        while len(texels):  # at once, but for rows of the next block
+            block, row = divmod(first, TABLE_ROWS)
+            part = texels[: TABLE_ROWS - row]
+            self._table.write(part.tobytes(), viewport=(points * block, row, points, len(part)))
+            texels, first = texels[len(part) :], first + len(part)
 
     def update(
         self, species: tuple[Species, ...], length_cm: tuple[float, ...],
