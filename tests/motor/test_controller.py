@@ -1,5 +1,7 @@
 """The secondary controller: segments, speeds and steering from a goal."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -188,3 +190,16 @@ def test_a_large_fish_turns_more_slowly(make_fishes, library):
     heads = [matrix(np.array(multiply(q, UPRIGHT * [1, -1, -1, -1])))[:, 0] for q in
              fishes.orientation.astype(float)]  # fmt: skip
     assert heads[0][1] > 1.3 * heads[1][1] > 0
+
+
+@pytest.mark.parametrize("species", ["fusilier", "blue_tang", "blacktip_reef_shark"])
+def test_small_turns_are_tuned_finely(make_tank, species):
+    """A fish that turns by less than 45° ends within 4.5° of its goal (SMC §6.2)."""
+    for azimuth, speed in product((5, 15, 30, 45), (0.6, 1.0)):
+        tank = make_tank(species).put("swim_fast")
+        tank.aim(np.radians(azimuth), speed)
+        tank.run(284)
+        begin = tank.fishes.position[0].copy()
+        tank.run(56)
+        way = tank.fishes.position[0] - begin
+        assert abs(np.degrees(np.arctan2(way[1], way[0])) - azimuth) < 4.5, (azimuth, speed)
