@@ -6,6 +6,7 @@ The bow wave of the submarine, which moves the fishes around it.
 import numpy as np
 
 from subsea.base.arrays import Array, Ints
+from subsea.geometry.rotation import x_axis
 from subsea.geometry.solids import far_from_rock, from_pillar, from_turned_rock
 from subsea.geometry.vector import (
     ZERO,
@@ -119,3 +120,32 @@ def bow_wave(place: Vector, velocity: Vector, radius: float) -> Vector:
     share = 0.5 * min(radius / distance, 1.0) ** 3
     along = times(3.0 * dot(velocity, outward), outward)
     return times(share, plus(along, times(-1.0, velocity)))
+
+
+@kernel
+def shear_at(who: Ints, fishes: Fishes, sea: Sea, cells: RockCells, flow: Array) -> Array:
+    """Velocity (k, 2, 3) of the water at the snouts and tails of the simulated fishes `who`, cm/s.
+
+    It is relative to that at their origins, which carries them. -1 stands for nobody.
+    """
+    shear, uniform = np.zeros((len(who), 2, 3)), vector(flow)
+    for k in range(len(who)):
+        i = who[k]
+        if i < 0 or not fishes.live[i]:
+            continue
+        middle, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
+        radius = HULL_CM + BEAM_BL * float(fishes.length[i])
+        water = _water_at(sea, cells, uniform, radius, middle)
+        for tip in range(2):
+            along = fishes.snout[i] - tip * fishes.length[i]
+            there = _water_at(sea, cells, uniform, radius, plus(middle, times(along, ahead)))
+            store(shear[k, tip], minus(there, water))
+    return shear
+
+
+@kernel
+def _water_at(sea: Sea, cells: RockCells, flow: Vector, radius: float, p: Vector) -> Vector:
+    """Velocity of the water at p, cm/s, with the wave of a hull of this radius."""
+    hull, velocity = vector(sea.submarine[:3]), vector(sea.submarine[3:6])
+    wave = bow_wave(minus(p, hull), velocity, radius)
+    return plus(flow_near(sea.pillars, cells, flow, p), wave)

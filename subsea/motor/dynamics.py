@@ -1,8 +1,9 @@
 """Simulated fishes: the muscle-driven body under command of the secondary controller.
 
-The body swims at the size and pace of the recorded fish, in the frame of the water. Muscles and
-fins follow the segment, tempo, thrust and steering that the controller asks of playback. As in
-recorded sharp turns, a couple stands for the fins that hold heading and pitch.
+The body swims at the size and pace of the recorded fish, in the frame of the water at its origin.
+Water that flows otherwise along the body turns and bends it (Tu §8.1). Muscles and fins follow the
+segment, tempo, thrust and steering that the controller asks of playback. Muscles alone turn the
+fish; a couple, as strong as the lift of its pectoral fins, pitches it.
 """
 
 import math
@@ -23,10 +24,10 @@ from subsea.biomechanics.body import (
     build_body,
     origin_of,
 )
-from subsea.biomechanics.body_plan import GRADES, Muscles
+from subsea.biomechanics.body_plan import GRADES, MAX_CONTRACTION, Muscles
 from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
 from subsea.biomechanics.reactive_water import inertial_mass, sections_of
-from subsea.biomechanics.solver import STEP, TICK_S, TICK_TU, advance
+from subsea.biomechanics.solver import STEP, TICK_S, TICK_TU, TIME_UNIT_S, advance
 from subsea.fish.species import Species
 from subsea.geometry.rotation import (
     Quaternion,
@@ -44,6 +45,7 @@ from subsea.geometry.vector import (
     Vector,
     cross,
     dot,
+    minus,
     plus,
     store,
     times,
@@ -51,20 +53,27 @@ from subsea.geometry.vector import (
 )
 from subsea.kernels import kernel
 from subsea.motor.controller import own_speed
-from subsea.motor.playback import BASE, COAST, LEFT_GRADUAL, TEMPO, TURNS, blends
+from subsea.motor.playback import (
+    BASE,
+    COAST,
+    LEFT_GRADUAL,
+    LEFT_SHARP,
+    RIGHT_SHARP,
+    TEMPO,
+    blends,
+)
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
 from subsea.state import Fishes, Live, Physics
 
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
-UPWARDS = (0.0, 0.0, 1.0)
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
-BEND_EASE = 1.0 / 16.0  # share of the full bend that may change in a tick
-MOST_BEND = 0.6  # share of the full bend: fins add the rest, as quick bends strain the body
-TURN_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the turning rate ...
-MOST_COUPLE = 0.25  # rad/tu²: ... and its limit
-RIGHTING = 0.15  # 1/tu: rate at which fins and a swim bladder that the hull lacks right a fish
+BEND_EASE = 1.0 / 7.0  # share of the full bend that may change in a recorded frame
+MOST_BEND = 0.4  # contraction in sharp turns
+SHARP_SHARE = 1.3  # turning rate in the midst of a sharp turn over its mean, with straight ends
+SLOWEST_TURN = 0.4  # least speed over that of a gradual turn: a slower fish does not bend further
+PITCH_GAIN = 0.5  # 1/tu: the couple of the fins over the error of the pitching rate
 GEAR_EASE = 3.0 / 14.0  # grades by which the beat may change in a tick
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
@@ -99,6 +108,7 @@ class BodyTables(NamedTuple):
     inertia: Array  # (S, 23) mass of the nodes with the water that moves aside with them
     fin_area: Array  # (S,) of each pectoral fin
     roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
+    pitching: Array  # (S,) rad/cm², couple of the fins' greatest lift over the squared speed
 
 
 def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
@@ -114,7 +124,7 @@ def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, (5, 6), 1, 4, (4, 2), 4, 4, 2, len(SEGMENTS), 23, 1, 1)
+_ROW = (23, 91, 91, 91, 1, (5, 6), 1, 4, (4, 2), 4, 4, 2, len(SEGMENTS), 23, 1, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -132,6 +142,7 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
         drag=bodies.drag * water,
         sections=bodies.sections * water,
         fin_area=bodies.fin_area * water,
+        pitching=bodies.pitching * water,
         roll_lead=bodies.roll_lead * lead,
     )
 
@@ -144,13 +155,13 @@ def _body(muscles: Muscles, speed: Array, turn_rate: Array) -> tuple[Any, ...]:
         np.multiply(swim.amplitude(grade), gait.contraction)
         for grade, gait in zip(GRADES, gaits, strict=False)
     ]
-    fin_area = FIN_AREA * muscles.body.length**2
+    fin_area, inertia = FIN_AREA * muscles.body.length**2, inertial_mass(muscles.body, body.mass)
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag, np.array(body.sections),
         swim.ticks_per_beat, (0.0, *speed[:3]), np.array([(0.0, 0.0), *contractions]),
         (gaits[0].lag, *(gait.lag for gait in gaits)), (paces[0], *paces),
-        muscles.turn.gradual, turn_rate, inertial_mass(muscles.body, body.mass),
-        fin_area, _roll_lead(body, fin_area),
+        muscles.turn.gradual, turn_rate, inertia,
+        fin_area, _roll_lead(body, fin_area), _pitching(body, inertia, fin_area),
     )  # fmt: skip
 
 
@@ -163,6 +174,13 @@ def _roll_lead(body: Body, fin_area: float) -> float:
     return float(ROLL_LEAD / math.sqrt(stiffness / inertia))
 
 
+def _pitching(body: Body, inertia: Array, fin_area: float) -> float:
+    """Couple, rad/tu², of both fins at STEEPEST in water that passes them at 1 cm/tu."""
+    arm = body.rest - inertia @ body.rest / inertia.sum()
+    lift = 2.0 * fin_area * math.sin(STEEPEST) * math.cos(STEEPEST)
+    return float(lift * abs(arm[1:13, 0].mean()) / (inertia @ (arm[:, 0] ** 2 + arm[:, 1] ** 2)))
+
+
 class Integration(NamedTuple):
     """Integration parameters of a tick."""
 
@@ -170,6 +188,7 @@ class Integration(NamedTuple):
     time_step: float  # factor on the step of 5.5 ms, as in `state.Physics`
     iterations: int  # steps in a tick of a fish of the recorded size
     strain: tuple[float, float]  # limits of a unit's length over its rest length
+    shear: Array  # (k, 2, 3) cm/s, of the water at snout and tail over that at the origin
 
 
 @kernel
@@ -183,7 +202,7 @@ def swim_live(
     row, with the increments that lead to it, per recorded frame: a glide reads them like
     recorded ones.
     """
-    dt, time_step, iterations, (least, most) = integration
+    dt, time_step, iterations, (least, most), shear = integration
     sound = np.ones(len(live.fish), np.bool_)
     muscles = np.empty((MAX_RATE * iterations, MUSCLES))
     time = STEP * time_step * iterations  # length of a tick for a fish of the recorded size
@@ -203,7 +222,6 @@ def swim_live(
             contract(bodies, kind, live.phase[slot], live.gear[slot], live.bend[slot], muscles[n])
             live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
-        yaw = turning_rate(fishes, library, bodies, i)
         lift = float(fishes.steering[i, 1]) / rate
         brake = _brake(fishes, library, live, slot)
         watch = np.array([np.inf, 0.0, np.inf])
@@ -211,25 +229,28 @@ def swim_live(
             bodies.mass[kind], bodies.length[kind], bodies.stiffness[kind],
             bodies.viscosity[kind], bodies.drag[kind], sections_of(bodies.sections[kind]),
         )  # fmt: skip
-        inertia = bodies.inertia[kind]
+        tips = shear[slot] * (TIME_UNIT_S / (float(fishes.scale[i]) * rate))
+        water = np.zeros((NODES, 3))
         # The fins follow the body at every recorded frame: more rarely they would overshoot.
         for begin in range(0, steps, iterations):
+            # In the frame of the water around each node, the water is still.
+            flow_along(x, tips, water)
+            v -= water
             force = fin_force(bodies, kind, x, v, brake)
-            q, _ = frame_of(x)
-            along, across = x_axis(q), rotate(q, (0.0, 0.0, 1.0))
-            righting = RIGHTING * across[2] * rotate(q, (0.0, 1.0, 0.0))[2]
-            force += _turning_force(inertia, x, v, UPWARDS, yaw * TICK_S / TICK_TU, TURN_GAIN)
-            force += _turning_force(inertia, x, v, across, lift * TICK_S / TICK_TU, TURN_GAIN)
-            force += _turning_force(bodies.mass[kind], x, v, along, righting, TURN_GAIN)
+            force += pitching_force(bodies, kind, x, v, lift * TICK_S / TICK_TU)
             part = muscles[begin : min(begin + iterations, steps)]
             advance(x, v, material, part, np.zeros(3), force, step, watch)
+            v += water
+            x += step * len(part) * water
         sound[slot] = least <= watch[0] and watch[1] <= most and watch[2] > 0.0
         leap = LEAP_BL * rate * library.recorded_length[kind]
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
             live.x[slot], live.v[slot] = x, v
             _settle(fishes, live, slot, len(library.entry), dt, pace)
-            _follow_course(fishes, live, slot, len(library.entry), yaw * rate * dt)
+            turn = bodies.turn_rate[kind, LEFT_GRADUAL] * live.bend[slot, 0] / bodies.bend[kind, 0]
+            turn *= _turning_share(library, live, slot, kind)
+            _follow_course(fishes, live, slot, len(library.entry), turn * rate * dt)
     return sound
 
 
@@ -255,13 +276,21 @@ def _ease_muscles(
     """
     i = live.fish[slot]
     kind = fishes.species[i]
-    yaw = turning_rate(fishes, library, bodies, i)
-    coasts = BASE[fishes.wanted_segment[i]] == COAST
-    share = fishes.bend[i] if coasts else yaw / bodies.turn_rate[kind, LEFT_GRADUAL]
+    wanted = fishes.wanted_segment[i]
+    coasts = BASE[wanted] == COAST
+    share = bodies.turn_rate[kind, wanted] / bodies.turn_rate[kind, LEFT_GRADUAL]
+    if wanted in (LEFT_SHARP, RIGHT_SHARP):
+        share *= SHARP_SHARE
+    if blends(library, kind, wanted):
+        share = float(fishes.bend[i]) * float(fishes.tempo[i])
+    share /= _turning_share(library, live, slot, kind)
+    if coasts:
+        share = float(fishes.bend[i])
+    most = MOST_BEND / bodies.bend[kind].max()
     # A fish that is to be played back straightens, as every segment is begun.
-    share = min(max(share, -MOST_BEND), MOST_BEND) if live.waiting[slot] == 0 else 0.0
+    share = min(max(share, -most), most) if live.waiting[slot] == 0 else 0.0
     for k in range(2):
-        ease = BEND_EASE * bodies.bend[kind, k]
+        ease = BEND_EASE * fishes.rate[i] * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
         live.bend[slot, k] += min(max(gap, -ease), ease)
     speed = _wanted_speed(fishes, library, i)
@@ -270,7 +299,7 @@ def _ease_muscles(
         speed = 0.0
     # A bent body keeps its shape at the beat of a gradual turn, which is that of medium.
     medium, fast = bodies.speed[kind, 2], bodies.speed[kind, 3]
-    speed = min(speed, fast + abs(share) * (medium - fast))
+    speed = min(speed, fast + min(abs(share), 1.0) * (medium - fast))
     gap = np.interp(speed, bodies.speed[kind], GEARS) - live.gear[slot]
     live.gear[slot] += min(max(gap, -GEAR_EASE), GEAR_EASE)
     tempo = np.interp(speed, bodies.speed[kind], bodies.pace[kind])
@@ -278,27 +307,20 @@ def _ease_muscles(
 
 
 @kernel
-def turning_rate(fishes: Fishes, library: Library, bodies: BodyTables, i: int) -> float:
-    """The turning rate, rad/s to the left at the recorded pace, that the controller asks of fish i.
-
-    That of the segment or of its bend, and of the steering.
-    """
-    kind, wanted = fishes.species[i], fishes.wanted_segment[i]
-    if blends(library, kind, wanted):
-        left = TURNS[BASE[wanted], 0]
-        return float(bodies.turn_rate[kind, left] * fishes.bend[i] * fishes.tempo[i])
-    return float(bodies.turn_rate[kind, wanted] + fishes.steering[i, 0] / fishes.rate[i])
+def _turning_share(library: Library, live: Live, slot: int, kind: int) -> float:
+    """Turning rate of a bent fish over the recorded one: on the same circle, as its speed."""
+    return max(live.speed[slot] / library.speed[kind, LEFT_GRADUAL], SLOWEST_TURN)
 
 
 @kernel
-def _turning_force(
-    inertia: Array, at: Array, v: Array, axis: Vector, rate: float, gain: float
-) -> Array:
-    """Force (23, 3) on the nodes that turns a body about `axis` at `rate`, rad/tu; gain in 1/tu."""
-    if inertia[0] == 0.0:
-        return np.zeros((NODES, 3))
-    couple = gain * (rate - roll_rate(at, v, inertia, axis))
-    return couple_force(at, inertia, axis, min(max(couple, -MOST_COUPLE), MOST_COUPLE))
+def pitching_force(bodies: BodyTables, kind: int, at: Array, v: Array, rate: float) -> Array:
+    """Force (23, 3) of the fins on the nodes that pitches the body at `rate`, rad/tu."""
+    q, _ = frame_of(at)
+    across, inertia = rotate(q, (0.0, 0.0, 1.0)), bodies.inertia[kind]
+    u = (v[1:13, 0].mean(), v[1:13, 1].mean(), v[1:13, 2].mean())
+    most = bodies.pitching[kind] * max(dot(u, u), SCULL_SPEED**2)
+    couple = PITCH_GAIN * (rate - roll_rate(at, v, inertia, across))
+    return couple_force(at, inertia, across, min(max(couple, -most), most))
 
 
 @kernel
@@ -338,7 +360,7 @@ def contract(
             share = size * (1.0 + wave) / 2.0
         if part < 2:
             share += max(bend[part] * side, 0.0)
-        out[m] = bodies.length[kind, m] * (1.0 - share)
+        out[m] = bodies.length[kind, m] * (1.0 - min(share, MAX_CONTRACTION))
 
 
 @kernel
@@ -395,6 +417,33 @@ def roll_rate(at: Array, v: Array, mass: Array, axis: Vector) -> float:
 
 
 @kernel
+def flow_along(x: Array, tips: Array, out: Array) -> None:
+    """Write the velocity (23, 3) of the water at nodes x over that at their origin, cm/tu.
+
+    It is `tips` (2, 3) at snout and tail, and a parabola between. Only what crosses the body
+    counts; its slope turns the nodes together and does not strain them.
+    """
+    q, o = frame_of(x)
+    ahead = x_axis(q)
+    front, back = _across(vector(tips[0]), ahead), _across(vector(tips[1]), ahead)
+    snout, tail = dot(minus(vector(x[0]), o), ahead), dot(minus(vector(x[21]), o), ahead)
+    scale = 1.0 / (snout * tail * (tail - snout))
+    slope = minus(times(scale * tail * tail, front), times(scale * snout * snout, back))
+    arch = minus(times(scale * snout, back), times(scale * tail, front))
+    spin = cross(ahead, slope)
+    for node in range(NODES):
+        arm = minus(vector(x[node]), o)
+        s = dot(arm, ahead)
+        store(out[node], plus(cross(spin, arm), times(s * s, arch)))
+
+
+@kernel
+def _across(w: Vector, axis: Vector) -> Vector:
+    """The part of w across a unit vector."""
+    return minus(w, times(dot(w, axis), axis))
+
+
+@kernel
 def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: float) -> None:
     """Read body frame and pose from the nodes and write them as playback does.
 
@@ -434,7 +483,7 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
 
 @kernel
 def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float) -> None:
-    """Smooth the heading, which is to turn by `turn`, rad, in this tick: the head sways."""
+    """Smooth the heading of a body that turns by `turn`, rad, in this tick: the head sways."""
     i = live.fish[slot]
     x = x_axis(fishes.orientation[i])
     ahead = math.atan2(x[1], x[0]) - live.course[slot] - turn

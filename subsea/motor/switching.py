@@ -67,6 +67,14 @@ class Dynamics(NamedTuple):
     reach_cm: float  # distance from the viewer beyond which fishes are played back
 
 
+class LiveWater(NamedTuple):
+    """The viewer and the water of simulated fishes."""
+
+    viewer: Array  # (3,) cm
+    sea: Sea | None = None  # None: without bounds
+    shear: Array | None = None  # (k, 2, 3) cm/s, as in `Integration`; None: the water is uniform
+
+
 def make_dynamics(
     species: Sequence[Species], repertoires: Sequence[Repertoire], library: Library,
     reach_cm: float,
@@ -107,20 +115,20 @@ def _usual(motions: dict[str, Kinematics], name: str) -> float:
 
 def swim(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live,
-    viewer: Array, clock: Clock, physics: Physics = USUAL, sea: Sea | None = None,
+    around: LiveWater, clock: Clock, physics: Physics = USUAL,
 ) -> Ints:  # fmt: skip
     """Advance all simulated fishes by a tick, before playback moves the others.
 
-    Fishes near the `viewer` (3,), cm, are simulated. Returns those whose bodies diverged
-    ("exploded", Tu §9.2), which are played back from their last sound pose. Under unusual physics
-    fishes that leave the `sea` are played back too.
+    Fishes near the viewer are simulated. Returns those whose bodies diverged ("exploded", Tu §9.2),
+    which are played back from their last sound pose. Under unusual physics fishes that leave the
+    sea are played back too.
     """
     if not len(live.fish) or not len(fishes.live):
         return NONE
     fishes.stay[:] += np.float32(clock.dt)
     _free(fishes, live, len(library.entry))
     if clock.tick % REVIEW_TICKS == 0:
-        _review(fishes, library, dynamics, live, viewer, physics.fish)
+        _review(fishes, library, dynamics, live, around.viewer, physics.fish)
     simulated = (live.fish >= 0) & fishes.live[live.fish]
     for hasty in np.flatnonzero(simulated & ~steady(fishes, library)[live.fish]):
         way = way_back(fishes, library, dynamics, live, int(hasty))
@@ -129,14 +137,16 @@ def swim(
         _try_to_leave(fishes, library, dynamics, live, int(slot))
     bodies = under(dynamics.bodies, physics)
     limits = LIVE_LIMITS if physics == USUAL else EXPERIMENT_LIMITS
-    integration = Integration(clock.dt, float(physics.time_step), int(physics.iterations), limits)
+    shear = around.shear if around.shear is not None else np.zeros((len(live.fish), 2, 3))
+    steps = float(physics.time_step), int(physics.iterations)
+    integration = Integration(clock.dt, *steps, limits, shear)
     sound = swim_live(fishes, library, bodies, live, integration)
     burst = live.fish[~sound].copy()
     for slot in np.flatnonzero(~sound):
         way = way_back(fishes, library, dynamics, live, int(slot))
         to_playback(fishes, library, live, int(slot), way)
-    if sea is not None and physics != USUAL:
-        for lost in _astray(fishes, live, sea):
+    if around.sea is not None and physics != USUAL:
+        for lost in _astray(fishes, live, around.sea):
             way = way_back(fishes, library, dynamics, live, lost)
             to_playback(fishes, library, live, lost, way)
     return burst

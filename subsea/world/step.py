@@ -32,7 +32,7 @@ from subsea.directing.director import cue, direct
 from subsea.directing.script import DirectingContext
 from subsea.habitat import plankton
 from subsea.habitat.contact import keep_in_free_water, separate
-from subsea.habitat.current import add_bow_wave, flow_at, set_drift
+from subsea.habitat.current import add_bow_wave, flow_at, set_drift, shear_at
 from subsea.habitat.rocks import RockCells
 from subsea.habitat.sea import move_hook
 from subsea.habitat.seaweed import step_seaweed
@@ -42,7 +42,7 @@ from subsea.motor.containment import contain
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
-from subsea.motor.switching import swim
+from subsea.motor.switching import LiveWater, swim
 from subsea.perception.focusser import focus
 from subsea.perception.senses import fish_due, sense
 from subsea.repertoire.library import Library
@@ -207,9 +207,11 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
     share(command, everyone, LEAST_PART, fishes, world.library, clock)
+    flow = flow_at(world.flowing_cm_s, clock.tick * TICK_S)
+    shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, flow)
+    around = LiveWater(state.submarine.position, state.sea, shear)
     burst = swim(
-        fishes, world.library, world.dynamics, state.live,
-        state.submarine.position, clock, world.physics, state.sea,
+        fishes, world.library, world.dynamics, state.live, around, clock, world.physics
     )  # fmt: skip
     world.report_bursts(burst)
     share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)

@@ -1,10 +1,15 @@
 import math
+from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 from subsea.biomechanics.body_plan import BodyPlan, SwimPlan, TurnPlan
+from subsea.fish.species import load_species, muscular_names
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(
@@ -86,3 +91,24 @@ def test_each_grade_has_its_own_beat(fusilier):
     # Old files have no new keys, and written plans are read again.
     assert not {"burst", "slow_ticks"} & msgspec.to_builtins(old).keys()
     assert msgspec.convert(msgspec.to_builtins(graded), SwimPlan) == graded
+
+
+def test_the_page_tells_how_shipped_bodies_depart_from_tu():
+    """Stiffness order and masses (Tu tables 4.1 and 4.2), and lags (Tu §4.6.1)."""
+    plans = [load_species(name).muscles for name in muscular_names()]
+    bodies = [plan.body for plan in plans]
+    stiff = np.array([(b.muscle_stiffness, b.cross_stiffness, b.other_stiffness) for b in bodies])
+    lags = [plan.swim.at(grade).lag for plan in plans for grade in plan.swim.grades]
+    masses = np.array([body.masses for body in bodies])
+    heaviest, count = masses[:, 1:6].argmax(axis=1), len(plans)
+    page = (ROOT / "docs/concepts/biomechanics.md").read_text(encoding="utf-8")
+    for line in (
+        f"muscles are the softest in {(stiff.argmin(axis=1) == 0).sum()} of {count} species, "
+        f"cross units the stiffest in {(stiff.argmax(axis=1) == 1).sum()}",
+        f"{min(lags):.2f} to {max(lags):.2f} by species and grade",
+        f"the second or third ring in {np.isin(heaviest, (1, 2)).sum()} of {count} species",
+        f"the nose is lighter than the heaviest ring in "
+        f"{(masses[:, 0] < masses[:, 1:6].max(axis=1)).sum()} of {count} species, "
+        f"the tail in {(masses[:, 6] < masses[:, 1:6].max(axis=1)).sum()}",
+    ):
+        assert line in page, line

@@ -5,7 +5,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.habitat.current import PERIOD_S, SOURCE_CM, SPAN, flow_at, flow_near, set_drift
+from subsea.habitat.current import (
+    PERIOD_S,
+    SOURCE_CM,
+    SPAN,
+    add_bow_wave,
+    flow_at,
+    flow_near,
+    set_drift,
+    shear_at,
+)
 from subsea.state import Fishes, empty
 from tests.support.scenes import everyone
 from tests.support.seas import all_rocks
@@ -82,6 +91,30 @@ def test_every_fish_is_carried_by_the_water_where_it_is(make_sea):
     expected = [flow_near(PILLAR, ALONE, FLOW, tuple(place)) for place in places]
     np.testing.assert_allclose(fishes.drift, expected, rtol=1e-5)
     assert len(np.unique(fishes.drift[:, 0])) > 50
+
+
+def test_simulated_fishes_feel_what_carries_fishes_at_their_snouts_and_tails(make_sea):
+    sea = make_sea(pillars=PILLAR, rocks=ROCK)
+    sea.submarine[:6] = -30.0, 60.0, -120.0, 50.0, 0.0, 0.0
+    fishes = empty(Fishes, n=50)
+    fishes.position[:] = np.random.default_rng(3).uniform(
+        (-200, -200, -290), (200, 200, 0), (50, 3)
+    )
+    fishes.orientation[:] = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0  # ahead along x
+    fishes.length[:], fishes.snout[:], fishes.live[::2] = 20.0, 6.0, True
+    who = np.arange(-1, 50)
+    shear = shear_at(who, fishes, sea, ALONE, np.array(FLOW))
+    middle, carried = fishes.position.copy(), []
+    for along in (0.0, 6.0, -14.0):
+        fishes.position[:] = middle + [along, 0.0, 0.0]
+        set_drift(everyone(fishes), fishes, sea, ALONE, np.array(FLOW))
+        add_bow_wave(everyone(fishes), fishes, sea)
+        carried.append(fishes.drift.astype(float))
+    for tip in (0, 1):
+        expected = np.where(fishes.live[:, None], carried[tip + 1] - carried[0], 0.0)
+        np.testing.assert_allclose(shear[1:, tip], expected, atol=1e-3)
+    assert np.abs(shear).max() > 5.0
+    assert not shear[0].any()
 
 
 def test_a_dense_crowd_is_carried_past_without_meeting_the_pillar(make_sea):

@@ -11,7 +11,7 @@ from subsea.fish.species import load_species
 from subsea.motor.controller import command
 from subsea.motor.playback import play
 from subsea.motor.pose import nodes_world
-from subsea.motor.switching import make_dynamics, swim, to_live
+from subsea.motor.switching import LiveWater, make_dynamics, swim, to_live
 from subsea.repertoire import read_repertoire
 from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.repertoire.schema import SEGMENTS
@@ -83,6 +83,7 @@ class Tank:
         self.fishes.scale[:] = scale
         self.fishes.rate[:] = scale**-0.5
         self.fishes.length[:] = scale * self.library.recorded_length[0]
+        self.shear = np.zeros((1, 2, 3))  # of the water at snout and tail
         self.tick = 1  # a tick without a review of the slots
 
     def put(self, name, row=0):
@@ -107,7 +108,8 @@ class Tank:
             if obey:
                 command(everyone(f), f, self.library, Clock(1, self.tick, TICK))
             clock = Clock(1, 10 * self.tick + 1, TICK)
-            swim(f, self.library, self.dynamics, self.live, STILL, clock)
+            around = LiveWater(STILL, shear=self.shear)
+            swim(f, self.library, self.dynamics, self.live, around, clock)
             play(everyone(f), f, self.library, TICK)
             self.tick += 1
 

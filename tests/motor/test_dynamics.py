@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from subsea.biomechanics.body import body_frame, build_body
-from subsea.biomechanics.body_plan import GRADES
+from subsea.biomechanics.body import UNITS, body_frame, build_body
+from subsea.biomechanics.body_plan import GRADES, MAX_CONTRACTION
 from subsea.biomechanics.controllers import (
     LEFT,
     RIGHT,
@@ -27,7 +27,9 @@ from subsea.motor.dynamics import (
     Integration,
     contract,
     fin_force,
+    flow_along,
     frame_of,
+    pitching_force,
     roll_rate,
     swim_live,
 )
@@ -35,7 +37,7 @@ from subsea.motor.playback import BASE, ROW
 
 TICK = 0.033
 STILL = np.zeros(3)
-USUAL = Integration(TICK, 1.0, 6, STRAIN_LIMITS)
+USUAL = Integration(TICK, 1.0, 6, STRAIN_LIMITS, np.zeros((1, 2, 3)))
 
 every_species = pytest.mark.parametrize("species", muscular_names())
 
@@ -81,7 +83,9 @@ def test_muscles_contract_as_the_plain_controllers_say(make_tank, species, gear)
         lengths = np.empty(12)
         contract(bodies, 0, phase, gear, side * np.array(bend), lengths)
         contraction = _geared(plan.swim, gear, phase) + bend_contraction(bend, side)
-        expected = muscle_lengths(build_body(plan.body), contraction)[0]
+        expected = muscle_lengths(build_body(plan.body), np.minimum(contraction, MAX_CONTRACTION))[
+            0
+        ]
         np.testing.assert_allclose(lengths, expected, rtol=1e-12, err_msg=f"{side}, {phase}")
 
 
@@ -90,7 +94,7 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     tank = _live(make_tank, species)
     plan = load_species(species)
     live = tank.live
-    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1), inertia=np.zeros((1, 23)))
+    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1), pitching=np.zeros(1))
     state = BodyState(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     begin = live.phase[0]
     assert live.fish[0] == 0
@@ -237,3 +241,61 @@ def test_the_rate_of_roll_of_a_body_that_rolls_and_beats(rate):
     beat = np.zeros((23, 3))
     beat[:, 2] = np.sin(body.rest[:, 0])
     assert roll_rate(body.rest, beat, body.mass, (1.0, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-12)
+
+
+def _heading_and_pitch(tank):
+    """The smoothed heading and the pitch of a simulated fish, degrees."""
+    ahead = matrix(tank.fishes.orientation[0].astype(float))[:, 0]
+    return np.degrees((tank.live.course[0], np.arcsin(ahead[2])))
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_water_that_shears_along_the_body_turns_it_and_it_recovers(make_tank, axis):
+    """A gust from the left, or from below, meets the snout and passes over the tail."""
+    tank = _live(make_tank, "fusilier", ticks=60)
+    mass, answer, energy = tank.dynamics.bodies.mass[0], [], []
+    for tick in range(300):
+        tank.shear[0, :, axis] = (6.0, -6.0) if tick < 40 else (0.0, 0.0)
+        tank.run(1)
+        answer.append(_heading_and_pitch(tank)[axis - 1])
+        energy.append(0.5 * mass @ (tank.live.v[0] ** 2).sum(axis=1))
+    assert tank.fishes.live[0]
+    assert 10.0 < max(answer[:60]) < 90.0
+    assert np.abs(answer[-30:]).max() < 3.0
+    assert max(energy) < 3.0 * np.mean(energy[-30:])
+
+
+def test_the_flow_along_a_body_has_the_values_of_the_tips_and_no_strain_by_its_slope():
+    body = build_body(load_species("fusilier").body)
+    x = body.rest @ matrix(np.array([0.8, 0.2, -0.4, 0.4])).T + [3.0, -2.0, 1.0]
+    q, origin = frame_of(x)
+    ahead = matrix(np.array(q))[:, 0]
+    flow, (snout, tail) = np.empty((23, 3)), (x[[0, 21]] - origin) @ ahead
+    tips = np.array([[2.0, 1.0, -3.0], [-1.0, 4.0, 0.5]])
+    across = tips - (tips @ ahead)[:, None] * ahead
+    flow_along(x, tips, flow)
+    np.testing.assert_allclose(flow[0], across[0], atol=1e-9)
+    np.testing.assert_allclose(flow[[21, 22]].mean(axis=0), across[1], atol=0.1)
+    slope = np.array([snout, tail])[:, None] * np.cross(ahead, tips[0])
+    flow_along(x, slope, flow)
+    i, j = UNITS.T
+    stretch = ((x[j] - x[i]) * (flow[j] - flow[i])).sum(axis=1)
+    np.testing.assert_allclose(stretch, 0.0, atol=1e-9)
+
+
+@every_species
+def test_muscles_alone_turn_it_and_fins_pitch_it_no_harder_than_they_lift(make_tank, species):
+    """No couple acts about the vertical of a level fish; the other one is within the fins' lift."""
+    tank = _live(make_tank, species)
+    bodies, x, v = tank.dynamics.bodies, tank.live.x[0].copy(), tank.live.v[0]
+    x -= bodies.inertia[0] @ x / bodies.inertia[0].sum()
+    _, _, across = matrix(np.array(frame_of(x)[0])).T
+    for rate in (0.5, -0.5):
+        couple = np.cross(x, pitching_force(bodies, 0, x, v, rate)).sum(axis=0)
+        arms = np.cross(across, x)
+        speed = np.linalg.norm(v[1:13].mean(axis=0))
+        most = bodies.pitching[0] * speed**2
+        assert couple @ across / (bodies.inertia[0] @ (arms**2).sum(axis=1)) == pytest.approx(
+            np.sign(rate) * most
+        )
+        assert most < 0.02

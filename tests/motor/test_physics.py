@@ -8,7 +8,7 @@ from subsea.geometry.solids import height_at
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Shoal
 from subsea.state import Physics
-from subsea.submarine.vessel import NEUTRAL
+from subsea.submarine.vessel import NEUTRAL, Helm
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.step import step
@@ -81,6 +81,24 @@ def test_each_constant_changes_the_way_of_simulated_fishes_alone(usual):
         assert (moved[simulated] > 1e-3).all(), change
         # Others follow and leave them, a little.
         assert moved[~simulated].max() < moved[simulated].max() + 1.0, change
+
+
+def test_the_wave_of_a_passing_hull_turns_simulated_fishes_alone(usual, monkeypatch):
+    world, start = usual
+    headings = []
+    for patched in (False, True):
+        snapshot.restore(world, start)
+        if patched:
+            monkeypatch.setattr(
+                "subsea.world.step.shear_at", lambda who, *_: np.zeros((len(who), 2, 3))
+            )
+        for _ in range(35):
+            step(world, Helm(surge=1.0))
+        headings.append(world.state.fishes.orientation.astype(float))
+    turned = 2.0 * np.arccos(np.clip(np.abs((headings[0] * headings[1]).sum(axis=1)), 0.0, 1.0))
+    live = world.state.fishes.live
+    assert np.degrees(turned[live]).max() > 0.3
+    assert np.degrees(turned[~live]).max() < np.degrees(turned[live]).max()
 
 
 def test_without_water_the_tail_beats_and_no_beat_drives_the_fish(usual):
