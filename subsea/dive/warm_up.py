@@ -100,6 +100,10 @@ def _motion() -> None:
     step.stay_in_free_water(world, everyone, world.state.fishes.velocity.copy())
 
 
+def _simulation() -> None:
+    step.simulate(_open_water(live=1), CLOCK)
+
+
 def _sound() -> None:
     world = _open_water()
     ears = listener_of(world)
@@ -110,11 +114,11 @@ def _sound() -> None:
         mixer.mix(hear(world, ears, around), SoundLevels())
 
 
-def _open_water() -> World:
+def _open_water(live: int = 0) -> World:
     """A world whose creation compiles little."""
     names = "rock", "outcrop", "ridge", "arch", "seaweed", "vent", "reef", "coral", "tour"
     bare = dict.fromkeys(names, ())
-    return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES)
+    return create_world(replace(load_scenario(SCENARIO)[0], **bare), fish=FISHES, live=live)
 
 
 JOBS: dict[str, Callable[[], None]] = {
@@ -122,6 +126,7 @@ JOBS: dict[str, Callable[[], None]] = {
     "motion": _motion,
     "scenery": _scenery,
     "decisions": _decisions,
+    "simulation": _simulation,
     "sound": _sound,
 }
 """The parts of a dive, the slowest first."""

@@ -207,6 +207,14 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
     """Move every fish by one recorded frame, or by six steps of simulation."""
     state, fishes = world.state, world.state.fishes
     share(command, everyone, LEAST_PART, fishes, world.library, clock)
+    if len(state.live.fish):
+        simulate(world, clock)
+    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)
+
+
+def simulate(world: World, clock: Clock) -> None:
+    """Move the fishes that are simulated, in the water around them, and report what explodes."""
+    state, fishes = world.state, world.state.fishes
     flow = flow_at(world.flowing_cm_s, clock.tick * TICK_S)
     shear = shear_at(state.live.fish, fishes, state.sea, world.rock_cells, flow)
     around = LiveWater(state.submarine.position, state.sea, shear)
@@ -214,7 +222,6 @@ def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:
         fishes, world.library, world.dynamics, state.live, around, clock, world.physics
     )  # fmt: skip
     world.report_bursts(burst)
-    share(play_back, everyone, LEAST_PART, fishes, world.library, state.sea, TICK_S)
 
 
 def steer(world: World, submarine: Submarine, helm: Helm) -> None:

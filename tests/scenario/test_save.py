@@ -218,7 +218,7 @@ def test_a_file_from_scratch_reads_well():
     head = (
         'title = "Preying"\ndescription = "A hungry reef shark hunts in the channels of a reef."\n'
     )
-    assert text.startswith(f"{head}seed = 2\n\n[bounds]\nradius_cm = ")
+    assert text.startswith(f"{head}seed = 2\nsimulated = 6\n\n[bounds]\nradius_cm = ")
     headers = [line for line in text.splitlines() if line.startswith("[")]
     order = [field.name for field in msgspec.structs.fields(Scenario)]
     keys = [header.strip("[]") for header in headers]
