@@ -19,7 +19,8 @@ in vec4 i_place;     // cm, scale
 in vec4 i_turn;      // quaternion w, x, y, z
 in vec4 i_pose;      // row a, row b, weight of b, identity
 in vec4 i_pectoral;  // left and right sweep, left and right lift
-in vec3 i_fins;      // mouth, dorsal and ventral fin, tail
+in vec3 i_fins;      // mouth, spines of dorsal and ventral fin, tail
+in vec4 i_wave;      // soft rays; amplitude times sine and cosine of the wave; pelvic fins
 in vec4 i_show;      // species, cross-fade, mating colours, number of the fish
 
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
@@ -54,6 +55,12 @@ const float WING_SPREAD = 0.95, WING_BEAT = 0.2;  // rad that a wing stands out;
 const float BEHIND = 3.0;  // behind its tip nothing moves, lengths of the mouth
 const float JOINT = 0.25;  // of the jaws behind the corner of the mouth, lengths of the mouth
 const float LEAN = 0.35;  // of a paddle's plane, outwards
+const vec2 PELVIC_SWEEP = vec2(0.08, 0.5);  // rad, of a folded and of a spread pelvic fin, and ...
+const vec2 PELVIC_LIFT = vec2(0.45, -0.5);  // ... above its rest: share of its droop; rad
+const float WAVE = 6.2832 * 1.15;  // rad, of the wave from the front to the rear of a fin's base
+const float BEHIND_DORSAL = 1.5;   // rad, by which the wave of the ventral fin lags
+const float SPINES = 0.25;  // amplitude of the wave in the spines, over that in the soft rays
+const float RAKE = 0.8;     // how far the rays of a folded fin turn to the rear
 
 vec3 control(int point) {
     point = min(point, CONTROL_POINTS - 1);
@@ -87,13 +94,30 @@ void open_mouth(inout vec3 place, inout vec3 normal) {
 }
 #endif
 
+// Fold the rays of a dorsal or ventral fin to the rear, and let a wave run along it. `root` is the
+// foot of a ray, and `base` the way from one foot to the next.
+void move_fin(vec3 root, vec3 base, float side, float stiff, inout vec3 place, inout vec3 ray, inout vec3 along) {
+    float spiny = side > 0.0 ? looks[v_kind].rays.x : looks[v_kind].rays.y;
+    float soft = smoothstep(-0.1, 0.25, v_part.y - spiny);
+    float erect = mix(mix(i_fins.y, i_wave.x, soft), 1.0, stiff), height = length(ray);
+    vec3 right = cross(ray, base);
+    right *= side / max(length(right), 1e-6);
+    ray = erect * ray + RAKE * height * sqrt(max(1.0 - erect * erect, 0.0)) * base / max(length(base), 1e-6);
+    float phase = WAVE * v_part.y + (side > 0.0 ? 0.0 : BEHIND_DORSAL);
+    vec2 swing = height * min(erect, 1.0) * (1.0 - stiff) * mix(SPINES, 1.0, soft) * i_wave.yz;
+    ray += (swing.x * cos(phase) - swing.y * sin(phase)) * right;
+    along -= v_part.x * WAVE * (swing.x * sin(phase) + swing.y * cos(phase)) * right;
+    place = root + v_part.x * ray;
+}
+
 void main() {
     v_kind = int(i_show.x);
     v_fade = i_show.y;
     vec4 own = texelFetch(u_vertices, ivec2(gl_VertexID, v_kind), 0);
     vec4 build = looks[v_kind].build;
     float stiff = looks[v_kind].coat.w;
-    vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0), root = vec3(0.0);
+    vec3 place = vec3(0.0), along_u = vec3(0.0), along_v = vec3(0.0);
+    vec3 root = vec3(0.0), foot = vec3(0.0);
     int base = int(own.z), row = int(a_part.w);
     float side = a_part.z;
     v_part = vec2(a_part.y, own.w);
@@ -108,7 +132,10 @@ void main() {
                 across += a_v[j] * c;
                 slope += a_dv[j] * c;
             }
-            if (i == 0) root = across;
+            if (i == 0) {
+                root = across;
+                foot = slope;
+            }
             place += a_u[i] * across;
             along_u += a_du[i] * across;
             along_v += a_u[i] * slope;
@@ -117,16 +144,20 @@ void main() {
             // The tail spreads, most at its edge.
             place.y *= 1.0 + i_fins.z * (1.0 - stiff) * smoothstep(build.y, 1.0, v_rest.x);
         } else {
-            // A folded fin lies closer to its root.
-            place = mix(root, place, mix(i_fins.y, 1.0, stiff));
+            move_fin(root, foot, side, stiff, place, along_u, along_v);
         }
     } else {
         // A paired fin turns about its root: it trails behind and is spread by its sweep.
         bool pelvic = a_part.x > 2.5;
         vec4 paddle = pelvic ? looks[v_kind].pelvic : looks[v_kind].pectoral;
         bool wing = paddle.z > 0.5;
-        float sweep = pelvic ? 0.35 : (side < 0.0 ? i_pectoral.x : i_pectoral.y);
-        float lift = pelvic ? 0.0 : (side < 0.0 ? i_pectoral.z : i_pectoral.w);
+        float sweep = side < 0.0 ? i_pectoral.x : i_pectoral.y;
+        float lift = side < 0.0 ? i_pectoral.z : i_pectoral.w;
+        if (pelvic) {
+            float spread = wing ? 0.4 : i_wave.w, droop = atan(paddle.y, paddle.x);
+            sweep = mix(PELVIC_SWEEP.x, PELVIC_SWEEP.y, spread);
+            lift = wing ? 0.0 : mix(PELVIC_LIFT.x * droop, PELVIC_LIFT.y, spread);
+        }
         float beat = sweep * (0.6 + 0.55 * a_part.y);
         float bend = wing ? WING_SPREAD + WING_BEAT * beat : beat;
         vec3 back = vec3(-paddle.xy, 0.0);

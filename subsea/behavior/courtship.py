@@ -282,8 +282,12 @@ def perform(state: int, who: Ints, fishes: Fishes, minds: Minds, sea: Sea, clock
 
 @kernel
 def ease_display(who: Ints, fishes: Fishes, minds: Minds, clock: Clock) -> None:
-    """Ease the display of the fishes `who` to 1 where a male courts, else to 0 (Tu §5.3)."""
+    """Ease the display of the fishes `who` to 1 where a male courts, else to 0 (Tu §5.3).
+
+    A fish raises its fins to a mate and to a predator in sight.
+    """
     share = 1.0 - np.exp(-clock.dt / COLOUR_S)
     for i in who:
         courts = fishes.alive[i] and minds.male[i] and minds.courtship[i] != NO_COURTSHIP
         fishes.display[i] += share * ((1.0 if courts else 0.0) - fishes.display[i])
+        fishes.raised[i] = max(fishes.display[i], minds.menace[i])

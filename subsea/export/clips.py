@@ -43,11 +43,10 @@ from subsea.geometry.rotation import matrix, multiply, normalised
 from subsea.rendering.fish.fishes import FishShape
 from subsea.rendering.fish.preview import without_variation
 from subsea.repertoire import Repertoire, Segment, read_repertoire
+from subsea.state import FINS_AT_EASE
 
 OPAQUE = 250  # of 255; less opaque texels are blended
 ROUGHNESS = 0.45  # of a wet skin
-SWEEP_RAD = 0.35  # of relaxed paired fins, away from the body
-AT_EASE = (SWEEP_RAD, SWEEP_RAD, 0.0, 0.0, 0.0, 1.0, 0.0)  # as `frame.packet.FINS`
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 FIN_NAMES = {  # part and side of a vertex
     "dorsal": (FIN, 1.0),
@@ -114,7 +113,7 @@ class Surface:
     def at(self, control: Array, fins: Array | None = None) -> tuple[Array, Array]:
         """Compute points and normals (T, n, 3) for control points (T, 426, 3).
 
-        `fins` (T, 7) are as in `state.Fishes`; None: at ease, with the mouth shut.
+        `fins` (T, 11) are as in `state.Fishes`; None: at ease, with the mouth shut.
         """
         rows = _instances(len(control))
         rows[:, ROW_A] = rows[:, ROW_B] = np.arange(len(control))
@@ -123,7 +122,7 @@ class Surface:
         return self.drawn(rows, control)
 
     def drawn(self, instances: Array, control_points: Array) -> tuple[Array, Array]:
-        """Compute points and normals (T, n, 3) of instances (T, 23), in body axes.
+        """Compute points and normals (T, n, 3) of instances (T, 27), in body axes.
 
         Their poses are rows of `control_points` (rows, 426, 3). Points have the fish's own size.
         """
@@ -143,9 +142,9 @@ class Surface:
 
 
 def _instances(number: int) -> Array:
-    """Instances (number, 23) of a fish at the origin in the first pose, with fins at ease."""
+    """Instances (number, 27) of a fish at the origin in the first pose, with fins at ease."""
     rows = np.zeros((number, INSTANCE_COLUMNS), np.float32)
-    rows[:, SCALE], rows[:, ORIENTATION], rows[:, FINS] = 1.0, UNTURNED, AT_EASE
+    rows[:, SCALE], rows[:, ORIENTATION], rows[:, FINS] = 1.0, UNTURNED, FINS_AT_EASE
     return rows
 
 

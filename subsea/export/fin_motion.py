@@ -35,18 +35,17 @@ class FinPlayer:
         fishes.scale[:], fishes.size_rate[:] = scale, 1.0 / np.sqrt(scale)
         fishes.oars[:] = species.surface.depth > FLAT_BL
         fishes.flaps[:] = species.row is not None and species.row.flaps
-        fishes.thrust[:] = 1.0
         self._row_s = repertoire.tick_s * np.sqrt(scale) / species.pace
 
     def clip(self, name: str) -> tuple[int, Array]:
-        """Count the beats of the tail in a clip of a segment; compute its fins (T, 7).
+        """Count the beats of the tail in a clip of a segment; compute its fins (T, 11).
 
         Columns are those of `state.Fishes.fins`. A cyclic clip ends as it begins.
         """
         segment = SEGMENTS.index(name)
         rows = int(self._library.length[0, segment])
         if not self._library.cyclic[0, segment]:
-            self._begin(SLOW, self._share(segment))
+            self._begin(SLOW, self._share(SLOW if segment == STOP else segment))
             self._step(0, LONG_S)
             return 1, self._run(segment, rows)
         self._begin(segment, self._share(segment))
@@ -68,12 +67,13 @@ class FinPlayer:
 
     def _begin(self, segment: int, share: float) -> None:
         fishes = self._fishes
-        fishes.segment[:], fishes.goal_speed[:] = segment, share
+        fishes.segment[:], fishes.goal_speed[:], fishes.thrust[:] = segment, share, 1.0
+        fishes.velocity[0, 0] = share * fishes.fast[0]
         fishes.tempo[:] = CSTART_TEMPO if is_cstart(segment) else 1.0
         fishes.fin_phase[:], fishes.breath[:] = 0.0, 0.0
 
     def _rates(self) -> Array:
-        """Measure the rates of left fin, right fin and breath, rad/s."""
+        """Measure the rates of left fin, right fin, wave and breath, rad/s."""
         self._step(0, TRIAL_S)
         fishes = self._fishes
         turned = np.array([*fishes.fin_phase[0], fishes.breath[0]], np.float64)
@@ -85,12 +85,18 @@ class FinPlayer:
         fishes.segment[:] = segment
         fishes.tempo[:] = CSTART_TEMPO if is_cstart(segment) else 1.0
         fishes.fin_phase[:], fishes.breath[:] = 0.0, 0.0
-        return np.array([self._step(row, self._row_s if row else 0.0) for row in range(rows)])
+        fishes.goal_speed[:] = self._share(segment)
+        out = []
+        for row in range(rows):
+            if segment == STOP:
+                fishes.thrust[:] = 1.0 - row / (rows - 1)
+            out.append(self._step(row, self._row_s if row else 0.0))
+        return np.array(out)
 
     def _at(self, row: int, phases: Array) -> Array:
-        """Compute the fins at phases of left fin, right fin and breath."""
-        self._fishes.fin_phase[0] = phases[:2]
-        self._fishes.breath[0] = phases[2]
+        """Compute the fins at phases of left fin, right fin, wave and breath."""
+        self._fishes.fin_phase[0] = phases[:3]
+        self._fishes.breath[0] = phases[3]
         return self._step(row, 0.0)
 
     def _step(self, row: int, seconds: float) -> Array:

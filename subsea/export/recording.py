@@ -88,7 +88,7 @@ class SceneFilmOptions(FilmOptions):
 class _Take(NamedTuple):
     """The fishes and the camera of one frame."""
 
-    rows: Array  # (m, 23) float32, of the fishes in the sea
+    rows: Array  # (m, 27) float32, of the fishes in the sea
     simulated: Array  # (k, 426, 3) float32 cm: poses that follow those of earlier frames
     observer: CameraPose
     caption: str

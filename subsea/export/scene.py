@@ -63,7 +63,7 @@ GROUPS = ("sand", "stone", "corals", "seaweed")
 class ScenePoses(NamedTuple):
     """The data from which the shapes of N fishes in T frames are computed."""
 
-    rows: Array  # (T, N, 23) float32, instances as in `frame.packet`; NaN while not in the sea
+    rows: Array  # (T, N, 27) float32, instances as in `frame.packet`; NaN while not in the sea
     table: Array  # (rows, 426, 3) float32 cm: control points of the library, of simulated fishes
     surfaces: tuple[Surface, ...]  # one of each model
 

@@ -18,7 +18,7 @@ from subsea.kernels import kernel
 MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
 NEAR = 8  # nearest joints to choose them from
 SPINE = 14  # joints from head to tail
-FIN = 2  # along the free edge of the dorsal and of the ventral fin
+FIN = 4  # along the free edge of the dorsal and of the ventral fin
 WIDE = 0.15  # body lengths from the spine: a wider body has wings
 WINGS = (0.4, 0.7, 0.95)  # positions of joints along both edges of a wing
 TAIL = 0.15  # body lengths from the rear that contain the tips of the tail

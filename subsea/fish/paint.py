@@ -139,18 +139,19 @@ def ray_pattern(share: Array, out: Array, spines: int, rays: int) -> tuple[Array
 
 def blend_membrane(
     picture: Array, fin: FinSkin, plain: float, out: Array, rays: Array, to_edge: Array,
-    to_rim: Array | None = None,
+    to_rim: Array | None = None, fleshy: float = 0.8,
 ) -> None:  # fmt: skip
     """Blend rays, rim and the transparency of the membrane between the rays.
 
-    `to_edge` is the distance to the edge in body lengths, `to_rim` in widths of the rim.
+    `to_edge` is the distance to the edge in body lengths, `to_rim` in widths of the rim. Beyond
+    the share `fleshy` of its height the membrane is as clear as at its edge.
     """
     root = smoothstep(out, 0.02, 0.25)
     picture[:3] *= 1.0 - 0.3 * plain * rays * root
     if fin.rim:
         rim = to_edge / fin.rim_width if to_rim is None else to_rim
         blend(picture, fin.rim, smoothstep(rim, 1.0, 0.7) * root)
-    clear = (1.0 - fin.opacity) * smoothstep(out, 0.05, 0.8)
+    clear = (1.0 - fin.opacity) * smoothstep(out, 0.05, fleshy)
     # Rays stay more opaque than the membrane of a clear fin; its edge frays.
     clear = clear * (1.0 - 0.55 * plain * rays)
     picture[3] *= (1.0 - clear) * smoothstep(to_edge, 0.0, 0.004)
@@ -161,6 +162,8 @@ EDGE_SHADE = 0.02  # width of the band along the edge of a wing, body lengths
 PORES = 0.0115  # from one scale of the lateral line to the next, body lengths
 CUT_SPINES, CUT_RAYS = 0.15, 0.05  # cuts in the membrane between them, share of the fin
 PADDLE_RAYS = 13
+PADDLE_CONTRAST = 1.5  # of the rays of paired fins, over those of others
+PADDLE_FLESHY = 0.3  # of their length from the root on, where they lose the flank's opacity
 
 
 def paint(species: Species, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
@@ -348,7 +351,9 @@ def _paint_paddle(
         # Rounded where it leaves the flank.
         beside = np.minimum(beside, plan.length * (out - 0.06 * middle**2) + 0.001)
         to_edge = np.minimum((end - out) * plan.length, beside)
-        blend_membrane(picture, fin, skin.rays, out, rays, to_edge, (end - out) / fin.rim_width)
+        to_rim = (end - out) / fin.rim_width
+        plain = PADDLE_CONTRAST * skin.rays
+        blend_membrane(picture, fin, plain, out, rays, to_edge, to_rim, PADDLE_FLESHY)
     blotch(picture, skin.blotches)
 
 

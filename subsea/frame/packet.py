@@ -39,20 +39,21 @@ from subsea.view.levels import (
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
-# Columns of an instance: 23 float32, 92 bytes, six attributes in the shader.
+# Columns of an instance: 27 float32, 108 bytes, seven attributes in the shader.
 POSITION = slice(0, 3)  # cm, world
 SCALE = 3  # length of the fish over that of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
 ROW_A, ROW_B, WEIGHT = 8, 9, 10  # two rows of the control-point table, and the weight of b
 IDENTITY = 11  # in [0, 1), constant per fish, for individual variation
-FINS = slice(12, 19)  # as `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail
-KIND = 19  # index of the species in the scene
+# As `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail, soft rays, wave, pelvic fins.
+FINS = slice(12, 23)
+KIND = 23  # index of the species in the scene
 # Share of the pixels drawn while two levels cross-fade; 0: all. f > 0 draws the first f of an even
 # pattern, f < 0 the last -f.
-FADE = 20
-DISPLAY = 21  # share of mating colours, 0 to 1
-FISH = 22  # index of the fish in the world
-INSTANCE_COLUMNS = 23
+FADE = 24
+DISPLAY = 25  # share of mating colours, 0 to 1
+FISH = 26  # index of the fish in the world
+INSTANCE_COLUMNS = 27
 
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
@@ -106,7 +107,7 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    # (m, 23) float32, sorted by batch; a fish is there once for each view that sees it
+    # (m, 27) float32, sorted by batch; a fish is there once for each view that sees it
     instances: Array
     # For each view: batches at rest, coarsest first, then fading ones.
     batches: tuple[tuple[Batch, ...], ...]

@@ -3,16 +3,32 @@
 import numpy as np
 
 from subsea.base.arrays import Ints
+from subsea.geometry.rotation import quaternion, x_axis
 from subsea.kernels import kernel
 from subsea.motor.playback import ROW, SIDES, blends
 from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
-from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL, Fishes
+from subsea.state import (
+    DORSAL,
+    LIFT_LEFT,
+    MOUTH,
+    PELVIC,
+    SOFT,
+    SWEEP_LEFT,
+    TAIL,
+    WAVE_COSINE,
+    WAVE_SINE,
+    Fishes,
+)
 
 REST_RAD = 0.55  # sweep of a relaxed fin away from the body
 FLAP_RAD = 0.22  # amplitude of idle flapping
 EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
-OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up
+OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up ...
+OAR_FOLDED = 0.75  # ... and by this share they shrink at full speed
+SCULL_RAD = (0.45, 0.2)  # of a fin that sculls in a figure of eight: aside, and up twice a beat
+STILL = 0.12  # of the fast swim's speed: a slower fish without thrust hovers
+ABREAST_HZ = 0.5  # how fast the fins come to beat together, or alternately in a hovering fish
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
 BRAKE_RAD = 1.2  # sweep at which the inner fin of a rowing fish stands in a turn
 FOLD_RAD = 0.35  # a fast fish folds its fins to the body ...
@@ -25,9 +41,18 @@ FLAP_LIFT_RAD = np.radians(50.0)  # ... up and down, half of its way
 FULL_STEERING = 0.6  # rad/s: the hardest steering
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
-FOLDED = 0.3  # by this share the dorsal fin folds at full speed
+FOLDED = 0.3  # by this share the dorsal fin folds at full speed ...
+RAISED, BURST_FOLDED = 1.1, 0.4  # ... how far it is raised, and what is left of it in a burst
 SPREAD = 0.22  # of the tail in a hard turn or when braking
-EASE_HZ = 3.0  # how fast dorsal fin and tail follow
+CLOSED = 0.12  # of the tail at full speed, and in a glide
+SPREAD_SPEED = 0.5  # of the fast swim's: a slower fish spreads its pelvic fins
+EASE_HZ = 3.0  # how fast dorsal fin, pelvic fins and tail follow ...
+BURST_EASE = 3.0  # ... and how much faster in a burst
+WAVE = 0.14  # amplitude of a median fin's edge, over the length of its rays
+STIFFER, LITTLE = 0.45, 0.15  # shares of that in a fish that does not row, and at full speed
+WAVE_HZ = (1.8, 4.0)  # at rest, and in a turn, when braking or at full speed
+MOST_WAVE_RAD = 1.3  # in a tick: faster waves could not be interpolated
+WAVING_SPEED = 0.6  # of the fast swim's: without rowing, a faster fish makes little waves
 
 
 @kernel
@@ -37,7 +62,8 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
     Flapping is a·sin(b·t), where a and b grow with the effort (Tu B.1). Flat-bodied fishes oar:
     each fin sweeps a cone forwards, or backwards on the inner side of a turn and on both sides to
     brake or retreat (Tu B.2). While a row of the pectoral gait is played, its phase is that of the
-    fins: foremost at the beginning of the stroke, or highest if they flap.
+    fins: foremost at the beginning of the stroke, or highest if they flap. A hovering fish sculls
+    with both alternately.
     """
     for i in who:
         fins = fishes.fins[i]
@@ -58,15 +84,23 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
         held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
         lean = 0.5 * steering
+        hover = braking * max(1.0 - _way(fishes, i) / STILL, 0.0)
+        apart = fishes.fin_phase[i, 1] - fishes.fin_phase[i, 0]
+        gap = (hover * np.pi - apart + np.pi) % (2.0 * np.pi) - np.pi
+        abreast = min(2.0 * np.pi * ABREAST_HZ * dt, 1.0) * (1.0 - abs(turning))
+        fishes.fin_phase[i, 1] += abreast * gap
         for side in range(2):
             inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
             forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
             phase = fishes.fin_phase[i, side] + (beat * forwards if fishes.oars[i] else beat)
             fishes.fin_phase[i, side] = phase % (2.0 * np.pi)
             if fishes.oars[i]:
-                sweep, lift = OAR_RAD[0] * np.sin(phase), OAR_RAD[1] * np.cos(phase)
+                kept = 1.0 - OAR_FOLDED * speed * speed
+                sweep, lift = kept * OAR_RAD[0] * np.sin(phase), kept * OAR_RAD[1] * np.cos(phase)
             else:
                 sweep, lift = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase), 0.0
+            sweep += hover * (SCULL_RAD[0] * np.sin(phase) - sweep)
+            lift += hover * (SCULL_RAD[1] * np.sin(2.0 * phase) - lift)
             sweep = held + (1.0 - burst) * sweep + (lean if side == 0 else -lean)
             if rows > 0.0:
                 middle, reach = ROW_RAD
@@ -86,9 +120,59 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         )
         fishes.breath[i] = breath % (2.0 * np.pi)
         fins[MOUTH] = max(GAPE * 0.5 * (1.0 - np.cos(breath)), np.float64(fishes.gape[i]))
-        ease = min(EASE_HZ * dt, 1.0)
-        fins[DORSAL] += ease * (1.0 - FOLDED * speed * speed - fins[DORSAL])
-        fins[TAIL] += ease * (SPREAD * max(abs(turning), braking) - fins[TAIL])
+        ease = min(EASE_HZ * (1.0 + BURST_EASE * burst) * dt, 1.0)
+        effort = max(abs(turning), braking - hover)  # in which it raises and spreads its fins
+        _raise(fishes, i, speed, effort, burst, ease)
+        calm = max(rows, 1.0 - speed / WAVING_SPEED) * (1.0 - burst)
+        rate = WAVE_HZ[0] + (WAVE_HZ[1] - WAVE_HZ[0]) * max(effort, speed)
+        wide = WAVE * (LITTLE * (1.0 - burst) + (1.0 - LITTLE) * max(calm, 0.0))
+        if not library.has[fishes.species[i], ROW]:
+            wide *= STIFFER
+        _wave(fishes, i, wide, rate * dt, ease)
+
+
+@kernel
+def _raise(fishes: Fishes, i: int, speed: float, effort: float, burst: float, ease: float) -> None:
+    """Ease dorsal, ventral, caudal and pelvic fins of fish i; the soft rays lag.
+
+    `effort` is that of a turn or of braking, `ease` the share of the way in this tick.
+    """
+    fins = fishes.fins[i]
+    raised = max(effort, np.float64(fishes.raised[i]))
+    erect = 1.0 - FOLDED * speed * speed
+    erect += raised * (RAISED - erect)
+    erect += burst * (BURST_FOLDED - erect)
+    fins[SOFT] += ease * (fins[DORSAL] - fins[SOFT])
+    fins[DORSAL] += ease * (erect - fins[DORSAL])
+    glides = 1.0 if fishes.span[i] > 1.0 else speed * speed
+    fins[TAIL] += ease * (SPREAD * effort - CLOSED * glides * (1.0 - effort) - fins[TAIL])
+    spread = max(1.0 - speed / SPREAD_SPEED, effort) * (1.0 - burst)
+    fins[PELVIC] += ease * (spread - fins[PELVIC])
+
+
+@kernel
+def _wave(fishes: Fishes, i: int, wide: float, cycles: float, ease: float) -> None:
+    """Advance the wave of dorsal and ventral fin of fish i: rearwards, but forwards in a retreat.
+
+    `wide` is the amplitude to which it eases, `cycles` the way in a fish of the recorded size.
+    """
+    fins = fishes.fins[i]
+    turn = min(2.0 * np.pi * cycles * fishes.size_rate[i], MOST_WAVE_RAD)
+    phase = fishes.fin_phase[i, 2] + (turn if fishes.thrust[i] >= 0.0 else -turn)
+    fishes.fin_phase[i, 2] = phase % (2.0 * np.pi)
+    now = np.sqrt(fins[WAVE_SINE] ** 2 + fins[WAVE_COSINE] ** 2)
+    amplitude = now + ease * (wide - now)
+    fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * np.sin(phase), amplitude * np.cos(phase)
+
+
+@kernel
+def _way(fishes: Fishes, i: int) -> float:
+    """Speed of fish i through the water, along its body and over that of its fast swim."""
+    ahead = x_axis(quaternion(fishes.orientation[i]))
+    way = 0.0
+    for axis in range(3):
+        way += ahead[axis] * (fishes.velocity[i, axis] - fishes.drift[i, axis])
+    return abs(way) / max(float(fishes.fast[i]), 1e-3)
 
 
 @kernel

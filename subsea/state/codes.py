@@ -35,5 +35,12 @@ STOWED, SINKING, HANGING, HOOKED, LANDED = range(5)
 SWEEP_LEFT, SWEEP_RIGHT = 0, 1  # rad, of a pectoral fin away from the body
 LIFT_LEFT, LIFT_RIGHT = 2, 3  # rad, of a pectoral fin above its rest
 MOUTH = 4  # 0 shut to 1 open
-DORSAL = 5  # 0 folded to 1 erect, dorsal and ventral fin
-TAIL = 6  # how much wider than at rest the tail is spread
+DORSAL = 5  # 0 folded to 1 erect, above 1 raised: spines of the dorsal and ventral fin
+TAIL = 6  # how much wider than at rest the tail is spread; below 0 it is closed
+SOFT = 7  # as DORSAL, of the soft rays behind the spines
+# Wave of the dorsal and ventral fin: amplitude, over the height, times sine and cosine of its
+# phase at the front. So both are continuous, and may be interpolated.
+WAVE_SINE, WAVE_COSINE = 8, 9
+PELVIC = 10  # 0 folded to the belly to 1 spread
+FIN_COLUMNS = 11
+FINS_AT_EASE = (0.35, 0.35, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.4)

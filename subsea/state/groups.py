@@ -12,7 +12,18 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
 from subsea.kernels.struct_ref import Kind, by_pointer
-from subsea.state.codes import ANYONE, BAIT, CHOICES, NEIGHBOURS, NOBODY, STOWED, WALL, WANDER
+from subsea.state.codes import (
+    ANYONE,
+    BAIT,
+    CHOICES,
+    FIN_COLUMNS,
+    FINS_AT_EASE,
+    NEIGHBOURS,
+    NOBODY,
+    STOWED,
+    WALL,
+    WANDER,
+)
 from subsea.state.declaration import (
     BOOL,
     COURTSHIP_STATE,
@@ -98,10 +109,16 @@ class Fishes(NamedTuple):
     bend: Annotated[F32, motor("n"), "turn asked for, over the gradual turn's, left positive"]
     steering: Annotated[F32, motor("n", 2, unit="rad/s"), "yaw and pitch added to the recording"]
     roll: Annotated[F32, motor("n", unit="rad"), "smoothed roll"]
-    fin_phase: Annotated[F32, motor("n", 2, unit="rad"), "beat of the left and right pectoral fin"]
+    fin_phase: Annotated[
+        F32,
+        motor("n", 3, unit="rad"),
+        "beat of the left and right pectoral fin, wave of dorsal and ventral fin",
+    ]
     breath: Annotated[F32, motor("n", unit="rad"), "phase of breathing"]
-    fins: Annotated[F32, motor("n", 7), "columns SWEEP_LEFT to TAIL"]
-    previous_fins: Annotated[F32, motor("n", 7), "one tick ago"]
+    fins: Annotated[
+        F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "columns SWEEP_LEFT to PELVIC"
+    ]
+    previous_fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "one tick ago"]
     monotony: Annotated[F32, motor("n", unit="s"), "time in the same segment"]
     recommended: Annotated[
         I8,
@@ -122,6 +139,7 @@ class Fishes(NamedTuple):
     goal_speed: Annotated[F32, behavior("n"), "share of the fast swim's speed; negative retreats"]
     gape: Annotated[F32, behavior("n"), "opening of the mouth asked for, in [0, 1]"]
     display: Annotated[F32, behavior("n"), "strength of the mating colours, in [0, 1]"]
+    raised: Annotated[F32, behavior("n"), "raising of dorsal and ventral fin asked for, in [0, 1]"]
 
 
 class Live(NamedTuple):

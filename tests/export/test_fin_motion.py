@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from subsea.export.clips import Surface
 from subsea.export.fin_motion import MOST_BEATS, NEAR, FinPlayer, _fitted
 from subsea.fish.species import load_species, repertoire_file
+from subsea.fish.surface import along, rest_control_points
 from subsea.motor import fins as dive
+from subsea.motor.playback import SLOW
 from subsea.repertoire import read_repertoire
 from subsea.state import DORSAL, LIFT_LEFT, MOUTH, SWEEP_LEFT, TAIL
 from tests.support.scenes import BARE
@@ -32,6 +35,47 @@ def test_a_loop_closes_and_goes_on_as_smoothly_as_within(name: str) -> None:
         assert max(around) <= steps.max() * 1.001
         assert np.ptp(moved[:, MOUTH]) == pytest.approx(dive.GAPE, rel=0.05)
         assert (moved[:, SWEEP_LEFT] != moved[0, SWEEP_LEFT]).any()
+
+
+TICK, TICKS = 0.033, 90
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("bluecheek_butterflyfish", 0.1, 0.25),
+        ("fusilier", 0.02, 0.12),
+        ("blacktip_reef_shark", 0, 0),
+    ],
+)
+def test_the_edges_of_median_fins_wave_in_a_hovering_fish(
+    name: str, low: float, high: float
+) -> None:
+    """A wave runs rearwards along the edge, of an amplitude in shares of the fin's height."""
+    species = load_species(name)
+    player, _ = _player(name)
+    player._begin(SLOW, 0.0)
+    player._fishes.thrust[:] = 0.0
+    fins = np.array([player._step(0, TICK) for _ in range(2 * TICKS)])[TICKS:]
+    surface = Surface(species, 1.0, 0)
+    control = rest_control_points(species.surface, 1.0, 0.0)
+    points, _ = surface.at(np.repeat(control[None], TICKS, axis=0), fins)
+    plan = species.surface
+    for fin, ridge in (("dorsal", plan.back), ("ventral", plan.belly)):
+        feet, edge = np.split(points[:, surface.fins[fin]], 2, axis=1)
+        np.testing.assert_allclose(feet[..., 2], 0.0, atol=1e-6)
+        tall = np.abs(edge[..., 1] - along(ridge, -edge[0, :, 0])).mean(axis=0)
+        wide = np.ptp(edge[..., 2], axis=0) / 2.0
+        assert low <= wide.max() / tall.max() <= high
+        if high == 0.0:
+            continue
+        beat = np.fft.rfft(edge[..., 2], axis=0)
+        peak = int(np.abs(beat[1:]).sum(axis=1).argmax()) + 1
+        hertz = peak / (TICKS * TICK) / player._fishes.size_rate[0]
+        assert 1.5 <= hertz <= 4.0
+        # Places farther behind move later.
+        lag = -np.diff(np.unwrap(np.angle(beat[peak])))
+        assert (lag > 0.0).all() and 1.0 <= lag.sum() / (2.0 * np.pi) <= 1.5
 
 
 def test_fins_move_as_a_fish_of_the_dive_moves_them() -> None:

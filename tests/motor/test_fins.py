@@ -1,4 +1,4 @@
-"""Pectoral fins and breath."""
+"""Fins and breath."""
 
 import numpy as np
 import pytest
@@ -6,17 +6,31 @@ import pytest
 from subsea.motor.fins import flap
 from subsea.motor.playback import ROW, SIDES
 from subsea.repertoire import SEGMENTS
-from subsea.state import DORSAL, LIFT_LEFT, LIFT_RIGHT, MOUTH, SWEEP_LEFT, SWEEP_RIGHT, TAIL
+from subsea.state import (
+    DORSAL,
+    LIFT_LEFT,
+    LIFT_RIGHT,
+    MOUTH,
+    PELVIC,
+    SOFT,
+    SWEEP_LEFT,
+    SWEEP_RIGHT,
+    TAIL,
+    WAVE_COSINE,
+    WAVE_SINE,
+)
 from tests.support.scenes import everyone
 
 TICK = 0.033
 
 
-def _minute(make_fishes, library, steering, speed, oars=False, thrust=1.0):
-    """The seven columns (T, 7) of a fish's fins over a minute."""
+def _minute(make_fishes, library, steering, speed, oars=False, thrust=1.0, way=0.0, **members):
+    """The columns (T, 11) of a fish's fins over a minute; `way` is its speed, cm/s."""
     fishes = make_fishes(1)
     fishes.steering[:], fishes.goal_speed[:] = steering, speed
-    fishes.oars[:], fishes.thrust[:] = oars, thrust
+    fishes.oars[:], fishes.thrust[:], fishes.velocity[:, 0] = oars, thrust, way
+    for name, value in members.items():
+        getattr(fishes, name)[:] = value
     fins = []
     for _ in range(1800):
         flap(everyone(fishes), fishes, library, TICK)
@@ -84,9 +98,29 @@ def test_flat_fishes_oar_forwards_and_in_a_turn_the_inner_fin_backwards(make_fis
 
 
 def test_they_brake_and_retreat_by_oaring_backwards(make_fishes, library):
-    braking = _minute(make_fishes, library, (0.0, 0.0), 0.0, oars=True, thrust=0.0)
-    for sweep, lift in ((SWEEP_LEFT, LIFT_LEFT), (SWEEP_RIGHT, LIFT_RIGHT)):
-        assert _turns(braking[:, sweep], braking[:, lift]) < -60
+    for thrust, way in ((0.0, 10.0), (-0.6, -10.0)):
+        fins = _minute(make_fishes, library, (0.0, 0.0), 0.0, oars=True, thrust=thrust, way=way)
+        for sweep, lift in ((SWEEP_LEFT, LIFT_LEFT), (SWEEP_RIGHT, LIFT_RIGHT)):
+            assert _turns(fins[:, sweep], fins[:, lift]) < -60
+
+
+@pytest.mark.parametrize("oars", [False, True])
+def test_a_hovering_fish_sculls_in_turns_and_in_a_figure_of_eight(make_fishes, library, oars):
+    """The left fin goes out as the right one comes in; both rise twice in a beat."""
+    fins = _minute(make_fishes, library, (0.0, 0.0), 0.0, oars=oars, thrust=0.0)[300:]
+    left, right = (fins[:, side] - fins[:, side].mean() for side in (SWEEP_LEFT, SWEEP_RIGHT))
+    assert np.corrcoef(left, right)[0, 1] < -0.98
+    for side, lift in ((SWEEP_LEFT, LIFT_LEFT), (SWEEP_RIGHT, LIFT_RIGHT)):
+        assert _beats(fins[:, lift]) == pytest.approx(2 * _beats(fins[:, side]), abs=2)
+        assert np.ptp(fins[:, lift]) > 0.3
+
+
+def test_a_fast_fish_folds_its_oars(make_fishes, library):
+    slow, fast = (
+        _minute(make_fishes, library, (0.0, 0.0), speed, oars=True)[:, SWEEP_LEFT]
+        for speed in (0.3, 1.0)
+    )
+    assert fast.max() < 0.35 < 0.8 < slow.max()
 
 
 def test_others_flap_without_lifting(make_fishes, library):
@@ -96,10 +130,60 @@ def test_others_flap_without_lifting(make_fishes, library):
 
 def test_speed_folds_the_dorsal_fin_and_braking_spreads_the_tail(make_fishes, library):
     fast, slow = (_minute(make_fishes, library, (0.0, 0.0), speed)[-1] for speed in (1.0, 0.1))
-    braking = _minute(make_fishes, library, (0.0, 0.0), 0.0, thrust=0.0)
+    braking = _minute(make_fishes, library, (0.0, 0.0), 0.0, thrust=0.0, way=15.0)
     assert 0.6 < fast[DORSAL] < 0.75 < 0.95 < slow[DORSAL] <= 1.0
     assert fast[TAIL] < 0.01 < 0.2 < braking[-1, TAIL]
     assert np.abs(np.diff(braking, axis=0)[:, [DORSAL, TAIL]]).max() < 0.11  # eased
+
+
+def test_a_fast_or_gliding_fish_closes_its_tail(make_fishes, library):
+    still, fast, gliding = (
+        _minute(make_fishes, library, (0.0, 0.0), speed, span=span)[-1, TAIL]
+        for speed, span in ((0.1, 1.0), (1.0, 1.0), (0.1, 9.0))
+    )
+    assert max(fast, gliding) < -0.1 < -0.01 < still
+
+
+def test_median_fins_are_raised_in_turns_when_braking_and_in_threat(make_fishes, library):
+    cruising, turning, braking, threatened = (
+        _minute(make_fishes, library, (steering, 0.0), 0.7, thrust=thrust, way=20.0, raised=raised)
+        for steering, thrust, raised in ((0, 1, 0), (0.6, 1, 0), (0, 0, 0), (0, 1, 1))
+    )
+    for column in (DORSAL, SOFT):
+        assert cruising[-1, column] < 0.9
+        assert min(fins[-1, column] for fins in (turning, braking, threatened)) > 1.05
+
+
+def test_a_burst_folds_median_and_pelvic_fins_and_the_soft_rays_follow(make_fishes, library):
+    fins = _minute(make_fishes, library, (0.0, 0.0), 2.0, tempo=2.5, raised=1.0)
+    assert fins[-1, [DORSAL, SOFT]].max() < 0.45 and fins[-1, PELVIC] < 0.01
+    half = [int((fins[:, column] > 0.7).sum()) for column in (DORSAL, SOFT)]
+    assert half[0] < half[1] < 12  # ticks
+    assert np.abs(fins[-1, [WAVE_SINE, WAVE_COSINE]]).max() < 1e-3
+
+
+def test_pelvic_fins_are_folded_in_a_fast_fish_and_spread_by_a_slow_or_braking_one(
+    make_fishes, library
+):
+    fast, slow, braking = (
+        _minute(make_fishes, library, (0.0, 0.0), speed, thrust=thrust, way=20.0)[-1, PELVIC]
+        for speed, thrust in ((0.8, 1.0), (0.0, 1.0), (0.8, 0.0))
+    )
+    assert fast < 0.01 < 0.9 < min(slow, braking)
+
+
+def test_the_wave_is_large_in_calm_fishes_and_steady_in_time(make_fishes, library):
+    """Its phase advances evenly, backwards in a retreat, so that it can be interpolated."""
+    rows = library._replace(has=np.ones_like(library.has))
+    hovering, cruising, retreating = (
+        _minute(make_fishes, rows, (0.0, 0.0), speed, thrust=thrust, way=way)[:, WAVE_SINE:PELVIC]
+        for speed, thrust, way in ((0.0, 0.0, 0.0), (1.0, 1.0, 30.0), (0.0, -0.6, -5.0))
+    )
+    wide = [np.hypot(*wave[-1]) for wave in (hovering, cruising, retreating)]
+    assert wide[0] > 0.1 and wide[1] < 0.25 * wide[0]
+    for wave, way in ((hovering, 1), (cruising, 1), (retreating, -1)):
+        steps = way * np.diff(np.unwrap(np.arctan2(*wave.T))[9:])
+        assert 0.2 < steps.min() <= steps.max() < 1.31
 
 
 @pytest.mark.parametrize("segment", SEGMENTS)

@@ -17,6 +17,7 @@ from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS, on_software
 from subsea.rendering.renderer import Renderer
 from subsea.scenario.schema import Water
+from subsea.state import FINS_AT_EASE
 from subsea.view.display_rigs import display_rig, views_for
 from subsea.view.levels import LEVELS
 from subsea.view.rig import pose_from_angles, views
@@ -195,7 +196,7 @@ def _group(fish):
 
 
 def record(fish):
-    """The instance record (23,) of an upright fish; its species has rows 2s and 2s + 1."""
+    """The instance record (27,) of an upright fish; its species has rows 2s and 2s + 1."""
     c, s = np.cos(fish.heading), np.sin(fish.heading)
     axes = np.array([[c, 0.0, s], [s, 0.0, -c], [0.0, 1.0, 0.0]])
     rows = (2 * fish.species, 2 * fish.species + 1)
@@ -203,7 +204,7 @@ def record(fish):
     return np.array(
         [
             *fish.position, fish.scale, *turn, *rows, fish.weight, fish.identity,
-            *fish.pectoral, 0, 0, 0, 1, 0, fish.species, fish.fade, fish.display, fish.number,
+            *fish.pectoral, *FINS_AT_EASE[2:], fish.species, fish.fade, fish.display, fish.number,
         ]
     )  # fmt: skip
 

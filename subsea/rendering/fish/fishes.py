@@ -25,7 +25,7 @@ from subsea.fish.mesh import (
     fish_mesh,
     species_vertices,
 )
-from subsea.fish.species import CourtshipColours, Species
+from subsea.fish.species import CourtshipColours, FinSkin, Species
 from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, ROW_A, ROW_B, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
@@ -58,8 +58,8 @@ CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
 TEETH = 24.0  # of a predator, on half the circumference of its body
 
-INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4"
-INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_show")
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4 4f4"
+INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_wave", "i_show")
 
 
 class FishRenderer(GpuOwner):
@@ -267,7 +267,7 @@ class FishShape:
         self._shader = _shape_shader(len(species))
 
     def at(self, instances: Array, control_points: Array) -> DrawnVertices:
-        """Compute all vertices of instances (T, 23) from control points (rows, 426, 3)."""
+        """Compute all vertices of instances (T, 27) from control points (rows, 426, 3)."""
         parts = [
             self._part(instances[first : first + AT_ONCE], control_points)
             for first in range(0, len(instances), AT_ONCE)
@@ -404,6 +404,7 @@ def look(
         (*shift, show.saturation),
         _stand(surface.pectoral),
         _stand(surface.pelvic),
+        (_spiny(skin.dorsal), _spiny(skin.ventral), 0.0, 0.0),
     ]
 
 
@@ -425,6 +426,11 @@ def frames() -> list[tuple[float, ...]]:
     low, high = parts[:, :2], parts[:, 2:]
     low[:4], high[:4] = low[:4] + inset, high[:4] - inset
     return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]
+
+
+def _spiny(fin: FinSkin | None) -> float:
+    """Return the share of a fin's base that has spines, in front of the soft rays."""
+    return fin.spines / max(fin.spines + fin.soft_rays, 1) if fin else 0.0
 
 
 def _stand(plan: PaddlePlan | None) -> tuple[float, ...]:

@@ -13,7 +13,15 @@ from msgspec import structs
 from subsea.base.arrays import Array, Bytes
 from subsea.fish.species import Species, Variation
 from subsea.fish.surface import CONTROL_POINTS, rest_surface
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
+from subsea.frame.packet import (
+    DISPLAY,
+    IDENTITY,
+    INSTANCE_COLUMNS,
+    Batch,
+    Packet,
+    RenderScene,
+)
+from subsea.frame.packet import FINS as FIN_COLUMNS
 from subsea.rendering.fish.fishes import FishRenderer
 from subsea.rendering.gl.context import GpuOwner
 from subsea.rendering.gl.shaders import TEXTURE_UNITS
@@ -22,6 +30,7 @@ from subsea.rendering.output.quality import Quality
 from subsea.rendering.output.target import RenderTarget, ResolvePass
 from subsea.rendering.output.uniforms import uniforms_of
 from subsea.scenario.schema import Water
+from subsea.state import FINS_AT_EASE
 from subsea.view.camera import View, look, off_axis
 from subsea.view.display_rigs import display_rig
 
@@ -36,7 +45,7 @@ ALIKE = Variation(hue=0.0, saturation=0.0, brightness=0.0, pattern=0.0, torn=0.0
 UPRIGHT = np.sqrt([0.5, 0.5, 0.0, 0.0])  # body to world: heading along x, back up
 DRAWN_CM = 20.0  # length as drawn, so that all fishes have the same light
 DEPTH_CM = 450.0  # for daylight as in the scenarios
-FINS = (0.5, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)  # at rest, as `frame.packet.FINS`
+FINS = (0.5, 0.55, *FINS_AT_EASE[2:])  # as `frame.packet.FINS`
 SAMPLES = 4
 CLOSE_UP = Quality(close_up=True)
 LEVEL_CAUSTICS = 1 / 1.85  # light without waves, in the scale of `optics.glsl`
@@ -114,7 +123,7 @@ class FishPreview(GpuOwner):
         view = self._view(orbit, size)
         record = np.zeros((1, INSTANCE_COLUMNS), np.float32)
         record[0, 2:8] = -DEPTH_CM, self._scale, *UPRIGHT
-        record[0, 11], record[0, 12:19], record[0, 21] = 0.5, fins, courting
+        record[0, IDENTITY], record[0, FIN_COLUMNS], record[0, DISPLAY] = 0.5, fins, courting
         batches = ((Batch(0, 0, 1),),)
         packet = Packet(
             0.0, (view,), record, batches, np.zeros((0, 3), np.float32), 0,

@@ -17,13 +17,13 @@ from subsea.fish.mesh import (
     DETAILS,
     FIN,
     PECTORAL,
-    PELVIC,
     finest_basis,
     fish_mesh,
     sample_indices,
     species_vertices,
     surface_points,
 )
+from subsea.fish.mesh import PELVIC as PELVIC_FIN
 from subsea.fish.species import load_species
 from subsea.fish.surface import (
     DORSAL,
@@ -36,6 +36,7 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
+from subsea.frame.packet import FINS
 from subsea.geometry.curves import greville
 from subsea.geometry.rotation import matrix
 from subsea.rendering.fish import fishes
@@ -45,6 +46,7 @@ from subsea.rendering.fish.preview import FishPreview, Orbit
 from subsea.rendering.fish.speck import speck
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
+from subsea.state import FIN_COLUMNS, PELVIC, WAVE_SINE
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -125,7 +127,8 @@ def test_many_fishes_at_once_are_as_each_alone(scene, make_packet, fish, level):
     """Of both species, with other fins, and poses in any rows."""
     kinds = [k % 2 for k in range(AT_ONCE + 9)]
     packet = make_packet([fish(kind, (30.0 * k, 0.0, 0.0)) for k, kind in enumerate(kinds)])
-    packet.instances[:, 12:19] = np.random.default_rng(2).uniform(0.0, 0.9, (len(kinds), 7))
+    fins = np.random.default_rng(2).uniform(0.0, 0.9, (len(kinds), FIN_COLUMNS))
+    packet.instances[:, FINS] = fins
     shape = FishShape(scene.species, scene.recorded_length_cm, level)
     together = shape.at(packet.instances, scene.control_points)
     for k in (0, 1, AT_ONCE, AT_ONCE + 8):
@@ -195,6 +198,43 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(scene, make_packet
     assert change[True].max() == 0.0
 
 
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_a_wave_moves_median_fins_aside_unless_they_are_stiff(scene, make_packet, fish, level):
+    """By about its amplitude times the rays' length; a moved surface has moved normals."""
+    mesh, _ = dressed(scene, 0, level)
+    still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
+    moved.instances[0, FINS.start + WAVE_SINE] = 0.2
+    fins = mesh.vertices[:, PART] == FIN
+    for stiff in (False, True):
+        (a, before), (b, after) = (shaded(level, p, scene, stiff) for p in (still, moved))
+        assert np.abs(a - b)[~fins].max() == 0.0
+        if stiff:
+            assert np.abs(a - b).max() == 0.0
+            continue
+        for side in (1.0, -1.0):
+            mine = fins & (mesh.vertices[:, SIDE] == side)
+            root, edge = (mine & (mesh.vertices[:, ALONG] == u) for u in (0.0, 1.0))
+            rays = np.linalg.norm(a[edge] - a[root], axis=1)
+            wide = np.linalg.norm(b[edge] - a[edge], axis=1)
+            assert np.abs(a - b)[root].max() == 0.0
+            assert 0.1 < (wide / rays).max() <= 0.2001
+            assert (before[mine] * after[mine]).sum(axis=1).min() < 0.97
+
+
+def test_pelvic_fins_fold_and_spread(scene, make_packet, fish):
+    """Spread ones reach farther down and aside."""
+    mesh, _ = dressed(scene, 0, 0)
+    pelvic = mesh.vertices[:, PART] == PELVIC_FIN
+    low, wide = [], []
+    for spread in (0.0, 1.0):
+        packet = make_packet([fish(0, (0, 0, 0), heading=0.0)])
+        packet.instances[0, FINS.start + PELVIC] = spread
+        places, _ = shaded(0, packet, scene)
+        low.append(places[pelvic, 2].min())
+        wide.append(np.abs(places[pelvic, 1]).max())
+    assert low[1] < low[0] - 0.4 and wide[1] > wide[0] + 0.4
+
+
 def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(scene, make_packet, fish):
     """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
     species, size = scene.species[0], scene.recorded_length_cm[0]
@@ -257,7 +297,7 @@ def test_fins_that_a_species_lacks_are_drawn_nowhere(level):
     full, less = (species_vertices(one, mesh, DETAILS[level]) for one in (plan, finless))
     hidden = less[:, 2] == ABSENT
     part, side = mesh.vertices[:, PART], mesh.vertices[:, SIDE]
-    np.testing.assert_array_equal(hidden, ((part == FIN) & (side > 0)) | (part == PELVIC))
+    np.testing.assert_array_equal(hidden, ((part == FIN) & (side > 0)) | (part == PELVIC_FIN))
     assert (full[:, 2] != ABSENT).all()
 
 

@@ -92,3 +92,19 @@ def test_another_size_is_another_texture(preview, points):
     assert preview.draw(points, Orbit(), SIZE) is first
     second = preview.draw(points, Orbit(), (200, 100))
     assert second.size == (200, 100) and preview.read_pixels().shape == (100, 200, 3)
+
+
+def test_the_body_shows_through_clear_pectoral_fins(context):
+    """Stripes of an emperor angelfish are seen behind its fins, which are not white."""
+    species = load_species("emperor_angelfish")
+    points = rest_control_points(species.surface, species.length_cm, species.body.stations[2])
+    preview = FishPreview(context, species, paint(species))
+    whole = seen(preview, points).astype(float)
+    bare = structs.replace(species.surface, pectoral=None)
+    preview.update(structs.replace(species, row=None, surface=bare))
+    behind = seen(preview, points).astype(float)
+    preview.release()
+    fins = np.abs(whole - behind).max(axis=2) > 8
+    assert fins.sum() > 200
+    assert whole[fins].mean() < behind[covered(behind)].mean()
+    assert np.corrcoef(whole[fins].ravel(), behind[fins].ravel())[0, 1] > 0.7
