@@ -29,6 +29,7 @@ from subsea.biomechanics.fins import ROLL_GAIN, STEEPEST, couple_force
 from subsea.biomechanics.reactive_water import inertial_mass, sections_of
 from subsea.biomechanics.solver import STEP, TICK_S, TICK_TU, TIME_UNIT_S, advance
 from subsea.fish.species import Species
+from subsea.fish.surface import SurfacePlan, along
 from subsea.geometry.rotation import (
     Quaternion,
     conjugate,
@@ -64,11 +65,13 @@ from subsea.motor.playback import (
 )
 from subsea.repertoire import SEGMENTS
 from subsea.repertoire.library import Library
-from subsea.state import Fishes, Live, Physics
+from subsea.state import DORSAL, PELVIC, Fishes, Live, Physics
 
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
+MEDIAN_NODES, PELVIC_NODES = (9, 17), (5, 13)  # of the rings that bear the fins, first and end
+PADDLE_SHAPE = 0.7  # area of a pelvic fin over length and width
 BEND_EASE = 1.0 / 7.0  # share of the full bend that may change in a recorded frame
 MOST_BEND = 0.4  # contraction in sharp turns
 SHARP_SHARE = 1.3  # turning rate in the midst of a sharp turn over its mean, with straight ends
@@ -109,6 +112,8 @@ class BodyTables(NamedTuple):
     fin_area: Array  # (S,) of each pectoral fin
     roll_lead: Array  # (S,) tu by which the fins look ahead of a roll
     pitching: Array  # (S,) rad/cm², couple of the fins' greatest lift over the squared speed
+    median_area: Array  # (S,) of dorsal and ventral fin, erect ...
+    pelvic_area: Array  # (S,) ... and of both pelvic fins, spread
 
 
 def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
@@ -118,13 +123,13 @@ def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
     """
     rates = library.turn / (library.length * TICK_S)
     rows = [
-        _body(one.muscles, speed, rate) if one.muscles else NO_BODY
+        _body(one.muscles, one.surface, speed, rate) if one.muscles else NO_BODY
         for one, speed, rate in zip(species, library.speed, rates, strict=True)
     ]
     return BodyTables(*(np.array(column, np.float64) for column in zip(*rows, strict=True)))
 
 
-_ROW = (23, 91, 91, 91, 1, (5, 6), 1, 4, (4, 2), 4, 4, 2, len(SEGMENTS), 23, 1, 1, 1)
+_ROW = (23, 91, 91, 91, 1, (5, 6), 1, 4, (4, 2), 4, 4, 2, len(SEGMENTS), 23, 1, 1, 1, 1, 1)
 NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 """A row of `BodyTables` without content."""
 
@@ -144,10 +149,14 @@ def under(bodies: BodyTables, physics: Physics) -> BodyTables:
         fin_area=bodies.fin_area * water,
         pitching=bodies.pitching * water,
         roll_lead=bodies.roll_lead * lead,
+        median_area=bodies.median_area * water,
+        pelvic_area=bodies.pelvic_area * water,
     )
 
 
-def _body(muscles: Muscles, speed: Array, turn_rate: Array) -> tuple[Any, ...]:
+def _body(
+    muscles: Muscles, surface: SurfacePlan, speed: Array, turn_rate: Array
+) -> tuple[Any, ...]:
     body, swim = build_body(muscles.body), muscles.swim
     gaits = [swim.at(grade) for grade in GRADES[:3]]
     paces = [swim.ticks_per_beat / gait.ticks_per_beat for gait in gaits]
@@ -156,13 +165,26 @@ def _body(muscles: Muscles, speed: Array, turn_rate: Array) -> tuple[Any, ...]:
         for grade, gait in zip(GRADES, gaits, strict=False)
     ]
     fin_area, inertia = FIN_AREA * muscles.body.length**2, inertial_mass(muscles.body, body.mass)
+    areas = muscles.body.length**2 * _spread_areas(surface)
     return (
         body.mass, body.length, body.stiffness, body.viscosity, body.drag, np.array(body.sections),
         swim.ticks_per_beat, (0.0, *speed[:3]), np.array([(0.0, 0.0), *contractions]),
         (gaits[0].lag, *(gait.lag for gait in gaits)), (paces[0], *paces),
         muscles.turn.gradual, turn_rate, inertia,
-        fin_area, _roll_lead(body, fin_area), _pitching(body, inertia, fin_area),
+        fin_area, _roll_lead(body, fin_area), _pitching(body, inertia, fin_area), *areas,
     )  # fmt: skip
+
+
+def _spread_areas(plan: SurfacePlan) -> Array:
+    """Measure the area (2,) of median and of pelvic fins, over the squared body length."""
+    median = 0.0
+    for fin, ridge in ((plan.dorsal, plan.back), (plan.ventral, plan.belly)):
+        if fin:
+            base = np.linspace(fin.base[1], fin.base[0], 9)
+            x, y = np.concatenate([fin.edge, np.stack([base, along(ridge, base)], axis=1)]).T
+            median += abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2.0
+    pelvic = 2.0 * PADDLE_SHAPE * plan.pelvic.length * plan.pelvic.width if plan.pelvic else 0.0
+    return np.array([median, pelvic])
 
 
 def _roll_lead(body: Body, fin_area: float) -> float:
@@ -238,6 +260,9 @@ def swim_live(
             v -= water
             force = fin_force(bodies, kind, x, v, brake)
             force += pitching_force(bodies, kind, x, v, lift * TICK_S / TICK_TU)
+            force += spread_force(
+                bodies, kind, x, v, fishes.fins[i, DORSAL], fishes.fins[i, PELVIC]
+            )
             part = muscles[begin : min(begin + iterations, steps)]
             advance(x, v, material, part, np.zeros(3), force, step, watch)
             v += water
@@ -393,6 +418,39 @@ def fin_force(bodies: BodyTables, kind: int, at: Array, v: Array, brake: float) 
         along -= area / 6.0 * brake * max(ahead, 0.0) ** 2
         for axis in range(3):
             force[node, axis] = push * s * y[axis] + along * x[axis]
+    return force
+
+
+@kernel
+def spread_force(
+    bodies: BodyTables, kind: int, at: Array, v: Array, median: float, pelvic: float
+) -> Array:
+    """Force (23, 3) of spread median fins, which resist sway and yaw, and drag of pelvic fins.
+
+    `median` and `pelvic` are shares of their areas. Only the way of the whole body counts: the
+    water's forces on the scaffold hold those of fins that beat with it.
+    """
+    force, mass = np.zeros((NODES, 3)), bodies.mass[kind]
+    q, _ = frame_of(at)
+    x, up, right = x_axis(q), rotate(q, (0.0, 1.0, 0.0)), rotate(q, (0.0, 0.0, 1.0))
+    middle, drift = ZERO, ZERO
+    for node in range(NODES):
+        share = mass[node] / mass.sum()
+        middle = plus(middle, times(share, vector(at[node])))
+        drift = plus(drift, times(share, vector(v[node])))
+    yaw = roll_rate(at, v, mass, up)
+    first, end = MEDIAN_NODES
+    for node in range(first, end):
+        arm = plus(vector(at[node]), times(-1.0, middle))
+        aside = dot(plus(drift, times(yaw, cross(up, arm))), right)
+        push = -bodies.median_area[kind] * median / (end - first) * abs(aside) * aside
+        for axis in range(3):
+            force[node, axis] += push * right[axis]
+    first, end = PELVIC_NODES
+    drag = bodies.pelvic_area[kind] * pelvic / (end - first) * max(dot(drift, x), 0.0) ** 2
+    for node in range(first, end):
+        for axis in range(3):
+            force[node, axis] -= drag * x[axis]
     return force
 
 

@@ -31,6 +31,7 @@ from subsea.motor.dynamics import (
     frame_of,
     pitching_force,
     roll_rate,
+    spread_force,
     swim_live,
 )
 from subsea.motor.playback import BASE, ROW
@@ -94,7 +95,10 @@ def test_a_tick_is_six_steps_of_the_plain_simulation(make_tank, species):
     tank = _live(make_tank, species)
     plan = load_species(species)
     live = tank.live
-    bodies = tank.dynamics.bodies._replace(fin_area=np.zeros(1), pitching=np.zeros(1))
+    none = np.zeros(1)
+    bodies = tank.dynamics.bodies._replace(
+        fin_area=none, pitching=none, median_area=none, pelvic_area=none
+    )
     state = BodyState(live.x[0].copy(), live.v[0].copy(), np.array([np.inf, 0.0, np.inf]))
     begin = live.phase[0]
     assert live.fish[0] == 0
@@ -139,6 +143,26 @@ def test_fins_push_as_the_plain_ones_do(make_tank, roll):
     expected = pectoral_force(state, bodies.fin_area[0], *fins, STILL)
     force = fin_force(bodies, 0, rest @ R.T, v, 0.0) @ to_y.T
     np.testing.assert_allclose(force, expected, atol=1e-3 * np.abs(expected).max())
+
+
+def test_spread_median_fins_resist_sway_and_yaw_and_pelvic_fins_brake(make_tank):
+    """Half of the sway costs a quarter of the force; folded fins cost none."""
+    tank = make_tank("emperor_angelfish").put("swim_medium")
+    bodies, x = tank.dynamics.bodies, build_body(load_species("emperor_angelfish").body).rest
+    ahead, right = np.eye(3)[[0, 2]]
+    sway = np.tile(2.0 * right, (23, 1))
+    turning = np.cross([0.0, 0.3, 0.0], x)
+    forces = [spread_force(bodies, 0, x, v, 1.0, 0.0) for v in (sway, sway / 2, turning)]
+    push = [force.sum(axis=0) @ right for force in forces]
+    assert push[0] < 0.0 and push[0] == pytest.approx(4.0 * push[1])
+    assert push[0] == pytest.approx(-bodies.median_area[0] * 4.0)
+    assert np.cross(x, forces[2]).sum(axis=0)[1] < 0.0
+    assert not spread_force(bodies, 0, x, sway, 0.0, 1.0).any()
+    brake = spread_force(bodies, 0, x, np.tile(3.0 * ahead, (23, 1)), 0.0, 0.5)
+    np.testing.assert_allclose(brake.sum(axis=0), -4.5 * bodies.pelvic_area[0] * ahead, atol=1e-9)
+    # Both are small beside the drag of the body: some hundredths of the squared length.
+    areas = np.array([bodies.median_area[0], bodies.pelvic_area[0]]) / 24.0**2
+    assert (areas > 0.005).all() and (areas < 0.1).all()
 
 
 @every_species
