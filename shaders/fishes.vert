@@ -102,7 +102,10 @@ void move_fin(vec3 root, vec3 base, float side, float stiff, inout vec3 place, i
     float erect = mix(mix(i_fins.y, i_wave.x, soft), 1.0, stiff), height = length(ray);
     vec3 right = cross(ray, base);
     right *= side / max(length(right), 1e-6);
-    ray = erect * ray + RAKE * height * sqrt(max(1.0 - erect * erect, 0.0)) * base / max(length(base), 1e-6);
+    vec3 rear = RAKE * sqrt(max(1.0 - erect * erect, 0.0)) * base / max(length(base), 1e-6);
+    vec3 change = along - base;  // of the ray from one to the next
+    along = base + erect * change + dot(ray, change) / max(height, 1e-6) * rear;
+    ray = erect * ray + height * rear;
     float phase = WAVE * v_part.y + (side > 0.0 ? 0.0 : BEHIND_DORSAL);
     vec2 swing = height * min(erect, 1.0) * (1.0 - stiff) * mix(SPINES, 1.0, soft) * i_wave.yz;
     ray += (swing.x * cos(phase) - swing.y * sin(phase)) * right;

@@ -50,7 +50,9 @@ class FinPlayer:
             return 1, self._run(segment, rows)
         self._begin(segment, self._share(segment))
         cycles = self._rates() * rows * self._row_s / (2.0 * np.pi)  # in a beat of the tail
-        beats, whole = _fitted(cycles)
+        # Waves are so fast that they fit any number of beats.
+        beats, whole = _fitted(cycles[[0, 1, 3]])
+        whole = np.insert(whole, 2, max(np.round(beats * cycles[2]), 1.0))
         self._step(0, LONG_S)
         out = [
             self._at(row, 2.0 * np.pi * whole * (beat + row / rows) / beats)

@@ -18,7 +18,8 @@ from subsea.kernels import kernel
 MAX_INFLUENCES = 4  # joints of a vertex, the limit of formats and engines
 NEAR = 8  # nearest joints to choose them from
 SPINE = 14  # joints from head to tail
-FIN = 4  # along the free edge of the dorsal and of the ventral fin
+FIN = 2, 4  # along the free edge of a short and of a long dorsal or ventral fin, which waves
+LONG = 0.15  # body lengths of such a fin
 WIDE = 0.15  # body lengths from the spine: a wider body has wings
 WINGS = (0.4, 0.7, 0.95)  # positions of joints along both edges of a wing
 TAIL = 0.15  # body lengths from the rear that contain the tips of the tail
@@ -131,7 +132,8 @@ def place_joints(model: Model) -> list[Joint]:
     for name, vertices in model.fins.items():
         fin = model.rest[vertices]
         if name in ("dorsal", "ventral"):
-            for k, part in enumerate(np.array_split(fin[fin[:, 0].argsort()[::-1]], FIN)):
+            count = FIN[int(np.ptp(fin[:, 0]) > LONG * length)]
+            for k, part in enumerate(np.array_split(fin[fin[:, 0].argsort()[::-1]], count)):
                 attach(f"{name}_{k + 1}", part[np.abs(part[:, 1]).argmax()])
         else:
             attach(name, fin.mean(axis=0))

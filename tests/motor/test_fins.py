@@ -156,8 +156,8 @@ def test_median_fins_are_raised_in_turns_when_braking_and_in_threat(make_fishes,
 
 def test_a_burst_folds_median_and_pelvic_fins_and_the_soft_rays_follow(make_fishes, library):
     fins = _minute(make_fishes, library, (0.0, 0.0), 2.0, tempo=2.5, raised=1.0)
-    assert fins[-1, [DORSAL, SOFT]].max() < 0.45 and fins[-1, PELVIC] < 0.01
-    half = [int((fins[:, column] > 0.7).sum()) for column in (DORSAL, SOFT)]
+    assert fins[-1, [DORSAL, SOFT]].max() < 0.55 and fins[-1, PELVIC] < 0.01
+    half = [int((fins[:, column] > 0.75).sum()) for column in (DORSAL, SOFT)]
     assert half[0] < half[1] < 12  # ticks
     assert np.abs(fins[-1, [WAVE_SINE, WAVE_COSINE]]).max() < 1e-3
 
