@@ -12,7 +12,7 @@ from subsea.base.arrays import Array
 from subsea.fish.species import Species
 from subsea.motor.controller import CSTART_TEMPO
 from subsea.motor.fins import flap
-from subsea.motor.playback import FAST, SLOW, STOP, is_cstart
+from subsea.motor.playback import FAST, SIDES, SLOW, STOP, is_cstart
 from subsea.repertoire import SEGMENTS, Repertoire
 from subsea.repertoire.library import pack
 from subsea.state import Fishes, empty
@@ -70,7 +70,7 @@ class FinPlayer:
     def _begin(self, segment: int, share: float) -> None:
         fishes = self._fishes
         fishes.segment[:], fishes.goal_speed[:], fishes.thrust[:] = segment, share, 1.0
-        fishes.velocity[0, 0] = share * fishes.fast[0]
+        fishes.velocity[0, 0], fishes.bend[:] = share * fishes.fast[0], SIDES[segment]
         fishes.tempo[:] = CSTART_TEMPO if is_cstart(segment) else 1.0
         fishes.fin_phase[:], fishes.breath[:] = 0.0, 0.0
 

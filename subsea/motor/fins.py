@@ -5,7 +5,7 @@ import numpy as np
 from subsea.base.arrays import Ints
 from subsea.geometry.rotation import quaternion, x_axis
 from subsea.kernels import kernel
-from subsea.motor.playback import ROW, SIDES, blends
+from subsea.motor.playback import BASE, COAST, ROW, SIDES, blends
 from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
 from subsea.state import (
@@ -27,7 +27,8 @@ EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
 OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up ...
 OAR_FOLDED = 0.75  # ... and by this share they shrink at full speed
 SCULL_RAD = (0.45, 0.2)  # of a fin that sculls in a figure of eight: aside, and up twice a beat
-STILL = 0.12  # of the fast swim's speed: a slower fish without thrust hovers
+STILL = 0.2  # of the fast swim's speed: a slower fish with little thrust hovers ...
+HOVER_SHARES = (0.3, 0.7)  # ... not at all, and entirely, by its share of stillness
 ABREAST_HZ = 0.5  # how fast the fins come to beat together, or alternately in a hovering fish
 BEAT_HZ = 1.1  # idle; a busy fin beats up to three times as fast
 BRAKE_RAD = 1.2  # sweep at which the inner fin of a rowing fish stands in a turn
@@ -39,6 +40,9 @@ ROW_LIFT_RAD = 0.36  # it goes back below and forwards above
 FLAP_SWEEP_RAD = np.radians(75.0)  # of a fin that rows by flapping ...
 FLAP_LIFT_RAD = np.radians(50.0)  # ... up and down, half of its way
 FULL_STEERING = 0.6  # rad/s: the hardest steering
+HARD_STEERING = 1.5  # rad/s: steering that raises all fins
+TOO_FAST = (1.2, 0.05)  # times the wanted speed, and more: what a fish exceeds that brakes ...
+HARD_BRAKE = 0.25  # ... and by which share of the fast swim's speed it does if it brakes hard
 BREATH_HZ = 0.8  # at rest; an effort doubles it
 GAPE = 0.45  # how far the mouth opens to breathe
 FOLDED = 0.3  # by this share the dorsal fin folds at full speed ...
@@ -84,7 +88,10 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
         held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
         lean = 0.5 * steering
-        hover = braking * max(1.0 - _way(fishes, i) / STILL, 0.0)
+        way = _way(fishes, i)
+        least, most = HOVER_SHARES
+        hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
+        hover = min(max(hover, 0.0), 1.0)
         apart = fishes.fin_phase[i, 1] - fishes.fin_phase[i, 0]
         gap = (hover * np.pi - apart + np.pi) % (2.0 * np.pi) - np.pi
         abreast = min(2.0 * np.pi * ABREAST_HZ * dt, 1.0) * (1.0 - abs(turning))
@@ -109,8 +116,8 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
                     rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
                 # The outer fin strokes, and the inner one brakes.
                 rowing, raised = rowing + inner * (BRAKE_RAD - rowing), (1.0 - inner) * raised
-                sweep += rows * (rowing - sweep)
-                lift += rows * (raised - lift)
+                sweep += (1.0 - hover) * rows * (rowing - sweep)
+                lift += (1.0 - hover) * rows * (raised - lift)
             fins[SWEEP_LEFT + side] = sweep
             fins[LIFT_LEFT + side] = lift
 
@@ -121,7 +128,10 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         fishes.breath[i] = breath % (2.0 * np.pi)
         fins[MOUTH] = max(GAPE * 0.5 * (1.0 - np.cos(breath)), np.float64(fishes.gape[i]))
         ease = min(EASE_HZ * (1.0 + BURST_EASE * burst) * dt, 1.0)
-        effort = max(abs(turning), braking - hover)  # in which it raises and spreads its fins
+        brake = (way - TOO_FAST[0] * speed - TOO_FAST[1]) / HARD_BRAKE
+        turn = max(abs(_turn_share(fishes, library, i)), abs(steering) / HARD_STEERING)
+        # The effort of a turn or of braking raises and spreads its fins.
+        effort = min(max(turn, brake, 0.0), 1.0)
         _raise(fishes, i, speed, effort, burst, ease)
         calm = max(rows, 1.0 - speed / WAVING_SPEED) * (1.0 - burst)
         rate = WAVE_HZ[0] + (WAVE_HZ[1] - WAVE_HZ[0]) * max(effort, speed)
@@ -144,7 +154,8 @@ def _raise(fishes: Fishes, i: int, speed: float, effort: float, burst: float, ea
     erect += burst * (BURST_FOLDED - erect)
     fins[SOFT] += ease * (fins[DORSAL] - fins[SOFT])
     fins[DORSAL] += ease * (erect - fins[DORSAL])
-    glides = 1.0 if fishes.span[i] > 1.0 else speed * speed
+    coasts = fishes.span[i] > 1.0 or BASE[fishes.segment[i]] == COAST
+    glides = 1.0 if coasts else speed * speed
     fins[TAIL] += ease * (SPREAD * effort - CLOSED * glides * (1.0 - effort) - fins[TAIL])
     spread = max(1.0 - speed / SPREAD_SPEED, effort) * (1.0 - burst)
     fins[PELVIC] += ease * (spread - fins[PELVIC])

@@ -146,8 +146,8 @@ def test_a_fast_or_gliding_fish_closes_its_tail(make_fishes, library):
 
 def test_median_fins_are_raised_in_turns_when_braking_and_in_threat(make_fishes, library):
     cruising, turning, braking, threatened = (
-        _minute(make_fishes, library, (steering, 0.0), 0.7, thrust=thrust, way=20.0, raised=raised)
-        for steering, thrust, raised in ((0, 1, 0), (0.6, 1, 0), (0, 0, 0), (0, 1, 1))
+        _minute(make_fishes, library, (steering, 0.0), speed, way=20.0, raised=raised)
+        for steering, speed, raised in ((0, 0.7, 0), (1.5, 0.7, 0), (0, 0.1, 0), (0, 0.7, 1))
     )
     for column in (DORSAL, SOFT):
         assert cruising[-1, column] < 0.9
@@ -166,8 +166,8 @@ def test_pelvic_fins_are_folded_in_a_fast_fish_and_spread_by_a_slow_or_braking_o
     make_fishes, library
 ):
     fast, slow, braking = (
-        _minute(make_fishes, library, (0.0, 0.0), speed, thrust=thrust, way=20.0)[-1, PELVIC]
-        for speed, thrust in ((0.8, 1.0), (0.0, 1.0), (0.8, 0.0))
+        _minute(make_fishes, library, (0.0, 0.0), speed, way=way)[-1, PELVIC]
+        for speed, way in ((0.8, 20.0), (0.0, 0.0), (0.3, 20.0))
     )
     assert fast < 0.01 < 0.9 < min(slow, braking)
 
@@ -190,6 +190,7 @@ def test_the_wave_is_large_in_calm_fishes_and_steady_in_time(make_fishes, librar
 def test_a_turn_spreads_the_tail_and_straight_swimming_does_not(make_fishes, library, segment):
     fishes = make_fishes(1, segment)
     fishes.goal_speed[:] = fishes.thrust[:] = 1.0
+    fishes.bend[:] = SIDES[SEGMENTS.index(segment)]
     for _ in range(90):
         flap(everyone(fishes), fishes, library, TICK)
     turns = "left" in segment or "right" in segment
