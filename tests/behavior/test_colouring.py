@@ -48,3 +48,9 @@ def test_the_ease_does_not_depend_on_the_step(four):
     four.fishes.display[:] = 0.0
     _wait(four, 0.9, 0.09)
     assert four.fishes.display[0] == pytest.approx(finely, abs=1e-4)
+
+
+def test_fishes_raise_their_fins_to_mates_and_predators(four):
+    four.minds.menace[:] = 0.0, 0.4, 0.0, 0.0
+    _wait(four, 2.0)
+    assert four.fishes.raised == pytest.approx([four.fishes.display[0], 0.4, 0.0, 0.0])

@@ -46,7 +46,8 @@ from subsea.rendering.fish.preview import FishPreview, Orbit
 from subsea.rendering.fish.speck import speck
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
-from subsea.state import FIN_COLUMNS, PELVIC, WAVE_SINE
+from subsea.state import DORSAL as DORSAL_FIN
+from subsea.state import FIN_COLUMNS, PELVIC, SOFT, WAVE_SINE
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -196,6 +197,22 @@ def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(scene, make_packet
     assert change[False][fins].max() > 0.5
     assert change[False][tail].max() > 0.5
     assert change[True].max() == 0.0
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_folded_fins_lie_lower_and_farther_back_and_face_the_same_side(
+    scene, make_packet, fish, level
+):
+    still, folded = (make_packet([fish(1, (0, 0, 0), heading=0.0)]) for _ in range(2))
+    folded.instances[0, FINS.start + np.array([DORSAL_FIN, SOFT])] = 0.5
+    (a, before), (b, after) = (shaded(level, packet, scene) for packet in (still, folded))
+    vertices = MESHES[level].vertices
+    edge = (vertices[:, PART] == FIN) & (vertices[:, ALONG] == 1.0)
+    for side in (1.0, -1.0):
+        mine = edge & (vertices[:, SIDE] == side)
+        assert (side * (b - a)[mine, 2]).max() < 0.0 and (b - a)[mine, 0].mean() < -0.3
+        # The last ray has hardly any length, and its edge runs forwards.
+        assert (before * after).sum(axis=1)[mine][:-1].min() > 0.5
 
 
 @pytest.mark.parametrize("level", range(len(DETAILS)))
