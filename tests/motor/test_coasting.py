@@ -64,12 +64,12 @@ def test_each_fish_has_a_rhythm_of_its_own(swim):
 def test_a_coast_loses_speed_as_in_the_simulation(swim, shipped_library):
     """1 / speed grows by the recorded slowing."""
     library = shipped_library("fusilier")[2]
-    segments, speeds, _ = swim("fusilier", 0.5)
+    segments, speeds, _ = swim("fusilier", 0.3, 600)
     own = library.speed[0, COAST] / library.speed[0, FAST]
     for begin in np.flatnonzero(np.diff((segments == COAST).astype(int)) == 1):
-        end = begin + 12
+        end = begin + 17  # the glide from a beat is over after 12 ticks
         if (segments[begin + 1 : end + 1] == COAST).all():
-            grown = own * (1.0 / speeds[end] - 1.0 / speeds[begin + 7])
+            grown = own * (1.0 / speeds[end] - 1.0 / speeds[begin + 12])
             assert grown == pytest.approx(library.slowing[0, COAST] * PACED * 5, rel=0.1)
             break
     else:

@@ -167,7 +167,7 @@ def test_pelvic_fins_are_folded_in_a_fast_fish_and_spread_by_a_slow_or_braking_o
 ):
     fast, slow, braking = (
         _minute(make_fishes, library, (0.0, 0.0), speed, way=way)[-1, PELVIC]
-        for speed, way in ((0.8, 20.0), (0.0, 0.0), (0.3, 20.0))
+        for speed, way in ((0.8, 20.0), (0.0, 0.0), (0.15, 20.0))
     )
     assert fast < 0.01 < 0.9 < min(slow, braking)
 
