@@ -220,11 +220,6 @@ def _turn(fishes: Fishes, library: Library, i: int, azimuth: float, swim: int, d
     the spot one from rest, and in a glide one from a glide, where they were recorded.
     """
     kind, now = fishes.species[i], fishes.segment[i]
-    if BASE[now] in (ROW, COAST) and not fishes.live[i]:
-        # Without a beat the head turns with the bend at once: what counts is the way.
-        weight = float(fishes.weight[i])
-        azimuth += (1.0 - weight) * library.facing[fishes.row_a[i]]
-        azimuth += weight * library.facing[fishes.row_b[i]]
     has, angle = library.has[kind], abs(azimuth)
     side = 0 if azimuth > 0.0 else 1
     fishes.bend[i] = 0.0

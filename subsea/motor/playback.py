@@ -223,7 +223,10 @@ def _change_bend(fishes: Fishes, library: Library, i: int) -> None:
     """Go on in a straight swim or its turn, a level nearer to the bend that is asked for."""
     kind, a = fishes.species[i], fishes.row_a[i]
     level, row = library.level[a], library.straight[a]
-    change = min(max(_asked(fishes, i) - level, -1), 1)
+    asked = _asked(fishes, i)
+    change = min(max(asked - level, -1), 1)
+    if BASE[fishes.segment[i]] != MEDIUM and asked != 0 and abs(asked - level) == 1:
+        change = 0  # without a beat the head turns with the bend at once: else it would waver
     rows = max(library.length[kind, MEDIUM] // LEVEL_PHASE, 1) if change else 1
     for _ in range(rows):
         row = library.follow[row]

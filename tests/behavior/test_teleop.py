@@ -198,7 +198,9 @@ def test_a_school_follows_its_leader_that_is_steered_and_prey_flees_its_predator
     leader = int(np.bincount(minds.leader[minds.leader >= 0]).argmax())
     school = np.flatnonzero(minds.leader == leader)
     before = fishes.velocity[school].mean(axis=0)
-    steered(world, 5.0, leader, speed=0.6, turn=1.0)
+    turned = 0.0
+    while turned < 110.0:
+        turned += steered(world, 0.5, leader, speed=0.6, turn=1.0)[0]
     steered(world, 6.0, leader, speed=0.6)
     after = fishes.velocity[school].mean(axis=0)
     way = ahead(fishes, leader)

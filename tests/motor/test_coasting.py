@@ -67,10 +67,10 @@ def test_a_coast_loses_speed_as_in_the_simulation(swim, shipped_library):
     segments, speeds, _ = swim("fusilier", 0.3, 600)
     own = library.speed[0, COAST] / library.speed[0, FAST]
     for begin in np.flatnonzero(np.diff((segments == COAST).astype(int)) == 1):
-        end = begin + 17  # the glide from a beat is over after 12 ticks
+        end = begin + 32  # the glide from a beat is over after 24 ticks
         if (segments[begin + 1 : end + 1] == COAST).all():
-            grown = own * (1.0 / speeds[end] - 1.0 / speeds[begin + 12])
-            assert grown == pytest.approx(library.slowing[0, COAST] * PACED * 5, rel=0.1)
+            grown = own * (1.0 / speeds[end] - 1.0 / speeds[begin + 24])
+            assert grown == pytest.approx(library.slowing[0, COAST] * PACED * 8, rel=0.1)
             break
     else:
         raise AssertionError("no long coast")
