@@ -133,7 +133,13 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             shift = rotate(fraction(rotation, -weight), shift)
         step = rotate(q, shift)
         o = plus(o, times(frames * fishes.scale[i] * thrust, step))
-        q = multiply(q, rotation if frames == 1.0 else fraction(rotation, frames))
+        turned = rotation if frames == 1.0 else fraction(rotation, frames)
+        q = multiply(q, turned)
+        if gliding and _keeps_course(fishes, library, i):
+            # The head of a beat sways about the course, that of a coast does not.
+            swayed = float(library.sway[b] - library.sway[a]) * frames / span
+            yawed = 2.0 * turned[2] * np.sign(turned[0])
+            q = multiply(q, about(0.0, 1.0, 0.0, swayed - yawed))
         if library.facing[a] != library.facing[b]:
             # As the body bends its head turns inwards, and the fish keeps its way.
             inwards = float(library.facing[b] - library.facing[a]) * frames / span
@@ -145,6 +151,17 @@ def advance(fishes: Fishes, library: Library, i: int) -> tuple[Vector, Quaternio
             _next_row(fishes, library, i)
     fishes.weight[i] = weight
     return o, q
+
+
+@kernel
+def _keeps_course(fishes: Fishes, library: Library, i: int) -> bool:
+    """True in a glide between a straight beat and a straight coast."""
+    kind, a, b = fishes.species[i], fishes.row_a[i], fishes.row_b[i]
+    if a >= len(library.level) or library.level[a] != 0 or library.level[b] != 0:
+        return False
+    first, length = library.first[kind, COAST], library.length[kind, COAST]
+    coasts = first <= a < first + length, first <= b < first + length
+    return bool(library.has[kind, COAST]) and coasts[0] != coasts[1]
 
 
 @kernel

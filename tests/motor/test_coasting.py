@@ -95,4 +95,4 @@ def test_without_a_beat_the_body_bends_into_the_turn_and_reaches_its_heading(
     turn = held[:60]  # later it corrects its course
     assert bends[:60][turn].max() > 15.0 and bends[:60][turn].min() > -5.0
     way = nodes[-1].mean(axis=0) - nodes[-31].mean(axis=0)
-    assert np.arctan2(way[1], way[0]) == pytest.approx(azimuth, abs=np.radians(4.0))
+    assert np.arctan2(way[1], way[0]) == pytest.approx(azimuth, abs=np.radians(7.0))

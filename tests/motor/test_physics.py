@@ -84,19 +84,22 @@ def test_each_constant_changes_the_way_of_simulated_fishes_alone(usual):
 
 
 def test_the_wave_of_a_passing_hull_turns_simulated_fishes_alone(usual, monkeypatch):
-    headings = []
+    early, headings = [], []
     for patched in (False, True):
         world, live = tried(usual, Physics(), 0)
         if patched:
             monkeypatch.setattr(
                 "subsea.world.step.shear_at", lambda who, *_: np.zeros((len(who), 2, 3))
             )
-        for _ in range(35):
+        for _ in range(2):
+            step(world, Helm(surge=1.0))
+        early.append(world.state.fishes.orientation[~live].copy())
+        for _ in range(33):
             step(world, Helm(surge=1.0))
         headings.append(world.state.fishes.orientation.astype(float))
     turned = 2.0 * np.arccos(np.clip(np.abs((headings[0] * headings[1]).sum(axis=1)), 0.0, 1.0))
     assert np.degrees(turned[live]).max() > 0.3
-    assert np.degrees(turned[~live]).max() < np.degrees(turned[live]).max()
+    np.testing.assert_array_equal(*early)  # others only follow and leave them, later
 
 
 def test_without_water_the_tail_beats_and_no_beat_drives_the_fish(usual):
@@ -165,11 +168,12 @@ def test_a_fish_that_explodes_is_contained(usual, physics):
         assert "Yellowback fusilier) exploded, " in line
     # The usual physics restores normal motion.
     world.physics = Physics()
-    simulated = 0
-    for _ in range(600):
+    for _ in range(1500):
         went_on(world, 1, finite)
-        simulated += world.state.fishes.live.sum()
-    assert simulated > 0
+        if world.state.fishes.live.any():
+            break
+    else:
+        raise AssertionError("no fish is simulated again")
 
 
 def test_an_explosion_is_reported_with_its_reason(usual):

@@ -161,7 +161,7 @@ def test_grades_turns_and_sides_are_as_named(species):
         seen = [
             to_body(one, *(part[None] for part in body_frame(one[0]))) for one in (path, mirrored)
         ]
-        least = 0.03 if segments[name].grade == "coast" else 0.1  # it has four rows
+        least = {"coast": 0.03, "row": 0.05}.get(segments[name].grade, 0.1)  # few rows, or slow
         assert np.ptp(seen[0][:, 0], axis=0).max() > least * length, name
         np.testing.assert_allclose(seen[1], seen[0], atol=1e-5 * length, err_msg=name)
 

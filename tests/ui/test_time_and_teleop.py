@@ -106,7 +106,7 @@ def test_keys_steer_the_fish_while_the_submarine_keeps_station(boat, user, monke
     user.do("keydown", "w", "keydown", "a")
     user.until(boat, lambda: fishes.goal_speed[fish] > 0.5)
     before = heading(world, fish)
-    user.glide(boat, 2.0)
+    user.glide(boat, 1.0)
     turned = (heading(world, fish) - before + np.pi) % (2 * np.pi) - np.pi
     assert turned > np.radians(20.0)
     assert boat.picture.ride.gaze.pan_deg == 0.0  # keys steer: they do not turn its eyes
