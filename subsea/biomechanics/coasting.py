@@ -1,9 +1,9 @@
 """Simulate bodies that no tail drives: a fish that coasts, and one that rows in a turn.
 
 Muscles hold the body straight, or bent to the inner side of a turn as in a gradual one. The trial
-goes on until the motion repeats. A coasting fish would slow down: it is towed by its head at the
-speed of grade medium, as drag grows with the square of the speed and changes the way little. The
-speed that it loses is measured when the tow is let go.
+goes on until the motion repeats. A coasting fish would slow down: a tow along its head keeps it at
+the speed of grade medium, as drag grows with the square of the speed and changes the way little.
+The speed that it loses is measured when the tow is let go.
 """
 
 from collections.abc import Callable

@@ -177,7 +177,7 @@ def _burst_and_coast(
     """The swim or a coast, and the speed to beat for, of fish i that wants a mean speed.
 
     A fish beats until it is faster than that, coasts until it is slower, and so on, each in its
-    own rhythm: it keeps still about half of the time and needs less work. One in a hurry and one
+    own rhythm: it keeps still most of the time and needs less work. One in a hurry and one
     that breathes by swimming beat without pause. A fish that rows coasts to the speed of its oars.
     """
     kind, now = fishes.species[i], fishes.segment[i]
@@ -340,7 +340,10 @@ def _watch_monotony(fishes: Fishes, i: int, clock: Clock) -> None:
 
 @kernel
 def _grade(own: Array, bursts: bool, now: int, speed: float) -> int:
-    """The swim whose speed is nearest to `speed`, by ratio; `own` are the recorded speeds."""
+    """The swim whose speed is nearest to `speed`, by ratio; `own` are the recorded speeds.
+
+    The present one is kept within a margin, but not where more than the fast one is asked for.
+    """
     goal = max(speed, 0.01 * own[FAST])
     best = SLOW
     least = np.inf
@@ -348,7 +351,7 @@ def _grade(own: Array, bursts: bool, now: int, speed: float) -> int:
         if grade == BURST and (goal <= HURRIED * own[FAST] or not bursts):
             continue
         ratio = max(goal / own[grade], own[grade] / goal)
-        if grade == now or (grade == MEDIUM and BASE[now] == MEDIUM):
+        if goal <= own[FAST] and grade == BASE[now]:
             ratio /= GRADE_MARGIN
         if ratio < least:
             best, least = grade, ratio

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.manoeuvres import body_bend
-from subsea.fish.species import load_species
+from subsea.fish.species import load_species, shipped_species
 from subsea.motor.controller import through_water
-from subsea.motor.playback import BASE, COAST, FAST, ROW
+from subsea.motor.playback import BASE, BURST, COAST, FAST, ROW
 from tests.motor.conftest import TICK
 
+MUSCULAR = [name for name in shipped_species() if load_species(name).muscles]
 PACED = 2.4  # recorded frames a tick, of an adult
 
 
@@ -74,6 +75,17 @@ def test_a_coast_loses_speed_as_in_the_simulation(swim, shipped_library):
             break
     else:
         raise AssertionError("no long coast")
+
+
+@pytest.mark.parametrize("species", MUSCULAR)
+def test_from_any_grade_a_fish_in_a_hurry_goes_on_to_its_fastest_swim(make_tank, species):
+    """A fusilier's fast swim is only 1.15 times as fast as its medium one."""
+    for grade in ("slow", "medium", "fast"):
+        tank = make_tank(species).put(f"swim_{grade}")
+        tank.fishes.burst[:] = 3.0
+        tank.aim(0.0, 3.0)
+        tank.run(60)
+        assert tank.fishes.segment[0] in (FAST, BURST), grade
 
 
 def test_one_that_breathes_by_swimming_does_not_coast(swim):
