@@ -32,7 +32,7 @@ from subsea.media.record import (
     Record,
     outline,
 )
-from subsea.motor.pose import ends_world
+from subsea.motor.pose import centres_world, ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
 from subsea.scenario.save import scenario_text
@@ -243,6 +243,9 @@ def _note(world: World, block: Rows, row: int) -> None:
     for name in ("position", "orientation", "velocity", "segment", "alive"):
         block[f"fish/{name}"][row] = getattr(state.fishes, name)
     ends_world(state.fishes, world.library.nodes, block["fish/snout"][row], block["fish/tail"][row])
+    block["fish/centre"][row] = centres_world(
+        state.fishes, world.library.nodes, world.dynamics.bodies.mass
+    )
     block["fish/mental_state"][row] = state.minds.mental
     for name in ("intention", "leader", "target", "partner", "courtship", "last_meal"):
         block[f"fish/{name}"][row] = getattr(state.minds, name)

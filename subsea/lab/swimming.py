@@ -29,11 +29,6 @@ TURNING_DEG_S = 5.0  # slower changes of heading are recoil
 TIGHT_DEG = 20.0  # least change of heading in TURN_S that counts as a turn
 LOW_SPEED = 1.5  # body lengths a second: turns below are turns at low speed
 HOVER_SPEED = 0.2  # body lengths a second
-CENTRE = 0.2
-"""Share of the snout, and the rest of the origin of the body frame, in a point that recoils little.
-
-Its accelerations are 1 to 3 times those of the centre of mass, in swims and turns of all species.
-"""
 ROLL_S = 0.5  # stretch in which roll and acceleration are measured
 BENT_DEG = 30.0  # angle of the head to the line from the tail, beyond that of a beat
 BEND_S = 0.4  # over which a rate of turning is measured beside a bend
@@ -59,7 +54,7 @@ class Swimming(NamedTuple):
     hasty: Array  # speeds of stretches in which a fish flees, or hunts as a predator
     radius: Array  # of turns at low speed
     roll: Array  # degrees to one side of its mean, the greatest in stretches of straight swims
-    acceleration: Array  # near the centre of mass but in flights, the greatest in each stretch
+    acceleration: Array  # of the centre of mass, without flights: the greatest in a stretch
     into: Counts  # ticks bent into the turn, of those with a bent body in a turn
     pitched: Counts  # ticks steeper than PITCHED_DEG, of those that do not row
     straight: Counts  # change of heading in straight segments, rad
@@ -92,7 +87,7 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     nose = record.snout[:, those].astype(np.float64) / length[:, None]
     paths = Paths(tail[..., :2], place[..., :2], nose[..., :2], course)
     beat = _beats(paths, swims, record.tick_s)
-    centre = CENTRE * nose + (1.0 - CENTRE) * place
+    centre = record.centre[:, those].astype(np.float64) / length[:, None]
     doing, predator = record.intention[:, those], record.kind[those] == PREDATOR
     hurried = (doing == ESCAPE) | ((doing == EAT) & predator)
     calm = alive & ~hurried & ~_in_escapes(record)[:, those]

@@ -15,6 +15,7 @@ from subsea.fish.surface import SurfacePlan, along
 FORMAT, VERSION = "subsea-record", 2
 RECORD = hdf5_file("a record", FORMAT)
 STATIONS = 13  # points of a body's outline, from the snout to the tail's edge
+SNOUTWARD = np.float32(0.2)  # place of the centre of mass in records of earlier versions, roughly
 MAX_FISH_TICKS = 20_000_000  # a study holds them in memory: about 2 GB
 
 
@@ -62,6 +63,9 @@ FIELDS = {
         np.float32, (*_BOTH, "axis"), "cm", "tip of the snout of the bent body"
     ),
     "fish/tail": DatasetSpec(np.float32, (*_BOTH, "axis"), "cm", "middle of the tail's edge"),
+    "fish/centre": DatasetSpec(
+        np.float32, (*_BOTH, "axis"), "cm", "centre of mass of the bent body"
+    ),
     "fish/intention": DatasetSpec(np.uint8, _BOTH, "1", "index into intention_names"),
     "fish/segment": DatasetSpec(
         np.uint8, _BOTH, "1", "recorded motion that it plays: index into segment_names"
@@ -154,6 +158,7 @@ class Record(NamedTuple):
     orientation: Array  # (T, n, 4)
     snout: Array  # (T, n, 3) cm
     tail: Array  # (T, n, 3) cm
+    centre: Array  # (T, n, 3) cm
     intention: Ints  # (T, n)
     segment: Ints  # (T, n)
     mental_state: Array  # (T, n, 3)
@@ -239,7 +244,15 @@ def read_record(path: Path) -> Record:
             )
         lengths: dict[str, int] = {}
         first = ("time", "fish/species", *READ.values())
-        read = {dataset: _dataset(file, dataset, lengths, where) for dataset in first}
+        older = not hdf5.has_member(hdf5.subgroup(file, "fish", where), "centre")
+        read = {
+            dataset: _dataset(file, dataset, lengths, where)
+            for dataset in first
+            if not (older and dataset == "fish/centre")
+        }
+        if older:
+            snout, origin = read["fish/snout"], read["fish/position"]
+            read["fish/centre"] = origin + SNOUTWARD * (snout - origin)
         fields: dict[str, Any] = {name: read[dataset] for name, dataset in READ.items()}
         names = [name for name in Record._fields if name.endswith("_names")]
         record = Record(

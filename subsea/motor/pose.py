@@ -89,6 +89,25 @@ def ends(fishes: Fishes, nodes: Array, i: int) -> tuple[Vector, Vector]:
     return nose, times(0.5, plus(top, bottom))
 
 
+def centres_world(fishes: Fishes, nodes: Array, mass: Array) -> Array:
+    """Centres of mass (n, 3) of all fishes at the present tick, cm, world.
+
+    `nodes` are the library's, `mass` (S, 23) those of the nodes of each species. A species without
+    muscles has no masses: its nodes count alike.
+    """
+    share = np.where(mass.any(axis=1, keepdims=True), mass, 1.0)
+    share = (share / share.sum(axis=1, keepdims=True))[fishes.species]
+    before, after = (
+        np.einsum("nk,nkx->nx", share, nodes[row]) for row in (fishes.row_a, fishes.row_b)
+    )
+    weight, scale = fishes.weight[:, None], fishes.scale[:, None]
+    body = scale * ((1.0 - weight) * before + weight * after)
+    q = fishes.orientation.astype(np.float64)
+    across = 2.0 * np.cross(q[:, 1:], body)
+    turned = body + q[:, :1] * across + np.cross(q[:, 1:], across)
+    return np.asarray(fishes.position + turned)
+
+
 def _points_world(fishes: Fishes, table: Array, i: int) -> Array:
     w = fishes.weight[i]
     body = (1 - w) * table[fishes.row_a[i]] + w * table[fishes.row_b[i]]

@@ -90,6 +90,18 @@ def test_snout_and_tail_are_a_body_apart_and_the_middle_between_them(record):
         assert reach == pytest.approx(np.tile(file["fish/snout_reach"][:], (20, 1)), rel=0.1)
 
 
+def test_the_centre_of_mass_recoils_less_than_any_single_point_of_the_body(record):
+    """The recoil of a beat moves origin, snout and tail; the body as a whole keeps its way."""
+    with h5py.File(record) as file:
+        length, tick_s = file["fish/length"][:][:, None], file.attrs["tick_s"]
+        pulls = {
+            name: np.linalg.norm(np.diff(file[f"fish/{name}"][:], 2, axis=0) / length, axis=2)
+            for name in ("centre", "position", "snout", "tail")
+        }
+        least = {name: np.median(pull) / tick_s**2 for name, pull in pulls.items()}
+        assert least["centre"] < 0.8 * min(least["position"], least["snout"], least["tail"])
+
+
 def test_velocity_is_the_change_of_position(record):
     with h5py.File(record) as file:
         step = np.diff(file["fish/position"][:], axis=0) / file.attrs["tick_s"]

@@ -123,8 +123,8 @@ def test_a_body_bends_into_its_turn_or_against_it(bend):
     into, bent = only(record).into
     assert bent == (0 if bend == 10.0 else pytest.approx(len(heading), abs=15))
     assert into == (bent if bend > 0.0 else 0)
-    # On a circle a point 0.08 L before the origin is pulled inwards; escapes do not count.
-    pull = 4.0 * np.hypot(0.5, 0.08)
+    # On a circle of half a length the centre of mass is pulled inwards; escapes do not count.
+    pull = 4.0 * 0.5
     assert np.median(only(circle(rate=2.0)).acceleration) == pytest.approx(pull, rel=0.02)
     assert not len(only(circle(segment=SEGMENTS.index("cstart_left_wide"))).acceleration)
 

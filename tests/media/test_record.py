@@ -108,5 +108,7 @@ def test_a_record_of_the_first_release_is_read(tmp_path, capsys):
     read = read_record(old)
     assert read.position.shape == (6, 4, 3)
     assert read.species_names == ["Ocellaris clownfish", "Yellowback fusilier"]
+    expected = read.position + 0.2 * (read.snout - read.position)
+    assert read.centre == pytest.approx(expected, abs=1e-3)  # the file has none
     assert main(["study", str(old)]) == 0
     assert capsys.readouterr().out.startswith("6 ticks (0.198 s) of 4 fishes, seed 1")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsea.motor.pose import pose_at
+from subsea.motor.pose import centres_world, nodes_world, pose_at
 from subsea.state import Fishes, empty
 
 
@@ -64,3 +64,16 @@ def test_between_ticks_a_quick_fish_passes_every_recorded_row(library):
         if not rows or rows[-1] != a:
             rows.append(a)
     assert rows == [9, 10, 11, 0, 1, 2]
+
+
+def test_the_centre_of_mass_is_the_mean_of_the_nodes_by_their_masses(make_tank):
+    """Against the nodes of each fish in the world, in a bent glide; without masses all alike."""
+    tank = make_tank("blue_tang", 1.5)
+    tank.put("turn_left_gradual", 7).step(3)
+    fishes = tank.fishes
+    nodes = nodes_world(fishes, tank.library, 0)
+    mass = tank.dynamics.bodies.mass
+    expected = mass[0] @ nodes / mass[0].sum()
+    assert centres_world(fishes, tank.library.nodes, mass)[0] == pytest.approx(expected, abs=1e-4)
+    alike = centres_world(fishes, tank.library.nodes, 0.0 * mass)[0]
+    assert alike == pytest.approx(nodes.mean(axis=0), abs=1e-4)

@@ -36,6 +36,7 @@ def a_record(position, orientation=EAST, **changed):
         "orientation": turns,
         "snout": np.float32(position + 0.4 * LENGTH * ahead),
         "tail": np.float32(position - 0.6 * LENGTH * ahead),
+        "centre": position,
         "intention": zeros + WANDER,
         "segment": zeros,
         "mental_state": mental,
