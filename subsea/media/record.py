@@ -58,7 +58,10 @@ FIELDS = {
         "unit quaternion w, x, y, z from body axes (x to the snout, y to the back, z right) to"
         " world axes",
     ),
-    "fish/velocity": DatasetSpec(np.float32, (*_BOTH, "axis"), "cm s-1", "velocity of the origin"),
+    "fish/velocity": DatasetSpec(
+        np.float32, (*_BOTH, "axis"), "cm s-1",
+        "velocity of the origin, of a simulated fish that of its centre of mass",
+    ),
     "fish/snout": DatasetSpec(
         np.float32, (*_BOTH, "axis"), "cm", "tip of the snout of the bent body"
     ),

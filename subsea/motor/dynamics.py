@@ -59,20 +59,25 @@ from subsea.motor.playback import (
     COAST,
     LEFT_GRADUAL,
     LEFT_SHARP,
+    MEDIUM,
     RIGHT_SHARP,
     TEMPO,
+    TURNS,
     blends,
 )
 from subsea.repertoire import SEGMENTS
+from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
 from subsea.state import DORSAL, PELVIC, Fishes, Live, Physics
 
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
+LAST_RING = (17, 18, 19, 20)  # its nodes
 MEDIAN_NODES, PELVIC_NODES = (9, 17), (5, 13)  # of the rings that bear the fins, first and end
 PADDLE_SHAPE = 0.7  # area of a pelvic fin over length and width
-BEND_EASE = 1.0 / 7.0  # share of the full bend that may change in a recorded frame
+BEND_EASE = 1.0 / LEVELS  # share of the full bend per recorded frame, as in playback ...
+STILL_EASE = 1.0 / 21.0  # ... and in a coast, where a quick bend makes the body swing for long
 MOST_BEND = 0.4  # contraction in sharp turns
 SHARP_SHARE = 1.3  # turning rate in the midst of a sharp turn over its mean, with straight ends
 SLOWEST_TURN = 0.4  # least speed over that of a gradual turn: a slower fish does not bend further
@@ -86,7 +91,9 @@ TOO_FAST = 0.03  # share of excess speed above which the fins brake
 HARDEST_BRAKE = 2.0  # times the pectoral area: a stopping fish spreads its other fins too
 BRAKE_GAIN = 5.0  # braking share of the fin area per share of excess speed
 SPEED_TIME = 21.0  # ticks over which the speed is smoothed: a beat and a half
-COURSE_TIME = 21.0  # likewise the heading, in recorded frames
+COURSE_TIMES = 8.0, 21.0  # likewise the heading, in recorded frames, in a coast and in a beat
+BEATS = 0.5  # gear from which a fish beats rather than coasts
+FIRST_STROKE = np.radians(30.0)  # phase of a beat that turns a fish to the left, if it is short
 
 
 GEARS = np.arange(4.0)  # still, slow, medium and fast, between which a live fish beats
@@ -242,7 +249,8 @@ def swim_live(
         beat = 2.0 * np.pi / (bodies.beat[kind] * TICK_TU) * live.tempo[slot]
         for n in range(steps):
             contract(bodies, kind, live.phase[slot], live.gear[slot], live.bend[slot], muscles[n])
-            live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
+            if live.gear[slot] > 0.0:
+                live.phase[slot] = (live.phase[slot] + beat * step) % (2.0 * np.pi)
         x, v = live.x[slot].copy(), live.v[slot].copy()
         lift = float(fishes.steering[i, 1]) / rate
         brake = _brake(fishes, library, live, slot)
@@ -271,10 +279,16 @@ def swim_live(
         leap = LEAP_BL * rate * library.recorded_length[kind]
         sound[slot] &= np.isfinite(x).all() and np.abs(x - live.x[slot]).max() < leap
         if sound[slot]:
+            before, after = mean_of(bodies.mass[kind], live.x[slot]), mean_of(bodies.mass[kind], x)
             live.x[slot], live.v[slot] = x, v
             _settle(fishes, live, slot, len(library.entry), dt, pace)
-            turn = bodies.turn_rate[kind, LEFT_GRADUAL] * live.bend[slot, 0] / bodies.bend[kind, 0]
-            turn *= _turning_share(library, live, slot, kind)
+            for axis in range(3):
+                # Not of the origin, which sways with the beat: a coast would end at once.
+                way = fishes.scale[i] * (after[axis] - before[axis])
+                fishes.velocity[i, axis] = way / dt + fishes.drift[i, axis]
+            segment = TURNS[COAST if live.gear[slot] < BEATS else MEDIUM, 0]
+            turn = bodies.turn_rate[kind, segment] / library.speed[kind, segment]
+            turn *= live.speed[slot] * live.bend[slot, 0] / bodies.bend[kind, 0]
             _follow_course(fishes, live, slot, len(library.entry), turn * rate * dt)
     return sound
 
@@ -302,7 +316,8 @@ def _ease_muscles(
     i = live.fish[slot]
     kind = fishes.species[i]
     wanted = fishes.wanted_segment[i]
-    coasts = BASE[wanted] == COAST
+    # One that is to be played back keeps a steady beat, from which a recorded one can follow.
+    coasts = BASE[wanted] == COAST and live.waiting[slot] == 0
     share = bodies.turn_rate[kind, wanted] / bodies.turn_rate[kind, LEFT_GRADUAL]
     if wanted in (LEFT_SHARP, RIGHT_SHARP):
         share *= SHARP_SHARE
@@ -315,7 +330,7 @@ def _ease_muscles(
     # A fish that is to be played back straightens, as every segment is begun.
     share = min(max(share, -most), most) if live.waiting[slot] == 0 else 0.0
     for k in range(2):
-        ease = BEND_EASE * fishes.rate[i] * bodies.bend[kind, k]
+        ease = (STILL_EASE if coasts else BEND_EASE) * fishes.rate[i] * bodies.bend[kind, k]
         gap = share * bodies.bend[kind, k] - live.bend[slot, k]
         live.bend[slot, k] += min(max(gap, -ease), ease)
     speed = _wanted_speed(fishes, library, i)
@@ -326,6 +341,11 @@ def _ease_muscles(
     medium, fast = bodies.speed[kind, 2], bodies.speed[kind, 3]
     speed = min(speed, fast + min(abs(share), 1.0) * (medium - fast))
     gap = np.interp(speed, bodies.speed[kind], GEARS) - live.gear[slot]
+    if live.gear[slot] == 0.0 and gap > 0.0:
+        # A few strokes turn a fish a little, by the side of the first: it takes that of its goal.
+        goal = fishes.goal_direction[i]
+        aside = _wrapped(math.atan2(goal[1], goal[0]) - live.course[slot])
+        live.phase[slot] = FIRST_STROKE + (0.0 if aside > 0.0 else np.pi)
     live.gear[slot] += min(max(gap, -GEAR_EASE), GEAR_EASE)
     tempo = np.interp(speed, bodies.speed[kind], bodies.pace[kind])
     live.tempo[slot] += min(max(tempo - live.tempo[slot], -TEMPO_EASE), TEMPO_EASE)
@@ -433,11 +453,7 @@ def spread_force(
     force, mass = np.zeros((NODES, 3)), bodies.mass[kind]
     q, _ = frame_of(at)
     x, up, right = x_axis(q), rotate(q, (0.0, 1.0, 0.0)), rotate(q, (0.0, 0.0, 1.0))
-    middle, drift = ZERO, ZERO
-    for node in range(NODES):
-        share = mass[node] / mass.sum()
-        middle = plus(middle, times(share, vector(at[node])))
-        drift = plus(drift, times(share, vector(v[node])))
+    middle, drift = mean_of(mass, at), mean_of(mass, v)
     yaw = roll_rate(at, v, mass, up)
     first, end = MEDIAN_NODES
     for node in range(first, end):
@@ -502,6 +518,15 @@ def _across(w: Vector, axis: Vector) -> Vector:
 
 
 @kernel
+def mean_of(mass: Array, x: Array) -> Vector:
+    """Compute the mean of x (23, 3), such as positions or velocities of nodes, by their masses."""
+    mean = ZERO
+    for node in range(NODES):
+        mean = plus(mean, times(mass[node], vector(x[node])))
+    return times(1.0 / mass.sum(), mean)
+
+
+@kernel
 def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: float) -> None:
     """Read body frame and pose from the nodes and write them as playback does.
 
@@ -514,7 +539,6 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
     for axis in range(3):
         fishes.previous_position[i, axis] = fishes.position[i, axis]
         place = fishes.position[i, axis] + fishes.scale[i] * o[axis] + fishes.drift[i, axis] * dt
-        fishes.velocity[i, axis] = (place - fishes.position[i, axis]) / dt
         fishes.position[i, axis] = place
         for node in range(NODES):
             x[node, axis] -= o[axis]
@@ -541,14 +565,27 @@ def _settle(fishes: Fishes, live: Live, slot: int, rows: int, dt: float, pace: f
 
 @kernel
 def _follow_course(fishes: Fishes, live: Live, slot: int, rows: int, turn: float) -> None:
-    """Smooth the heading of a body that turns by `turn`, rad, in this tick: the head sways."""
+    """Smooth the heading of a body that turns by `turn`, rad, in this tick.
+
+    The head sways with the beat and points inwards in a bend. The fish goes where its body points,
+    from the last ring to the nose.
+    """
     i = live.fish[slot]
-    x = x_axis(fishes.orientation[i])
-    ahead = math.atan2(x[1], x[0]) - live.course[slot] - turn
-    ahead = math.atan2(math.sin(ahead), math.cos(ahead))
-    share = min(float(fishes.rate[i]) / COURSE_TIME, 1.0)
-    live.course[slot] += turn + share * ahead
-    live.sway[fishes.row_a[i] - rows] = (1.0 - share) * ahead
+    x, nodes = x_axis(fishes.orientation[i]), live.x[slot]
+    ahead, left = 0.0, 0.0
+    for node in LAST_RING:
+        ahead, left = ahead + nodes[0, 0] - nodes[node, 0], left + nodes[0, 1] - nodes[node, 1]
+    still, beating = COURSE_TIMES
+    time = still + (beating - still) * min(live.gear[slot], 1.0)
+    gap = _wrapped(math.atan2(left, ahead) - live.course[slot] - turn)
+    live.course[slot] += turn + min(float(fishes.rate[i]) / time, 1.0) * gap
+    live.sway[fishes.row_a[i] - rows] = _wrapped(math.atan2(x[1], x[0]) - live.course[slot])
+
+
+@kernel
+def _wrapped(angle: float) -> float:
+    """The angle between -π and π."""
+    return math.atan2(math.sin(angle), math.cos(angle))
 
 
 @kernel
