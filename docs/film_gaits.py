@@ -16,19 +16,28 @@ from PIL import Image, ImageDraw
 
 import subsea
 from subsea.base.arrays import Ints
+from subsea.fish.paint import paint
 from subsea.fish.species import shipped_species
+from subsea.geometry.rotation import quaternion, x_axis
 from subsea.motor.controller import command
 from subsea.motor.fins import flap
 from subsea.motor.playback import play
+from subsea.rendering.fish.preview import FishPreview, Orbit
+from subsea.rendering.gl.context import headless_context
 from subsea.state import Clock
+from subsea.view.retina import control_points_at
 from subsea.world.world import TICK_S
 
 Array = NDArray[np.floating[Any]]
 
-CELL = (130, 98)  # pixels of one picture
+CELL = (220, 150)  # pixels of one picture
 FRAMES = 12
 CAPTION = 14  # pixels
-CAMERAS = {"side": (0.1, 1.1, 0.05), "above": (0.1, 0.02, 1.1), "front": (1.1, 0.4, 0.1)}
+CAMERAS = {  # of a fish that heads left
+    "side": Orbit(0.1, 0.05),
+    "above": Orbit(0.0, 1.5),
+    "front": Orbit(1.2, 0.1, 1.4),
+}
 SCENARIO = """title = "One fish"
 seed = 1
 [bounds]
@@ -80,7 +89,7 @@ def main() -> None:
 
 
 def plate(species: str) -> Image.Image:
-    """All actions of a species, a row for each camera."""
+    """Draw all actions of a species, a row for each camera."""
     wide, high = CELL
     rows = len(ACTIONS) * len(CAMERAS)
     picture = Image.new("RGB", (wide * FRAMES, high * rows + CAPTION * len(ACTIONS)), "white")
@@ -97,27 +106,38 @@ def plate(species: str) -> Image.Image:
 
 
 def filmed(species: str, action: Action) -> list[list[Image.Image]]:
-    """The pictures of an action from all cameras."""
+    """Draw the pictures of an action from all cameras."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "one.toml"
         path.write_text(SCENARIO.format(species=species), encoding="utf-8")
         world = subsea.load(str(path))
+    kind, course = world.internal.species[0], heading(world)
     everyone = np.zeros(1, np.int64)
-    advance(world, everyone, action.before, 0.0, 90)
+    advance(world, everyone, action.before, course, 90)
+    goal = course + np.radians(action.turn)
     frames = []
-    for _ in range(FRAMES):
-        frames.append([Image.fromarray(seen(world, place)) for place in CAMERAS.values()])
-        advance(world, everyone, action.speed, action.turn, action.every)
+    with headless_context() as context:
+        fish = FishPreview(context, kind, paint(kind))
+        for _ in range(FRAMES):
+            turned = heading(world) - course
+            frames.append([seen(world, fish, at.moved(turned, 0.0)) for at in CAMERAS.values()])
+            advance(world, everyone, action.speed, goal, action.every)
+        fish.release()
     return frames
 
 
-def advance(world: subsea.World, who: Ints, speed: float, turn: float, ticks: int) -> None:
-    """Let the fish swim along +x, turned to the left by `turn` degrees, by its controller alone."""
+def heading(world: subsea.World) -> float:
+    """Return the heading of the fish, rad from the x axis to the left."""
+    ahead = x_axis(quaternion(world.fishes.orientation[0]))
+    return float(np.arctan2(ahead[1], ahead[0]))
+
+
+def advance(world: subsea.World, who: Ints, speed: float, goal: float, ticks: int) -> None:
+    """Let the fish swim toward a heading, rad, by its controller alone."""
     inner = world.internal  # moves by its body alone, without a mind
     fishes, library = inner.state.fishes, inner.library
     for _ in range(ticks):
-        angle = np.radians(turn)
-        fishes.goal_direction[:] = np.cos(angle), np.sin(angle), 0.0
+        fishes.goal_direction[:] = np.cos(goal), np.sin(goal), 0.0
         fishes.goal_speed[:] = speed
         clock = Clock(1, inner.state.tick, TICK_S)
         command(who, fishes, library, clock)
@@ -126,11 +146,13 @@ def advance(world: subsea.World, who: Ints, speed: float, turn: float, ticks: in
         inner.state.tick += 1
 
 
-def seen(world: subsea.World, place: tuple[float, float, float]) -> NDArray[np.uint8]:
-    """The fish from `place`: ahead, left and up of it in its lengths, in the axes of the world."""
-    fish = world.fishes.position[0].astype(np.float64)
-    eye = fish + float(world.fishes.length[0]) * np.array(place)
-    return subsea.render(world, subsea.camera(eye, fish), CELL, "high")
+def seen(world: subsea.World, fish: FishPreview, orbit: Orbit) -> Image.Image:
+    """Draw the pose of the fish, in the middle of the picture, from an orbit about its body."""
+    points = control_points_at(world.internal, 0, 1.0)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    points[:, ::2] += (fish.middle - middle)[::2]
+    fish.draw(points, orbit, CELL, tuple(world.fishes.fins[0]))
+    return Image.fromarray(fish.read_pixels())
 
 
 if __name__ == "__main__":
