@@ -16,13 +16,28 @@ from subsea.base.system import resource_path
 from subsea.fish.skinning import couple, place
 from subsea.fish.species import Species, load_species, shipped_species
 from subsea.fish.surface import rest_control_points
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
+from subsea.frame.packet import (
+    DISPLAY,
+    FINS,
+    IDENTITY,
+    KIND,
+    ORIENTATION,
+    POSITION,
+    ROW_A,
+    ROW_B,
+    SCALE,
+    Batch,
+    Packet,
+    RenderScene,
+    resting_instances,
+)
 from subsea.geometry.rotation import multiply
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.repertoire import read_repertoire
 from subsea.scenario.schema import Water
+from subsea.state import SWEEP_LEFT, SWEEP_RIGHT
 from subsea.view.camera import NEAR_CM, View, look, off_axis
 from subsea.view.display_rigs import display_rig
 
@@ -37,6 +52,7 @@ DEPTH_CM = 130.0  # of the upper edge of the picture
 SAND_CM = 30.0  # below its lower edge
 HALF_FIELD = 0.22  # tangent of half the horizontal angle of view
 TURNED, TILTED = np.radians(48.0), np.radians(58.0)  # toward the eye; of those flat or thin
+SWEEP_RAD = 0.55  # of pectoral fins
 VARIED = "moon_wrasse"  # whose individuals are shown
 IDENTITIES = (0.07, 0.21, 0.38, 0.55, 0.69, 0.93, 0.45)  # the last one courts
 
@@ -69,7 +85,7 @@ def species_plate(names: Sequence[str], varied: str | None = None) -> Image.Imag
             share = columns / len(IDENTITIES)
             cell = ((number + 0.5) * share, rows - 0.5)
             record = _record(k, species[k], points[k], 0, cell, columns, share)
-            record[11], record[21] = identity, number == len(IDENTITIES) - 1
+            record[IDENTITY], record[DISPLAY] = identity, number == len(IDENTITIES) - 1
             records.append(record)
     away = columns * CELL_CM / 2 / HALF_FIELD
     eye = np.array([0.0, away, -DEPTH_CM - size[1] * cm / 2])
@@ -116,16 +132,17 @@ def _record(
     low, high = seen.min(axis=0), seen.max(axis=0)
     room = share * CELL_CM * ROOM[0], min(1.0, 1.3 * share) * CELL_CM * CELL[1] / CELL[0] * ROOM[1]
     scale = min(room[0] / (high[0] - low[0]), room[1] / (high[2] - low[2]))
-    record = np.zeros(INSTANCE_COLUMNS)
+    record = resting_instances(1)[0]
     middle = (
         (columns / 2 - cell[0]) * CELL_CM,
         0.0,
         -DEPTH_CM - cell[1] * CELL_CM * CELL[1] / CELL[0],
     )
-    record[:3] = middle - scale * (low + high) / 2
-    record[3], record[4:8] = scale, turn
-    record[8:19] = (kind, kind, 0.0, 0.5, 0.55, 0.55, 0.0, 0.0, 0.0, 1.0, 0.0)
-    record[19] = kind
+    record[POSITION] = middle - scale * (low + high) / 2
+    record[SCALE], record[ORIENTATION] = scale, turn
+    record[ROW_A] = record[ROW_B] = record[KIND] = kind
+    record[IDENTITY] = 0.5
+    record[FINS][[SWEEP_LEFT, SWEEP_RIGHT]] = SWEEP_RAD
     return record
 
 

@@ -18,7 +18,19 @@ from PIL import Image
 from subsea.base.system import resource_path
 from subsea.fish.species import load_species, shipped_species
 from subsea.fish.spine import JOINTS, MIDDLES, UNITS, Swing, pose_spine, swing_angles
-from subsea.frame.packet import INSTANCE_COLUMNS, Batch, Packet, RenderScene
+from subsea.frame.packet import (
+    IDENTITY,
+    KIND,
+    ORIENTATION,
+    POSITION,
+    ROW_A,
+    ROW_B,
+    SCALE,
+    Batch,
+    Packet,
+    RenderScene,
+    resting_instances,
+)
 from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import PRESETS
 from subsea.rendering.renderer import Renderer
@@ -72,7 +84,8 @@ def beats() -> Image.Image:
     rows = len(names) * len(LOOKS)
     wide, high = FINER * CELL[0], FINER * CELL[1]
     size = (wide * BESIDE, high * rows)
-    records = np.zeros((len(names) * BESIDE, INSTANCE_COLUMNS), np.float32)
+    records = resting_instances(len(names) * BESIDE)
+    records[:, IDENTITY] = 0.5
     views = []
     for k in range(len(records)):
         kind, moment = divmod(k, BESIDE)
@@ -81,8 +94,9 @@ def beats() -> Image.Image:
         ends = poses[kind][..., 0]
         middle = place - [0.5 * scale * (ends.min() + ends.max()), 0.0, 0.0]
         # Body x, y, z to world: a quarter turn about x sets the fish upright, heading along x.
-        records[k, :8] = (*middle, scale, np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-        records[k, 8:20] = (k, k, 0.0, 0.5, 0.6, 0.6, 0.0, 0.0, 0.0, 1.0, 0.0, kind)
+        records[k, ORIENTATION] = np.sqrt((0.5, 0.5, 0.0, 0.0))
+        records[k, POSITION], records[k, SCALE], records[k, KIND] = middle, scale, kind
+        records[k, ROW_A] = records[k, ROW_B] = k
         for look_number, (away, up) in enumerate(LOOKS):
             eye = place + SHOWN_CM * np.array(away)
             row = rows - 1 - (kind * len(LOOKS) + look_number)

@@ -31,19 +31,17 @@ from subsea.fish.surface import CONTROL_POINTS, rest_control_points
 from subsea.frame.packet import (
     FINS,
     IDENTITY,
-    INSTANCE_COLUMNS,
     KIND,
     ORIENTATION,
     POSITION,
     ROW_A,
     ROW_B,
-    SCALE,
+    resting_instances,
 )
 from subsea.geometry.rotation import matrix, multiply, normalised
 from subsea.rendering.fish.fishes import FishShape
 from subsea.rendering.fish.preview import without_variation
 from subsea.repertoire import Repertoire, Segment, read_repertoire
-from subsea.state import FINS_AT_EASE
 
 OPAQUE = 250  # of 255; less opaque texels are blended
 ROUGHNESS = 0.45  # of a wet skin
@@ -107,7 +105,7 @@ class Surface:
         }
         self._shape = FishShape((species,), (length_cm,), detail)
         alike = FishShape((without_variation(species),), (length_cm,), detail)
-        skin = alike.at(_instances(1), np.zeros((1, CONTROL_POINTS, 3))).skin[0]
+        skin = alike.at(resting_instances(1), np.zeros((1, CONTROL_POINTS, 3))).skin[0]
         self.uv = np.clip(skin[self._exists].astype(np.float64), 0.0, 1.0)
 
     def at(self, control: Array, fins: Array | None = None) -> tuple[Array, Array]:
@@ -115,7 +113,7 @@ class Surface:
 
         `fins` (T, 11) are as in `state.Fishes`; None: at ease, with the mouth shut.
         """
-        rows = _instances(len(control))
+        rows = resting_instances(len(control))
         rows[:, ROW_A] = rows[:, ROW_B] = np.arange(len(control))
         if fins is not None:
             rows[:, FINS] = fins
@@ -135,17 +133,10 @@ class Surface:
 
     def tints(self, identities: Array) -> Array:
         """Compute factors (k, 3) of the colours of fishes, which tell them from each other."""
-        rows = _instances(len(identities))
+        rows = resting_instances(len(identities))
         rows[:, IDENTITY] = identities
         tone = self._shape.at(rows, np.zeros((1, CONTROL_POINTS, 3))).tone
         return np.asarray(tone[:, 0, :3], np.float64)
-
-
-def _instances(number: int) -> Array:
-    """Instances (number, 27) of a fish at the origin in the first pose, with fins at ease."""
-    rows = np.zeros((number, INSTANCE_COLUMNS), np.float32)
-    rows[:, SCALE], rows[:, ORIENTATION], rows[:, FINS] = 1.0, UNTURNED, FINS_AT_EASE
-    return rows
 
 
 def make_clips(name: str, detail: int = 0) -> tuple[Model, list[Clip]]:

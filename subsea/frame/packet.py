@@ -24,7 +24,18 @@ from subsea.kernels.threads import share
 from subsea.motor.pose import pose_at
 from subsea.repertoire.library import Library
 from subsea.scenario.schema import UNGRADED, Grade, Water
-from subsea.state import HANGING, HOOKED, LANDED, SINKING, STOWED, Fishes, Reef, Sea, empty
+from subsea.state import (
+    FINS_AT_EASE,
+    HANGING,
+    HOOKED,
+    LANDED,
+    SINKING,
+    STOWED,
+    Fishes,
+    Reef,
+    Sea,
+    empty,
+)
 from subsea.view.camera import View
 from subsea.view.culling import IN_SIGHT, OUT_OF_SIGHT, coverage, view_arrays
 from subsea.view.display_rigs import cockpit
@@ -62,6 +73,16 @@ LEAST_PART = 1024  # instances for which another thread pays
 # Bounding spheres hold the nodes; the surface reaches a little farther.
 ENLARGED = 1.1
 NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
+
+
+def resting_instances(number: int) -> Array:
+    """Make instances (number, 27) of unturned fishes at the origin with their fins at ease.
+
+    They have the size of the recorded fish, and the first pose of the first species.
+    """
+    rows = np.zeros((number, INSTANCE_COLUMNS), np.float32)
+    rows[:, SCALE], rows[:, ORIENTATION.start], rows[:, FINS] = 1.0, 1.0, FINS_AT_EASE
+    return rows
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from subsea.fish.species import load_species
+from subsea.fish.surface import rest_control_points
+from subsea.frame.packet import FINS, KIND, ROW_A, ROW_B
+from subsea.state import FINS_AT_EASE
+
 ROOT = Path(__file__).parents[2]
 PICTURES = sorted(path.name for path in (ROOT / "docs/pictures").iterdir())
 TABLE = re.findall(
@@ -62,3 +67,15 @@ def test_plates_with_their_own_records_are_drawn(script, draw, monkeypatch):
     for name in (script, "picture_files"):
         del sys.modules[name]
     assert picture.std(axis=(0, 1)).min() > 8
+
+
+def test_a_plate_draws_each_species_as_itself_with_its_fins_at_ease(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    make_pictures = import_module("make_pictures")
+    fusilier = load_species("fusilier")
+    points = rest_control_points(fusilier.surface, fusilier.length_cm, 0.0)
+    record = make_pictures._record(3, fusilier, points, 0, (0.5, 0.5), 4, 1.0)
+    assert record[KIND] == 3 and record[ROW_A] == record[ROW_B] == 3
+    np.testing.assert_allclose(record[FINS][2:], FINS_AT_EASE[2:], rtol=1e-6)

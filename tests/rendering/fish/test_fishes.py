@@ -36,7 +36,7 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
-from subsea.frame.packet import FINS
+from subsea.frame.packet import FINS, ORIENTATION, POSITION, ROW_A, ROW_B, SCALE, WEIGHT
 from subsea.geometry.curves import greville
 from subsea.geometry.rotation import matrix
 from subsea.rendering.fish import fishes
@@ -47,7 +47,7 @@ from subsea.rendering.fish.speck import speck
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.state import DORSAL as DORSAL_FIN
-from subsea.state import FIN_COLUMNS, PELVIC, SOFT, WAVE_SINE
+from subsea.state import FIN_COLUMNS, MOUTH, PELVIC, SOFT, TAIL, WAVE_SINE
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -101,8 +101,9 @@ def test_positions_and_normals_are_those_of_the_spline(scene, make_packet, fish,
     position, normal = shaded(level, packet, scene)
     row = packet.instances[0].astype(np.float64)
     table = scene.control_points.astype(np.float64)
-    control = (1 - row[10]) * table[int(row[8])] + row[10] * table[int(row[9])]
-    R = matrix(row[4:8])
+    before, after = table[row[[ROW_A, ROW_B]].astype(int)]
+    control = (1 - row[WEIGHT]) * before + row[WEIGHT] * after
+    R = matrix(row[ORIENTATION])
     checked = 0
     for patch, shape, part, side in (
         (LEFT, (U, V), BODY, -1),
@@ -113,7 +114,7 @@ def test_positions_and_normals_are_those_of_the_spline(scene, make_packet, fish,
         mine = (mesh.vertices[:, PART] == part) & (mesh.vertices[:, SIDE] == side)
         u, v = mesh.vertices[mine, ALONG].astype(float), own[mine, 3]
         body, across = surface(control[patch].reshape(*shape, 3), u, v)
-        expected = row[:3] + (row[3] * body) @ R.T
+        expected = row[POSITION] + (row[SCALE] * body) @ R.T
         np.testing.assert_allclose(position[mine], expected, atol=2e-4)
         size = np.linalg.norm(across, axis=1, keepdims=True)
         across = across / np.maximum(size, 1e-12) @ R.T * (-side if part == BODY else 1)
@@ -187,7 +188,7 @@ def test_pectoral_fins_sweep_outward(scene, make_packet, fish):
 def test_fins_fold_and_the_tail_spreads_unless_they_are_stiff(scene, make_packet, fish):
     mesh, own = dressed(scene, 0, 0)
     still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
-    moved.instances[0, 17:19] = 0.5, 0.4  # folded by half, spread
+    moved.instances[0, FINS.start + np.array([DORSAL_FIN, TAIL])] = 0.5, 0.4
     change = {}
     for stiff in (False, True):
         places = [shaded(0, p, scene, stiff)[0] for p in (still, moved)]
@@ -259,7 +260,7 @@ def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(scene, make_pack
     straight[:2] = rest_control_points(species.surface, size, 0.0)
     still = dataclasses.replace(scene, control_points=straight)
     shut, breath, bite = (make_packet([fish(0, (0, 0, 0), heading=0.0)]) for _ in range(3))
-    breath.instances[0, 16], bite.instances[0, 16] = 0.45, 1.0
+    breath.instances[0, FINS.start + MOUTH], bite.instances[0, FINS.start + MOUTH] = 0.45, 1.0
     (before, ahead), (breathing, _), (after, turned) = (
         shaded(0, packet, still) for packet in (shut, breath, bite)
     )

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from subsea.dive.ride import pictured
 from subsea.fish.mesh import DETAILS, fish_mesh, species_vertices, surface_points
+from subsea.frame.packet import KIND, ORIENTATION, POSITION, ROW_A, ROW_B, SCALE, WEIGHT
 from subsea.geometry.rotation import matrix
 from subsea.geometry.solids import ray_meets_seabed
 from subsea.rendering.gl.id_buffer import FISH, HOOK, PILLAR, ROCK, SEABED, SURFACE, WATER
@@ -57,16 +58,17 @@ def places(depth, view):
 
 def skin(scene, record):
     """Points (n, 3) all over the body, the tail and the upright fins of a fish, cm, world."""
-    control = (1 - record[10]) * scene.control_points[int(record[8])]
-    control = control + record[10] * scene.control_points[int(record[9])]
+    before, after = scene.control_points[record[[ROW_A, ROW_B]].astype(int)]
+    control = (1 - record[WEIGHT]) * before + record[WEIGHT] * after
     mesh = fish_mesh(DETAILS[0])
-    own = species_vertices(scene.species[int(record[19])].surface, mesh, DETAILS[0])
+    own = species_vertices(scene.species[int(record[KIND])].surface, mesh, DETAILS[0])
     flat = mesh.vertices[:, 12] < 1.5
     points = surface_points(control, mesh.vertices[flat], own[flat, 2].astype(int))
     corners = points[mesh.triangles[flat[mesh.triangles].all(axis=1)]]
     mix = np.array([(a, b, 12 - a - b) for a in range(13) for b in range(13 - a)]) / 12
     points = np.einsum("ka,tax->tkx", mix, corners).reshape(-1, 3)
-    return record[:3] + record[3] * points @ matrix(record[4:8].astype(float)).T
+    turn = matrix(record[ORIENTATION].astype(float))
+    return record[POSITION] + record[SCALE] * points @ turn.T
 
 
 @pytest.mark.parametrize("level", range(3))
