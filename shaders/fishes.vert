@@ -60,6 +60,7 @@ const vec2 PELVIC_LIFT = vec2(0.45, -0.5);  // ... above its rest: share of its 
 const float WAVE = 6.2832 * 1.15;  // rad, of the wave from the front to the rear of a fin's base
 const float BEHIND_DORSAL = 1.5;   // rad, by which the wave of the ventral fin lags
 const float SPINES = 0.25;  // amplitude of the wave in the spines, over that in the soft rays
+const int HALF = 189;       // control points of a half of the body
 const float RAKE = 0.8;     // how far the rays of a folded fin turn to the rear
 
 vec3 control(int point) {
@@ -72,6 +73,17 @@ vec3 control(int point) {
 vec3 turned(vec3 v) {
     vec3 t = 2.0 * cross(i_turn.yzw, v);
     return v + i_turn.x * t + cross(i_turn.yzw, t);
+}
+
+// Where the body heads at a control point of a flank, x and z: along the middle of both flanks.
+vec2 heading(int point) {
+    int across = point < HALF ? point + HALF : point - HALF;
+    vec3 before = control(point - 1) + control(across - 1);
+    return normalize((before - control(point + 1) - control(across + 1)).xz);
+}
+
+vec3 yawed(vec3 v, vec2 ahead) {
+    return vec3(v.x * ahead.x - v.z * ahead.y, v.y, v.x * ahead.y + v.z * ahead.x);
 }
 
 #ifndef DISTANT
@@ -169,6 +181,9 @@ void main() {
         across = across * cos(lift) + vec3(across.y, -across.x, 0.0) * sin(lift);
         back = back * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
         across = normalize(across + vec3(0.0, 0.0, wing ? 0.0 : LEAN * side));
+        vec2 ahead = heading(base);
+        back = yawed(back, ahead);
+        across = yawed(across, ahead);
         place = control(base) + build.x * (own.x * back + own.y * across);
         along_u = back;
         along_v = across;

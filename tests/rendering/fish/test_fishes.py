@@ -253,6 +253,41 @@ def test_pelvic_fins_fold_and_spread(scene, make_packet, fish):
     assert low[1] < low[0] - 0.4 and wide[1] > wide[0] + 0.4
 
 
+def _bent(rest, turn):
+    """Points (n, 3) bent to an arc in the plane of x and z, by `turn` rad along their length."""
+    front, rear = rest[:, 0].max(), rest[:, 0].min()
+    angle = turn * ((rest[:, 0] - rear) / (front - rear) - 0.5)
+    axis = (front - rear) / turn
+    radius = axis - rest[:, 2]
+    return np.stack([radius * np.sin(angle), rest[:, 1], axis - radius * np.cos(angle)], axis=1)
+
+
+@pytest.mark.parametrize("species", [0, 1])
+def test_paired_fins_turn_with_the_flank_of_a_bent_body(scene, make_packet, fish, species):
+    """They keep their angle to it, and so neither stand off nor cut into the body."""
+    plan, size = scene.species[species].surface, scene.recorded_length_cm[species]
+    rest, mesh = rest_control_points(plan, size, 0.0), MESHES[0]
+    packet = make_packet([fish(species, (0, 0, 0), heading=0.0, pectoral=(0.4, 0.4))])
+    for part, paddle in ((PECTORAL, plan.pectoral), (PELVIC_FIN, plan.pelvic)):
+        headings = []
+        for turn in (1e-3, 1.4):
+            points = scene.control_points.copy()
+            points[2 * species : 2 * species + 2] = _bent(rest, turn)
+            places, _ = shaded(0, packet, dataclasses.replace(scene, control_points=points))
+            ways = np.zeros(2)
+            for side in (-1.0, 1.0):
+                mine = (mesh.vertices[:, PART] == part) & (mesh.vertices[:, SIDE] == side)
+                base, tip = (
+                    places[mine & (mesh.vertices[:, ALONG] == end), :2].mean(axis=0)
+                    for end in (0.0, 1.0)
+                )
+                ways += (base - tip) / np.linalg.norm(base - tip)
+            headings.append(np.arctan2(*ways[::-1]))
+        assert abs(headings[0]) < 0.01
+        expected = -1.4 * (0.5 - paddle.at)  # y of the world is left
+        assert headings[1] == pytest.approx(expected, abs=0.07)
+
+
 def test_jaws_turn_about_a_joint_behind_the_corner_of_the_mouth(scene, make_packet, fish):
     """The lower jaw turns by its full angle, the upper one by less, and nothing far behind."""
     species, size = scene.species[0], scene.recorded_length_cm[0]
