@@ -195,7 +195,8 @@ def _burst_and_coast(
         share = least + (most - least) * np.float64(fishes.identity[i])
         high = max((1.0 + share) * speed, TEMPO[0] * own[SLOW])
         low = max(2.0 * speed - high, (1.0 - 2.0 * most) * speed)
-    if through_water(fishes, i, dt) > (low if BASE[now] == COAST else high):
+    frames = np.float64(fishes.rate[i]) * fishes.scale[i] * TICK_S
+    if through_water(fishes, i) * dt / frames > (low if BASE[now] == COAST else high):
         return COAST, speed
     if swim == ROW or high == SLOW_DOWN * speed:
         return swim, speed
@@ -203,13 +204,12 @@ def _burst_and_coast(
 
 
 @kernel
-def through_water(fishes: Fishes, i: int, dt: float) -> float:
-    """The speed of fish i through the water, cm/s at the recorded size and pace, a tick ago."""
+def through_water(fishes: Fishes, i: int) -> float:
+    """Measure the speed of fish i through the water, cm/s, of the tick before."""
     way = 0.0
     for axis in range(3):
         way += (np.float64(fishes.velocity[i, axis]) - fishes.drift[i, axis]) ** 2
-    frames = np.float64(fishes.rate[i]) * fishes.scale[i] * TICK_S
-    return math.sqrt(way) * dt / frames
+    return math.sqrt(way)
 
 
 @kernel

@@ -3,8 +3,8 @@
 import numpy as np
 
 from subsea.base.arrays import Ints
-from subsea.geometry.rotation import quaternion, x_axis
 from subsea.kernels import kernel
+from subsea.motor.controller import through_water
 from subsea.motor.playback import BASE, COAST, ROW, SIDES, blends
 from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
@@ -88,7 +88,7 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
         held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
         lean = 0.5 * steering
-        way = _way(fishes, i)
+        way = through_water(fishes, i) / max(float(fishes.fast[i]), 1e-3)
         least, most = HOVER_SHARES
         hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
         hover = min(max(hover, 0.0), 1.0)
@@ -174,16 +174,6 @@ def _wave(fishes: Fishes, i: int, wide: float, cycles: float, ease: float) -> No
     now = np.sqrt(fins[WAVE_SINE] ** 2 + fins[WAVE_COSINE] ** 2)
     amplitude = now + ease * (wide - now)
     fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * np.sin(phase), amplitude * np.cos(phase)
-
-
-@kernel
-def _way(fishes: Fishes, i: int) -> float:
-    """Speed of fish i through the water, along its body and over that of its fast swim."""
-    ahead = x_axis(quaternion(fishes.orientation[i]))
-    way = 0.0
-    for axis in range(3):
-        way += ahead[axis] * (fishes.velocity[i, axis] - fishes.drift[i, axis])
-    return abs(way) / max(float(fishes.fast[i]), 1e-3)
 
 
 @kernel

@@ -29,7 +29,7 @@ def swim(make_tank):
         for _ in range(ticks):
             nodes.append(tank.step(1)[0])
             segments.append(int(fishes.segment[0]))
-            speeds.append(through_water(fishes, 0, TICK) / tank.library.speed[0, FAST])
+            speeds.append(through_water(fishes, 0) / PACED / tank.library.speed[0, FAST])
         return np.array(segments), np.array(speeds), np.array(nodes)
 
     return run
