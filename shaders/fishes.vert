@@ -21,6 +21,7 @@ in vec4 i_pose;      // row a, row b, weight of b, identity
 in vec4 i_pectoral;  // left and right sweep, left and right lift
 in vec3 i_fins;      // mouth, spines of dorsal and ventral fin, tail
 in vec4 i_wave;      // soft rays; amplitude times sine and cosine of the wave; pelvic fins
+in vec3 i_bend;      // twist of the left and right pectoral fin; lag of the tail
 in vec4 i_show;      // species, cross-fade, mating colours, number of the fish
 
 // Centroid: at an edge multisampling would else ask for values outside the triangle.
@@ -60,6 +61,10 @@ const vec2 PELVIC_LIFT = vec2(0.45, -0.5);  // ... above its rest: share of its 
 const float WAVE = 6.2832 * 1.15;  // rad, of the wave from the front to the rear of a fin's base
 const float BEHIND_DORSAL = 1.5;   // rad, by which the wave of the ventral fin lags
 const float SPINES = 0.25;  // amplitude of the wave in the spines, over that in the soft rays
+const float TWISTED = 0.4;  // of its root, over the twist of a pectoral fin's tip
+const float RIPPLE = 0.6;   // of the tail's edge, over the wave of dorsal and ventral fin
+const vec2 TAIL_WAVE = vec2(2.5, 3.5);  // rad, of the ripple along the tail and down its edge
+const float MARGINS = 0.5;  // stiffness of the first rays of the tail, above and below
 const int HALF = 189;       // control points of a half of the body
 const float RAKE = 0.8;     // how far the rays of a folded fin turn to the rear
 
@@ -125,6 +130,24 @@ void move_fin(vec3 root, vec3 base, float side, float stiff, inout vec3 place, i
     place = root + v_part.x * ray;
 }
 
+// Let the edge of the tail lag behind its stroke and ripple, most in the middle.
+void bend_tail(float soft, inout vec3 place, inout vec3 down, inout vec3 along) {
+    float begin = looks[v_kind].build.y, way = (v_rest.x - begin) / (1.0 - begin);
+    if (way <= 0.0) return;
+    float size = looks[v_kind].build.x * (1.0 - begin);
+    float margin = 2.0 * a_part.y - 1.0, middle = soft * (1.0 - MARGINS * margin * margin);
+    float phase = TAIL_WAVE.x * way - TAIL_WAVE.y * margin;
+    vec2 wave = RIPPLE * mat2(cos(phase), -sin(phase), -sin(phase), -cos(phase)) * i_wave.yz;
+    float aside = i_bend.z + wave.x;  // and wave.y is its slope by the phase
+    vec3 ahead = normalize(vec3(-along.x, 0.0, -along.z));
+    vec3 right = vec3(-ahead.z, 0.0, ahead.x);
+    float rearwards = middle * way * (2.0 * aside + TAIL_WAVE.x * way * wave.y);
+    float across = TAIL_WAVE.y * middle * wave.y + 2.0 * MARGINS * soft * margin * aside;
+    down -= (rearwards * dot(down, ahead) + 2.0 * size * way * way * across) * right;
+    along -= rearwards * dot(along, ahead) * right;
+    place += size * way * way * middle * aside * right;
+}
+
 void main() {
     v_kind = int(i_show.x);
     v_fade = i_show.y;
@@ -158,6 +181,7 @@ void main() {
         if (a_part.x < 0.5) {
             // The tail spreads, most at its edge.
             place.y *= 1.0 + i_fins.z * (1.0 - stiff) * smoothstep(build.y, 1.0, v_rest.x);
+            bend_tail(1.0 - stiff, place, along_u, along_v);
         } else {
             move_fin(root, foot, side, stiff, place, along_u, along_v);
         }
@@ -181,6 +205,12 @@ void main() {
         across = across * cos(lift) + vec3(across.y, -across.x, 0.0) * sin(lift);
         back = back * cos(bend) + vec3(0.0, 0.0, side * sin(bend));
         across = normalize(across + vec3(0.0, 0.0, wing ? 0.0 : LEAN * side));
+        if (!wing && !pelvic) {
+            float twist = (side < 0.0 ? i_bend.x : i_bend.y) * mix(TWISTED, 1.0, a_part.y);
+            // The way of the blade as it sweeps.
+            vec3 forwards = normalize(side * cross(across, back));
+            across = cos(twist) * across + sin(twist) * forwards;
+        }
         vec2 ahead = heading(base);
         back = yawed(back, ahead);
         across = yawed(across, ahead);

@@ -111,7 +111,7 @@ class Surface:
     def at(self, control: Array, fins: Array | None = None) -> tuple[Array, Array]:
         """Compute points and normals (T, n, 3) for control points (T, 426, 3).
 
-        `fins` (T, 11) are as in `state.Fishes`; None: at ease, with the mouth shut.
+        `fins` (T, 14) are as in `state.Fishes`; None: at ease, with the mouth shut.
         """
         rows = resting_instances(len(control))
         rows[:, ROW_A] = rows[:, ROW_B] = np.arange(len(control))
@@ -120,7 +120,7 @@ class Surface:
         return self.drawn(rows, control)
 
     def drawn(self, instances: Array, control_points: Array) -> tuple[Array, Array]:
-        """Compute points and normals (T, n, 3) of instances (T, 27), in body axes.
+        """Compute points and normals (T, n, 3) of instances (T, 30), in body axes.
 
         Their poses are rows of `control_points` (rows, 426, 3). Points have the fish's own size.
         """

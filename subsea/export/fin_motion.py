@@ -38,7 +38,7 @@ class FinPlayer:
         self._row_s = repertoire.tick_s * np.sqrt(scale) / species.pace
 
     def clip(self, name: str) -> tuple[int, Array]:
-        """Count the beats of the tail in a clip of a segment; compute its fins (T, 11).
+        """Count the beats of the tail in a clip of a segment; compute its fins (T, 14).
 
         Columns are those of `state.Fishes.fins`. A cyclic clip ends as it begins.
         """

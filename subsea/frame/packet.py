@@ -50,21 +50,22 @@ from subsea.view.levels import (
 from subsea.view.rig import CameraPose
 from subsea.world.world import TICK_S, World
 
-# Columns of an instance: 27 float32, 108 bytes, seven attributes in the shader.
+# Columns of an instance: 30 float32, 120 bytes, eight attributes in the shader.
 POSITION = slice(0, 3)  # cm, world
 SCALE = 3  # length of the fish over that of the recorded one (α of SMC eq. 12)
 ORIENTATION = slice(4, 8)  # w, x, y, z, body to world
 ROW_A, ROW_B, WEIGHT = 8, 9, 10  # two rows of the control-point table, and the weight of b
 IDENTITY = 11  # in [0, 1), constant per fish, for individual variation
-# As `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail, soft rays, wave, pelvic fins.
-FINS = slice(12, 23)
-KIND = 23  # index of the species in the scene
+# As `state.Fishes.fins`: sweeps, lifts, mouth, dorsal fin, tail, soft rays, wave, pelvic fins,
+# twists, lag of the tail.
+FINS = slice(12, 26)
+KIND = 26  # index of the species in the scene
 # Share of the pixels drawn while two levels cross-fade; 0: all. f > 0 draws the first f of an even
 # pattern, f < 0 the last -f.
-FADE = 24
-DISPLAY = 25  # share of mating colours, 0 to 1
-FISH = 26  # index of the fish in the world
-INSTANCE_COLUMNS = 27
+FADE = 27
+DISPLAY = 28  # share of mating colours, 0 to 1
+FISH = 29  # index of the fish in the world
+INSTANCE_COLUMNS = 30
 
 # Lamps: right of, above and ahead of the pilot's eye, cm; turned inward and down, rad.
 LAMPS_CM, LAMPS_TURNED = (48.0, -26.0, 10.0), (0.06, 0.02)
@@ -76,7 +77,7 @@ NEVER_COARSE = np.zeros(len(LEVELS) - 1)  # thresholds without levels of detail
 
 
 def resting_instances(number: int) -> Array:
-    """Make instances (number, 27) of unturned fishes at the origin with their fins at ease.
+    """Make instances (number, 30) of unturned fishes at the origin with their fins at ease.
 
     They have the size of the recorded fish, and the first pose of the first species.
     """
@@ -128,7 +129,7 @@ class Packet:
 
     time_s: float  # world time, interpolated
     views: tuple[View, ...]
-    # (m, 27) float32, sorted by batch; a fish is there once for each view that sees it
+    # (m, 30) float32, sorted by batch; a fish is there once for each view that sees it
     instances: Array
     # For each view: batches at rest, coarsest first, then fading ones.
     batches: tuple[tuple[Batch, ...], ...]

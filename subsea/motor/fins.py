@@ -3,19 +3,23 @@
 import numpy as np
 
 from subsea.base.arrays import Ints
+from subsea.biomechanics.solver import TICK_S
 from subsea.kernels import kernel
 from subsea.motor.controller import through_water
-from subsea.motor.playback import BASE, COAST, ROW, SIDES, blends
+from subsea.motor.playback import BASE, COAST, FAST, ROW, SIDES, blends
+from subsea.motor.pose import TAIL_TIPS
 from subsea.repertoire.blending import LEVELS
 from subsea.repertoire.library import Library
 from subsea.state import (
     DORSAL,
+    LAG,
     LIFT_LEFT,
     MOUTH,
     PELVIC,
     SOFT,
     SWEEP_LEFT,
     TAIL,
+    TWIST_LEFT,
     WAVE_COSINE,
     WAVE_SINE,
     Fishes,
@@ -27,6 +31,11 @@ EFFORT_RAD = 0.35  # added by hard climbing, diving or turning
 OAR_RAD = (0.42, 0.36)  # half axes of the cone of an oaring fin: aside and up ...
 OAR_FOLDED = 0.75  # ... and by this share they shrink at full speed
 SCULL_RAD = (0.45, 0.2)  # of a fin that sculls in a figure of eight: aside, and up twice a beat
+SCULL_TWIST_RAD = 0.6  # twist of a blade that sculls: its upper edge leads both ways
+TWIST_S = 0.065  # that of others over the speed of the blade: its lower edge lags
+FEATHER_RAD = 1.1  # twist of a rowing fin that goes forwards, edge on
+FLAP_TWIST_RAD = (1.25, 0.45)  # of one that flaps: its upper edge leads, lower on the way down
+LEAN_RAD = 0.3  # the inner fin of a turn stands off by this, the outer one is folded
 STILL = 0.2  # of the fast swim's speed: a slower fish with little thrust hovers ...
 HOVER_SHARES = (0.3, 0.7)  # ... not at all, and entirely, by its share of stillness
 ABREAST_HZ = 0.5  # how fast the fins come to beat together, or alternately in a hovering fish
@@ -48,6 +57,7 @@ GAPE = 0.45  # how far the mouth opens to breathe
 FOLDED = 0.3  # by this share the dorsal fin folds at full speed ...
 RAISED, BURST_FOLDED = 1.1, 0.5  # ... how far it is raised, and what is left of it in a burst
 SPREAD = 0.22  # of the tail in a hard turn or when braking
+LAG_SHARE, MOST_LAG = 0.25, 0.35  # of the tail's edge at the speed of the fast swim; greatest
 CLOSED = 0.12  # of the tail at full speed, and in a glide
 SPREAD_SPEED = 0.5  # of the fast swim's: a slower fish spreads its pelvic fins
 EASE_HZ = 3.0  # how fast dorsal fin, pelvic fins and tail follow ...
@@ -82,12 +92,13 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
 
         # Oars beat faster in a faster fish (Tu B.2); other fins scull while it hovers.
         busy = max(effort, speed if fishes.oars[i] else 1.0 - speed)
-        beat = 2.0 * np.pi * BEAT_HZ * fishes.size_rate[i] * (1.0 + 2.0 * busy) * dt
+        pace = 2.0 * np.pi * BEAT_HZ * (1.0 + 2.0 * busy)
+        beat = pace * fishes.size_rate[i] * dt
         rows, stroke = _stroke(fishes, library, i)
         low, high = BURST_TEMPO
         burst = min(max((float(fishes.tempo[i]) - low) / (high - low), 0.0), 1.0) * (1.0 - rows)
         held = REST_RAD - FOLD_RAD * speed - BURST_RAD * burst
-        lean = 0.5 * steering
+        lean = (1.0 - burst) * LEAN_RAD * turning
         way = through_water(fishes, i) / max(float(fishes.fast[i]), 1e-3)
         least, most = HOVER_SHARES
         hover = (braking * max(1.0 - way / STILL, 0.0) - least) / (most - least)
@@ -99,27 +110,36 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         for side in range(2):
             inner = max(turning, 0.0) if side == 0 else max(-turning, 0.0)
             forwards = (1.0 - 2.0 * inner) * (1.0 - braking) - braking
-            phase = fishes.fin_phase[i, side] + (beat * forwards if fishes.oars[i] else beat)
+            turned = forwards if fishes.oars[i] else 1.0
+            phase = fishes.fin_phase[i, side] + turned * beat
             fishes.fin_phase[i, side] = phase % (2.0 * np.pi)
             if fishes.oars[i]:
                 kept = 1.0 - OAR_FOLDED * speed * speed
-                sweep, lift = kept * OAR_RAD[0] * np.sin(phase), kept * OAR_RAD[1] * np.cos(phase)
+                reach, lift = kept * OAR_RAD[0], kept * OAR_RAD[1] * np.cos(phase)
             else:
-                sweep, lift = (FLAP_RAD + EFFORT_RAD * effort) * np.sin(phase), 0.0
-            sweep += hover * (SCULL_RAD[0] * np.sin(phase) - sweep)
+                reach, lift = FLAP_RAD + EFFORT_RAD * effort, 0.0
+            reach = (1.0 - burst) * (reach + hover * (SCULL_RAD[0] - reach))
             lift += hover * (SCULL_RAD[1] * np.sin(2.0 * phase) - lift)
-            sweep = held + (1.0 - burst) * sweep + (lean if side == 0 else -lean)
+            sweep = held + reach * np.sin(phase) + (lean if side == 0 else -lean)
+            flex = TWIST_S * pace * reach
+            flex += hover * (SCULL_TWIST_RAD - flex)
+            twist = turned * flex * np.cos(phase)
             if rows > 0.0:
                 middle, reach = ROW_RAD
                 rowing, raised = middle + reach * np.cos(stroke), -ROW_LIFT_RAD * np.sin(stroke)
+                feather = 0.5 * FEATHER_RAD * (1.0 - np.sin(stroke))
                 if fishes.flaps[i]:
                     rowing, raised = FLAP_SWEEP_RAD, FLAP_LIFT_RAD * np.cos(stroke)
-                # The outer fin strokes, and the inner one brakes.
-                rowing, raised = rowing + inner * (BRAKE_RAD - rowing), (1.0 - inner) * raised
-                sweep += (1.0 - hover) * rows * (rowing - sweep)
-                lift += (1.0 - hover) * rows * (raised - lift)
+                    feather = FLAP_TWIST_RAD[0] + FLAP_TWIST_RAD[1] * np.sin(stroke)
+                # The outer fin strokes, and the inner one brakes broadside.
+                rowing += inner * (BRAKE_RAD - rowing)
+                share = (1.0 - hover) * rows
+                sweep += share * (rowing - sweep)
+                lift += share * ((1.0 - inner) * raised - lift)
+                twist += share * ((1.0 - inner) * feather - twist)
             fins[SWEEP_LEFT + side] = sweep
             fins[LIFT_LEFT + side] = lift
+            fins[TWIST_LEFT + side] = twist
 
         panting = max(effort, speed)
         breath = (
@@ -139,6 +159,10 @@ def flap(who: Ints, fishes: Fishes, library: Library, dt: float) -> None:
         if not library.has[fishes.species[i], ROW]:
             wide *= STIFFER
         _wave(fishes, i, wide, rate * dt, ease)
+        across = _stroke_of_tail(fishes, library, i) / max(
+            library.speed[fishes.species[i], FAST], 1e-3
+        )
+        fins[LAG] = -min(max(LAG_SHARE * across, -MOST_LAG), MOST_LAG)
 
 
 @kernel
@@ -174,6 +198,15 @@ def _wave(fishes: Fishes, i: int, wide: float, cycles: float, ease: float) -> No
     now = np.sqrt(fins[WAVE_SINE] ** 2 + fins[WAVE_COSINE] ** 2)
     amplitude = now + ease * (wide - now)
     fins[WAVE_SINE], fins[WAVE_COSINE] = amplitude * np.sin(phase), amplitude * np.cos(phase)
+
+
+@kernel
+def _stroke_of_tail(fishes: Fishes, library: Library, i: int) -> float:
+    """Measure how fast the tail of fish i moves to its right, cm/s of the recorded fish."""
+    way = 0.0
+    for tip in TAIL_TIPS:
+        way += library.nodes[fishes.row_b[i], tip, 2] - library.nodes[fishes.row_a[i], tip, 2]
+    return 0.5 * way / TICK_S * fishes.tempo[i] / fishes.span[i]
 
 
 @kernel

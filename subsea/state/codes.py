@@ -42,5 +42,7 @@ SOFT = 7  # as DORSAL, of the soft rays behind the spines
 # phase at the front. So both are continuous, and may be interpolated.
 WAVE_SINE, WAVE_COSINE = 8, 9
 PELVIC = 10  # 0 folded to the belly to 1 spread
-FIN_COLUMNS = 11
-FINS_AT_EASE = (0.35, 0.35, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.4)
+TWIST_LEFT, TWIST_RIGHT = 11, 12  # rad, by which the upper edge of a pectoral fin is turned ahead
+LAG = 13  # of the tail's edge to the right, over the length of the tail
+FIN_COLUMNS = 14
+FINS_AT_EASE = (0.35, 0.35, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0)

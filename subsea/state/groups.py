@@ -115,9 +115,7 @@ class Fishes(NamedTuple):
         "beat of the left and right pectoral fin, wave of dorsal and ventral fin",
     ]
     breath: Annotated[F32, motor("n", unit="rad"), "phase of breathing"]
-    fins: Annotated[
-        F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "columns SWEEP_LEFT to PELVIC"
-    ]
+    fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "columns SWEEP_LEFT to LAG"]
     previous_fins: Annotated[F32, motor("n", FIN_COLUMNS, start=FINS_AT_EASE), "one tick ago"]
     monotony: Annotated[F32, motor("n", unit="s"), "time in the same segment"]
     recommended: Annotated[

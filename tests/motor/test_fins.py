@@ -8,6 +8,7 @@ from subsea.motor.playback import ROW, SIDES
 from subsea.repertoire import SEGMENTS
 from subsea.state import (
     DORSAL,
+    LAG,
     LIFT_LEFT,
     LIFT_RIGHT,
     MOUTH,
@@ -16,6 +17,8 @@ from subsea.state import (
     SWEEP_LEFT,
     SWEEP_RIGHT,
     TAIL,
+    TWIST_LEFT,
+    TWIST_RIGHT,
     WAVE_COSINE,
     WAVE_SINE,
 )
@@ -115,6 +118,53 @@ def test_a_hovering_fish_sculls_in_turns_and_in_a_figure_of_eight(make_fishes, l
         assert np.ptp(fins[:, lift]) > 0.3
 
 
+@pytest.mark.parametrize("oars", [False, True])
+def test_the_blade_of_a_sculling_fin_reverses_its_pitch_between_half_strokes(
+    make_fishes, library, oars
+):
+    """The upper edge leads on the way out and on the way back."""
+    fins = _minute(make_fishes, library, (0.0, 0.0), 0.0, oars=oars, thrust=0.0)[300:]
+    for sweep, twist in ((SWEEP_LEFT, TWIST_LEFT), (SWEEP_RIGHT, TWIST_RIGHT)):
+        speed = np.gradient(fins[:, sweep])
+        assert np.corrcoef(speed, fins[:, twist])[0, 1] > 0.98
+        assert fins[:, twist].min() < -0.4 and fins[:, twist].max() > 0.4
+
+
+def test_the_inner_fin_of_a_recorded_turn_stands_off(make_fishes, library):
+    """Nothing steers besides: the body bends as it was recorded."""
+    for segment, inner in (("turn_left_sharp", SWEEP_LEFT), ("turn_right_sharp", SWEEP_RIGHT)):
+        fishes = make_fishes(1, segment)
+        fishes.goal_speed[:] = 0.65
+        sweeps = []
+        for _ in range(200):
+            flap(everyone(fishes), fishes, library, TICK)
+            sweeps.append(fishes.fins[0, :2].copy())
+        left, right = np.mean(sweeps, axis=0)
+        assert (left - right) * (1 if inner == SWEEP_LEFT else -1) > 0.5
+
+
+def test_the_edge_of_the_tail_lags_behind_its_stroke(make_fishes, library):
+    """More so in a faster beat, and not at all in a pose that is held."""
+    widest = []
+    for name in ("swim_slow", "swim_fast"):
+        fishes = make_fishes(1, name)
+        code = SEGMENTS.index(name)
+        first, length = library.first[0, code], library.length[0, code]
+        lags = []
+        for row in range(length):
+            fishes.row_a[:], fishes.row_b[:] = first + row, first + (row + 1) % length
+            flap(everyone(fishes), fishes, library, TICK)
+            lags.append(fishes.fins[0, LAG])
+        tail = library.nodes[first : first + length, 21:23, 2].mean(axis=1)
+        stroke = np.roll(tail, -1) - tail
+        assert np.corrcoef(stroke, lags)[0, 1] < -0.95
+        widest.append(np.abs(lags).max())
+    assert 0.02 < widest[0] < widest[1] <= 0.35
+    fishes.row_b[:] = fishes.row_a
+    flap(everyone(fishes), fishes, library, TICK)
+    assert fishes.fins[0, LAG] == 0.0
+
+
 def test_a_fast_fish_folds_its_oars(make_fishes, library):
     slow, fast = (
         _minute(make_fishes, library, (0.0, 0.0), speed, oars=True)[:, SWEEP_LEFT]
@@ -199,32 +249,47 @@ def test_a_turn_spreads_the_tail_and_straight_swimming_does_not(make_fishes, lib
 
 
 def _rowing(make_fishes, library, flaps, steering=0.0):
-    """Sweep and lift of the left fin at every row of the pectoral gait, and the phase, rad."""
+    """Sweep, lift, phase and twist of the left fin at every row of the pectoral gait, rad."""
     rows = library._replace(has=np.ones_like(library.has))
     fishes = make_fishes(1, "row_forward")
     fishes.flaps[:], fishes.steering[:, 0] = flaps, steering
     first, length = library.first[0, ROW], library.length[0, ROW]
-    sweeps, lifts = [], []
+    sweeps, lifts, twists = [], [], []
     for row in range(length):
         fishes.row_a[:], fishes.row_b[:] = first + (row - 1) % length, first + row
         flap(everyone(fishes), fishes, rows, TICK)
         sweeps.append(fishes.fins[0, SWEEP_LEFT])
         lifts.append(fishes.fins[0, LIFT_LEFT])
-    return np.array(sweeps), np.array(lifts), 2 * np.pi * np.arange(length) / length
+        twists.append(fishes.fins[0, TWIST_LEFT])
+    phase = 2 * np.pi * np.arange(length) / length
+    return np.array(sweeps), np.array(lifts), phase, np.array(twists)
 
 
 def test_a_rowing_fin_is_foremost_as_the_stroke_begins_and_goes_back_below(make_fishes, library):
     """The phase of the fins is that of the recorded row, however fast it is played."""
-    sweeps, lifts, phase = _rowing(make_fishes, library, flaps=False)
+    sweeps, lifts, phase, _ = _rowing(make_fishes, library, flaps=False)
     np.testing.assert_allclose(sweeps, np.pi / 3 + np.pi / 4 * np.cos(phase), atol=1e-6)
     down = (phase > 0.0) & (phase < np.pi)
     assert np.mean(lifts[down]) < 0 < np.mean(lifts[phase > np.pi])
 
 
 def test_a_flapping_fin_beats_up_and_down_across_the_way(make_fishes, library):
-    sweeps, lifts, phase = _rowing(make_fishes, library, flaps=True)
+    sweeps, lifts, phase, _ = _rowing(make_fishes, library, flaps=True)
     assert np.ptp(sweeps) < 1e-6
     np.testing.assert_allclose(lifts, np.radians(50.0) * np.cos(phase), atol=1e-6)
+
+
+@pytest.mark.parametrize("flaps", [False, True])
+def test_a_rowing_fin_is_broadside_in_its_stroke_and_edge_on_as_it_returns(
+    make_fishes, library, flaps
+):
+    """One that flaps is level: its leading edge is lower on the way down than on the way up."""
+    _, _, phase, twists = _rowing(make_fishes, library, flaps)
+    there, back = (twists[np.abs(phase - way).argmin()] for way in (np.pi / 2, 1.5 * np.pi))
+    if flaps:
+        assert back < 0.9 < np.pi / 2 < there
+    else:
+        assert there < 0.05 and back > 1.0
 
 
 @pytest.mark.parametrize("flaps", [False, True])
@@ -232,7 +297,8 @@ def test_a_rowing_fish_strokes_with_the_outer_fin_and_brakes_with_the_inner(
     make_fishes, library, flaps
 ):
     """Steering to the left: the left fin stands broadside; to the right it strokes as ever."""
-    inner, raised, _ = _rowing(make_fishes, library, flaps, steering=0.6)
+    inner, raised, _, twists = _rowing(make_fishes, library, flaps, steering=0.6)
+    assert np.ptp(twists) < 1e-3
     assert np.ptp(inner) < 1e-3 and np.ptp(raised) < 1e-3 and inner.mean() > 1.0
     straight, outer = (_rowing(make_fishes, library, flaps, steering=s)[0:2] for s in (0.0, -0.6))
     np.testing.assert_allclose(outer, straight, atol=1e-6)

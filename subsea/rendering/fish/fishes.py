@@ -58,8 +58,10 @@ CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
 TEETH = 24.0  # of a predator, on half the circumference of its body
 
-INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4 4f4"
-INSTANCE_ATTRIBUTES = ("i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_wave", "i_show")
+INSTANCE_FORMAT = "4f4 4f4 4f4 4f4 3f4 4f4 3f4 4f4"
+INSTANCE_ATTRIBUTES = (
+    "i_place", "i_turn", "i_pose", "i_pectoral", "i_fins", "i_wave", "i_bend", "i_show",
+)  # fmt: skip
 
 
 class FishRenderer(GpuOwner):
@@ -267,7 +269,7 @@ class FishShape:
         self._shader = _shape_shader(len(species))
 
     def at(self, instances: Array, control_points: Array) -> DrawnVertices:
-        """Compute all vertices of instances (T, 27) from control points (rows, 426, 3)."""
+        """Compute all vertices of instances (T, 30) from control points (rows, 426, 3)."""
         parts = [
             self._part(instances[first : first + AT_ONCE], control_points)
             for first in range(0, len(instances), AT_ONCE)

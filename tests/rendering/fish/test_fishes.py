@@ -47,7 +47,17 @@ from subsea.rendering.fish.speck import speck
 from subsea.rendering.output.quality import PRESETS
 from subsea.repertoire import read_repertoire
 from subsea.state import DORSAL as DORSAL_FIN
-from subsea.state import FIN_COLUMNS, MOUTH, PELVIC, SOFT, TAIL, WAVE_SINE
+from subsea.state import (
+    FIN_COLUMNS,
+    LAG,
+    MOUTH,
+    PELVIC,
+    SOFT,
+    TAIL,
+    TWIST_LEFT,
+    TWIST_RIGHT,
+    WAVE_SINE,
+)
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
@@ -219,13 +229,14 @@ def test_folded_fins_lie_lower_and_farther_back_and_face_the_same_side(
 @pytest.mark.parametrize("level", range(len(DETAILS)))
 def test_a_wave_moves_median_fins_aside_unless_they_are_stiff(scene, make_packet, fish, level):
     """By about its amplitude times the rays' length; a moved surface has moved normals."""
-    mesh, _ = dressed(scene, 0, level)
+    mesh, own = dressed(scene, 0, level)
     still, moved = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
     moved.instances[0, FINS.start + WAVE_SINE] = 0.2
     fins = mesh.vertices[:, PART] == FIN
+    tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > scene.species[0].surface.tail.begin)
     for stiff in (False, True):
         (a, before), (b, after) = (shaded(level, p, scene, stiff) for p in (still, moved))
-        assert np.abs(a - b)[~fins].max() == 0.0
+        assert np.abs(a - b)[~fins & ~tail].max() == 0.0
         if stiff:
             assert np.abs(a - b).max() == 0.0
             continue
@@ -237,6 +248,74 @@ def test_a_wave_moves_median_fins_aside_unless_they_are_stiff(scene, make_packet
             assert np.abs(a - b)[root].max() == 0.0
             assert 0.1 < (wide / rays).max() <= 0.2001
             assert (before[mine] * after[mine]).sum(axis=1).min() < 0.97
+
+
+@pytest.mark.parametrize("level", range(len(DETAILS)))
+def test_the_tail_lags_and_ripples_without_a_crack_unless_it_is_stiff(
+    scene, make_packet, fish, level
+):
+    """Both halves move alike, most in the middle of the edge; normals follow the surface."""
+    (mesh, own), tail = dressed(scene, 0, level), scene.species[0].surface.tail
+    still, lagging, rippling = (make_packet([fish(0, (0, 0, 0), heading=0.0)]) for _ in range(3))
+    lagging.instances[0, FINS.start + LAG] = 0.3
+    rippling.instances[0, FINS.start + WAVE_SINE] = 0.14
+    body = mesh.vertices[:, PART] == BODY
+    left, right = (np.flatnonzero(body & (mesh.vertices[:, SIDE] == side)) for side in (-1, 1))
+    u, edge = mesh.vertices[left, ALONG], own[left, 3] == 1.0
+    length = scene.recorded_length_cm[0] * (1.0 - tail.begin)
+    for packet in (lagging, rippling):
+        (a, before), (b, after) = (shaded(level, p, scene) for p in (still, packet))
+        moved = b - a
+        seam = (u == 0.0) | (u == 1.0)
+        np.testing.assert_allclose(moved[left][seam], moved[right][seam], atol=2e-4)
+        assert np.abs(moved[body & (own[:, 0] <= tail.begin)]).max() == 0.0
+        assert (before * after).sum(axis=1)[left[edge]].min() < 0.99
+        assert np.array_equal(*(shaded(level, p, scene, stiff=True)[0] for p in (still, packet)))
+        if packet is lagging:  # to the right: y of the world is left
+            assert (moved[left[edge], 1] < 0.0).all()
+            aside = np.linalg.norm(moved[left[edge]], axis=1) / length
+            assert 0.05 < aside[np.abs(u[edge] - 0.5).argmin()] <= 0.3001
+            assert aside[u[edge] == 0.0] > 0.1
+        else:
+            assert np.ptp(moved[left[edge], 1]) > 0.05 * length
+
+
+def test_normals_follow_the_surface_of_a_bent_tail(scene, make_packet, fish):
+    """At the finest level: off from those of its triangles hardly more than at rest."""
+    mesh, own = dressed(scene, 0, 0)
+    still, bent = (make_packet([fish(0, (0, 0, 0))]) for _ in range(2))
+    bent.instances[0, FINS.start + np.array([LAG, WAVE_SINE])] = 0.3, 0.1
+    tail = (mesh.vertices[:, PART] == BODY) & (own[:, 0] > scene.species[0].surface.tail.begin)
+    corners = mesh.triangles[: mesh.body]
+    corners = corners[tail[corners].all(axis=1)]
+    off = []
+    for packet in (still, bent):
+        places, normals = shaded(0, packet, scene)
+        a, b, c = (places[corners[:, k]] for k in range(3))
+        facing = np.cross(b - a, c - a)
+        facing /= np.linalg.norm(facing, axis=1, keepdims=True)
+        cosine = (facing[:, None] * normals[corners]).sum(axis=2)
+        off.append(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    assert np.sqrt((off[1] ** 2).mean()) < np.sqrt((off[0] ** 2).mean()) + 2.0
+
+
+@pytest.mark.parametrize("twist", [-0.8, 0.8])
+def test_a_twist_turns_the_upper_edge_of_a_pectoral_fin_ahead_or_back(
+    scene, make_packet, fish, twist
+):
+    mesh, own = dressed(scene, 0, 0)
+    still, moved = (
+        make_packet([fish(0, (0, 0, 0), heading=0.0, pectoral=(1.4, 1.4))]) for _ in range(2)
+    )
+    moved.instances[0, FINS.start + np.array([TWIST_LEFT, TWIST_RIGHT])] = twist
+    (a, _), (b, _) = (shaded(0, packet, scene) for packet in (still, moved))
+    change = np.sign(twist) * (b - a)[:, 0]
+    paddle = (mesh.vertices[:, PART] == PECTORAL) & (mesh.vertices[:, ALONG] > 0.3)
+    for side in (-1.0, 1.0):
+        mine = paddle & (mesh.vertices[:, SIDE] == side)
+        assert (change[mine & (own[:, 1] > 1e-3)] > 0.0).all()
+        assert (change[mine & (own[:, 1] < -1e-3)] < 0.0).all()
+    assert np.abs(b - a)[mesh.vertices[:, PART] != PECTORAL].max() == 0.0
 
 
 def test_pelvic_fins_fold_and_spread(scene, make_packet, fish):
