@@ -16,7 +16,8 @@ struct Look {
     vec4 show;      // by how much; times as saturated
     vec4 pectoral;  // cosine and sine of its droop; 1: it is held out like a wing
     vec4 pelvic;
-    vec4 rays;      // share of spines in the base of the dorsal and the ventral fin
+    vec4 rays;      // share of spines in the base of the dorsal and the ventral fin; height of the
+                    // tail's edge over the length of the tail, at most 1
 };
 
 layout(std140) uniform Looks {

@@ -135,6 +135,7 @@ void bend_tail(float soft, inout vec3 place, inout vec3 down, inout vec3 along) 
     float begin = looks[v_kind].build.y, way = (v_rest.x - begin) / (1.0 - begin);
     if (way <= 0.0) return;
     float size = looks[v_kind].build.x * (1.0 - begin);
+    soft *= looks[v_kind].rays.z;  // a whip is no fin
     float margin = 2.0 * a_part.y - 1.0, middle = soft * (1.0 - MARGINS * margin * margin);
     float phase = TAIL_WAVE.x * way - TAIL_WAVE.y * margin;
     vec2 wave = RIPPLE * mat2(cos(phase), -sin(phase), -sin(phase), -cos(phase)) * i_wave.yz;

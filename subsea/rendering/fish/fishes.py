@@ -392,6 +392,8 @@ def look(
     teeth = TEETH if species.kind == "predator" else 0.0
     gill = GILL * sheet_layout.head_size(surface) if skin.gills == 1 else 0.0
     vary, show = skin.variation, skin.display or CourtshipColours(of=(0, 0, 0), to=(0, 0, 0))
+    edge = surface.back[-1][1] - surface.belly[-1][1]
+    tall = edge / (1.0 - surface.tail.begin)
     shift = [to - of for to, of in zip(show.to, show.of, strict=True)]
     return [
         place,
@@ -406,7 +408,7 @@ def look(
         (*shift, show.saturation),
         _stand(surface.pectoral),
         _stand(surface.pelvic),
-        (_spiny(skin.dorsal), _spiny(skin.ventral), 0.0, 0.0),
+        (_spiny(skin.dorsal), _spiny(skin.ventral), min(tall, 1.0), 0.0),
     ]
 
 

@@ -36,7 +36,16 @@ from subsea.fish.surface import (
     V,
     rest_control_points,
 )
-from subsea.frame.packet import FINS, ORIENTATION, POSITION, ROW_A, ROW_B, SCALE, WEIGHT
+from subsea.frame.packet import (
+    FINS,
+    ORIENTATION,
+    POSITION,
+    ROW_A,
+    ROW_B,
+    SCALE,
+    WEIGHT,
+    resting_instances,
+)
 from subsea.geometry.curves import greville
 from subsea.geometry.rotation import matrix
 from subsea.rendering.fish import fishes
@@ -278,6 +287,16 @@ def test_the_tail_lags_and_ripples_without_a_crack_unless_it_is_stiff(
             assert aside[u[edge] == 0.0] > 0.1
         else:
             assert np.ptp(moved[left[edge], 1]) > 0.05 * length
+
+
+def test_the_whip_of_a_ray_does_not_ripple():
+    """It bends by no more than its own height."""
+    species = load_species("spotted_eagle_ray")
+    shape = FishShape((species,), (1.0,), 0)
+    rows = resting_instances(2)
+    rows[1, FINS.start + np.array([LAG, WAVE_SINE])] = 0.3, 0.14
+    still, bent = shape.at(rows, rest_control_points(species.surface, 1.0, 0.0)[None]).places
+    assert np.abs(bent - still)[MESHES[0].vertices[:, PART] == BODY].max() < 0.01
 
 
 def test_normals_follow_the_surface_of_a_bent_tail(scene, make_packet, fish):
