@@ -18,6 +18,8 @@ struct Look {
     vec4 pelvic;
     vec4 rays;      // share of spines in the base of the dorsal and the ventral fin; height of the
                     // tail's edge over the length of the tail, at most 1
+    vec4 roots[2];  // from the control point of a right paired fin to its root, body lengths:
+                    // of the pectoral and of the pelvic fin
 };
 
 layout(std140) uniform Looks {

@@ -215,7 +215,8 @@ void main() {
         vec2 ahead = heading(base);
         back = yawed(back, ahead);
         across = yawed(across, ahead);
-        place = control(base) + build.x * (own.x * back + own.y * across);
+        vec3 socket = yawed(looks[v_kind].roots[int(pelvic)].xyz * vec3(1.0, 1.0, side), ahead);
+        place = control(base) + build.x * (socket + own.x * back + own.y * across);
         along_u = back;
         along_v = across;
     }

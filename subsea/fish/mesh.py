@@ -29,6 +29,7 @@ from subsea.geometry.curves import DEGREE, Table, basis_table, decimated
 
 BODY, FIN, PECTORAL, PELVIC = range(4)  # parts, as the shaders know them
 HEAD = 9  # samples of the finest table along the body that belong to the head
+ROOT_SAMPLES = 129  # across and along a flank, among which the root of a paired fin is chosen
 ABSENT = -1.0  # in place of a control point: the species lacks this fin
 
 VERTEX_FORMAT = "3f4 3f4 3f4 3f4 4f4"
@@ -224,6 +225,26 @@ def _outline(plan: PaddlePlan, along: Array, across: Array) -> Array:
 def _root(plan: PaddlePlan, flank: Array) -> int:
     """The control point of a flank (189, 3) nearest to the root of a paired fin."""
     return int(np.argmin(np.hypot(flank[:, 0] + plan.at, flank[:, 1] - plan.height)))
+
+
+def root_offset(plan: SurfacePlan, paddle: PaddlePlan | None) -> Array:
+    """Compute the way (3,) from the control point of a right paired fin to its root on the flank.
+
+    In body axes and body lengths; 0 without this fin.
+    """
+    if paddle is None:
+        return np.zeros(3)
+    flank = rest_control_points(plan, 1.0, 0.0)[RIGHT]
+    grid = sampled(flank.reshape(U, V, 3), basis_table(U, ROOT_SAMPLES))
+    surface = sampled(grid.swapaxes(0, 1), basis_table(V, ROOT_SAMPLES)).reshape(-1, 3)
+    off = np.hypot(surface[:, 0] + paddle.at, surface[:, 1] - paddle.height)
+    return np.asarray(surface[off.argmin()] - flank[_root(paddle, flank)])
+
+
+def sampled(control: Array, table: Table) -> Array:
+    """Compute points (k, …) of splines with control points (n, …) at parameters of a table."""
+    near = control[table.first[:, None] + np.arange(table.weight.shape[1])]
+    return np.asarray(np.einsum("kj,kj...->k...", table.weight, near))
 
 
 def _snout_cap(left: Ints, half: int) -> Ints:

@@ -23,6 +23,7 @@ from subsea.fish.mesh import (
     VERTEX_FORMAT,
     Mesh,
     fish_mesh,
+    root_offset,
     species_vertices,
 )
 from subsea.fish.species import CourtshipColours, FinSkin, Species
@@ -409,6 +410,8 @@ def look(
         _stand(surface.pectoral),
         _stand(surface.pelvic),
         (_spiny(skin.dorsal), _spiny(skin.ventral), min(tall, 1.0), 0.0),
+        (*root_offset(surface, surface.pectoral).tolist(), 0.0),
+        (*root_offset(surface, surface.pelvic).tolist(), 0.0),
     ]
 
 

@@ -24,7 +24,7 @@ from subsea.fish.mesh import (
     surface_points,
 )
 from subsea.fish.mesh import PELVIC as PELVIC_FIN
-from subsea.fish.species import load_species
+from subsea.fish.species import load_species, shipped_species
 from subsea.fish.surface import (
     DORSAL,
     FIN_U,
@@ -70,6 +70,12 @@ from subsea.state import (
 
 PART, ALONG, SIDE = 12, 13, 14  # columns of a vertex
 MESHES = [fish_mesh(detail) for detail in DETAILS]
+
+
+def has_paddles(name):
+    """True if a species has paired fins, and no wings in their place."""
+    pectoral = load_species(name).surface.pectoral
+    return pectoral is not None and not pectoral.wing
 
 
 def shaded(level, packet, scene, stiff=None):
@@ -335,6 +341,23 @@ def test_a_twist_turns_the_upper_edge_of_a_pectoral_fin_ahead_or_back(
         assert (change[mine & (own[:, 1] > 1e-3)] > 0.0).all()
         assert (change[mine & (own[:, 1] < -1e-3)] < 0.0).all()
     assert np.abs(b - a)[mesh.vertices[:, PART] != PECTORAL].max() == 0.0
+
+
+@pytest.mark.parametrize("name", [name for name in shipped_species() if has_paddles(name)])
+def test_paired_fins_are_rooted_on_the_flank_where_their_species_says(name):
+    species = load_species(name)
+    plan, mesh = species.surface, MESHES[0]
+    shape = FishShape((species,), (1.0,), 0)
+    control = rest_control_points(plan, 1.0, 0.0)
+    places = shape.at(resting_instances(1), control[None]).places[0]
+    part, side = mesh.vertices[:, PART], mesh.vertices[:, SIDE]
+    u, v = (axis.ravel() for axis in np.meshgrid(*[np.linspace(0.0, 1.0, 240)] * 2))
+    flank, _ = surface(control[RIGHT].reshape(U, V, 3), u, v)
+    for number, paddle in ((PECTORAL, plan.pectoral), (PELVIC_FIN, plan.pelvic)):
+        mine = (part == number) & (side == 1.0) & (mesh.vertices[:, ALONG] == 0.0)
+        root = places[mine].mean(axis=0)
+        assert np.hypot(root[0] + paddle.at, root[1] - paddle.height) < 0.012
+        assert np.linalg.norm(flank - root, axis=1).min() < 0.005
 
 
 def test_pelvic_fins_fold_and_spread(scene, make_packet, fish):
