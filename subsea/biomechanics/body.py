@@ -84,25 +84,31 @@ def _ring(number: int) -> list[int]:
     return [1 + 4 * number + place for place in range(4)]
 
 
-def _connect() -> tuple[list[tuple[int, int]], list[tuple[int, int]], list[tuple[int, int]]]:
-    """List the muscle, cross and remaining units as pairs of nodes (i < j)."""
-    muscle: list[tuple[int, int]] = []
-    cross: list[tuple[int, int]] = []
+Pairs = list[tuple[int, int]]
+
+
+def connect(rings: int, segments: int) -> tuple[Pairs, Pairs, Pairs]:
+    """List the muscle, cross and remaining units of a chain of rings as pairs of nodes (i < j).
+
+    The foremost ``segments`` between rings have muscles.
+    """
+    muscle: Pairs = []
+    cross: Pairs = []
     other = [(0, node) for node in _ring(0)]
-    for number in range(RINGS):
+    tips = 4 * rings + 1, 4 * rings + 2
+    for number in range(rings):
         a, b, c, d = _ring(number)
         other += [(a, b), (b, c), (c, d), (a, d)]
         cross += [(a, c), (b, d)]
-    for number in range(RINGS - 1):
+    for number in range(rings - 1):
         front, back = _ring(number), _ring(number + 1)
         lengthwise = list(zip(front, back, strict=True))
-        # The hindmost section is passive: muscles are i -> i + 4 for 1 <= i <= 12 only.
-        (muscle if number < 3 else other).extend(lengthwise)
+        (muscle if number < segments else other).extend(lengthwise)
         for place in range(4):
             beside = (place + 1) % 4
             cross += [(front[place], back[beside]), (front[beside], back[place])]
-    other += [(node, tip) for node in _ring(4) for tip in (UPPER_TAIL, LOWER_TAIL)]
-    other.append((UPPER_TAIL, LOWER_TAIL))
+    other += [(node, tip) for node in _ring(rings - 1) for tip in tips]
+    other.append(tips)
     return muscle, cross, other
 
 
@@ -136,7 +142,8 @@ def _faces() -> tuple[list[tuple[int, int, int]], list[float]]:
     return triangles, weights
 
 
-_MUSCLE, _CROSS, _OTHER = _connect()
+# The hindmost section of a fish is passive: muscles are i -> i + 4 for 1 <= i <= 12 only.
+_MUSCLE, _CROSS, _OTHER = connect(RINGS, 3)
 UNITS: Ints = np.array(_MUSCLE + _CROSS + _OTHER)
 """Node pairs (91, 2): the 12 muscles, 42 cross units and 37 others, in this order."""
 KINDS: Ints = np.repeat(np.arange(3), [len(_MUSCLE), len(_CROSS), len(_OTHER)])

@@ -39,19 +39,34 @@ class Sections(NamedTuple):
 
 
 NO_SECTIONS = Sections(*np.zeros((5, SECTIONS)))
+Kept = tuple[float, ...] | Array
+ALL_KEPT: Kept = (1.0,) * RINGS + (0.0,)
+"""Share of the flux behind each section that the next one receives: a fish's tail sheds it all.
+
+It is a tuple, so that the compiler knows the number of sections.
+"""
 
 
 def make_sections(plan: BodyPlan) -> Sections:
-    """The coefficients of a body, its height and width linear between the stations.
-
-    The perimeter of a section is taken as 2 b + (π - 2) a for its height b and width a, which is
-    exact for a circle and for a plate.
-    """
+    """The coefficients of a body, its height and width linear between the stations."""
     if plan.water == "tu":
         return NO_SECTIONS
-    length = np.diff(plan.stations)
     height = np.array([0.0, *plan.section_heights])
     width = np.array([0.0, *(2.0 * half for half in plan.half_widths), 0.0])
+    return section_coefficients(
+        np.diff(plan.stations), height, width, plan.cross_drag, plan.skin_drag
+    )
+
+
+def section_coefficients(
+    length: Array, height: Array, width: Array, cross_drag: float, skin_drag: float
+) -> Sections:
+    """The coefficients of sections between stations ``length`` cm apart.
+
+    ``height`` and ``width`` are those of the body at the stations, from the nose on. The perimeter
+    of a section is taken as 2 b + (π - 2) a for its height b and width a, which is exact for a
+    circle and for a plate.
+    """
     perimeter = 2.0 * height + (np.pi - 2.0) * width
     middle = 0.5 * (height[1:-1] + height[2:])
     per_length = 0.25 * np.pi * DENSITY
@@ -59,9 +74,9 @@ def make_sections(plan: BodyPlan) -> Sections:
     return Sections(
         added=per_length * _spread_squares(height, length),
         flux=per_length * np.append(middle, height[-1]) ** 2,
-        cross=half * plan.cross_drag * _spread(height, length),
-        heave=half * plan.cross_drag * _spread(width, length),
-        skin=half * plan.skin_drag * _spread(perimeter, length),
+        cross=half * cross_drag * _spread(height, length),
+        heave=half * cross_drag * _spread(width, length),
+        skin=half * skin_drag * _spread(perimeter, length),
     )
 
 
@@ -103,19 +118,21 @@ def sections_of(rows: Array) -> Sections:
 @kernel
 def section_frames(x: Array, tangent: Array, normal: Array) -> None:
     """Write the unit vectors t and n (6, 3) of the sections of a body with nodes x (23, 3)."""
-    for k in range(SECTIONS):
-        fx, fy, fz = _middle(x, k - 1)
-        bx, by, bz = _middle(x, min(k + 1, RINGS))
+    rings = tangent.shape[0] - 1
+    for k in range(rings + 1):
+        fx, fy, fz = _middle(x, k - 1, rings)
+        bx, by, bz = _middle(x, min(k + 1, rings), rings)
         tx, ty, tz = fx - bx, fy - by, fz - bz
         scale = 1.0 / np.sqrt(tx * tx + ty * ty + tz * tz)
         tx, ty, tz = tx * scale, ty * scale, tz * scale
-        if k < RINGS:
-            a = 1 + 4 * k
+        a = 1 + 4 * k
+        if k < rings:
             dx = x[a, 0] + x[a + 1, 0] - x[a + 2, 0] - x[a + 3, 0]
             dy = x[a, 1] + x[a + 1, 1] - x[a + 2, 1] - x[a + 3, 1]
             dz = x[a, 2] + x[a + 1, 2] - x[a + 2, 2] - x[a + 3, 2]
         else:
-            dx, dy, dz = x[21, 0] - x[22, 0], x[21, 1] - x[22, 1], x[21, 2] - x[22, 2]
+            b = a + 1
+            dx, dy, dz = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1], x[a, 2] - x[b, 2]
         nx, ny, nz = ty * dz - tz * dy, tz * dx - tx * dz, tx * dy - ty * dx
         scale = 1.0 / np.sqrt(nx * nx + ny * ny + nz * nz)
         tangent[k, 0], tangent[k, 1], tangent[k, 2] = tx, ty, tz
@@ -123,13 +140,14 @@ def section_frames(x: Array, tangent: Array, normal: Array) -> None:
 
 
 @kernel
-def _middle(x: Array, k: int) -> tuple[float, float, float]:
+def _middle(x: Array, k: int, rings: int) -> tuple[float, float, float]:
     """Mean of the nodes of section k: a ring, the tail's edge, or the snout for -1."""
     if k < 0:
         return x[0, 0], x[0, 1], x[0, 2]
-    if k == RINGS:
-        return 0.5 * (x[21, 0] + x[22, 0]), 0.5 * (x[21, 1] + x[22, 1]), 0.5 * (x[21, 2] + x[22, 2])
     a = 1 + 4 * k
+    if k == rings:
+        b = a + 1
+        return 0.5 * (x[a, 0] + x[b, 0]), 0.5 * (x[a, 1] + x[b, 1]), 0.5 * (x[a, 2] + x[b, 2])
     return (
         0.25 * (x[a, 0] + x[a + 1, 0] + x[a + 2, 0] + x[a + 3, 0]),
         0.25 * (x[a, 1] + x[a + 1, 1] + x[a + 2, 1] + x[a + 3, 1]),
@@ -142,24 +160,26 @@ def add_section_forces(
     v: Array,
     water: Array,
     sections: Sections,
+    kept: Kept,
     step: float,
-    before: Array,
-    tangent: Array,
-    normal: Array,
+    axes: Array,
     load: Array,
 ) -> Array:
     """Add the explicit forces to ``load`` and return the implicit resistance (6,) along n, g/tu.
 
-    ``before`` (6, 3) are the normals one step ago and v (23, 3), cm/tu, the velocities since then:
-    together they are the momentum that the water has. The implicit part, :func:`couple_sections`,
-    gives it the momentum of the new velocities. So body and water exchange exactly what the one
-    loses and the other gains.
+    ``axes`` (3, 6, 3) are the tangents, the normals and the normals one step ago. The last and
+    v (23, 3), cm/tu, the velocities since then, are the momentum that the water has. The implicit
+    part, :func:`couple_sections`, gives it the momentum of the new velocities. So body and water
+    exchange exactly what the one loses and the other gains. ``kept`` is the share of the flux
+    behind each section that reaches the next one.
     """
-    resistance = np.empty(SECTIONS)
+    tangent, normal, before = axes
+    rings = len(kept) - 1
+    resistance = np.empty(rings + 1)
     px, py, pz = 0.0, 0.0, 0.0  # flux through the plane before this section
     fx, fy, fz = 0.0, 0.0, 0.0  # flux per added mass at the section before
-    for k in range(SECTIONS):
-        vx, vy, vz = _middle(v, k)
+    for k in range(rings + 1):
+        vx, vy, vz = _middle(v, k, rings)
         vx, vy, vz = vx - water[0], vy - water[1], vz - water[2]
         tx, ty, tz = tangent[k, 0], tangent[k, 1], tangent[k, 2]
         nx, ny, nz = normal[k, 0], normal[k, 1], normal[k, 2]
@@ -173,13 +193,14 @@ def add_section_forces(
             plane = 0.5 * sections.flux[k - 1]
             sx, sy, sz = plane * (fx + qx), plane * (fy + qy), plane * (fz + qz)
             # Momentum that leaves the section in front enters this one.
-            _push(load, k - 1, px - sx, py - sy, pz - sz)
-            px, py, pz = sx, sy, sz
+            _push(load, k - 1, rings, px - sx, py - sy, pz - sz)
+            part = kept[k - 1]
+            px, py, pz = part * sx, part * sy, part * sz
         fx, fy, fz = qx, qy, qz
-        gx = px if k == RINGS else 0.0
-        gy = py if k == RINGS else 0.0
-        gz = pz if k == RINGS else 0.0
-        if k == RINGS:  # shed at the edge of the tail
+        gx = px if k == rings else 0.0
+        gy = py if k == rings else 0.0
+        gz = pz if k == rings else 0.0
+        if k == rings:  # shed at the edge of the tail
             edge = sections.flux[k]
             gx, gy, gz = gx - edge * qx, gy - edge * qy, gz - edge * qz
         momentum = sections.added[k] / step * (vx * ox + vy * oy + vz * oz)
@@ -193,8 +214,8 @@ def add_section_forces(
         gx += momentum * ox + drag * tx + still * nx + lift * yx
         gy += momentum * oy + drag * ty + still * ny + lift * yy
         gz += momentum * oz + drag * tz + still * nz + lift * yz
-        _push(load, k, gx, gy, gz)
-        if k < RINGS:
+        _push(load, k, rings, gx, gy, gz)
+        if k < rings:
             a = 1 + 4 * k
             roll = 0.0  # speed of the upper half along n over that of the section
             for axis in range(3):
@@ -210,9 +231,9 @@ def add_section_forces(
 
 
 @kernel
-def _push(load: Array, k: int, fx: float, fy: float, fz: float) -> None:
+def _push(load: Array, k: int, rings: int, fx: float, fy: float, fz: float) -> None:
     """Share a force on section k among its nodes."""
-    first, count = (1 + 4 * k, 4) if k < RINGS else (21, 2)
+    first, count = 1 + 4 * k, 4 if k < rings else 2
     share = 1.0 / count
     for node in range(first, first + count):
         load[node, 0] += share * fx
@@ -223,9 +244,10 @@ def _push(load: Array, k: int, fx: float, fy: float, fz: float) -> None:
 @kernel
 def section_means(columns: Array) -> None:
     """Write the columns c_k (30, 6) that average the nodes of the sections."""
+    rings = columns.shape[1] - 1
     columns[:] = 0.0
-    for k in range(RINGS):
+    for k in range(rings):
         for node in range(1 + 4 * k, 5 + 4 * k):
             columns[node, k] = 0.25
-    columns[21, RINGS] = 0.5
-    columns[22, RINGS] = 0.5
+    columns[1 + 4 * rings, rings] = 0.5
+    columns[2 + 4 * rings, rings] = 0.5

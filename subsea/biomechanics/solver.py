@@ -12,21 +12,23 @@ definite while 4 M - h² K - 2 h C is, for the stiffness K and the damping C at 
 step h the stiffest mode grows. Water only dissipates energy.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from subsea.biomechanics.body import (
     HALF_BANDWIDTH,
-    MUSCLES,
-    NODES,
     UNITS,
     Body,
     Floats,
+    Ints,
     Material,
     build_body,
 )
 from subsea.biomechanics.body_plan import NODES_AT_STATION, BodyPlan
 from subsea.biomechanics.reactive_water import (
-    SECTIONS,
+    ALL_KEPT,
+    Kept,
     add_section_forces,
     section_frames,
     section_means,
@@ -41,7 +43,14 @@ TICK_TU = STEP * STEPS_PER_TICK  # one recorded frame
 TICK_S = TICK_TU * TIME_UNIT_S  # one tick, 0.033 s
 STRAIN_LIMITS = (0.65, 1.4)
 """Limits of length over rest length; beyond, a ring may have turned inside out."""
-ROWS = NODES + HALF_BANDWIDTH  # rows of the padded band and of the load
+
+
+class Chain(NamedTuple):
+    """A chain of rings with muscles; a fish has five rings."""
+
+    material: Material
+    units: Ints  # (91, 2) pairs of nodes, muscles first
+    kept: Kept  # as in `add_section_forces`
 
 
 @kernel
@@ -54,7 +63,7 @@ def factorize(band: Floats) -> float:
     """
     smallest = np.inf
     column = np.empty(HALF_BANDWIDTH + 1)
-    for i in range(NODES):
+    for i in range(len(band) - HALF_BANDWIDTH):
         pivot = band[i, 0]
         smallest = min(smallest, pivot)
         inverse = 1.0 / pivot
@@ -78,7 +87,12 @@ def substitute(band: Floats, load: Floats) -> None:
 
 @kernel
 def couple_sections(
-    band: Floats, load: Floats, columns: Floats, normal: Floats, resistance: Floats
+    band: Floats,
+    load: Floats,
+    columns: Floats,
+    normal: Floats,
+    resistance: Floats,
+    kept: Kept,
 ) -> None:
     """Solve for V with the added mass and the cross-flow of the sections, in place.
 
@@ -87,46 +101,47 @@ def couple_sections(
     for six columns c_k (``columns`` (30, 6), overwritten) and not for all of their products
     (Woodbury). ``band`` holds the factors of A and ``load`` (30, 3) the right-hand side.
     """
-    for i in range(NODES):
+    nodes, sections = len(band) - HALF_BANDWIDTH, len(kept)
+    for i in range(nodes):
         for k in range(1, HALF_BANDWIDTH + 1):
             factor = band[i, k]
-            for c in range(SECTIONS):
+            for c in range(sections):
                 columns[i + k, c] -= factor * columns[i, c]
     _forward(band, load)
-    # Matrix and right-hand side of the six pushes along the normals; then Cholesky.
-    matrix = np.zeros((SECTIONS, SECTIONS))
-    push = np.zeros(SECTIONS)
-    scaled = np.zeros(SECTIONS)
-    for i in range(1, NODES):
-        for c in range(SECTIONS):
+    # Matrix and right-hand side of the pushes along the normals; then Cholesky.
+    matrix = np.zeros((sections, sections))
+    push = np.zeros(sections)
+    scaled = np.zeros(sections)
+    for i in range(1, nodes):
+        for c in range(sections):
             scaled[c] = columns[i, c] * band[i, 0]
-        for c in range(SECTIONS):
-            for d in range(SECTIONS):
+        for c in range(sections):
+            for d in range(sections):
                 matrix[c, d] += scaled[c] * columns[i, d]
             along = normal[c, 0] * load[i, 0] + normal[c, 1] * load[i, 1]
             push[c] += scaled[c] * (along + normal[c, 2] * load[i, 2])
-    for c in range(SECTIONS):
-        for d in range(SECTIONS):
+    for c in range(sections):
+        for d in range(sections):
             alike = normal[c, 0] * normal[d, 0] + normal[c, 1] * normal[d, 1]
             matrix[c, d] *= alike + normal[c, 2] * normal[d, 2]
         matrix[c, c] += 1.0 / resistance[c]
-    for c in range(SECTIONS):
+    for c in range(sections):
         for d in range(c):
             matrix[c, c] -= matrix[c, d] * matrix[c, d]
             push[c] -= matrix[c, d] * push[d]
         matrix[c, c] = np.sqrt(matrix[c, c])
         push[c] /= matrix[c, c]
-        for row in range(c + 1, SECTIONS):
+        for row in range(c + 1, sections):
             for d in range(c):
                 matrix[row, c] -= matrix[row, d] * matrix[c, d]
             matrix[row, c] /= matrix[c, c]
-    for c in range(SECTIONS - 1, -1, -1):
-        for row in range(c + 1, SECTIONS):
+    for c in range(sections - 1, -1, -1):
+        for row in range(c + 1, sections):
             push[c] -= matrix[row, c] * push[row]
         push[c] /= matrix[c, c]
-    for c in range(SECTIONS):
+    for c in range(sections):
         px, py, pz = push[c] * normal[c, 0], push[c] * normal[c, 1], push[c] * normal[c, 2]
-        for i in range(1, NODES):
+        for i in range(1, nodes):
             load[i, 0] -= columns[i, c] * px
             load[i, 1] -= columns[i, c] * py
             load[i, 2] -= columns[i, c] * pz
@@ -136,7 +151,7 @@ def couple_sections(
 @kernel
 def _forward(band: Floats, load: Floats) -> None:
     """Solve L X = G in place."""
-    for i in range(NODES):
+    for i in range(len(band) - HALF_BANDWIDTH):
         x, y, z = load[i, 0], load[i, 1], load[i, 2]
         for k in range(1, HALF_BANDWIDTH + 1):
             factor = band[i, k]
@@ -148,8 +163,9 @@ def _forward(band: Floats, load: Floats) -> None:
 @kernel
 def _backward(band: Floats, load: Floats) -> None:
     """Solve D Lᵀ V = X in place."""
-    load[NODES:] = 0.0
-    for i in range(NODES - 1, -1, -1):
+    nodes = len(band) - HALF_BANDWIDTH
+    load[nodes:] = 0.0
+    for i in range(nodes - 1, -1, -1):
         inverse = band[i, 0]
         x, y, z = load[i, 0] * inverse, load[i, 1] * inverse, load[i, 2] * inverse
         for k in range(1, HALF_BANDWIDTH + 1):
@@ -164,7 +180,7 @@ def _backward(band: Floats, load: Floats) -> None:
 def assemble(
     x: Floats,
     v: Floats,
-    material: Material,
+    chain: Chain,
     muscle: Floats,
     step: float,
     band: Floats,
@@ -176,9 +192,10 @@ def assemble(
     ``muscle`` (12,) replaces the rest lengths of the first twelve units. ``strain`` (2,) keeps
     the extremes of length over natural rest length.
     """
+    material, units = chain.material, chain.units
     length, stiffness, viscosity = material.length, material.stiffness, material.viscosity
-    for s in range(UNITS.shape[0]):
-        i, j = UNITS[s, 0], UNITS[s, 1]
+    for s in range(len(units)):
+        i, j = units[s, 0], units[s, 1]
         rx, ry, rz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         squared = rx * rx + ry * ry + rz * rz
         inverse = 1.0 / np.sqrt(squared)
@@ -186,7 +203,7 @@ def assemble(
         ratio = distance / length[s]
         strain[0] = min(strain[0], ratio)
         strain[1] = max(strain[1], ratio)
-        rest = muscle[s] if s < MUSCLES else length[s]
+        rest = muscle[s] if s < len(muscle) else length[s]
         along = (
             (v[j, 0] - v[i, 0]) * rx + (v[j, 1] - v[i, 1]) * ry + (v[j, 2] - v[i, 2]) * rz
         ) * inverse
@@ -203,7 +220,7 @@ def assemble(
             band[i, 0] += eta * step
             band[j, 0] += eta * step
             band[i, j - i] -= eta * step
-    for i in range(NODES):
+    for i in range(len(x)):
         inertia = material.mass[i] / step
         band[i, 0] += inertia
         for axis in range(3):
@@ -227,32 +244,52 @@ def advance(
     the water in cm/tu, ``force`` (23, 3) a constant further force (pectoral fins). ``watch`` (3,)
     keeps the least and the greatest length ratio of any unit and the smallest pivot (Tu §4.5.2).
     """
-    band = np.empty((ROWS, HALF_BANDWIDTH + 1))
-    load = np.zeros((ROWS, 3))
-    slender = material.sections.added[SECTIONS - 1] > 0.0
-    tangent, normal, before = np.empty((3, SECTIONS, 3))
-    columns = np.empty((ROWS, SECTIONS))
+    advance_chain(x, v, Chain(material, UNITS, ALL_KEPT), muscles, water, force, step, watch)
+
+
+@kernel
+def advance_chain(
+    x: Floats,
+    v: Floats,
+    chain: Chain,
+    muscles: Floats,
+    water: Floats,
+    force: Floats,
+    step: float,
+    watch: Floats,
+) -> None:
+    """Advance a body of any number of rings: as `advance`.
+
+    Only the hull of 23 nodes can be in Tu's water.
+    """
+    material, kept = chain.material, chain.kept
+    nodes, sections = len(x), len(kept)
+    rows = nodes + HALF_BANDWIDTH
+    band = np.empty((rows, HALF_BANDWIDTH + 1))
+    load = np.zeros((rows, 3))
+    slender = material.sections.added[sections - 1] > 0.0
+    axes = np.empty((3, sections, 3))
+    tangent, normal, before = axes
+    columns = np.empty((rows, sections))
     if slender:
         section_frames(x - step * v, tangent, normal)
     for n in range(muscles.shape[0]):
         band[:] = 0.0
-        load[:NODES] = force
+        load[:nodes] = force
         if slender:
             before[:] = normal
             section_frames(x, tangent, normal)
-            resistance = add_section_forces(
-                v, water, material.sections, step, before, tangent, normal, load
-            )
+            resistance = add_section_forces(v, water, material.sections, kept, step, axes, load)
         else:
             add_water_force(x, v, water, material.drag, load)
-        assemble(x, v, material, muscles[n], step, band, load, watch[:2])
+        assemble(x, v, chain, muscles[n], step, band, load, watch[:2])
         watch[2] = min(watch[2], factorize(band))
         if slender:
             section_means(columns)
-            couple_sections(band, load, columns, normal, resistance)
+            couple_sections(band, load, columns, normal, resistance, kept)
         else:
             substitute(band, load)
-        for i in range(NODES):
+        for i in range(nodes):
             for axis in range(3):
                 v[i, axis] = load[i, axis]
                 x[i, axis] += step * load[i, axis]
@@ -264,7 +301,7 @@ ROUNDS = 4  # number of rounds. Two are exact to 1e-6 for a fish; extreme bodies
 def check_step(plan: BodyPlan) -> None:
     """Raise ValueError for a body that is too stiff for its masses at the usual step."""
     body = build_body(plan)
-    stiff, damped = _per_mass(body)
+    stiff, damped = _per_mass(body, UNITS)
     try:
         np.linalg.cholesky(4 * np.eye(len(stiff)) - STEP**2 * stiff - 2 * STEP * damped)
     except np.linalg.LinAlgError:
@@ -277,37 +314,40 @@ def check_step(plan: BodyPlan) -> None:
         ) from None
 
 
-def longest_step(body: Body) -> tuple[float, int]:
+def longest_step(body: Body, units: Ints = UNITS) -> tuple[float, int]:
     """The longest stable step in tu, and the node that moves most in the mode that limits it.
 
     A mode z of unit mass is stable up to the h with h² zᵀKz + 2 h zᵀCz = 4; the limit is the least
     over all modes. Each round takes the worst mode at the present step, and its limit.
     """
-    stiff, damped = _per_mass(body)
+    stiff, damped = _per_mass(body, units)
     step = STEP
     for _ in range(ROUNDS):
         z = np.linalg.eigh(step**2 * stiff + 2 * step * damped)[1][:, -1]
         k, c = z @ stiff @ z, z @ damped @ z
         step = float((np.sqrt(c * c + 4 * k) - c) / k)
-    moved = np.linalg.norm((z / np.sqrt(np.repeat(body.mass, 3))).reshape(NODES, 3), axis=1)
+    moved = np.linalg.norm((z / np.sqrt(np.repeat(body.mass, 3))).reshape(-1, 3), axis=1)
     return step, int(moved.argmax())
 
 
-def _per_mass(body: Body) -> tuple[Floats, Floats]:
+def _per_mass(body: Body, units: Ints) -> tuple[Floats, Floats]:
     """Stiffness and damping matrices (69, 69) at rest, scaled by the roots of the masses."""
     root = np.repeat(1.0 / np.sqrt(body.mass), 3)
     scale = np.outer(root, root)
-    return scale * _lengthwise(body, body.stiffness), scale * _lengthwise(body, body.viscosity)
+    matrices = (_lengthwise(body, modulus, units) for modulus in (body.stiffness, body.viscosity))
+    stiff, damped = (scale * matrix for matrix in matrices)
+    return stiff, damped
 
 
-def _lengthwise(body: Body, modulus: Floats) -> Floats:
+def _lengthwise(body: Body, modulus: Floats, units: Ints) -> Floats:
     """Matrix (69, 69) of units that resist along their length with ``modulus`` (91,) each."""
-    i, j = UNITS.T
+    i, j = units.T
+    nodes = len(body.mass)
     along = (body.rest[j] - body.rest[i]) / body.length[:, None]
     block = modulus[:, None, None] * along[:, :, None] * along[:, None, :]
-    matrix = np.zeros((NODES, NODES, 3, 3))
+    matrix = np.zeros((nodes, nodes, 3, 3))
     np.add.at(matrix, (i, i), block)
     np.add.at(matrix, (j, j), block)
     np.subtract.at(matrix, (i, j), block)
     np.subtract.at(matrix, (j, i), block)
-    return np.asarray(matrix.transpose(0, 2, 1, 3).reshape(3 * NODES, 3 * NODES))
+    return np.asarray(matrix.transpose(0, 2, 1, 3).reshape(3 * nodes, 3 * nodes))

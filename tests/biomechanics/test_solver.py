@@ -17,11 +17,11 @@ from subsea.biomechanics.body import (
     UPPER_TAIL,
     build_body,
 )
-from subsea.biomechanics.reactive_water import NO_SECTIONS
+from subsea.biomechanics.reactive_water import ALL_KEPT, NO_SECTIONS
 from subsea.biomechanics.simulation import at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import (
-    ROWS,
     STEP,
+    Chain,
     advance,
     assemble,
     check_step,
@@ -30,6 +30,8 @@ from subsea.biomechanics.solver import (
     substitute,
 )
 from subsea.fish.species import Species, load_species, muscular_names
+
+ROWS = NODES + HALF_BANDWIDTH  # of the padded band
 
 
 def to_band(matrix):
@@ -76,7 +78,7 @@ def test_the_smallest_pivot_tells_an_indefinite_matrix():
 def assembled(body, x, v):
     band, load, strain = to_band(np.zeros((23, 23))), np.zeros((ROWS, 3)), np.array([np.inf, 0.0])
     muscle = body.length[:MUSCLES] * 0.9
-    assemble(x, v, body.material, muscle, STEP, band, load, strain)
+    assemble(x, v, Chain(body.material, UNITS, ALL_KEPT), muscle, STEP, band, load, strain)
     return from_band(band), load[:NODES], strain
 
 
@@ -198,7 +200,9 @@ def test_a_step_costs_less_than_two_fifths_of_a_banded_lapack_solve(fusilier):
     state.v[:] = np.random.default_rng(2).normal(0, 0.3, (NODES, 3))
     muscles = np.tile(body.length[:MUSCLES], (100, 1))
     band, load = np.zeros((ROWS, HALF_BANDWIDTH + 1)), np.zeros((ROWS, 3))
-    assemble(state.x, state.v, body.material, muscles[0], STEP, band, load, np.array([np.inf, 0.0]))
+    strain = np.array([np.inf, 0.0])
+    chain = Chain(body.material, UNITS, ALL_KEPT)
+    assemble(state.x, state.v, chain, muscles[0], STEP, band, load, strain)
     lower, right = np.ascontiguousarray(band[:NODES].T), load[:NODES].copy()
     still, none = np.zeros(3), np.zeros((NODES, 3))
 
