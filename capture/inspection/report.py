@@ -12,10 +12,12 @@ import numpy as np
 from capture.inspection.simulated import measure_simulated, measure_spine_driven
 from capture.inspection.targets import Measure
 from capture.recording.record import Motion, motion_from_provenance
+from capture.recording.spine_muscles import eel_of
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES, Floats, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
 from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, TICK_S
+from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan, along
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Repertoire, Segment, read_repertoire
 
@@ -210,6 +212,14 @@ def glide_drag(motion: Motion, surface: SurfacePlan, speed: float) -> float:
     mass = float(build_body(motion.body).mass.sum())
     area = wetted_area(surface) * motion.body.length**2
     return drag_coefficient(glide(motion, speed), STEPS_PER_TICK * STEP, mass, area)
+
+
+def eel_glide_drag(plan: SpinePlan, surface: SurfacePlan, speed: float) -> float:
+    """Drag coefficient of a coasting eel with muscles: as `glide_drag`."""
+    eel = eel_of(plan, surface)
+    speeds = np.diff(eel.glide(speed, GLIDE_TICKS)) / (STEPS_PER_TICK * STEP)
+    mass, area = float(eel.long.body.mass.sum()), wetted_area(surface) * plan.length**2
+    return drag_coefficient(np.insert(speeds, 0, speed), STEPS_PER_TICK * STEP, mass, area)
 
 
 def coast_drag(motion: Motion, surface: SurfacePlan, coast: Segment) -> float:

@@ -16,7 +16,7 @@ from capture.inspection.kinematics import (
     turning_radius,
     wing_amplitude,
 )
-from capture.inspection.report import coast_drag, expected_strouhal, glide_drag
+from capture.inspection.report import coast_drag, eel_glide_drag, expected_strouhal, glide_drag
 from capture.recording.record import motion_from_provenance
 from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S
@@ -255,12 +255,15 @@ def _drag(
     found: Validated, repertoire: Repertoire, species: Species, table: MeasuredSwimming
 ) -> Iterator[RangeCheck]:
     """Drag of the passive body that coasts from its fastest cruise."""
+    speed = repertoire.segments["swim_fast"].speed_cm_s * TIME_UNIT_S
     try:
-        motion = motion_from_provenance(repertoire.provenance)
+        if species.spine and species.spine.muscles:
+            drag = eel_glide_drag(species.spine, species.surface, speed)
+        else:
+            motion = motion_from_provenance(repertoire.provenance)
+            drag = glide_drag(motion, species.surface, speed)
     except msgspec.ValidationError:
         return
-    speed = repertoire.segments["swim_fast"].speed_cm_s * TIME_UNIT_S
-    drag = glide_drag(motion, species.surface, speed)
     yield published(found.species, "drag coefficient of a glide", drag, "", table.coasting.drag)
     if coast := repertoire.segments.get("swim_coast"):
         drag = coast_drag(motion, species.surface, coast)

@@ -2,6 +2,7 @@
 
 from capture.recording.spine_manoeuvre import spine_manoeuvre
 from capture.recording.spine_motion import SpineMotion, spine_motion
+from capture.recording.spine_muscles import muscle_motion
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Segment
@@ -43,7 +44,9 @@ def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Se
 
 
 def motion_of_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
-    """Compute all frames of a segment: along a path, or free."""
+    """Compute all frames of a segment: by muscles, along a path, or free."""
+    if plan.muscles:
+        return muscle_motion(plan, surface, name)
     _, _, grade = name.rpartition("_")
     free = grade in ACYCLIC and grade != "sharp" and not plan.wings
     return (spine_manoeuvre if free else spine_motion)(plan, surface, name)

@@ -5,6 +5,7 @@ beat sets in (a C-start: Domenici & Blake 1997). Turns from rest and from a glid
 slower. The size of the bend is searched that turns the fish as far as asked.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,11 @@ class Passage(NamedTuple):
 
 def spine_manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
     """Compute all frames of a free manoeuvre, such as ``cstart_left_wide``."""
-    what = manoeuvre(plan, surface, name)
+
+    def pace(gait: SpineGait) -> float:
+        return stride_of(plan, surface, gait) / gait.ticks_per_beat
+
+    what = manoeuvre(plan, name, pace)
     bend = find_bend(plan, surface, what._replace(turn=abs(what.turn)))
     passage = move(plan, surface, what, -bend if what.turn < 0.0 else bend)
     moved = pose_surface(plan, surface, passage.stroke, passage.around)
@@ -59,15 +64,11 @@ def spine_manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMo
     return in_world(plan, surface, shake(moved, lead, up=False), frame)
 
 
-def manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> Manoeuvre:
-    """Timing and aim of the segment ``name``."""
+def manoeuvre(plan: SpinePlan, name: str, pace: Callable[[SpineGait], float]) -> Manoeuvre:
+    """Timing and aim of the segment ``name``, from the ``pace`` of gaits in body lengths a tick."""
     kind, _, grade = name.rpartition("_")
     side = -1.0 if "right" in name else 1.0
     stages = round(2.0 * STAGE_S * plan.length / TICK_S)
-
-    def pace(gait: SpineGait) -> float:
-        return stride_of(plan, surface, gait) / gait.ticks_per_beat
-
     slow, medium, fast = plan.slow, plan.medium, plan.fast
     if kind.startswith("cstart"):
         turn, time = {"moderate": (70.0, stages), "wide": (135.0, round(1.3 * stages))}[grade]
@@ -90,16 +91,28 @@ def manoeuvre(plan: SpinePlan, surface: SurfacePlan, name: str) -> Manoeuvre:
 def find_bend(plan: SpinePlan, surface: SurfacePlan, what: Manoeuvre) -> float:
     """The greatest bend of the path from snout to tail, rad, that turns the fish by ``what.turn``.
 
+    ValueError if the fish cannot turn so far.
+    """
+
+    def turned(bend: float) -> float:
+        return float(move(plan, surface, what, bend).frame[-1, 2])
+
+    least, most = (-MOST_BEND / 4, MOST_BEND / 4) if not what.turn else (0.0, MOST_BEND)
+    return search_bend(turned, what.turn, least, most)
+
+
+def search_bend(turned: Callable[[float], float], turn: float, a: float, b: float) -> float:
+    """The bend between ``a`` and ``b`` that turns the fish by ``turn`` rad.
+
     By the Illinois variant of the false position. ValueError if the fish cannot turn so far.
     """
 
     def miss(bend: float) -> float:
-        return float(move(plan, surface, what, bend).frame[-1, 2] - what.turn)
+        return turned(bend) - turn
 
-    a, b = (-MOST_BEND / 4, MOST_BEND / 4) if not what.turn else (0.0, MOST_BEND)
     here, there = miss(a), miss(b)
     if not here < 0.0 < there:
-        raise ValueError(f"no bend turns the fish by {np.degrees(what.turn):.0f} degrees")
+        raise ValueError(f"no bend turns the fish by {np.degrees(turn):.0f} degrees")
     while True:
         c = (a * there - b * here) / (there - here)
         missed = miss(c)

@@ -17,7 +17,7 @@ from subsea.biomechanics.solver import STEP, STEPS_PER_TICK, Chain, advance_chai
 
 RING_SHARE = 0.7  # place of a node, as a share of half the height of body and fins
 LEAST_SHARE = 0.2  # least mass of a node and stiffness of a unit, over the greatest: tips have fins
-SAFETY = 0.6  # step of the solver over the longest stable one
+SAFETY = 0.9  # step of the solver over the longest stable one
 LEVEL = np.array([1.0, -1.0, 1.0])
 STILL = np.zeros(3)
 

@@ -39,7 +39,7 @@ def skin_weights(rest_nodes: Array, rest_points: Array) -> Array:
     points = np.asarray(rest_points, dtype=np.float64)
     centre, up, right = _sections(nodes)
     x = centre @ nodes[:, 0]
-    h = _hermite(x, points[:, 0])
+    h = hermite(x, points[:, 0])
     weights = h @ centre
     rest_centre_yz = h @ (centre @ nodes[:, 1:])
     offset = points[:, 1:] - rest_centre_yz
@@ -69,7 +69,7 @@ def _sections(nodes: Array) -> tuple[Array, Array, Array]:
     return centre, up, right
 
 
-def _hermite(stations: Array, x: Array) -> Array:
+def hermite(stations: Array, x: Array) -> Array:
     """Weights (p, 7) of a C1 cubic through values at decreasing `stations`; linear outside.
 
     Tangents of parabolas through three stations reproduce linear functions exactly.

@@ -28,6 +28,7 @@ Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
 Angle = Annotated[float, msgspec.Meta(ge=0, le=90)]
 Place = Annotated[float, msgspec.Meta(ge=-5, le=5)]
 Flexibility = Annotated[float, msgspec.Meta(ge=0, le=3)]
+Contraction = Annotated[float, msgspec.Meta(ge=0, le=0.4)]
 Beat = Annotated[int, msgspec.Meta(ge=8, le=200)]
 
 
@@ -73,6 +74,20 @@ class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
             raise ValueError("the chord must run from front to rear, 0.05 or more")
 
 
+class SpineMuscles(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The muscles on both sides of a spine: they and the water bend it in place of the swing.
+
+    ``contraction`` are shares of a rest length, of the foremost and of the hindmost muscle, in
+    the strongest beat.
+    """
+
+    rings: Annotated[int, msgspec.Meta(ge=8, le=40)] = 16
+    stiffness: Annotated[float, msgspec.Meta(ge=100, le=1e5)]  # g/tu², where the body is tallest
+    viscosity: Annotated[float, msgspec.Meta(gt=0, le=1e4)]  # g/tu
+    contraction: tuple[Contraction, Contraction]
+    wavelength: Annotated[float, msgspec.Meta(ge=0.3, le=3)]  # of the contractions, body lengths
+
+
 class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One grade of swimming.
 
@@ -81,6 +96,7 @@ class SpineGait(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     ticks_per_beat: Beat  # of 0.033 s
     amplitude: Share  # of the swing
+    contraction: Share = 1.0  # of the muscles, over their strongest
     slip: Annotated[float, msgspec.Meta(gt=0, lt=1)] | None = None
 
 
@@ -94,11 +110,15 @@ class Turn(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The motion of a spine-driven species: the [spine] table of its file."""
+    """The motion of a spine-driven species: the [spine] table of its file.
+
+    Muscles, where there are any, move the fish. Without them, and in previews, the swing does.
+    """
 
     length: Annotated[float, msgspec.Meta(ge=MODEL_LENGTHS[0], le=MODEL_LENGTHS[1])]  # cm
     centre: Annotated[float, msgspec.Meta(ge=0.1, le=0.7)]  # behind the snout; follows the path
     swing: Swing
+    muscles: SpineMuscles | None = None
     wings: Wings | None = None
     slow: SpineGait
     medium: SpineGait
@@ -111,6 +131,8 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         grades = [one for one in (self.slow, self.medium, self.fast, self.burst) if one]
         if len({one.slip is None for one in grades}) > 1:
             raise ValueError("either all gaits have a slip or none")
+        if self.muscles and (self.wings or self.medium.slip is not None):
+            raise ValueError("[spine.muscles] need a body without wings, and gaits without slip")
         speeds = [(one.slip or 1.0) / one.ticks_per_beat for one in grades]
         if any(b <= a for a, b in pairwise(speeds)):
             raise ValueError("slow, medium, fast and burst must each be faster than the one before")

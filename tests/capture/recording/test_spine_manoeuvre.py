@@ -1,14 +1,14 @@
-"""Escapes, starts, stops and free turns of an eel."""
+"""Escapes, starts, stops and free turns of an eel by rules."""
 
 import numpy as np
 import pytest
 
 from capture.recording.segment import record_spine_segment, spine_segments
 from capture.recording.spine_manoeuvre import find_bend, manoeuvre, move, spine_manoeuvre
-from subsea.fish.species import load_species
 from subsea.repertoire import BASIC_SEGMENTS
+from tests.support.spines import by_rules
 
-EEL, RAY = load_species("ribbon_eel"), load_species("spotted_eagle_ray")
+EEL, RAY = by_rules("ribbon_eel"), by_rules("spotted_eagle_ray")
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_an_eel_starts_from_rest_and_comes_to_rest():
 
 
 def test_too_far_a_turn_is_refused():
-    what = manoeuvre(EEL.spine, EEL.surface, "cstart_left_wide")._replace(turn=6.0)
+    what = manoeuvre(EEL.spine, "cstart_left_wide", lambda gait: 0.01)._replace(turn=6.0)
     with pytest.raises(ValueError, match="no bend"):
         find_bend(EEL.spine, EEL.surface, what)
     assert move(EEL.spine, EEL.surface, what, 0.0).frame.shape == (what.ticks + 1, 3)

@@ -19,6 +19,7 @@ from subsea.fish.species import load_species, species_names
 from subsea.fish.spine import SpinePlan, Turn
 from subsea.geometry.rotation import matrix
 from subsea.repertoire import BASIC_SEGMENTS, write_repertoire
+from tests.support.spines import by_rules
 
 OTHER_TURN = {"gradual": 30.0, "sharp": 30.0, "sharp_beats": 6}
 OLD_GAITS = {
@@ -32,7 +33,7 @@ NAMES = [name for name in species_names() if load_species(name).spine]
 
 @pytest.fixture(scope="module", params=NAMES)
 def species(request):
-    return load_species(request.param)
+    return by_rules(request.param)
 
 
 def test_recorded_motion_is_that_of_the_plan_and_symmetric(species):
@@ -67,7 +68,7 @@ def test_recorded_motion_is_that_of_the_plan_and_symmetric(species):
 
 @cache
 def recorded_and_planned(name):
-    species = load_species(NAMES[0])
+    species = by_rules(NAMES[0])
     nodes = spine_motion(species.spine, species.surface, name).nodes
     return record_segment(species, name)[0], nodes
 
@@ -97,7 +98,7 @@ def test_inspect_compares_with_the_plan_of_an_old_species(tmp_path, capsys):
     """One with slips, which has neither water nor manoeuvres."""
     name = NAMES[0]
     path = tmp_path / f"{name}.h5"
-    eel = load_species(name)
+    eel = by_rules(name)
     old = msgspec.convert(msgspec.to_builtins(eel.spine) | OLD_GAITS, SpinePlan)
     repertoire = record_species(name, msgspec.structs.replace(eel, spine=old))
     assert set(repertoire.segments) == set(BASIC_SEGMENTS)
@@ -116,8 +117,9 @@ def test_inspect_compares_with_the_plan_of_an_old_species(tmp_path, capsys):
 
 
 def test_absurd_spines_are_refused_in_one_line():
-    plan = msgspec.to_builtins(load_species("ribbon_eel").spine) | OLD_GAITS
+    plan = msgspec.to_builtins(by_rules("ribbon_eel").spine) | OLD_GAITS
     gait = {"ticks_per_beat": 20, "amplitude": 1.0, "slip": 0.9}
+    muscles = msgspec.to_builtins(load_species("ribbon_eel").spine.muscles)
     for changes, words in (
         ({"length": 1.0}, "length"),
         ({"centre": 1.0}, "centre"),
@@ -128,6 +130,8 @@ def test_absurd_spines_are_refused_in_one_line():
         ({"turn": OTHER_TURN | {"sharp_beats": 1}}, "sharp_beats"),
         ({"turn": OTHER_TURN | {"sharp": 0.0}}, "sharp"),
         ({"wing": {}}, "wing"),
+        ({"muscles": muscles}, "without slip"),
+        ({"muscles": muscles | {"rings": 4}}, "rings"),
     ):
         with pytest.raises(msgspec.ValidationError, match=words) as caught:
             msgspec.convert(plan | changes, SpinePlan)

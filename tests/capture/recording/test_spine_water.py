@@ -9,9 +9,9 @@ import pytest
 from capture.recording.spine_motion import spine_motion
 from capture.recording.spine_water import coast, recoil_of, stride_of, swim_beat, wing_strips
 from subsea.biomechanics.solver import TICK_S
-from subsea.fish.species import load_species
+from tests.support.spines import by_rules
 
-EEL, RAY = load_species("ribbon_eel"), load_species("spotted_eagle_ray")
+EEL, RAY = by_rules("ribbon_eel"), by_rules("spotted_eagle_ray")
 GRADES = ("slow", "medium", "fast", "burst")
 
 
