@@ -8,9 +8,12 @@ from numba import config, njit
 
 from subsea.base.errors import UserError
 from subsea.kernels.cache import KernelCache
+from subsea.kernels.late_blas import import_when_used
 
 if config.DISABLE_JIT:  # a tick would take minutes, and groups of arrays need compiled code
     raise UserError("numba's compiler is off; unset NUMBA_DISABLE_JIT (or `disable_jit`)")
+
+import_when_used()
 
 
 def kernel(function: Callable[..., Any]) -> Any:

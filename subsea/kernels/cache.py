@@ -18,7 +18,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -226,15 +226,37 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
     _impl_class = _Code
 
     def __init__(self, function: Any) -> None:
-        """Create the cache of a Python function; RuntimeError for one without a file."""
-        super().__init__(function)
-        base, locator = self._impl.filename_base, self._impl.locator
-        stamp = locator.get_source_stamp()
-        self._cache_file = VerifiedFile(self._cache_path, base, stamp)
-        self._shipped_file: ShippedFile | None = None
-        if source := _own(function.__code__.co_filename):
-            folder = SHIPPED / source.parent.relative_to(ROOT)
-            self._shipped_file = ShippedFile(str(folder), base, stamp)
+        """Create the cache of a Python function; RuntimeError for one without a file.
+
+        Its parts are made when they are needed: a start calls a sixth of the kernels.
+        """
+        self._py_func, self._name = function, repr(function)
+        self._source = _own(function.__code__.co_filename)
+        if self._source is None:
+            _ = self._impl  # which raises the error
+        self.enable()
+
+    @cached_property
+    def _impl(self) -> Any:
+        return self._impl_class(self._py_func)
+
+    @cached_property
+    def _cache_path(self) -> str:
+        return str(self._impl.locator.get_cache_path())
+
+    @cached_property
+    def _cache_file(self) -> VerifiedFile:
+        return self._file(VerifiedFile, self._cache_path)
+
+    @cached_property
+    def _shipped_file(self) -> VerifiedFile | None:
+        """The shipped code; None for a function of another project."""
+        if self._source is None:
+            return None
+        return self._file(ShippedFile, str(SHIPPED / self._source.parent.relative_to(ROOT)))
+
+    def _file(self, kind: type[VerifiedFile], folder: str) -> VerifiedFile:
+        return kind(folder, self._impl.filename_base, self._impl.locator.get_source_stamp())
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
         """Identify compiled code of a signature.
@@ -243,7 +265,7 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
         stamp stands for the code of this project.
         """
         signature, target, (code, cells) = super()._index_key(signature, codegen)
-        return signature, target, (code if self._shipped_file is None else "", cells)
+        return signature, target, (code if self._source is None else "", cells)
 
     def _load_overload(self, signature: Any, context: Any) -> Any:
         """Read the code of a signature from the user's cache, else the shipped code, else None."""

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsea.base.arrays import Array, Ints
-from subsea.geometry.rotation import about, mixed, multiply, rotate
+from subsea.geometry.rotation import about, multiply, quaternion, rotate
+from subsea.kernels import kernel
 from subsea.repertoire.schema import FAMILIES, Segment
 
 LEVELS = 12  # parts from the straight swim (0) to the recorded gradual turn
@@ -43,6 +44,8 @@ def blend_turns(segments: dict[str, Segment], straight: str) -> Blend | None:
     rows = len(swim.nodes)
     if any(len(turn.nodes) != rows for turn in turns):
         return None
+    # A level of a blend is a whole cycle, and one more axis of all tables.
+    share = np.arange(1, TIGHTEST + 1)[:, None, None] / LEVELS
     rotation, translation, nodes, phase, facing = [], [], [], [], []
     for turn in turns:
         # The turn to the right is a mirror image: half a beat of the tail apart.
@@ -52,33 +55,36 @@ def blend_turns(segments: dict[str, Segment], straight: str) -> Blend | None:
         phase.append((np.arange(rows) + lag) % rows)
         ahead, _, across = turn.increment_translation.sum(axis=0)
         facing.append(float(np.arctan2(across, ahead)))
-        other = [
+        turned, shifted, bent = (
             np.roll(table, lag, axis=0)
             for table in (turn.increment_rotation, turn.increment_translation, turn.nodes)
-        ]
-        for level in range(1, TIGHTEST + 1):
-            share = level / LEVELS
-            pairs = zip(swim.increment_rotation, other[0], strict=True)
-            rotation.append([mixed(a, b, share) for a, b in pairs])
-            translation.append((1.0 - share) * swim.increment_translation + share * other[1])
-            nodes.append(_bent(swim.nodes, other[2], share))
+        )
+        rotation.append(_normalised((1.0 - share) * swim.increment_rotation + share * turned))
+        translation.append((1.0 - share) * swim.increment_translation + share * shifted)
+        nodes.append(_bent(swim.nodes, bent, share))
     return Blend(
-        np.concatenate(rotation),
-        np.concatenate(translation),
-        np.concatenate(nodes),
+        np.concatenate(rotation).reshape(-1, 4),
+        np.concatenate(translation).reshape(-1, 3),
+        np.concatenate(nodes).reshape(-1, *swim.nodes.shape[1:]),
         (phase[0], phase[1]),
         (facing[0], facing[1]),
     )
 
 
-def _bent(swim: Array, turn: Array, share: float) -> Array:
-    """Poses (T, 23, 3) that are bent by a share of the turn's bend.
+def _normalised(q: Array) -> Array:
+    """Quaternions (…, 4) at unit length, rounded as by `rotation.normalised`."""
+    w, x, y, z = (q[..., k] for k in range(4))
+    return np.asarray(q * (1.0 / np.sqrt(w * w + x * x + y * y + z * z))[..., None])
+
+
+def _bent(swim: Array, turn: Array, share: Array) -> Array:
+    """Poses (k, T, 23, 3) that are bent by the k shares (k, 1, 1) of the turn's bend.
 
     The angles of the body's joints are mixed, seen from above, and with them its lengths and
     heights: mixed coordinates would shorten a bent body.
     """
     (links, rings), (bent_links, bent_rings) = _jointed(swim), _jointed(turn)
-    joints = np.cumsum(_turned(links, bent_links, share), axis=1)[:, JOINT]
+    joints = np.cumsum(_turned(links, bent_links, share), axis=-1)[..., JOINT]
     flat = joints + _turned(rings, bent_rings, share)
     height = (1.0 - share) * swim[..., 1] + share * turn[..., 1]
     return np.stack([flat.real, height, flat.imag], axis=-1)
@@ -97,9 +103,9 @@ def _jointed(nodes: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex12
 
 
 def _turned(
-    a: NDArray[np.complex128], b: NDArray[np.complex128], share: float
+    a: NDArray[np.complex128], b: NDArray[np.complex128], share: Array
 ) -> NDArray[np.complex128]:
-    """Vectors between a and b: their lengths and angles are mixed."""
+    """Vectors between a and b at each share: their lengths and angles are mixed."""
     length = (1.0 - share) * np.abs(a) + share * np.abs(b)
     return np.asarray(length * np.exp(1j * (np.angle(a) + share * np.angle(b * a.conj()))))
 
@@ -122,15 +128,10 @@ def course_of(segment: Segment) -> TurningWay:
     if segment.cyclic and abs(mean[1]) > STRAIGHT:
         # A body that turns about the vertical while it leans by r turns about (0, cos r, -sin r).
         lean = float(np.arctan2(-mean[2] * np.sign(mean[1]), abs(mean[1])))
-    q = multiply(about(1.0, 0.0, 0.0, np.pi / 2), about(1.0, 0.0, 0.0, lean))
-    heading, roll = np.empty(rows), np.full(rows, lean)
-    for row, turned in enumerate(segment.increment_rotation):
-        q = multiply(q, tuple(turned))
-        x = rotate(q, (1.0, 0.0, 0.0))
-        heading[row] = np.arctan2(x[1], x[0])
-        if not segment.cyclic:
-            y = rotate(q, (0.0, 1.0, 0.0))
-            roll[row] = np.arctan2(y[0] * x[1] - y[1] * x[0], y[2])
+    x, y = _axes(segment.increment_rotation, lean)
+    heading, roll = np.arctan2(x[1], x[0]), np.full(rows, lean)
+    if not segment.cyclic:
+        roll = np.arctan2(y[0] * x[1] - y[1] * x[0], y[2])
     heading = np.unwrap(np.concatenate([[0.0], heading]))[1:]
     turn = float(heading[-1])
     sway = np.zeros(rows)
@@ -140,3 +141,15 @@ def course_of(segment: Segment) -> TurningWay:
     way = np.linalg.norm(segment.increment_translation, axis=1)
     edge = rows if segment.cyclic else min(EDGE_ROWS, rows)
     return TurningWay(turn, sway, roll, (float(way[:edge].mean()), float(way[-edge:].mean())))
+
+
+@kernel
+def _axes(increments: Array, lean: float) -> tuple[Array, Array]:
+    """Compute body axes x and y (3, t) after each increment (t, 4), from upright with a lean."""
+    x, y = np.empty((3, len(increments))), np.empty((3, len(increments)))
+    q = multiply(about(1.0, 0.0, 0.0, np.pi / 2), about(1.0, 0.0, 0.0, lean))
+    for row in range(len(increments)):
+        q = multiply(q, quaternion(increments[row]))
+        x[0, row], x[1, row], x[2, row] = rotate(q, (1.0, 0.0, 0.0))
+        y[0, row], y[1, row], y[2, row] = rotate(q, (0.0, 1.0, 0.0))
+    return x, y

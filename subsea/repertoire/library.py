@@ -226,30 +226,31 @@ def _blended(one: _Species, straight: str, recorded: _Rows, coupling: Coupling, 
     blend, first = one.blends[straight], int(one.starts[0])
     beat = len(blend.phase[0])
     swim = one.begin(straight) + np.arange(beat)
-    level, share = [], []
+    tables = recorded.nodes, recorded.sway, recorded.bank, recorded.facing
+    points = np.empty((len(blend.nodes), *recorded.points.shape[1:]), np.float32)
+    levels: list[int] = []
+    mixes = []
     for side, name in enumerate(FAMILIES[straight]):
         turn = np.empty(beat, np.int64)
         turn[blend.phase[side]] = one.begin(name) + np.arange(beat)
         recorded.facing[turn - first] = blend.facing[side]
+        ends = [(table[swim - first], table[turn - first]) for table in (*tables, recorded.points)]
         for k in range(1, TIGHTEST + 1):
-            level.append(np.full(beat, k if side == 0 else -k))
-            share.append(
-                [(1.0 - k / LEVELS) * table[swim - first] + k / LEVELS * table[turn - first]
-                 for table in (
-                     recorded.nodes, recorded.points, recorded.sway, recorded.bank, recorded.facing
-                 )]
-            )  # fmt: skip
+            *mix, skin = ((1.0 - k / LEVELS) * a + k / LEVELS * b for a, b in ends)
+            # The skin follows the nodes, which are mixed by angles. All is done level by level, as
+            # all levels together do not fit into the processor's cache.
+            at = slice(len(levels) * beat, (len(levels) + 1) * beat)
+            skin += coupling.weights @ (blend.nodes[at] - mix[0])
+            points[at] = skin
+            mixes.append(mix[1:])
+            levels.append(k if side == 0 else -k)
+    sway, bank, facing = (np.concatenate(parts) for parts in zip(*mixes, strict=True))
     rows, phase = (np.tile(one, 2 * TIGHTEST) for one in (swim - first, np.arange(beat)))
     place = here + np.arange(len(rows))
-    nodes, points, sway, bank, facing = (
-        np.concatenate(parts) for parts in zip(*share, strict=True)
-    )
-    # The skin follows the nodes, which are mixed by angles.
-    points += coupling.weights @ (blend.nodes - nodes)
     return _Rows(
         blend.rotation, blend.translation, blend.nodes, points,
         recorded.entry[rows], recorded.glide[rows], recorded.leave[rows],
-        place - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.concatenate(level),
+        place - phase + (phase + 1) % beat, np.tile(swim, 2 * TIGHTEST), np.repeat(levels, beat),
         sway, bank, facing,
     )  # fmt: skip
 

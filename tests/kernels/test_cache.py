@@ -47,6 +47,15 @@ def test_kernels_are_kept_by_that_stamp():
     assert isinstance(ease_goals._cache._cache_file, VerifiedFile)
 
 
+def test_a_kernel_that_is_not_called_reads_nothing(monkeypatch):
+    stamps = []
+    monkeypatch.setattr(cache, "source_stamp", stamps.append)
+    kernel_cache = KernelCache(ease_goals.py_func)
+    assert not stamps
+    assert kernel_cache._cache_file is not None
+    assert stamps
+
+
 def test_code_that_does_not_match_its_index_is_not_taken(tmp_path, monkeypatch):
     def file(stamp):
         return VerifiedFile(str(tmp_path), "kernel", stamp)
