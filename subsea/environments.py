@@ -1,7 +1,7 @@
-"""The environments for learning under the name that programs import: `subsea.lab.environments`."""
+"""The environments for learning, under the name by which programs import them."""
 
 import sys
 
-from subsea.lab import environments
+from subsea.base.registry import LIBRARIES, load_named
 
-sys.modules[__name__] = environments
+sys.modules[__name__] = load_named(LIBRARIES, "environments", "library")
