@@ -5,7 +5,7 @@ The sea goes on behind it, dimmed, while the submarine holds station.
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -427,10 +427,20 @@ def scenario_summaries() -> dict[Path, ScenarioSummary]:
 
     An unreadable file is listed by its name; choosing it reports the error.
     """
-    return {(path := scenario_file(name).resolve()): _summary(path) for name in scenario_names()}
+    files = [scenario_file(name).resolve() for name in scenario_names()]
+    return {path: _summary(path, _version(path)) for path in files}
 
 
-def _summary(path: Path) -> ScenarioSummary:
+def _version(path: Path) -> tuple[int, int] | None:
+    """Return the time and size of a file, which change with its content; None without a file."""
+    with suppress(OSError):
+        status = path.stat()
+        return status.st_mtime_ns, status.st_size
+    return None
+
+
+@lru_cache(maxsize=256)  # else each opening of the menu takes as long as two pictures
+def _summary(path: Path, version: object) -> ScenarioSummary:
     with suppress(UserError):
         head = load_toml(path, ScenarioSummary)
         return head if head.title else ScenarioSummary(path.stem, head.description)

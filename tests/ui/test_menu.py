@@ -9,10 +9,12 @@ from imgui_bundle import imgui
 from PIL import Image
 
 from subsea.base.system import resource_names, resource_path
+from subsea.base.toml_files import load_toml
 from subsea.dive.settings import PAD_BUTTONS
 from subsea.rendering.output.quality import CHOICES, PRESETS
 from subsea.scenario.load import own_scenarios
 from subsea.scenario.storage import read_thumbnail
+from subsea.ui import menu as menu_module
 from subsea.ui.dive import Dive
 from subsea.ui.gamepad import GamepadState
 from subsea.ui.menu import (
@@ -90,6 +92,28 @@ def test_every_mode_and_quality_has_a_label():
     assert list(QUALITIES) == list(CHOICES)
     files = scenario_summaries()
     assert files[(resource_path("assets/scenarios") / "mating.toml").resolve()].title == "Courtship"
+
+
+def test_scenarios_are_read_again_only_after_a_change(monkeypatch):
+    read = []
+
+    def noted(path, kind):
+        read.append(path.stem)
+        return load_toml(path, kind)
+
+    path = own_scenarios() / "changed.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        path.write_text('title = "One"\n')
+        scenario_summaries()
+        monkeypatch.setattr(menu_module, "load_toml", noted)
+        assert scenario_summaries()[path.resolve()].title == "One"
+        assert not read
+        path.write_text('title = "Another"\n')
+        assert scenario_summaries()[path.resolve()].title == "Another"
+        assert read == ["changed"]
+    finally:
+        path.unlink()
 
 
 def test_every_scenario_has_a_sentence_that_fits_and_the_seed_is_explained(boat, menu, monkeypatch):
