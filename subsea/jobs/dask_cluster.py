@@ -5,7 +5,6 @@ address is asked in plain MessagePack whether it is a scheduler. A scheduler is 
 user of this computer, so TLS tells the right one from others.
 """
 
-import asyncio
 import logging
 import struct
 import sys
@@ -13,12 +12,15 @@ from argparse import ArgumentParser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import monotonic, sleep
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from subsea.base.errors import UserError
 from subsea.base.files import check_input
 from subsea.base.system import require
 from subsea.jobs.workers import POLL_S, Check, K, Pool, Results, Work
+
+if TYPE_CHECKING:
+    from asyncio import StreamReader
 
 CONNECT_S = 4.0
 FETCH_S = 5.0
@@ -77,6 +79,8 @@ def dask_pool(address: str, tls: Sequence[Path] | None = None) -> Pool[Any]:
 def _connect(address: str, tls: Sequence[Path] | None = None) -> Any:
     """A client of the scheduler."""
     require("cluster", "--cluster")
+    import asyncio  # a fifth of the time in which a program lists its commands
+
     from distributed import Client
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # replaced by our own messages
@@ -115,6 +119,8 @@ async def _identify(address: str, security: Any) -> None:
 
     It speaks MessagePack only: the messages of Dask's own client would be unpickled.
     """
+    import asyncio
+
     import msgspec  # programs list their options without it
     from distributed.comm.addressing import parse_address, parse_host_port
 
@@ -148,7 +154,7 @@ def _framed(message: Mapping[str, Any]) -> bytes:
     return struct.pack("<QQQ", 16 + len(content), 1, len(content)) + content
 
 
-async def _received(reader: asyncio.StreamReader) -> bytes:
+async def _received(reader: "StreamReader") -> bytes:
     """The first frame of a message, which is plain MessagePack."""
     [size] = struct.unpack("<Q", await reader.readexactly(8))
     if not 16 <= size <= MOST_BYTES:
