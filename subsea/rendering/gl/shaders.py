@@ -7,6 +7,8 @@ program, they took a sixth of the renderer's own time.
 
 import re
 import struct
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from moderngl import Uniform
@@ -69,20 +71,25 @@ def _lines(name: str, seen: dict[str, int]) -> list[str]:
     """The lines of a file; `#line` reports errors by the number of the file in `seen`."""
     number = seen.setdefault(name, len(seen))
     out = [f"#line 1 {number}"]
-    path = resource_path(f"shaders/{name}")
+    for count, (line, included) in enumerate(_read(resource_path(f"shaders/{name}")), start=1):
+        if not included:
+            out.append(line)
+        elif included not in seen:
+            out += [*_lines(included, seen), f"#line {count + 1} {number}"]
+    return out
+
+
+@cache  # most files are included by many programs
+def _read(path: Path) -> list[tuple[str, str]]:
+    """Read the lines of a file, each with the file that it includes, if any."""
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as fault:
         raise UserError(
             f"cannot read this part of the program ({fault.strerror})", file=path
         ) from fault
-    for count, line in enumerate(text.splitlines(), start=1):
-        include = _INCLUDE.match(line)
-        if include is None:
-            out.append(line)
-        elif include[1] not in seen:
-            out += [*_lines(include[1], seen), f"#line {count + 1} {number}"]
-    return out
+    includes = ((line, _INCLUDE.match(line)) for line in text.splitlines())
+    return [(line, include[1] if include else "") for line, include in includes]
 
 
 def set_uniforms(target: Any, **values: Any) -> None:

@@ -2,6 +2,7 @@
 
 import re
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,12 @@ def folder(monkeypatch, tmp_path):
     (tmp_path / "shaders").mkdir()
     monkeypatch.setattr(shaders, "resource_path", lambda name: tmp_path / name)
     return tmp_path / "shaders"
+
+
+def test_a_file_is_read_once_for_all_programs(monkeypatch):
+    text = shaders.source("fishes.vert", SPECIES=2)
+    monkeypatch.setattr(Path, "read_text", None)
+    assert shaders.source("fishes.vert", SPECIES=3) == text.replace("SPECIES 2\n", "SPECIES 3\n")
 
 
 def test_a_file_is_included_once_and_lines_stay_true(folder):
