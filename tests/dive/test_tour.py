@@ -152,7 +152,7 @@ def test_the_autopilot_steers_around_a_pillar_that_hides_its_subject(world):
 def test_the_autopilot_approaches_the_largest_shoal():
     """While no pair dances, which is more interesting."""
     seen = []
-    for seed in (1, 4, 5):
+    for seed in (2, 4, 5):  # a pair dances for long with seed 1
         world, tour = start_world("peaceful", seed=seed), Tour()
         largest = np.bincount(world.state.fishes.species).argmax()
         before = len(seen)
@@ -166,7 +166,7 @@ def test_the_autopilot_approaches_the_largest_shoal():
                 seen.append(ahead > 0.75 * np.hypot(*offset[:2]))
                 assert np.linalg.norm(offset) < 900.0
         assert len(seen) - before > 100
-    assert np.mean(seen) > 0.8
+    assert np.mean(seen) > 0.9
 
 
 def test_equal_seeds_give_equal_tours():
