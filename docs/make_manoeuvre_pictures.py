@@ -43,7 +43,7 @@ class Strip(NamedTuple):
 def main() -> None:
     """Write the plate."""
     strips = [
-        Strip("C-start of a fusilier, from below", "preying", 4, _starts, 1, 1,
+        Strip("C-start of a fusilier, from below", "preying", 5, _starts, 1, 1,
               (-0.1, 0.0, -2.4), False),
         Strip("Strike of a blacktip reef shark", "visitors", 1, _strikes, 24, 4,
               (0.4, 1.0, 0.25), True),
