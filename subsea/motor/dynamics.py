@@ -73,7 +73,7 @@ from subsea.state import DORSAL, PELVIC, Fishes, Live, Physics
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
 LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
-LAST_RING = (17, 18, 19, 20)  # its nodes
+LAST_RING = (17, 18, 19, 20)  # nodes of the ring before the tail
 MEDIAN_NODES, PELVIC_NODES = (9, 17), (5, 13)  # of the rings that bear the fins, first and end
 PADDLE_SHAPE = 0.7  # area of a pelvic fin over length and width
 BEND_EASE = 1.0 / LEVELS  # share of the full bend per recorded frame, as in playback ...

@@ -99,7 +99,11 @@ class Fishes(NamedTuple):
     previous_row_b: Annotated[ROW, motor("n"), "one tick ago"]
     previous_weight: Annotated[F32, motor("n"), "one tick ago"]
     previous_span: Annotated[F32, motor("n", start=1), "one tick ago"]
-    velocity: Annotated[F32, motor("n", 3, unit="cm/s"), "of the body frame, world axes"]
+    velocity: Annotated[
+        F32,
+        motor("n", 3, unit="cm/s"),
+        "of the body frame, of a simulated fish of its centre of mass; world axes",
+    ]
     segment: Annotated[SEGMENT, motor("n"), "code of the segment of row b"]
     wanted_segment: Annotated[SEGMENT, motor("n"), "request of the secondary controller"]
     tempo: Annotated[F32, motor("n", start=1), "playback rate of the segment, 1 is the recorded"]

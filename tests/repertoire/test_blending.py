@@ -15,7 +15,7 @@ def segments():
 
 
 def test_increments_are_mixed_as_playback_mixes_rotations(segments):
-    straight = "swim_coast"  # whose turns are of the same phase
+    straight = "swim_coast"  # its turns to both sides have the phase of the straight coast
     blend = blend_turns(segments, straight)
     swim, *turns = (segments[name].increment_rotation for name in (straight, *FAMILIES[straight]))
     expected = [
