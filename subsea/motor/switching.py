@@ -46,7 +46,7 @@ from subsea.state import Clock, Fishes, Live, Physics, Sea
 REVIEW_TICKS = 10  # interval between choices of fishes
 MIN_STAY_S = 4.0  # least time between two changes of a fish
 KEEP = 1.25  # factor by which a simulated fish counts as nearer: hysteresis
-GENTLE = 1.2  # largest change of a node's velocity over the usual one, to leave ...
+GENTLE = 1.2  # largest change of a node's velocity over that of a straight swim, to leave ...
 MAX_WAIT_TICKS = 75  # ... before about five beats have passed
 USUAL, NONE = Physics(), np.zeros(0, np.int32)
 EDGE_BL = 0.3  # distance to surface, rim and floor below which a fish leaves the sea
@@ -289,7 +289,8 @@ def _try_to_leave(
 ) -> None:
     """Return to playback if the glide is gentle, or after a long wait."""
     way = way_back(fishes, library, dynamics, live, slot)
-    usual = dynamics.usual[fishes.species[live.fish[slot]], way.segment]
+    # Not of the swim that it returns to: a slow one may be smoother than any glide.
+    usual = dynamics.usual[fishes.species[live.fish[slot]], : FAST + 1].max()
     live.waiting[slot] += 1
     if way.change <= GENTLE * usual or live.waiting[slot] > MAX_WAIT_TICKS:
         to_playback(fishes, library, live, slot, way)
