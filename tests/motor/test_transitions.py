@@ -75,7 +75,7 @@ def test_no_node_is_jerked(shipped):
         phases = range(0, length, 2) if library.cyclic[0, before] else [length - 6]
         cases = [case for case in product(segments, phases) if case[0] != before]
         wanted, starts = np.array(cases).T
-        path, codes = _play(library, before, starts, 2 * length + 45, wanted)
+        path, codes = _play(library, before, starts, 2 * length + 90, wanted)
         changes, switched = _changes(path), codes == wanted
         assert switched[-1].all()
         for i, (after, phase) in enumerate(cases):
