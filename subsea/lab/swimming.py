@@ -293,15 +293,24 @@ def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
 
 
 def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
-    """Measure the radius of the path of each turn at low speed."""
+    """Measure the radius of each turn at low speed, where its path is most curved.
+
+    Published radii are those of single turns. A turn is a stretch of ticks around each of which
+    the heading changes by at least `TIGHT_DEG` in `TURN_S`.
+    """
     half = _ticks(TURN_S, tick_s) // 2
-    way = np.linalg.norm(np.diff(place[::half], axis=0), axis=-1)
-    way = _stretches(way, 2).sum(axis=1)
-    turned = np.abs(np.diff(course[:: 2 * half], axis=0))[: len(way)]
-    there = alive[:: 2 * half][1 : len(way) + 1]
-    slow = way < LOW_SPEED * 2 * half * tick_s
-    turns = there & slow & (turned > np.radians(TIGHT_DEG)) & (way > 0.0)
-    return way[turns] / turned[turns]
+    way = np.linalg.norm(place[half:] - place[:-half], axis=-1)
+    way = way[:-half] + way[half:]
+    turned = np.abs(course[2 * half :] - course[: -2 * half])
+    slow = (way > 0.0) & (way < LOW_SPEED * 2 * half * tick_s)
+    turns = alive[2 * half :] & slow & (turned > np.radians(TIGHT_DEG))
+    radius = way / np.where(turns, turned, 1.0)
+    least = [
+        radius[start:end, i].min()
+        for i in range(radius.shape[1])
+        for start, end in runs(turns[:, i])
+    ]
+    return np.array(least)
 
 
 def _straight(record: Record, course: Array, alive: Bools, those: Ints) -> Counts:

@@ -164,8 +164,18 @@ def circle(radius=0.5, rate=0.9, seconds=30.0, segment=FAST):
 @pytest.mark.parametrize("radius", [0.15, 0.5, 1.2])
 def test_the_radius_of_a_circle(radius):
     found = only(circle(radius))
-    assert len(found.radius) > 20
-    assert found.radius == pytest.approx(radius, rel=0.02)
+    assert found.radius == pytest.approx([radius], rel=0.02)  # of one long turn
+
+
+@pytest.mark.parametrize("begin_s", [4.0, 4.2, 4.5, 4.7])
+def test_the_radius_of_a_short_turn_does_not_depend_on_its_tick(begin_s):
+    """Half a circle of 0.25 L in 1.25 s, between two straight ways; chords are 6% shorter."""
+    time = TICK_S * np.arange(360)
+    angle = np.pi * np.clip((time - begin_s) / 1.25, 0.0, 1.0)
+    way = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+    place = LENGTH * 0.25 * np.pi / 1.25 * TICK_S * np.cumsum(way, axis=0) - (0, 0, 200)
+    found = only(a_record(place[:, None], turned(angle)[:, None], tick_s=TICK_S, time=time))
+    assert found.radius == pytest.approx([0.235], rel=0.04)
 
 
 def test_heading_changes_count_by_the_segment():
