@@ -1,6 +1,6 @@
 // What differs between species; `render/fishes.py` fills it in, in this order.
 struct Look {
-    vec4 cell;      // where its skin lies on the atlas: left, bottom, width, height
+    vec4 cell;      // where its skin and gutters lie on the atlas: left, bottom, width, height
     vec4 skin_box;  // left, bottom, right, top of the body on its skin, body lengths
     vec4 eye;       // distance from the snout, height, radius, body lengths; of the edge of the
                     // gill cover behind it, 0 if there is none
@@ -24,7 +24,7 @@ struct Look {
 
 layout(std140) uniform Looks {
     Look looks[SPECIES];
-    vec4 frames[5];  // left, bottom, width, height, shares of a skin: the fins, as parts are
+    vec4 frames[5];  // left, bottom, width, height, shares of a cell: the fins, as parts are
                      // numbered (dorsal, ventral, pectoral, pelvic), then the body
 };
 

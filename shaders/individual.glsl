@@ -1,6 +1,6 @@
 // What makes a fish differ from others of its species: `identity` is a number in [0, 1).
 
-// Place on a skin, in shares of its sheet, of a place on the body.
+// Place on a skin, in shares of its cell of the atlas, of a place on the body.
 vec2 on_body(vec2 place, int kind) {
     vec4 box = looks[kind].skin_box;
     return frames[4].xy + frames[4].zw * (clamp(place, box.xy, box.zw) - box.xy) / (box.zw - box.xy);

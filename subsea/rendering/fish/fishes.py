@@ -6,7 +6,7 @@ in one uniform block, and each instance has the index of its species.
 
 from functools import cache
 from itertools import accumulate
-from math import ceil, cos, radians, sin, sqrt
+from math import cos, radians, sin
 from typing import Any, NamedTuple
 
 import moderngl
@@ -30,7 +30,8 @@ from subsea.fish.species import CourtshipColours, FinSkin, Species
 from subsea.fish.surface import PaddlePlan
 from subsea.frame.packet import INSTANCE_COLUMNS, ROW_A, ROW_B, Batch, Packet, RenderScene
 from subsea.rendering.fish import speck as fish_speck
-from subsea.rendering.fish.speck import COARSEST, Speck, places, speck
+from subsea.rendering.fish.atlas import COARSEST, FRAMES, cell, frame, make_atlas, side_by_side
+from subsea.rendering.fish.speck import Speck, places, speck
 from subsea.rendering.gl.context import GpuOwner, replace_data
 from subsea.rendering.gl.feedback import VertexFeedback
 from subsea.rendering.gl.id_buffer import FISH, object_id
@@ -41,7 +42,7 @@ from subsea.rendering.gl.shaders import (
     required_defines,
     set_uniforms,
 )
-from subsea.rendering.gl.textures import mipmapped, table
+from subsea.rendering.gl.textures import table
 from subsea.rendering.output.quality import PRESETS, Quality
 
 FINE = 2  # levels whose fins are drawn after all bodies
@@ -52,10 +53,6 @@ NOBODY = np.zeros((1, INSTANCE_COLUMNS), np.float32)
 
 AT_ONCE = 128  # instances of a `FishShape`
 TABLE_ROWS = 4096  # of the table of control points, as in shaders/fishes.glsl
-
-# Texels around each skin that repeat its border: one texel at the coarsest mipmap.
-GUTTER = 2**COARSEST
-CELL = sheet_layout.SIZE[0] + 2 * GUTTER, sheet_layout.SIZE[1] + 2 * GUTTER
 
 TEETH = 24.0  # of a predator, on half the circumference of its body
 
@@ -80,7 +77,9 @@ class FishRenderer(GpuOwner):
         self._context = context
         self._table = self.own(table(context, folded(_texels(scene.control_points))))
         self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
-        self._skins = self.own(_atlas(context, scene.species, skins))
+        self._skins = self.own(
+            make_atlas(context, sheets(scene.species) if skins is None else skins)
+        )
         looks = _looks(scene.species, scene.recorded_length_cm)
         self._looks = self.own(context.buffer(looks.tobytes()))
         self._meshes = [fish_mesh(detail) for detail in DETAILS]
@@ -134,7 +133,7 @@ class FishRenderer(GpuOwner):
         self._vertices.write(level_vertices(species, self._meshes).tobytes())
         self._places.write(speck_places(species, self._shape).tobytes())
         if skins is not None:
-            self._skins.write(_side_by_side(skins))
+            self._skins.write(side_by_side(skins))
             self._skins.build_mipmaps(max_level=COARSEST)
 
     def draw(
@@ -266,7 +265,7 @@ class FishShape:
             for pair in zip(species, length_cm, strict=True)
             for row in look(*pair, (0.0, 0.0, 1.0, 1.0))
         ]
-        self._looks = np.array([*rows, *frames()], "f4")
+        self._looks = np.array([*rows, *map(frame, FRAMES)], "f4")
         self._shader = _shape_shader(len(species))
 
     def at(self, instances: Array, control_points: Array) -> DrawnVertices:
@@ -336,24 +335,6 @@ def speck_places(species: tuple[Species, ...], shape: Speck) -> Array:
     return out
 
 
-def cell(kind: int, kinds: int) -> tuple[float, float, float, float]:
-    """Left, bottom, width and height of a species' skin, as shares of the atlas."""
-    columns, rows = _columns(kinds), ceil(kinds / _columns(kinds))
-    row, column = divmod(kind, columns)
-    width, height = columns * CELL[0], rows * CELL[1]
-    return (
-        (column * CELL[0] + GUTTER) / width,
-        (row * CELL[1] + GUTTER) / height,
-        sheet_layout.SIZE[0] / width,
-        sheet_layout.SIZE[1] / height,
-    )
-
-
-def _columns(kinds: int) -> int:
-    """Skins in a row of the atlas, which is about square."""
-    return ceil(sqrt(kinds * CELL[1] / CELL[0]))
-
-
 def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
     """The uniform block: constants of each species, and the frames of a skin."""
     rows = [
@@ -361,25 +342,7 @@ def _looks(species: tuple[Species, ...], length_cm: tuple[float, ...]) -> Array:
         for k, one in enumerate(zip(species, length_cm, strict=True))
         for row in look(*one, cell(k, len(species)))
     ]
-    return np.array([*rows, *frames()], "f4")
-
-
-def _atlas(context: Any, species: tuple[Species, ...], skins: list[Bytes] | None) -> Any:
-    """Make the atlas, a mipmapped sRGB texture."""
-    skins = sheets(species) if skins is None else skins
-    return mipmapped(context, _side_by_side(skins), COARSEST, srgb=True)
-
-
-def _side_by_side(skins: list[Bytes]) -> Bytes:
-    """The atlas of skins, each with a gutter around it."""
-    columns = _columns(len(skins))
-    picture = np.zeros((ceil(len(skins) / columns) * CELL[1], columns * CELL[0], 4), np.uint8)
-    around = (GUTTER, GUTTER)
-    for k, skin in enumerate(skins):
-        row, column = divmod(k, columns)
-        place = picture[row * CELL[1] :, column * CELL[0] :][: CELL[1], : CELL[0]]
-        place[:] = np.pad(skin, (around, around, (0, 0)), "edge")
-    return picture
+    return np.array([*rows, *map(frame, FRAMES)], "f4")
 
 
 def look(
@@ -413,26 +376,6 @@ def look(
         (*root_offset(surface, surface.pectoral).tolist(), 0.0),
         (*root_offset(surface, surface.pelvic).tolist(), 0.0),
     ]
-
-
-def frames() -> list[tuple[float, ...]]:
-    """Left, bottom, width and height of the parts of a skin, as shares of it, for `fishes.glsl`.
-
-    Fins are inset, so that they do not blend with their neighbours.
-    """
-    inset = np.array([4.0, 1.0]) / sheet_layout.SIZE
-    parts = np.array(
-        [
-            sheet_layout.DORSAL,
-            sheet_layout.VENTRAL,
-            sheet_layout.PECTORAL,
-            sheet_layout.PELVIC,
-            sheet_layout.BODY,
-        ]
-    )
-    low, high = parts[:, :2], parts[:, 2:]
-    low[:4], high[:4] = low[:4] + inset, high[:4] - inset
-    return [tuple(row) for row in np.concatenate([low, high - low], axis=1)]
 
 
 def _spiny(fin: FinSkin | None) -> float:

@@ -23,6 +23,7 @@ from subsea.fish.surface import (
     rest_control_points,
 )
 from subsea.geometry.curves import greville
+from subsea.rendering.fish.atlas import inside
 
 LAYOUT = "3f4 3f4", "a_normal", "a_part"
 
@@ -30,7 +31,6 @@ RINGS = 3, 6, 9  # columns of the body with four vertices each
 ROOT, EDGE = V - TAIL_COLUMNS - 1, V - 1  # first and last column of the tail fin
 # Length of the normals on back and belly: shorter, because flanks bend only near them.
 RIDGE = 0.6
-COARSEST = 5  # last mipmap of the skins, used by specks
 FIN_COLUMNS = 3, 8  # of the free edge of a dorsal or ventral fin
 
 
@@ -97,10 +97,7 @@ def speck() -> Speck:
 
 
 def places(plan: SurfacePlan, shape: Speck) -> Array:
-    """Texture coordinates of a species' vertices as shares of its skin sheet, and ABSENT or 0.
-
-    Returns (n, 3). Coordinates are inset by half a texel of the coarsest mipmap.
-    """
+    """Texture coordinates of a species' vertices as shares of its cell, and ABSENT or 0, (n, 3)."""
     points = rest_control_points(plan, 1.0, 0.0)[shape.points]
     height = points[:, 1]
     if plan.wing:
@@ -111,20 +108,13 @@ def places(plan: SurfacePlan, shape: Speck) -> Array:
     top = sheet_layout.half_height(plan)
     out = np.zeros((len(points), 3))
     within = np.stack([(-points[:, 0] - front) / (rear - front), (height + top) / (2.0 * top)], 1)
-    out[:, :2] = _framed(sheet_layout.BODY, within)
+    out[:, :2] = inside(sheet_layout.BODY, within)
     for number, start, fin, frame in (
         (1, DORSAL.start, plan.dorsal, sheet_layout.DORSAL),
         (2, VENTRAL.start, plan.ventral, sheet_layout.VENTRAL),
     ):
         mine = shape.fin == number
         row, column = np.divmod(shape.points[mine] - start, FIN_V)
-        out[mine, :2] = _framed(frame, np.stack([greville(FIN_V)[column], row], 1))
+        out[mine, :2] = inside(frame, np.stack([greville(FIN_V)[column], row], 1))
         out[mine, 2] = 0.0 if fin else ABSENT
     return out
-
-
-def _framed(frame: sheet_layout.SheetRegion, within: Array) -> Array:
-    """Coordinates (n, 2) on the sheet of points in a frame, 0 to 1 both ways."""
-    half = 0.5 * 2**COARSEST / np.array(sheet_layout.SIZE)
-    low, high = np.array(frame[:2]) + half, np.array(frame[2:]) - half
-    return np.clip(low - half + within * (high - low + 2.0 * half), low, high)

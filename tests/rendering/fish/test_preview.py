@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from subsea.fish import sheet_layout
 from subsea.fish.paint import paint
+from subsea.fish.sheet_layout import crop
 from subsea.fish.species import load_species
 from subsea.fish.surface import rest_control_points
 from subsea.rendering.fish.preview import FishPreview, Orbit
@@ -43,6 +45,23 @@ def seen(preview, points, *orbit, **options):
 def test_a_fish_from_four_sides(preview, points, same_picture):
     sides = [seen(preview, points, *orbit) for orbit in ((), (0.8, 0.3), (3.6, -0.4), (0.0, 1.5))]
     same_picture("specimen", np.vstack([np.hstack(sides[:2]), np.hstack(sides[2:])]))
+
+
+@pytest.mark.parametrize("size", [(320, 200), (96, 60), (48, 30)])
+def test_a_clear_fin_takes_no_colour_of_its_neighbour_on_the_sheet(
+    context, clownfish, points, size
+):
+    skin = paint(clownfish)
+    crop(np.moveaxis(skin, 2, 0), sheet_layout.DORSAL)[:] = 0
+    for region in (sheet_layout.VENTRAL, sheet_layout.PECTORAL, sheet_layout.PELVIC):
+        crop(np.moveaxis(skin, 2, 0), region)[:] = np.reshape([0, 255, 0, 255], (4, 1, 1))
+    preview = FishPreview(context, clownfish, skin)
+    preview.draw(points, Orbit(), size)
+    picture = preview.read_pixels().astype(int)
+    preview.release()
+    green = picture[..., 1] - picture[..., [0, 2]].max(axis=2) > 15
+    assert green[size[1] // 2 :].any()
+    assert not green[: size[1] // 3].any()
 
 
 def test_it_heads_left_fills_the_picture_and_nothing_is_cut_off(preview, points):
