@@ -63,11 +63,17 @@ def outcrop(one: Outcrop, floor: Floor) -> Array:
         spot = away * room * (np.cos(turn), np.sin(turn))
         rows.append((*spot, middle, *half, rng.uniform(-0.6, 0.6)))
     out = np.array(rows)
-    c, s = np.cos(yaw), np.sin(yaw)
-    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
+    out[:, :2] = _turned(out[:, :2], yaw) + (x, y)
     out[:, 2] += floor(x, y)
     out[:, 6] += yaw
     return out
+
+
+def _turned(plan: Array, yaw: float) -> Array:
+    """Turn points (n, 2) by ``yaw``, rad, not by BLAS, whose bits differ by processor."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, y = plan.T
+    return np.stack([c * x - s * y, s * x + c * y], axis=1)
 
 
 def ridge(one: Ridge, floor: Floor) -> Array:
@@ -100,8 +106,7 @@ def ridge(one: Ridge, floor: Floor) -> Array:
             place = x + 0.3 * wide * rng.normal(), bend + side * (b + 0.4 * size[1]), 0.3 * size[2]
         rows.append((*place, *size, rng.uniform(-0.8, 0.8)))
     out = np.array(rows)
-    c, s = np.cos(yaw), np.sin(yaw)
-    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + one.position_cm
+    out[:, :2] = _turned(out[:, :2], yaw) + one.position_cm
     out[:, 2] += [floor(x, y) for x, y in out[:, :2]]
     out[:, 6] += yaw
     return out
@@ -128,8 +133,7 @@ def arch(one: Arch, floor: Floor) -> Array:
         aside = rng.uniform(0.12, 0.3) + 0.35 * foot
         rows.append(_of_arch(t, aside, half, high, rng.uniform(0.8, 1.1) * thick, rng))
     out = np.array(rows)
-    c, s = np.cos(yaw), np.sin(yaw)
-    out[:, :2] = out[:, :2] @ np.array([[c, s], [-s, c]]) + one.position_cm
+    out[:, :2] = _turned(out[:, :2], yaw) + one.position_cm
     # Legs reach down to the sand.
     ground = floor(*one.position_cm)
     lower = np.array([min(floor(x, y) - ground, 0.0) for x, y in out[:, :2]])

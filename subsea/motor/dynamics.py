@@ -183,13 +183,16 @@ def _body(
 
 
 def _spread_areas(plan: SurfacePlan) -> Array:
-    """Measure the area (2,) of median and of pelvic fins, over the squared body length."""
+    """Measure the area (2,) of median and of pelvic fins, over the squared body length.
+
+    Sums here and below do not use BLAS, whose bits differ by processor.
+    """
     median = 0.0
     for fin, ridge in ((plan.dorsal, plan.back), (plan.ventral, plan.belly)):
         if fin:
             base = np.linspace(fin.base[1], fin.base[0], 9)
             x, y = np.concatenate([fin.edge, np.stack([base, along(ridge, base)], axis=1)]).T
-            median += abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2.0
+            median += abs((x * np.roll(y, 1) - y * np.roll(x, 1)).sum()) / 2.0
     pelvic = 2.0 * PADDLE_SHAPE * plan.pelvic.length * plan.pelvic.width if plan.pelvic else 0.0
     return np.array([median, pelvic])
 
@@ -197,7 +200,7 @@ def _spread_areas(plan: SurfacePlan) -> Array:
 def _roll_lead(body: Body, fin_area: float) -> float:
     """Time (tu) of :data:`ROLL_LEAD` radians of the swing that fins of this area make about x."""
     y, z = body.rest[:, 1], body.rest[:, 2]
-    inertia = body.mass @ (y**2 + z**2)
+    inertia = (body.mass * (y**2 + z**2)).sum()
     arm = np.abs(z[1:13]).mean()
     stiffness = ROLL_GAIN * 2.0 * fin_area * SCULL_SPEED**2 * arm
     return float(ROLL_LEAD / math.sqrt(stiffness / inertia))
@@ -205,9 +208,10 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 
 def _pitching(body: Body, inertia: Array, fin_area: float) -> float:
     """Couple, rad/tu², of both fins at STEEPEST in water that passes them at 1 cm/tu."""
-    arm = body.rest - inertia @ body.rest / inertia.sum()
+    arm = body.rest - (inertia[:, None] * body.rest).sum(axis=0) / inertia.sum()
     lift = 2.0 * fin_area * math.sin(STEEPEST) * math.cos(STEEPEST)
-    return float(lift * abs(arm[1:13, 0].mean()) / (inertia @ (arm[:, 0] ** 2 + arm[:, 1] ** 2)))
+    swing = (inertia * (arm[:, 0] ** 2 + arm[:, 1] ** 2)).sum()
+    return float(lift * abs(arm[1:13, 0].mean()) / swing)
 
 
 class Integration(NamedTuple):

@@ -250,12 +250,12 @@ def to_live(
     velocity = 0.5 * (arriving + leaving)
     velocity += (float(fishes.thrust[i]) - 1.0) * motion.shift[b]
     R = matrix(fishes.orientation[i].astype(np.float64))
-    x = nodes @ R.T
+    x = _turned(nodes, R)
     yaw, pitch = fishes.steering[i].astype(np.float64) * TIME_UNIT_S / rate
     spin = np.array([0.0, 0.0, yaw]) + pitch * R[:, 2]
     live.fish[slot], live.waiting[slot] = i, 0
     live.x[slot] = x
-    live.v[slot] = tempo * velocity @ R.T / TICK_TU + np.cross(spin, x)
+    live.v[slot] = _turned(tempo * velocity, R) / TICK_TU + np.cross(spin, x)
     level = int(library.level[a])
     begin = math.pi if segment == RIGHT_GRADUAL and not level else 0.0  # a mirror image
     row = _row_of_beat(fishes, library, i) + 1
@@ -282,6 +282,11 @@ def to_live(
     fishes.row_b[i] = len(library.entry) + own + 1
     fishes.weight[i], fishes.span[i] = 0.0, 1.0
     fishes.live[i], fishes.stay[i] = True, 0.0
+
+
+def _turned(rows: Array, R: Array) -> Array:
+    """Turn vectors (n, 3) by a rotation; not by BLAS, whose bits differ by processor."""
+    return np.asarray((rows[:, None] * R).sum(axis=2))
 
 
 def _try_to_leave(

@@ -431,7 +431,7 @@ def middle_of(there: Array, place: Array) -> Array:
         return place
     there = there.astype(np.float64)
     weight = 1.0 / (1.0 + ((there - place) ** 2).sum(axis=1) / NEAR_CM**2) ** 2
-    return np.asarray(weight @ there / weight.sum())
+    return np.asarray((weight[:, None] * there).sum(axis=0) / weight.sum())
 
 
 def _eased(share: float) -> float:

@@ -79,6 +79,7 @@ PROCESSORS = {
     "OpenBLAS": {"OPENBLAS_CORETYPE": "Nehalem"},
     "the C library": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-ERMS"},
 }
+PROCESSORS["all"] = {key: value for given in PROCESSORS.values() for key, value in given.items()}
 CHILD = """
 import sys
 from tests.world.test_threads import _dive
@@ -88,7 +89,7 @@ for name in sys.argv[1:]:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the C library of other systems has no setting")
-@pytest.mark.parametrize("library", only(("numpy",), sorted(PROCESSORS)))
+@pytest.mark.parametrize("library", only(("all",), sorted(PROCESSORS)))
 def test_the_processor_does_not_matter(library, pytestconfig):
     names = SCENARIOS if pytestconfig.getoption("--nightly") else ["preying"]
     done = subprocess.run(
