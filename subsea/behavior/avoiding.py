@@ -23,9 +23,9 @@ from subsea.state import (
 )
 
 ASIDE = 1.5  # weight of turning away against keeping the course
-MAKING_ROOM = 0.6  # the same in a school, so that the fish stays with it
+MAKING_ROOM = 0.6  # this weight in a school, so that the fish stays with it
 SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
-CAREFUL = 0.6  # the most while it rounds an obstacle
+CAREFUL = 0.6  # largest share while it rounds an obstacle
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 
 

@@ -30,10 +30,10 @@ COVER_CM = 10.0  # depth below which the bait is visible
 BITE_BL = 0.15  # distance from the mouth at which the bait is bitten
 OPEN_BL = 0.4  # distance within which the mouth is open
 FOLLOWS = 6.0  # 1/s: rate at which the snout of the catch is drawn to the hook
-YANK_CM_S = 150.0  # at most
+YANK_CM_S = 150.0  # fastest pull of the catch to the hook
 OUT_BL = 0.6  # height of its middle above the surface at which a catch is removed
-HOLD_TICKS = 14  # how long a direction is held
-DIVE = 0.3, 0.6  # slope downward
+HOLD_TICKS = 14  # how long a struggling catch keeps its direction
+DIVE = 0.3, 0.6  # range of its slope downward
 GASP = 0.6  # how far the mouth is held open
 HEADING_PURPOSE, DIVE_PURPOSE = np.int64(70), np.int64(71)  # keys of the random numbers
 

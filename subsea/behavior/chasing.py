@@ -15,8 +15,8 @@ CIRCLE_BL = 2.2  # radius of a gradual turn at full speed
 TURNING = 0.12  # share of the fastest speed for turning toward a target that is too near
 BESIDE = 0.3  # share of the fastest speed beside a fish that it follows
 FORESIGHT_S = 2.0  # how far ahead the motion of a target is predicted
-LASTING_S = 3.0  # of a full burst, after which a fish is no faster than its sustained speed ...
-FRESH = 0.4  # ... and the share of that time for which it is at its fastest
+LASTING_S = 3.0  # length of a full burst; then a fish has only its sustained speed ...
+FRESH = 0.4  # ... and the share of this time in which it is at its fastest
 RECOVERS = 0.08  # s of burst recovered in a second without one
 
 

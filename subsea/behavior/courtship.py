@@ -43,23 +43,23 @@ DISPLAY_BL = 1.5  # distance from that place at which he begins
 SWING_BL = 0.55  # vertical amplitude of the point that he chases, in his body length
 SWING_HZ = 0.14
 REACH_BL = 0.45  # distance at which he has reached the point
-VIGOUR, BENT = 0.75, 0.25  # share of the fastest speed at which he loops, and of that in turns
+VIGOUR, BENT = 0.75, 0.25  # share of the fastest speed in a loop; least share of this in turns
 POINTS = 4  # reached before he goes on to circle
 IMPRESSED = 1  # points a rival reaches before she compares him with her favourite
 LARGER = 1.05  # how many times as long a rival must be
-BOB_HZ, BOB_SLOPE = 0.45, 0.5  # of her head while she looks on
-CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail, at which speed
+BOB_HZ, BOB_SLOPE = 0.45, 0.5  # nods of her head while she looks on
+CIRCLING_BL, CIRCLING_SPEED = 0.45, 0.2  # distance to the other's tail; share of the fastest
 ROOM_BL = 0.8  # distance of their middles below which he passes above her
-ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # beyond it he goes on round; least turn
-TURNS = 2.0  # of hers before they go on to the ascent
+ASTRAY_RAD, LEAST_RAD = np.radians((60.0, 15.0))  # angle beyond which he circles on; least turn
+TURNS = 2.0  # that she makes before they ascend
 RISE_BL = 4.0  # height of her ascent, in her body lengths ...
 CEILING_BL, CEILING_CM = 1.6, 10.0  # ... but no nearer to the surface
 LEAST_RISE = 0.4  # share of the fastest speed at which she ascends while he is left behind
 STEEP = 0.78  # slope of her ascent: the motor system's steepest
 FOLLOWED_BL = 1.3  # distance from her abdomen at which he has kept up
-BELOW_BL = 0.3  # how far under it he keeps, in his body length
+BELOW_BL = 0.3  # how far under her abdomen he keeps, in his body length
 
-# For each state, none to nuzzling: how long until it is given up, ...
+# For each state, from none to nuzzling: time after which it is given up, ...
 LIMIT_S = np.array([np.inf, 60.0, 60.0, 45.0, 30.0, 60.0])
 # ... and how long the partner may attend to something else.
 ALONE_S = np.array([np.inf, 25.0, 8.0, 10.0, 10.0, 10.0])

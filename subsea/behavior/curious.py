@@ -10,7 +10,7 @@ from subsea.geometry.vector import Vector, dot, minus, norm, plus, times, vector
 from subsea.kernels import kernel
 from subsea.state import PACIFIST, Clock, Fishes, Minds, Nature, Sea
 
-CURIOUS = 7  # its row in `table.py`, and of its fatigue
+CURIOUS = 7  # row of curiosity in `table.py` and in `minds.fatigue`
 
 INTEREST = 0.6
 SATED_S = (25.0, 40.0)  # how long a fish watches, by its identity

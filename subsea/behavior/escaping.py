@@ -39,10 +39,10 @@ DODGE_RAD = np.radians(30.0), np.radians(75.0)  # from a predator that is close,
 STEEP = 0.5  # steepest escape up or down, as a share of the level way
 LOOMS_RAD_S = 0.5  # growth of the angle that a predator subtends at which a fish starts ...
 BEHIND = 1.0  # ... and by how much more, as a share, if it comes from straight behind
-LATENCY_S = 0.1  # of a start at the threshold; shorter for a greater stimulus
+LATENCY_S = 0.1  # delay of a start at the threshold; shorter for a greater stimulus
 LEAST_START, MOST_START = 0.6, 2.6  # rad, range of C-starts; straight ahead without one
 SPREAD_RAD = 0.7  # range of angles by which starts differ: the direction is not to be foreseen
-REFRACTORY_S = 1.5  # until the next start
+REFRACTORY_S = 1.5  # shortest time until the next start
 FLIGHT_S = 2.0  # length of the burst after a start
 START_PURPOSE = np.int64(81)  # key of the random numbers
 ADRIFT_CM_S = 5.0  # a slower submarine is taken to head for the fish
@@ -52,10 +52,10 @@ class Danger(NamedTuple):
     """A predator relative to the fleeing fish, in the horizontal plane; angles left positive."""
 
     near: float  # 0 at the limit of close, 1 at contact; below 0 it is far
-    bearing: float  # rad, from my heading to where it is
-    course: float  # rad, from my heading to its heading
+    bearing: float  # rad, from the heading of the fish to the predator
+    course: float  # rad, from the heading of the fish to that of the predator
     approaches: bool
-    above: float  # sine of the angle by which it is higher
+    above: float  # sine of the angle by which the predator is higher
 
 
 @kernel

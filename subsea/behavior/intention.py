@@ -25,13 +25,13 @@ class Behavior(NamedTuple):
     routine: Routine
     desires: tuple[tuple[int, Desire], ...]
     tires: bool = False  # True if the desire fades while it is followed (Tu §7.7.2)
-    in_turn: bool = False  # True if the routine reads what it writes for others: no parts
+    in_turn: bool = False  # True if the routine reads what it writes for others: never cut up
 
 
-# Share of the active desire's strength by which its rivals are inhibited: of a resumed one (Tu
-# §7.7.2), and of any other, so that two equal desires that tire do not alternate.
+# Share of the present desire's strength that its rivals lose: after it was resumed (Tu §7.7.2),
+# and otherwise, so that two equal desires that tire do not alternate.
 INHIBITION, GRACE = 0.2, 0.05
-# Factor on a desire that still recovers, or it would be taken up again after a moment's rest.
+# Factor on a desire that still recovers, so that a fish rests longer than a moment.
 RESTS = 0.8
 MEMORY_S = 12.0  # after which an interrupted intention is forgotten
 DWELL_S = 0.4  # least duration of a reaction, unless a more urgent one interrupts it

@@ -9,8 +9,8 @@ from subsea.state import FEAR, Clock, Fishes, Minds, Nature, Sea
 
 SPACING_BL = 1.0  # distance to each neighbour
 FOLLOW_BL = 5.0  # distance to the leader at which a follower catches up
-OWN_WAY, COMPANY = 2.0, 0.3  # weights of way and company while it passes an obstacle, ...
-HURRY = 0.7  # ... and its least speed, to rejoin soon
+OWN_WAY, COMPANY = 2.0, 0.3  # weights of way and company in passing an obstacle, ...
+HURRY = 0.7  # ... and least speed there, to rejoin soon
 CLOSED = 0.6  # factor on the spacing in an alarmed school
 SIGHT_S = 1.0  # how recently a leader must have been seen to copy its heading
 LOST_S = 25.0  # how long a fish swims on to where it last saw its leader

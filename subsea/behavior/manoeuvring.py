@@ -11,7 +11,7 @@ from subsea.geometry.vector import Vector, plus, vector
 from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
 
-CLOSE_RAD = np.radians(40.0)  # the angle asked for at which a fish turns fastest
+CLOSE_RAD = np.radians(40.0)  # wanted angle at which a fish turns fastest
 TURNING_RAD, TURNING_SPEED = np.radians((15.0, 45.0, 90.0)), np.array((1.0, 0.35, 0.1))
 BELLY_BACK_BL, BELLY_DOWN_BL = 0.05, 0.15  # the abdomen, behind and below the origin
 

@@ -1,6 +1,6 @@
-"""Hunger, libido and fear (Tu §7.4).
+"""Update hunger, libido and fear (Tu §7.4).
 
-Initial sexes, habits and mental states of shoals, and those of individual fishes.
+Set the initial sexes, habits and mental states of shoals and of individual fishes.
 """
 
 from typing import Any
@@ -75,7 +75,7 @@ def stimulus(distance: float, low: float, high: float) -> float:
     return (strength - low) / (2.0 * high - low - strength)
 
 
-PLANKTON_CM, PREY_CM = 8.0, 50.0  # body length per meal of its appetite
+PLANKTON_CM, PREY_CM = 8.0, 50.0  # body length per meal of the appetite
 DONE_CHEWING_S = 6.0  # after a meal: see `hunting.CHEW_S`
 HABITS = ("brightness", "darkness", "cold", "warmth")  # columns of `minds.likes`
 
@@ -97,31 +97,31 @@ def set_temperament(
     set_libido(minds, these, hunger, libido, 0.0)
 
 
-def apply_individual(fishes: Fishes, minds: Minds, one: IndividualTable, now_s: float) -> None:
+def apply_individual(fishes: Fishes, minds: Minds, table: IndividualTable, now_s: float) -> None:
     """Apply the settings of an individual fish at `now_s`, the time of its hunger and libido.
 
     A change of kind or sex clears what the fish and others know of each other.
     """
-    i = one.fish
-    kind = minds.kind[i] if one.kind is None else KINDS.index(one.kind)
-    male = minds.male[i] if one.male is None else one.male
-    hunger = urge_to_eat(minds, i, now_s) if one.hunger is None else one.hunger
+    i = table.fish
+    kind = minds.kind[i] if table.kind is None else KINDS.index(table.kind)
+    male = minds.male[i] if table.male is None else table.male
+    hunger = urge_to_eat(minds, i, now_s) if table.hunger is None else table.hunger
     if kind != minds.kind[i] or male != minds.male[i]:
         _forget_all(minds, i)
         minds.kind[i], minds.male[i] = kind, male
         _set_appetite(fishes, minds, i)
-    if one.likes is not None:
-        minds.likes[i] = [name in one.likes for name in HABITS]
+    if table.likes is not None:
+        minds.likes[i] = [name in table.likes for name in HABITS]
     for name, value in (
-        ("schools", one.schooling), ("digestion", one.digestion),
-        ("libido_rate", one.libido_rate), ("dread", one.dread_cm), ("appetite", one.appetite),
+        ("schools", table.schooling), ("digestion", table.digestion),
+        ("libido_rate", table.libido_rate), ("dread", table.dread_cm), ("appetite", table.appetite),
     ):  # fmt: skip
         if value is not None:
             getattr(minds, name)[i] = value
     if hunger != urge_to_eat(minds, i, now_s):
         minds.eaten[i], minds.last_meal[i] = (1.0 - hunger) * minds.appetite[i], now_s
-    if one.libido is not None:
-        set_libido(minds, i, hunger, one.libido, now_s)
+    if table.libido is not None:
+        set_libido(minds, i, hunger, table.libido, now_s)
 
 
 def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
@@ -131,7 +131,7 @@ def males_of(shoal: Shoal, number: int) -> NDArray[np.bool_]:
 
 
 def appetite_of(length: Any, kind: Any) -> Any:
-    """Default number of meals that fill fishes of these lengths, cm, and kinds."""
+    """Return the default number of meals that fill fishes of some lengths, cm, and kinds."""
     meal_cm = np.where(kind == PREDATOR, PREY_CM, PLANKTON_CM)
     return np.maximum(np.round(length / meal_cm), 2.0)
 
@@ -141,13 +141,13 @@ def _set_appetite(fishes: Fishes, minds: Minds, these: slice | int) -> None:
 
 
 def urge_to_eat(minds: Minds, these: Any, now_s: float) -> Any:
-    """Hunger of one or more fishes without the stimulus of food in sight (Tu §7.4)."""
+    """Compute the hunger of fishes without the stimulus of food in sight (Tu §7.4)."""
     left = np.maximum(1.0 - minds.digestion[these] * (now_s - minds.last_meal[these]), 0.0)
     return 1.0 - minds.eaten[these] * left / minds.appetite[these]
 
 
 def urge_to_mate(minds: Minds, these: Any, now_s: float) -> Any:
-    """Libido of fishes that are not hungry, without the stimulus of a mate in sight."""
+    """Compute the libido of sated fishes without the stimulus of a mate in sight."""
     since = now_s - minds.last_mating[these]
     return np.clip(minds.libido_rate[these] * since, 0.0, 1.0)
 
@@ -160,13 +160,13 @@ def set_hunger(minds: Minds, these: Any, hunger: Any, now_s: float) -> None:
 
 
 def set_libido(minds: Minds, these: Any, hunger: Any, libido: Any, now_s: float) -> None:
-    """Set the libido of fishes of that hunger by the time of their last mating."""
+    """Set the libido of fishes with a given `hunger` by the time of their last mating."""
     share = libido / np.maximum(1.0 - hunger, 0.1)
     minds.last_mating[these] = now_s - share / np.maximum(minds.libido_rate[these], 1e-9)
 
 
 def _forget_all(minds: Minds, i: int) -> None:
-    """Clear all that others know of fish i and it of others: indices depend on its kind."""
+    """Clear what fish i and others know of each other: indices depend on its kind."""
     forget(minds, i)
     for name in ("target", "memory", "memory_target", "food"):
         getattr(minds, name)[i] = -1

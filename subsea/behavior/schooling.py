@@ -1,8 +1,8 @@
 """Schooling: align with the nearest neighbours, keep with them and apart from them.
 
-Each fish minds its seven nearest. Some fishes of a school know its destination; the others follow
-from fish to fish (Couzin et al., Nature 433:513, 2005). A school with a leader follows that
-instead (`behavior/leading.py`).
+Each fish minds its seven nearest companions. Some fishes of a school know its destination; the
+others follow from fish to fish (Couzin et al., Nature 433:513, 2005). A school with a leader
+follows this fish instead (`behavior/leading.py`).
 """
 
 import numpy as np
@@ -30,11 +30,11 @@ ALONG = 0.25  # change of speed by the attraction and separation along the headi
 ALARMED_SPEED = 0.9
 OWN_WAY, COMPANY = 2.0, 0.4  # weights of the way past an obstacle, and of all else meanwhile
 LEAST_SPEED = 0.3
-# A school of n extends RADIUS_BL n^(1/3) from its middle; beyond this share of that a fish heads
-# for the middle, hurrying.
+# A school of n extends RADIUS_BL n^(1/3) from its middle. A fish beyond the share WITHIN of this
+# radius hurries to the middle.
 RADIUS_BL, WITHIN, REJOIN, HURRY = 0.9, 0.6, 1.2, 0.5
-DIRECT = 2.0  # there it passes an obstacle on the side of the school: weight of the angle off it
-# A straggler has fewer companions than this within this distance, cm and lengths.
+DIRECT = 2.0  # weight of the angle off the school in the choice of a side, for a fish beyond it
+# A straggler has fewer than COMPANIONS companions within STRAGGLING_BL.
 STRAGGLING_BL, COMPANIONS = 10.0, 4
 INFORMED_PURPOSE = np.int64(80)  # key of the random numbers
 

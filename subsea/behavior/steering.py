@@ -23,13 +23,13 @@ from subsea.state import (
 )
 
 EASE = 4.0  # 1/s: how fast a goal follows an urge, so that no fish twitches
-ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: of a fish at rest, and the time of a turn
+ROOM_BL, ROOM_S = 2.0, 1.0  # room to turn away: lengths at rest, and s of its motion
 BODY_BL = 0.45  # farthest part of a body from its middle
 BOLD = 0.4  # share of that room for a hunter, which follows its prey between stones
 CLEARANCE_CM, CLEARANCE_BL = 8.0, 0.2  # free water beyond snout and tail
-CORNERED = 0.1  # of a unit urge: a solid turns it toward the wall by more in a corner
+CORNERED = 0.1  # part of a unit urge; in a corner a solid turns more toward the wall
 HULL_AHEAD_S = 1.5  # how far ahead the submarine's motion is predicted
-STEEPEST = np.sin(np.radians(20.0))  # steepest urge, but for these intentions
+STEEPEST = np.sin(np.radians(20.0))  # steepest urge, except of the intentions STEEP
 STEEP = (ESCAPE, EAT, MATE)
 SLOPE_CM = 20.0  # baseline of the seabed's slope
 

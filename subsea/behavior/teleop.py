@@ -20,7 +20,7 @@ from subsea.state import WANDER, Clock, Fishes, Minds, Sea
 
 # Angle of a full turn: a fusilier turns by about 110° a second, which can still be steered.
 ASIDE_RAD = np.radians(40.0)
-STEEP_RAD = np.radians(38.0)  # the steepest that fishes swim
+STEEP_RAD = np.radians(38.0)  # steepest command: that of a burst
 
 
 class TeleopCommand(NamedTuple):
@@ -42,12 +42,12 @@ class TeleopCommands(NamedTuple):
     feeds: Bools  # (k,) whether it eats what is before its mouth
 
     def taken(self, chosen: Any) -> "TeleopCommands":
-        """Commands chosen by an index or mask."""
+        """Choose commands by an index or mask."""
         return TeleopCommands(*(part[chosen] for part in self))
 
 
 def as_commands(command: TeleopCommand) -> TeleopCommands:
-    """The commands that steer one fish, which does not feed."""
+    """Make the commands that steer one fish, which does not feed."""
     turn, rise, speed = np.array(command[1:], np.float64)[:, None]
     return TeleopCommands(np.array([command.fish]), turn, rise, speed, np.array([False]))
 

@@ -55,9 +55,9 @@ def balanced(fishes: Fishes, i: int, q: Quaternion, bank: float, dt: float) -> Q
     return multiply(q, about(1.0, 0.0, 0.0, -rate * dt))
 
 
-GAP_CM = 0.1  # that is left: above the rounding of positions
+GAP_CM = 0.1  # gap that is left, above the rounding of positions
 PASSES = 12  # steps out of barriers that overlap
-SWING = 0.25  # of a body length: the farthest that a turn swings an end in a tick
+SWING = 0.25  # share of the body length: farthest swing of an end by a turn in a tick
 
 
 @kernel

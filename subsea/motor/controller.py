@@ -37,10 +37,10 @@ from subsea.repertoire.blending import LEVELS, TIGHTEST
 from subsea.repertoire.library import Library
 from subsea.state import Clock, Fishes
 
-SHARP_SHARE = 0.7  # of the angle of a sharp turn, beyond which a fish makes one ...
+SHARP_SHARE = 0.7  # share of the angle of a sharp turn beyond which a fish turns sharply ...
 SHARP_RAD = np.radians(30.0)  # ... unless the angle is less than this
 BEGIN_RAD = np.radians(10.0)  # a turn that cannot be blended begins beyond this angle
-RELEASE_RAD = np.radians(3.0)  # and ends here
+RELEASE_RAD = np.radians(3.0)  # ... and ends within this angle
 STRAIGHT_RAD = np.radians(15.0)  # a bursting fish does not turn within this angle
 LEAVE_RAD = np.radians(4.0)  # within it a slow or fast swim is not left for one that bends
 YAW_RATE = np.radians(30.0)  # rad/s: the fastest turn on the spot by pectoral fins
@@ -53,24 +53,24 @@ MAX_PITCH_RAD = np.radians(20.0)  # the steepest that fishes swim ...
 BURST_PITCH_RAD = np.radians(38.0)  # ... in a burst ...
 ROW_PITCH_RAD = np.radians(65.0)  # ... and by their fins alone, which hold the body at any pitch
 STEEP = np.cos(np.radians(60.0))  # level share of a goal's direction below which turns are smaller
-TEMPO_EASE = 1.2  # 1/s: how fast the rate may change
-BURST_EASE = 15.0  # 1/s: of a fish in a hurry, which bursts within 0.2 s
-SLOWING = 2.0  # 1/s: after a burst
+TEMPO_EASE = 1.2  # 1/s: how fast the tempo may change
+BURST_EASE = 15.0  # 1/s: likewise in a hurry, so that a fish bursts within 0.2 s
+SLOWING = 2.0  # 1/s: likewise after a burst
 THRUST_EASE = 1.2  # 1/s: full thrust to hovering in less than a second
 RETREAT = -0.6  # least thrust: the fastest retreat, over the slow swim
 CSTART_TEMPO = 3.0  # the first stage takes less than 0.1 s
-TURN_TEMPO = (1.0, 2.0)  # of sharp turns
+TURN_TEMPO = (1.0, 2.0)  # range of the tempo in sharp turns
 ROW_TEMPO = 1.5  # fastest beat of the pectoral fins; the tail beats above it ...
 TAIL_SHARE = 0.7  # ... or above this share of the fast swim
 KEEP_ROWING = 1.15  # factor on that speed for a fish that rows: hysteresis
-RHYTHM = (0.15, 0.3)  # by which burst and coast leave the wanted speed, by a fish's identity
+RHYTHM = (0.15, 0.3)  # shares by which burst and coast leave the wanted speed, by identity
 STEADY = 0.8  # share of the fast swim from which a fish beats without pause ...
 SLOW_DOWN = 1.2  # ... while it is at most this much faster than it wants
 REACHED = 1.1  # speed for which a burst beats, over that at which it ends
 HOVER = 0.1  # share of the slow swim below which a fish stands in the water
 BRAKING = 1.8  # speed over the wanted one from which fins brake a coast
 STAND_TIME_S = 1.0  # time constant of a fish that stops, at the recorded size
-CYCLE_S = 6.0  # of beats and stops below the slowest beat, without a recorded coast
+CYCLE_S = 6.0  # cycle of beats and stops below the slowest beat, without a recorded coast
 MOVING = 0.3  # share of the slow swim above which a fish need not start from rest
 MONOTONY_S = (4.0, 9.0)  # after which a fish tires of a segment, by its identity
 MONOTONY_PURPOSE = np.int64(50)  # key of the random numbers

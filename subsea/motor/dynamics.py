@@ -71,10 +71,10 @@ from subsea.repertoire.library import Library
 from subsea.state import DORSAL, PELVIC, Fishes, Live, Physics
 
 MAX_RATE = 8  # recorded frames per tick, of a fish with 1/64 of the recorded length
-LEAP_BL = 1.0  # displacement per tick, at the pace of its size, that means divergence
+LEAP_BL = 1.0  # displacement of a body per tick, at the pace of its size, that means divergence
 FIN_AREA = 0.01  # of each pectoral fin, over the squared body length
 LAST_RING = (17, 18, 19, 20)  # nodes of the ring before the tail
-MEDIAN_NODES, PELVIC_NODES = (9, 17), (5, 13)  # of the rings that bear the fins, first and end
+MEDIAN_NODES, PELVIC_NODES = (9, 17), (5, 13)  # first and end node of the rings with these fins
 PADDLE_SHAPE = 0.7  # area of a pelvic fin over length and width
 BEND_EASE = 1.0 / LEVELS  # share of the full bend per recorded frame, as in playback ...
 STILL_EASE = 1.0 / 21.0  # ... and in a coast, where a quick bend makes the body swing for long
@@ -86,7 +86,7 @@ GEAR_EASE = 3.0 / 14.0  # grades by which the beat may change in a tick
 ROLL_LEAD = 0.7  # radians of the roll oscillation by which the fins lead; less overshoots
 SCULL_SPEED = 1.2  # cm/tu: the fins of a slower fish beat, and meet the water at this speed
 TEMPO_EASE = 0.025  # change of the tempo per tick toward the recorded one
-SPEED_GAIN = 2.0  # on the speed error, as fins and bends slow the fish
+SPEED_GAIN = 2.0  # gain on the speed error, as fins and bends slow the fish
 TOO_FAST = 0.03  # share of excess speed above which the fins brake
 HARDEST_BRAKE = 2.0  # times the pectoral area: a stopping fish spreads its other fins too
 BRAKE_GAIN = 5.0  # braking share of the fin area per share of excess speed
@@ -124,7 +124,7 @@ class BodyTables(NamedTuple):
 
 
 def make_bodies(species: Sequence[Species], library: Library) -> BodyTables:
-    """The tables of these species, in the order of the packed library.
+    """Make the tables of some species, in the order of the packed library.
 
     Spine-driven species have no body to simulate and get rows of zeros, which nothing reads.
     """
@@ -142,7 +142,7 @@ NO_BODY = tuple(np.zeros(n) if n != 1 else 0.0 for n in _ROW)
 
 
 def under(bodies: BodyTables, physics: Physics) -> BodyTables:
-    """The tables under other physics (Tu §9.2)."""
+    """Change the tables to other physics (Tu §9.2)."""
     if physics == Physics():
         return bodies
     water = physics.water_viscosity if physics.hydrodynamics else 0.0
@@ -198,7 +198,7 @@ def _spread_areas(plan: SurfacePlan) -> Array:
 
 
 def _roll_lead(body: Body, fin_area: float) -> float:
-    """Time (tu) of :data:`ROLL_LEAD` radians of the swing that fins of this area make about x."""
+    """Compute the time, tu, of :data:`ROLL_LEAD` radians of the roll that such fins make."""
     y, z = body.rest[:, 1], body.rest[:, 2]
     inertia = (body.mass * (y**2 + z**2)).sum()
     arm = np.abs(z[1:13]).mean()
@@ -207,7 +207,7 @@ def _roll_lead(body: Body, fin_area: float) -> float:
 
 
 def _pitching(body: Body, inertia: Array, fin_area: float) -> float:
-    """Couple, rad/tu², of both fins at STEEPEST in water that passes them at 1 cm/tu."""
+    """Compute the couple, rad/tu², of both fins at STEEPEST in water that passes at 1 cm/tu."""
     arm = body.rest - (inertia[:, None] * body.rest).sum(axis=0) / inertia.sum()
     lift = 2.0 * fin_area * math.sin(STEEPEST) * math.cos(STEEPEST)
     swing = (inertia * (arm[:, 0] ** 2 + arm[:, 1] ** 2)).sum()

@@ -1,6 +1,6 @@
 """Play recorded motion and glides (SMC §5.1, §5.2), one pass per tick.
 
-Codes of `repertoire.schema.SEGMENTS`, as plain numbers for compiled kernels.
+The codes of `repertoire.schema.SEGMENTS` are plain numbers for compiled kernels.
 """
 
 import numpy as np

@@ -55,12 +55,12 @@ def _steps(library: Library, a: int, b: int) -> int:
 
 
 def nodes_world(fishes: Fishes, library: Library, i: int) -> Array:
-    """The 23 nodes (23, 3) of fish i at the present tick, cm, world (SMC eq. 12)."""
+    """Compute the nodes (23, 3) of fish i at the present tick, cm, world (SMC eq. 12)."""
     return _points_world(fishes, library.nodes, i)
 
 
 def control_points_world(fishes: Fishes, library: Library, i: int) -> Array:
-    """The 426 control points (426, 3) of fish i at the present tick, cm, world (SMC eq. 13)."""
+    """Compute the control points (426, 3) of fish i now, cm, world (SMC eq. 13)."""
     return _points_world(fishes, library.control_points, i)
 
 
@@ -90,7 +90,7 @@ def ends(fishes: Fishes, nodes: Array, i: int) -> tuple[Vector, Vector]:
 
 
 def centres_world(fishes: Fishes, nodes: Array, mass: Array) -> Array:
-    """Centres of mass (n, 3) of all fishes at the present tick, cm, world.
+    """Compute the centres of mass (n, 3) of all fishes at the present tick, cm, world.
 
     `nodes` are the library's, `mass` (S, 23) those of the nodes of each species. A species without
     muscles has no masses: its nodes count alike.

@@ -1,6 +1,6 @@
 """Switch fishes between simulation and playback without a visible change.
 
-Fishes near the viewer are simulated, all others played back: future work of SMC §9.1.
+Fishes near the viewer are simulated, all others played back (future work in SMC §9.1).
 """
 
 import math
@@ -79,14 +79,14 @@ def make_dynamics(
     species: Sequence[Species], repertoires: Sequence[Repertoire], library: Library,
     reach_cm: float,
 ) -> Dynamics:  # fmt: skip
-    """The constants of these species, in the order of the packed library."""
+    """Gather the constants of some species, in the order of the packed library."""
     motions = [
         {name: kinematics_of(r.segments[name]) for name in r.recorded_names()} for r in repertoires
     ]
     every = [motion for row in motions for motion in row.values()] + _bends(library)
     return Dynamics(
         make_bodies(species, library),
-        np.array([one.muscles is not None for one in species]),
+        np.array([kind.muscles is not None for kind in species]),
         Kinematics(*(np.concatenate(tables) for tables in zip(*every, strict=True))),
         np.array([[_usual(row, name) for name in SEGMENTS] for row in motions]),
         reach_cm,
@@ -94,7 +94,7 @@ def make_dynamics(
 
 
 def _bends(library: Library) -> list[Kinematics]:
-    """The kinematics of the rows that blend turns with a straight swim, in their order."""
+    """List the kinematics of the rows that blend turns with a straight swim, in their order."""
     cycles = []
     for kind, turn in sorted(np.argwhere(library.veer >= 0), key=lambda at: library.veer[*at]):
         beat = int(library.length[kind, turn])
@@ -109,7 +109,7 @@ def _bends(library: Library) -> list[Kinematics]:
 
 
 def _usual(motions: dict[str, Kinematics], name: str) -> float:
-    """The largest change of a node's velocity in a segment or its substitute."""
+    """Return the largest change of a node's velocity in a segment or its substitute."""
     return usual_change(motions[name if name in motions else SUBSTITUTES[name]])
 
 
@@ -119,8 +119,8 @@ def swim(
 ) -> Ints:  # fmt: skip
     """Advance all simulated fishes by a tick, before playback moves the others.
 
-    Fishes near the viewer are simulated. Returns those whose bodies diverged ("exploded", Tu §9.2),
-    which are played back from their last sound pose. Under unusual physics fishes that leave the
+    Fishes near the viewer are simulated. Returns fishes whose bodies diverged (Tu §9.2), which
+    are played back from their last sound pose. Under unusual physics fishes that leave the
     sea are played back too.
     """
     if not len(live.fish) or not len(fishes.live):
@@ -154,7 +154,7 @@ def swim(
 
 def _astray(fishes: Fishes, live: Live, sea: Sea) -> list[int]:
     """Move fishes that were leaving the sea back inside, and return their slots."""
-    found = []
+    slots = []
     for slot, i in enumerate(live.fish):
         if i < 0 or not fishes.live[i]:
             continue
@@ -164,8 +164,8 @@ def _astray(fishes: Fishes, live: Live, sea: Sea) -> list[int]:
         if rim > sea.radius - room or not low < z < -room:
             inward = min((sea.radius - room) / max(rim, 1e-6), 1.0)
             fishes.position[i] = inward * x, inward * y, min(max(z, low), -room)
-            found.append(slot)
-    return found
+            slots.append(slot)
+    return slots
 
 
 def _free(fishes: Fishes, live: Live, rows: int) -> None:
@@ -210,7 +210,7 @@ def may_go_live(fishes: Fishes, library: Library, i: int) -> bool:
 
 
 def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
-    """The present row of fish i in its segment; in a bend the one of equal phase of the swim."""
+    """Return the present row of fish i in its segment; in a bend, of equal phase in the swim."""
     kind, segment, row = int(fishes.species[i]), int(fishes.segment[i]), int(fishes.row_a[i])
     if row < len(library.straight) and library.level[row]:
         segment, row = int(BASE[segment]), int(library.straight[row])
@@ -218,15 +218,15 @@ def _row_of_beat(fishes: Fishes, library: Library, i: int) -> int:
 
 
 def steady(fishes: Fishes, library: Library) -> Bools:
-    """(n,) True for fishes that may be simulated: they swim or turn at a usual speed.
+    """Select fishes (n,) that may be simulated: they swim or turn at a usual speed.
 
-    Those that burst, row, stop or escape are played back.
+    Fishes that burst, row, stop or escape are played back.
     """
     asked = np.stack([fishes.segment, fishes.wanted_segment])
     usual = ((asked <= RIGHT_SHARP) | (BASE[asked] == COAST)).all(axis=0)
-    own = library.speed[fishes.species]
-    now = np.take_along_axis(own, fishes.segment[:, None].astype(np.intp), axis=1)[:, 0]
-    hurried = fishes.tempo > FASTEST * np.maximum(1.0, own[:, FAST] / now)
+    speeds = library.speed[fishes.species]
+    present = np.take_along_axis(speeds, fishes.segment[:, None].astype(np.intp), axis=1)[:, 0]
+    hurried = fishes.tempo > FASTEST * np.maximum(1.0, speeds[:, FAST] / present)
     hurried |= fishes.goal_speed > HURRIED
     return np.asarray(usual & ~hurried & (fishes.thrust >= HOVERING))
 
@@ -274,12 +274,12 @@ def to_live(
     sway = (1.0 - w) * library.sway[a] + w * library.sway[b]
     live.course[slot] = math.atan2(R[1, 0], R[0, 0]) - sway
     # The present pose is the first row of the slot; the next tick writes the other.
-    own = 2 * slot
-    live.nodes[own], live.nodes[own + 1] = nodes, nodes
-    live.rotation[own], live.translation[own] = library.rotation[b], library.translation[b]
-    live.sway[own] = sway
-    fishes.row_a[i] = len(library.entry) + own
-    fishes.row_b[i] = len(library.entry) + own + 1
+    first = 2 * slot
+    live.nodes[first], live.nodes[first + 1] = nodes, nodes
+    live.rotation[first], live.translation[first] = library.rotation[b], library.translation[b]
+    live.sway[first] = sway
+    fishes.row_a[i] = len(library.entry) + first
+    fishes.row_b[i] = len(library.entry) + first + 1
     fishes.weight[i], fishes.span[i] = 0.0, 1.0
     fishes.live[i], fishes.stay[i] = True, 0.0
 
@@ -313,15 +313,15 @@ class WayBack(NamedTuple):
 def way_back(
     fishes: Fishes, library: Library, dynamics: Dynamics, live: Live, slot: int
 ) -> WayBack:
-    """The gentlest glide from the pose of a slot to a row of a straight swim."""
+    """Find the gentlest glide from the pose of a slot to a row of a straight swim."""
     i = live.fish[slot]
     kind, rows = fishes.species[i], len(library.entry)
     here, before = fishes.row_a[i] - rows, fishes.row_b[i] - rows
     nodes = live.nodes[[here]].astype(np.float64)
     shift = live.translation[[here]].astype(np.float64)
     spin = rotation_vectors(live.rotation[[here]].astype(np.float64))
-    own = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
-    arriving = node_velocity(own, shift, spin, nodes)
+    deformation = (nodes - live.nodes[[before]]) / float(fishes.rate[i])
+    arriving = node_velocity(deformation, shift, spin, nodes)
     segments = zip(library.first[kind, : FAST + 1], library.length[kind], strict=False)
     goals = np.concatenate([first + np.arange(n) for first, n in segments])
     present = Kinematics(nodes, shift, spin, arriving, arriving)

@@ -62,7 +62,7 @@ class Crowd(NamedTuple):
     motion: Array  # (m, 5) of each slot: velocity, cm/s, radius about the middle, cm, and speed
     radius: float  # the largest
     speed: float  # the largest
-    column: Array  # (columns, 2) the same of each upright column of cells; empty for few fishes
+    column: Array  # (columns, 2) largest radius and speed of each upright column; or empty
 
 
 @kernel

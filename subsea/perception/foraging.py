@@ -12,12 +12,12 @@ from subsea.perception.vision import ahead_of, eye_of, sees_fish, sight
 from subsea.state import PREDATOR, Fishes, Minds, Nature, Sea
 
 PREY_CELL_CM = 100.0
-COMPANY_CM = 110.0  # distance of company that confuses a predator
+COMPANY_CM = 110.0  # range of companions of the prey, which confuse a predator
 SCHOOL_COST, TURN_COST = 0.5, 0.2  # beta1 and beta2 of Tu §7.9.1
 
 
 def cell_cm(sea: Sea) -> float:
-    """Side of a cell that holds about one speck, cm."""
+    """Return the side, cm, of a cell that holds about one speck."""
     volume = math.pi * sea.radius**2 * float(sea.climate[2])
     return float((volume / max(len(sea.plankton), 1)) ** (1 / 3))
 

@@ -1,6 +1,6 @@
-"""A sorted uniform grid over points, for neighbour search.
+"""Sort points into a uniform grid, and search for neighbours in it.
 
-Nearest companions, as felt by the lateral line in all directions (Tu §6.3).
+The lateral line feels the nearest companions in all directions (Tu §6.3).
 """
 
 import math
@@ -14,7 +14,7 @@ from subsea.kernels import kernel
 from subsea.state import Fishes, Minds
 
 CELLS_EACH, CELLS_MORE = 16, 16384  # most cells: per point, and in addition
-FEW = 48  # points that are faster gone through than looked up by cells
+FEW = 48  # most points for which a pass over all is faster than cells
 LEAST_CM = 1.0  # first range of a search
 ROUNDING, MARGIN = 1.0 + 1e-9, 1.0 + 1e-6
 
@@ -208,7 +208,7 @@ CELL_CM = 60.0  # large enough that few cells are empty
 
 
 def grid_of(fishes: Fishes, kind: int) -> Grid:
-    """The living fishes of a species."""
+    """Sort the living fishes of a species into a grid."""
     fellows = np.flatnonzero(fishes.alive & (fishes.species == kind))
     return make_grid(fishes.position, fellows, CELL_CM)
 

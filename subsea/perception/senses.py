@@ -1,6 +1,6 @@
-"""Run all senses of the fishes that think in a tick.
+"""Choose the fishes that think in a tick, and run all of their senses.
 
-Choose the fishes that think in a tick: far or hidden ones do so less often.
+Fishes that are far away or hidden think less often.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ LEAST_DUE = 8192  # fishes for which another thread pays
 
 
 def fish_due(fishes: Fishes, minds: Minds, sea: Sea, visibility: float, clock: Clock) -> Ints:
-    """Rising indices of the living fishes that think now; adds a tick to `minds.pause` of all."""
+    """List the living fishes that think now, rising; add a tick to `minds.pause` of all."""
     due = np.empty(len(minds.intention), np.bool_)
     everyone = np.arange(len(due))
     share(mark_due, everyone, LEAST_DUE, fishes, minds, sea, visibility, clock, due)
@@ -68,7 +68,7 @@ class Surroundings(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """Everything in the sea, sorted for those that look around."""
+    """Everything in the sea, sorted for the fishes that look around."""
 
     around: Surroundings
     schools: Schools
@@ -90,7 +90,7 @@ def sense(who: Ints, fishes: Fishes, minds: Minds, sea: Sea, nature: Nature, clo
     run_all(looks, shared=len(who) >= 2 * LEAST_PART)
     leader_tracking.watch_leader(who, fishes, minds, seen, clock)
     leader_tracking.watch_schools(who, minds, survey.schools, clock)
-    # Needs the companions of prey.
+    # Foraging needs the companions of prey.
     if len(hunting):
         groups = fishes, minds, sea, survey.prey, nature
         share(foraging.perceive_prey, hunting, LEAST_HUNTERS, *groups)

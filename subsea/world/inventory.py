@@ -1,7 +1,7 @@
 """Count fishes, seaweed and pillars of a scenario (Tu §9.1), and change their numbers.
 
-A number is that of all shoals of a species, or all groups of a kind of seaweed. A new number is
-divided among them in proportion to the old ones.
+A number counts all shoals of a species, or all groups of a kind of seaweed. A new number is divided
+among them in proportion to their old numbers.
 """
 
 import math
@@ -18,7 +18,7 @@ from subsea.state import HULL_CM
 ROOM_CM = 3.0 * HULL_CM  # from a new pillar to other things
 KINDS: tuple[str, ...] = get_args(SeaweedTable.__annotations__["kind"])
 DEFAULT_SEAWEED = SeaweedTable()
-SPREAD = 0.7549, 0.5698  # multiples of both, modulo 1, are evenly spread
+SPREAD = 0.7549, 0.5698  # their multiples, modulo 1, are evenly spread
 TRIES = 400
 
 
@@ -57,7 +57,7 @@ def counts(scenario: Scenario) -> Counts:
 
 
 def with_counts(scenario: Scenario, wanted: Counts) -> Scenario:
-    """The scenario with other numbers; unchanged numbers leave their tables as they are."""
+    """Change the numbers of a scenario; unchanged numbers leave their tables as they are."""
     was = counts(scenario)
     for species, number in wanted.fishes.items():
         if number != was.fishes[species]:
@@ -116,7 +116,7 @@ def with_pillars(scenario: Scenario, number: int) -> Scenario:
 
 
 def _occupied(scenario: Scenario) -> list[tuple[tuple[float, ...], float]]:
-    """Occupied places (x, y) and the distance to keep from them, cm."""
+    """List the occupied places (x, y) and the distance to keep from each, cm."""
     occupied: list[tuple[tuple[float, ...], float]]
     places = [scenario.submarine.position_cm]
     places += [at for shoal in scenario.fish for at in (shoal.position_cm, shoal.toward_cm) if at]

@@ -50,9 +50,9 @@ def migrate(before: World, world: World) -> None:
     world.state.tick = before.state.tick
     world.state.minds.barrier[:] = NOBODY  # solids may have other numbers now
     fishes, sea = world.state.fishes, world.state.sea
-    for those, place in _moved_schools(before.scenario.fish, world.scenario.fish):
-        _move_school(world, those, np.array(place))
-        world.state.minds.home[those] = homes[those]
+    for school, place in _moved_schools(before.scenario.fish, world.scenario.fish):
+        _move_school(world, school, np.array(place))
+        world.state.minds.home[school] = homes[school]
     for i, place in enumerate(fishes.position.astype(np.float64)):
         here = vector(place)
         if clearance(sea.pillars, sea.rocks, here) < 0.0:
@@ -62,46 +62,46 @@ def migrate(before: World, world: World) -> None:
 
 
 def _moved_schools(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[slice, Place]]:
-    """The fishes of each shoal that has another place, and that place."""
+    """Find the fishes of each shoal with a new place, and that place."""
     begin = 0
-    for one, other in zip(old, new, strict=True):
-        if other.position_cm is not None and other.position_cm != one.position_cm:
-            yield slice(begin, begin + other.number), other.position_cm
-        begin += other.number
+    for before, after in zip(old, new, strict=True):
+        if after.position_cm is not None and after.position_cm != before.position_cm:
+            yield slice(begin, begin + after.number), after.position_cm
+        begin += after.number
 
 
-def _move_school(world: World, those: slice, place: Array) -> None:
-    """Move a school as it is, with its middle to a place, cm, within the bounds of the sea."""
+def _move_school(world: World, school: slice, place: Array) -> None:
+    """Move the middle of a school to a place, cm, and its fishes with it, within the sea."""
     fishes, sea = world.state.fishes, world.state.sea
-    if not fishes.alive[those].any():
+    if not fishes.alive[school].any():
         return
-    now = fishes.position[those].astype(np.float64)
-    there = now + place - now[fishes.alive[those]].mean(axis=0)
+    here = fishes.position[school].astype(np.float64)
+    there = here + place - here[fishes.alive[school]].mean(axis=0)
     away = np.maximum(np.hypot(there[:, 0], there[:, 1]), 1e-6)
     there[:, :2] *= np.minimum(1.0, (sea.radius - CLEAR_CM) / away)[:, None]
-    for k, one in enumerate(there):
-        low = height_at(sea.floor, sea.half_width, one[0], one[1]) + CLEAR_CM
-        there[k, 2] = min(max(one[2], low), -CLEAR_CM)
-    fishes.position[those] = fishes.previous_position[those] = there
+    for k, (x, y, z) in enumerate(there):
+        low = height_at(sea.floor, sea.half_width, x, y) + CLEAR_CM
+        there[k, 2] = min(max(z, low), -CLEAR_CM)
+    fishes.position[school] = fishes.previous_position[school] = there
     for seen in (world.state.minds.leader_place, world.state.minds.waypoint):
-        seen[those] += (there - now).astype(seen.dtype)
+        seen[school] += (there - here).astype(seen.dtype)
 
 
 def _keep_changes(before: World, world: World) -> None:
-    """Preserve changes by panels; those of single fishes where the fish exists in both worlds."""
+    """Preserve changes by panels, of a fish if it exists in both worlds."""
     world.nature, world.physics = before.nature, before.physics
     world.current_cm_s = before.current_cm_s
     minds = world.state.minds
     fed = minds.eaten / minds.appetite
     for old, new in _same_fishes(before.scenario.fish, world.scenario.fish):
         for name in TRAITS:
-            was, now = before.initial_traits[name][old], getattr(before.state.minds, name)[old]
-            np.copyto(getattr(minds, name)[new], now, where=now != was)
-    minds.eaten[:] = fed * minds.appetite  # the same hunger
+            was, value = before.initial_traits[name][old], getattr(before.state.minds, name)[old]
+            np.copyto(getattr(minds, name)[new], value, where=value != was)
+    minds.eaten[:] = fed * minds.appetite  # keeps their hunger
 
 
 def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[slice, slice]]:
-    """Match fishes of old and new shoals: pairs of equal slices."""
+    """Match the fishes of old and new shoals, as pairs of slices of equal length."""
     both = min(len(old), len(new))
     first = next((k for k in range(both) if old[k] != new[k]), both)
     for k in range(both):
@@ -109,7 +109,7 @@ def _same_fishes(old: Sequence[Shoal], new: Sequence[Shoal]) -> Iterator[tuple[s
         i, j = (k, k) if k < first else (k + len(old) - both, k + len(new) - both)
         many = min(old[i].number, new[j].number)
         if old[i].species == new[j].species:
-            begins = sum(one.number for one in old[:i]), sum(one.number for one in new[:j])
+            begins = sum(shoal.number for shoal in old[:i]), sum(shoal.number for shoal in new[:j])
             yield slice(begins[0], begins[0] + many), slice(begins[1], begins[1] + many)
 
 
@@ -120,7 +120,7 @@ def _same_inhabitants(before: World, world: World) -> bool:
     """
     ours, theirs = changing(world), changing(before)
     theirs_then, ours_now = (
-        [replace(one, position_cm=None) for one in scenario.fish]
+        [replace(shoal, position_cm=None) for shoal in scenario.fish]
         for scenario in (before.scenario, world.scenario)
     )
     return (

@@ -3,7 +3,7 @@
 No function changes a world: each returns another scenario. A ray is an eye (3,), cm, and a unit
 vector (3,).
 
-Outlines of things: lines (n, 2, 3) to draw, cm.
+Outlines of things are lines (n, 2, 3) to draw, cm.
 """
 
 import math
@@ -46,7 +46,7 @@ SIDES = 32  # segments of a circle
 
 
 def circle(middle: tuple[float, float, float], radius: float) -> Array:
-    """Lines (SIDES, 2, 3) of a horizontal circle."""
+    """Make the lines (SIDES, 2, 3) of a horizontal circle."""
     turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     flat = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)], axis=1)
     points = np.array(middle) + radius * flat
@@ -54,7 +54,7 @@ def circle(middle: tuple[float, float, float], radius: float) -> Array:
 
 
 def ellipses(rows: Array) -> Array:
-    """Lines (3 k SIDES, 2, 3): three principal ellipses of each ellipsoid."""
+    """Make the lines (3 k SIDES, 2, 3) of the principal ellipses of k ellipsoids."""
     turn = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     c, s, o = np.cos(turn), np.sin(turn), np.zeros(SIDES + 1)
     unit = np.stack([np.stack(axes, axis=1) for axes in ((c, s, o), (c, o, s), (o, c, s))])
@@ -104,22 +104,22 @@ class Grip(NamedTuple):
 
 
 def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
-    """Handles of all things with a place, on the seabed of `sea`."""
+    """Make handles of all things with a place, on the seabed of `sea`."""
     _, rows, names = solids_on(scenario, sea.heights, sea.half_width)
     out = [
         _handle("submarine", 0, scenario.submarine.position_cm, HULL_CM, sea),
-        *_each("fish", scenario.fish, sea, lambda one: one.spread_cm),
-        *_each("seaweed", scenario.seaweed, sea, lambda one: one.spread_cm),
-        *_each("reef", scenario.reef, sea, lambda one: one.spread_cm),
-        *_each("coral", scenario.coral, sea, lambda one: one.size_cm),
-        *_each("vent", scenario.vent, sea, lambda one: KNOB_CM),
+        *_each("fish", scenario.fish, sea, lambda shoal: shoal.spread_cm),
+        *_each("seaweed", scenario.seaweed, sea, lambda group: group.spread_cm),
+        *_each("reef", scenario.reef, sea, lambda reef: reef.spread_cm),
+        *_each("coral", scenario.coral, sea, lambda coral: coral.size_cm),
+        *_each("vent", scenario.vent, sea, lambda vent: KNOB_CM),
     ]
     if scenario.hook is not None:
         out.append(_handle("hook", 0, scenario.hook.bait_cm, KNOB_CM, sea))
     for kind in ("rock", "outcrop", "ridge", "arch"):
-        for k, one in enumerate(getattr(scenario, kind)):
+        for k, table in enumerate(getattr(scenario, kind)):
             body = rows[[name == f"`{kind}[{k}]`" for name in names]]
-            out.append(Handle(kind, k, _foot(one, sea), body, ellipses(body)))
+            out.append(Handle(kind, k, _foot(table, sea), body, ellipses(body)))
     for k, pillar in enumerate(scenario.pillar):
         x, y, z = foot = _foot(pillar, sea)
         top = z + pillar.height_cm
@@ -131,37 +131,37 @@ def handles(scenario: Scenario, sea: Sea) -> list[Handle]:
 
 
 def schools(now: Scenario, trial: Scenario, fishes: Fishes, sea: Sea) -> list[Handle]:
-    """Handles of the schools in the middle of their living fishes, as the scenario `now` has them.
+    """Make a handle of each school of the scenario `now`, in the middle of its living fishes.
 
-    Those that `trial` moves are where it moves them to. Without a place in the scenario, or with
-    no fish alive, they have no handle.
+    If the scenario `trial` moves a school, its handle is there. A school without a place in `trial`
+    or without living fishes has no handle.
     """
     out, begin = [], 0
-    for k, one in enumerate(now.fish):
-        those = slice(begin, begin + one.number)
-        begin += one.number
+    for k, shoal in enumerate(now.fish):
+        members = slice(begin, begin + shoal.number)
+        begin += shoal.number
         given = trial.fish[k].position_cm if k < len(trial.fish) else None
-        if given is None or not fishes.alive[those].any():
+        if given is None or not fishes.alive[members].any():
             continue
         x, y, z = given
-        if given == one.position_cm:
-            x, y, z = fishes.position[those][fishes.alive[those]].mean(axis=0).tolist()
+        if given == shoal.position_cm:
+            x, y, z = fishes.position[members][fishes.alive[members]].mean(axis=0).tolist()
         out.append(_handle("fish", k, (x, y, z), trial.fish[k].spread_cm, sea))
     return out
 
 
 def pick(candidates: list[Handle], sea: Sea, eye: Array, direction: Array) -> Handle | None:
-    """The first handle that a ray meets before the seabed."""
+    """Find the first handle that a ray meets before the seabed."""
     a, b = _ray(sea, eye, direction)
-    nearest = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
-    found = None
+    least = ray_meets_seabed(sea.heights, sea.half_width, 0.0, a, b)
+    nearest = None
     for handle in candidates:
         meets = ray_meets_pillar if handle.body.shape[1] == 4 else ray_meets_rock
         for row in handle.body:
             t = meets(row, 0.0, a, b)
-            if t < nearest:
-                nearest, found = t, handle
-    return found
+            if t < least:
+                least, nearest = t, handle
+    return nearest
 
 
 def grip(handle: Handle, eye: Array, direction: Array) -> Grip:
@@ -174,7 +174,7 @@ def grip(handle: Handle, eye: Array, direction: Array) -> Grip:
 
 
 def aim(held: Grip, sea: Sea, eye: Array, direction: Array, level: bool = False) -> Place | None:
-    """Place of a dragged handle for a ray of the pointer; None outside the sea.
+    """Find the place of a dragged handle for a ray of the pointer; None outside the sea.
 
     Things on the seabed move along it. Suspended things move vertically and sideways; with
     `level` horizontally at their depth.
@@ -223,14 +223,14 @@ TURNS = dict.fromkeys(("fish", "submarine"), "heading_deg") | dict.fromkeys(
 
 def resized(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """Scale a thing within its limits."""
-    one = table_of(scenario, handle.kind, handle.number)
+    table = table_of(scenario, handle.kind, handle.number)
     changes: dict[str, Any] = {}
     for key in SIZES.get(handle.kind, ()):
-        value = getattr(one, key)
+        value = getattr(table, key)
         if isinstance(value, tuple):
-            changes[key] = tuple(_clamped(type(one), key, factor * part) for part in value)
+            changes[key] = tuple(_clamped(type(table), key, factor * part) for part in value)
         else:
-            changes[key] = _clamped(type(one), key, factor * value)
+            changes[key] = _clamped(type(table), key, factor * value)
     return _with(scenario, handle, **changes)
 
 
@@ -247,13 +247,13 @@ def turned(scenario: Scenario, handle: Handle, degrees: float) -> Scenario:
 
 def raised(scenario: Scenario, handle: Handle, factor: float) -> Scenario:
     """Scale the height of a thing on the seabed within its limits."""
-    one = table_of(scenario, handle.kind, handle.number)
+    table = table_of(scenario, handle.kind, handle.number)
     if handle.kind in ("pillar", "ridge", "arch", "seaweed"):
-        high = _clamped(type(one), "height_cm", factor * one.height_cm)
+        high = _clamped(type(table), "height_cm", factor * table.height_cm)
         return _with(scenario, handle, height_cm=high)
     if handle.kind in ("rock", "outcrop"):
-        wide, deep, high = one.size_cm
-        high = _clamped(type(one), "size_cm", factor * high)
+        wide, deep, high = table.size_cm
+        high = _clamped(type(table), "size_cm", factor * high)
         return _with(scenario, handle, size_cm=(wide, deep, high))
     return scenario
 
@@ -312,38 +312,38 @@ def removed(scenario: Scenario, handle: Handle) -> Scenario:
             scenario.direction, lambda fish: fish, lambda k: -1 if k == gone else k - (k > gone)
         )
         scenario = replace(scenario, direction=directions)
-    rest = list(getattr(scenario, handle.kind))
-    del rest[handle.number]
-    return replace(scenario, **{handle.kind: rest})
+    tables = list(getattr(scenario, handle.kind))
+    del tables[handle.number]
+    return replace(scenario, **{handle.kind: tables})
 
 
 def table_of(scenario: Scenario, kind: str, number: int) -> Any:
-    """Table of a thing, or None if there is no such thing."""
-    those = getattr(scenario, kind)
+    """Return the table of a thing, or None if there is no such thing."""
+    tables = getattr(scenario, kind)
     if kind in SINGLE:
-        return those
-    return those[number] if number < len(those) else None
+        return tables
+    return tables[number] if number < len(tables) else None
 
 
-def with_table(scenario: Scenario, kind: str, number: int, one: msgspec.Struct) -> Scenario:
+def with_table(scenario: Scenario, kind: str, number: int, table: msgspec.Struct) -> Scenario:
     """Replace the table of a thing."""
     if kind in SINGLE:
-        return replace(scenario, **{kind: one})
-    if isinstance(one, Shoal):
-        scenario = with_shoal_size(scenario, number, one.number)
-    those = list(getattr(scenario, kind))
-    those[number] = one
-    return replace(scenario, **{kind: those})
+        return replace(scenario, **{kind: table})
+    if isinstance(table, Shoal):
+        scenario = with_shoal_size(scenario, number, table.number)
+    tables = list(getattr(scenario, kind))
+    tables[number] = table
+    return replace(scenario, **{kind: tables})
 
 
 def _with(scenario: Scenario, handle: Handle, **changes: Any) -> Scenario:
     """Change keys of a thing."""
-    one = replace(table_of(scenario, handle.kind, handle.number), **changes)
-    return with_table(scenario, handle.kind, handle.number, one)
+    table = replace(table_of(scenario, handle.kind, handle.number), **changes)
+    return with_table(scenario, handle.kind, handle.number, table)
 
 
 def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
-    """Clamp a length to the limits of its key; large ones to the centimetre."""
+    """Clamp a length to the limits of its key, and round a large length to the centimetre."""
     value = float(round(value)) if value >= 20.0 else round(value, 1)
     for limit in _limits(get_type_hints(table, include_extras=True)[key]):
         least = value if limit.ge is None else limit.ge
@@ -353,33 +353,33 @@ def _clamped(table: type[msgspec.Struct], key: str, value: float) -> float:
 
 
 def _limits(kind: Any) -> list[msgspec.Meta]:
-    """All limits in a type annotation."""
-    own = [part for part in getattr(kind, "__metadata__", ()) if isinstance(part, msgspec.Meta)]
+    """List all limits in a type annotation."""
+    outer = [part for part in getattr(kind, "__metadata__", ()) if isinstance(part, msgspec.Meta)]
     inner = get_args(kind)[:1] if get_origin(kind) in (Annotated, tuple) else ()
-    return own + [limit for part in inner for limit in _limits(part)]
+    return outer + [limit for part in inner for limit in _limits(part)]
 
 
 def _floor(sea: Sea, x: float, y: float) -> float:
     return float(height_at(sea.heights, sea.half_width, x, y))
 
 
-def _foot(one: Any, sea: Sea) -> Place:
-    x, y = one.position_cm
+def _foot(table: Any, sea: Sea) -> Place:
+    x, y = table.position_cm
     return x, y, _floor(sea, x, y)
 
 
 def _ray(sea: Sea, eye: Array, direction: Array) -> tuple[Any, Any]:
-    """Both ends of a ray through the whole sea."""
+    """Compute both ends of a ray through the whole sea."""
     return vector(eye), vector(np.asarray(eye) + 2.5 * sea.half_width * np.asarray(direction))
 
 
-def _each(kind: str, those: Any, sea: Sea, reach: Any) -> list[Handle]:
-    """Handles of the tables in a list that have a place."""
+def _each(kind: str, tables: Any, sea: Sea, reach: Any) -> list[Handle]:
+    """Make handles of the tables of a list that have a place."""
     out = []
-    for k, one in enumerate(those):
-        if one.position_cm is not None:
-            place = one.position_cm if kind in FREE else _foot(one, sea)
-            out.append(_handle(kind, k, place, reach(one), sea))
+    for k, table in enumerate(tables):
+        if table.position_cm is not None:
+            place = table.position_cm if kind in FREE else _foot(table, sea)
+            out.append(_handle(kind, k, place, reach(table), sea))
     return out
 
 

@@ -27,7 +27,7 @@ RESOLVE_S = 60.0  # initial patience of fishes with a destination
 
 
 def populate(world: World, rng: np.random.Generator) -> None:
-    """Fill in all fishes at tick 0: places, sizes, leaders, traits, each at its own phase."""
+    """Set places, sizes, leaders, traits and phases of all fishes at tick 0."""
     scenario, library, sea = world.scenario, world.library, world.state.sea
     fishes, minds = world.state.fishes, world.state.minds
     species = dict(zip(scenario.species, world.species, strict=True))
@@ -74,7 +74,7 @@ def populate(world: World, rng: np.random.Generator) -> None:
             minds.patience[these] = RESOLVE_S
         first += number
     for table in scenario.individual:
-        if table.fish < len(fishes.species):  # beyond with fewer fishes than the scenario has
+        if table.fish < len(fishes.species):  # fewer fishes were asked for than the scenario has
             apply_individual(fishes, minds, table, 0.0)
     minds.urge[:] = fishes.goal_direction
     fishes.goal_speed[:] = 0.5
@@ -90,9 +90,9 @@ def populate(world: World, rng: np.random.Generator) -> None:
     fishes.fast[:] = recorded * fishes.scale * fishes.rate
     fishes.breath[:] = 2 * np.pi * fishes.identity
     fishes.fin_phase[:] = fishes.breath[:, None]
-    flat = np.array([one.surface.depth > FLAT_BL for one in world.species])
+    flat = np.array([s.surface.depth > FLAT_BL for s in world.species])
     fishes.oars[:] = flat[fishes.species]
-    flaps = np.array([one.row is not None and one.row.flaps for one in world.species])
+    flaps = np.array([s.row is not None and s.row.flaps for s in world.species])
     fishes.flaps[:] = flaps[fishes.species]
     for name in ("position", "orientation", "row_a", "row_b", "weight", "span", "fins"):
         getattr(fishes, f"previous_{name}")[:] = getattr(fishes, name)
@@ -115,48 +115,48 @@ def _let_out(fishes: Fishes, library: Library, sea: Sea) -> None:
 
 
 def settle(species: Sequence[Species], fishes: Fishes, minds: Minds, reef: Reef) -> None:
-    """Give fishes of species that keep to a place the nearest anemone, else growth, as home.
+    """Give each fish of a species that keeps to a place a home: the nearest anemone, else growth.
 
-    Without one within reach of its starting place that place is the home.
+    Without a growth within HOME_CM its starting place is its home.
     """
-    ranges = np.array([one.home_cm or np.inf for one in species])
+    ranges = np.array([s.home_cm or np.inf for s in species])
     minds.home[:], minds.home_range[:] = fishes.position, ranges[fishes.species]
     tops = reef.place + reef.radius[:, None] * reef.axis
     anemone = reef.kind == list(KINDS_OF_GROWTH).index("anemone")
     for i in np.flatnonzero(np.isfinite(minds.home_range)):
         far = np.linalg.norm(tops - fishes.position[i], axis=1)
-        for those in (anemone, np.ones_like(anemone)):
-            gaps = np.where(those, far, np.inf)
+        for eligible in (anemone, np.ones_like(anemone)):
+            gaps = np.where(eligible, far, np.inf)
             if gaps.min(initial=np.inf) < HOME_CM:
                 minds.home[i] = tops[gaps.argmin()] + (0.0, 0.0, ABOVE_HOME_CM)
                 break
 
 
 def burst_speed(library: Library, kind: int) -> float:
-    """The speed of a burst at full tempo over that of the fast swim, at least 1."""
+    """Compute the speed of a burst at full tempo over that of the fast swim, at least 1."""
     fast, burst = (library.speed[kind, SEGMENTS.index(f"swim_{s}")] for s in ("fast", "burst"))
     return max(float(TEMPO[1] * burst / fast), 1.0)
 
 
 def _girths(species: Sequence[Species], library: Library) -> Array:
-    """Height and width (s, 2) of the widest cross-section of each species, body lengths."""
+    """Measure the widest cross-section of each species: height and width (s, 2), body lengths."""
     rows = library.nodes[library.first[:, SEGMENTS.index("swim_slow")], 1:21]
     sections = rows.reshape(len(species), 5, 4, 3)
     wide = np.ptp(sections[..., 2], axis=2).max(axis=1) / library.recorded_length
-    return np.stack([[one.surface.depth for one in species], wide], axis=1)
+    return np.stack([[s.surface.depth for s in species], wide], axis=1)
 
 
 def _places(
     shoal: Shoal, number: int, schooling: bool, scenario: Scenario, rng: np.random.Generator
 ) -> Array:
-    """Starting places (number, 3) of a shoal inside the cylinder, cm."""
+    """Draw the starting places (number, 3) of a shoal inside the cylinder, cm."""
     radius = scenario.bounds.radius_cm
     if shoal.position_cm is None:
         angle = rng.uniform(0, 2 * np.pi, number)
         reach = 0.85 * radius * np.sqrt(rng.uniform(0, 1, number))
         depth = rng.uniform(-0.9, -0.3, number) * scenario.bounds.depth_cm
         return np.stack([reach * np.cos(angle), reach * np.sin(angle), depth], axis=1)
-    # The space per fish stays that of the scenario; few fishes are as dense only in a school.
+    # The space per fish stays that of the scenario; fewer fishes stay as dense only in a school.
     more = number / max(shoal.number, 1)
     spread = shoal.spread_cm * (more if schooling else max(more, 1.0)) ** (1 / 3)
     places = rng.normal(0, spread / 2, (number, 3)) * (1, 1, 0.5) + shoal.position_cm
@@ -166,7 +166,7 @@ def _places(
 
 
 def heading_quaternion(heading: float) -> Array:
-    """Quaternion (4,) of an upright body that heads `heading` rad left of the x axis."""
+    """Make the quaternion (4,) of an upright body that heads `heading` rad left of the x axis."""
     # Body y is up and z is right: a quarter turn about x, then the heading about the vertical.
     c, s = np.cos(heading / 2), np.sin(heading / 2)
     r = np.sqrt(0.5)

@@ -19,17 +19,17 @@ from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.world.world import TICK_S
 
 LIVE_ROWS = (*LIVE_TABLES, "control_points", "facing")  # tables with rows of simulated fishes
-MOST_BYTES = 64 << 20  # of a repertoire that is cached; those of the project have 2 at most
+MOST_BYTES = 64 << 20  # of a repertoire that is cached; shipped repertoires have 2 MiB at most
 
 
 def species_of(name: str) -> Species:
-    """The named species, read again only if its file has changed."""
+    """Return a species by name, read again only if its file has changed."""
     path = species_file(name)
     return _species(path, _stamp(path))
 
 
 def repertoire_of(name: str) -> Repertoire:
-    """The repertoire of a species, read again only if its file has changed."""
+    """Return the repertoire of a species, read again only if its file has changed."""
     path = repertoire_file(name)
     return _repertoire(path, name, _stamp(path))
 
@@ -43,18 +43,18 @@ class RecordedMotion(NamedTuple):
 
 
 def motion_of(names: Sequence[str]) -> RecordedMotion:
-    """The motion of these species, packed again only if one of their files has changed."""
+    """Return the motion of some species, packed again only if one of their files has changed."""
     files = [(name, species_file(name), repertoire_file(name)) for name in names]
-    return _motion(tuple((*one, _stamp(one[1]), _stamp(one[2])) for one in files))
+    return _motion(tuple((*named, _stamp(named[1]), _stamp(named[2])) for named in files))
 
 
 def with_live(library: Library, live: int) -> Library:
-    """A library with the same rows, and behind them those of `live` simulated fishes."""
-    ended: dict[str, Any] = {}
+    """Append the rows of `live` simulated fishes to those of a library."""
+    longer: dict[str, Any] = {}
     for name in LIVE_ROWS if live else ():
         rows = getattr(library, name)
-        ended[name] = np.concatenate([rows, np.zeros((2 * live, *rows.shape[1:]), rows.dtype)])
-    return library._replace(**ended)
+        longer[name] = np.concatenate([rows, np.zeros((2 * live, *rows.shape[1:]), rows.dtype)])
+    return library._replace(**longer)
 
 
 def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
@@ -65,7 +65,7 @@ def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
-    """Time and size of a file, None without a file."""
+    """Return the time and size of a file, None without a file."""
     try:
         status = path.stat()
     except OSError:
@@ -92,7 +92,7 @@ def _species(path: Path, stamp: object) -> Species:
 
 @lru_cache(maxsize=64)
 def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
-    """Read a repertoire, which must be of that species and tick."""
+    """Read a repertoire, which must be of the named species and have frames of a tick."""
     if stamp is None:
         raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
     stored = _content(path)
@@ -115,7 +115,7 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
 
 
 def _content(path: Path) -> str:
-    """SHA-256 of a file; empty if it is not a regular file, unreadable or far too large."""
+    """Hash a file with SHA-256; empty if not a regular file, unreadable or far too large."""
     try:
         if not path.is_file() or path.stat().st_size > MOST_BYTES:
             return ""  # reading it raises the right error

@@ -1,4 +1,4 @@
-"""Save and restore everything that changes in a world; a checksum of it.
+"""Save and restore everything that changes in a world, and compute its checksum.
 
 A snapshot is a JSON header (names, dtypes, shapes and offsets of the arrays, tick, seed and
 checksum) followed by the bytes of the arrays. It may come from another computer: all of it is
@@ -49,12 +49,12 @@ class _Header(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def changing(world: World) -> Arrays:
-    """Arrays that a tick may change, by names such as ``fishes.position``, no copies."""
+    """Return the arrays that a tick may change, not copied, by names like ``fishes.position``."""
     return {name: array for name, array, spec in arrays_of(world.state) if spec.saved}
 
 
 def constant(world: World) -> Arrays:
-    """Arrays that no tick changes; numbers are arrays without a dimension."""
+    """Return the arrays that no tick changes; numbers are arrays without a dimension."""
     return {name: array for name, array, spec in arrays_of(world.state) if not spec.saved}
 
 
@@ -64,7 +64,7 @@ def may_be_infinite(name: str) -> bool:
 
 
 def checksum_of(arrays: Arrays, *more: object) -> str:
-    """BLAKE2b over names, dtypes, shapes and bytes of arrays, and the text of `more`."""
+    """Hash names, dtypes, shapes and bytes of arrays, and the text of `more`, with BLAKE2b."""
     blake = hashlib.blake2b(repr(more).encode(), digest_size=16)
     for name, array in arrays.items():
         blake.update(f"{name} {array.dtype.str} {array.shape}".encode())
@@ -73,7 +73,7 @@ def checksum_of(arrays: Arrays, *more: object) -> str:
 
 
 def checksum(world: World) -> str:
-    """Checksum of everything that changes: equal checksums mean equal worlds."""
+    """Compute the checksum of all that changes: equal checksums mean equal worlds."""
     return checksum_of(changing(world), world.state.tick, world.state.seed, _seen_light(world))
 
 
@@ -88,7 +88,7 @@ def take(world: World) -> bytes:
 
 
 def size_limit(world: World) -> int:
-    """Largest size of a snapshot of this world, bytes."""
+    """Compute the largest size of a snapshot of this world, bytes."""
     return MAX_HEADER + 64 + sum(array.nbytes for array in changing(world).values())
 
 
@@ -140,7 +140,7 @@ def _seen_light(world: World) -> dict[int, float]:
 
 
 def _entries(arrays: Arrays) -> list[_Entry]:
-    """Header entries of consecutive arrays."""
+    """Make the header entries of consecutive arrays."""
     entries, offset = [], 0
     for name, array in arrays.items():
         entries.append(_Entry(name, array.dtype.str, list(array.shape), offset))
@@ -192,7 +192,7 @@ def _check_values(world: World, given: Arrays) -> None:
 
 
 def _limits(world: World, given: Arrays) -> dict[int | str, Any]:
-    """Limits that declarations name: all integers of an array are below, for all or each fish."""
+    """Return the limits that declarations name, for all fishes or each; integers lie below."""
     sea, n = world.state.sea, len(world.state.fishes.species)
     specks = len(sea.plankton)
     # Targets of plankton eaters are specks, all others are fishes.

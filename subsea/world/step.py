@@ -1,9 +1,7 @@
 """Advance a world by one tick.
 
-Passes of a tick over parts of the fishes, each compiled as one kernel.
-
-Threads take turns to hold the interpreter's lock between two kernels. With one kernel for each part
-they do so less often.
+A pass of the tick is one compiled kernel, called for parts of the fishes. Threads take turns to
+hold the interpreter's lock between two kernels, so fewer kernels mean fewer turns.
 """
 
 import time
@@ -74,7 +72,7 @@ def play_back(who: Ints, fishes: Fishes, library: Library, sea: Sea, dt: float) 
     flap(who, fishes, library, dt)
 
 
-# Fishes for which another thread pays: of a short pass, and of those that think.
+# Fishes for which another thread pays: in a short pass, and in a pass over thinking fishes.
 LEAST_PART, LEAST_MINDS = 2048, 1024
 LEAST_SPECKS, LEAST_CLUSTERS = 512, 12  # of plankton and of seaweed
 
@@ -86,7 +84,7 @@ def step(world: World, order: Order) -> None:
     """Advance the world by one tick, 33 ms.
 
     A helm or a rail moves the submarine. With teleop commands the submarine holds its place, and
-    each command steers a fish in place of its intentions. An IndexError for an unknown fish.
+    each command steers a fish in place of its intentions. Raises an IndexError for an unknown fish.
     """
     state = world.state
     clock = Clock(state.seed, state.tick, TICK_S)
@@ -95,7 +93,7 @@ def step(world: World, order: Order) -> None:
     everyone = np.arange(len(state.fishes.species))
     with _stage(world, "behavior"):
         direct(world.script, state, world.nature, world.current_cm_s, clock)
-    own = state.fishes.velocity - state.fishes.drift
+    swimming = state.fishes.velocity - state.fishes.drift
     with _stage(world, "habitat"):
         move_water(world, everyone, clock)
     with _stage(world, "perception"):
@@ -111,7 +109,7 @@ def step(world: World, order: Order) -> None:
         act(world, free, everyone, commands, clock)
         state.minds.pause[who] = 0.0
     with _stage(world, "habitat"):
-        stay_in_free_water(world, everyone, own)
+        stay_in_free_water(world, everyone, swimming)
     with _stage(world, "motor"):
         move_fishes(world, everyone, clock)
     if isinstance(order, Rail):
@@ -149,9 +147,9 @@ def move_water(world: World, everyone: Ints, clock: Clock) -> None:
 
 
 def perceive(world: World, clock: Clock, order: Order) -> Ints:
-    """Update the senses of the fishes that think in this tick, and return these.
+    """Update the senses of the fishes that think in this tick, and return their indices.
 
-    Fishes take turns to think: those far from the submarine do it less often. Steered ones that
+    Fishes take turns to think: fishes far from the submarine do it less often. Steered fishes that
     feed think in every tick, or they would miss what is before their mouths.
     """
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
@@ -197,10 +195,10 @@ def act(world: World, free: Ints, everyone: Ints, order: Order, clock: Clock) ->
     share(ease_display, everyone, 4 * LEAST_PART, fishes, minds, clock)
 
 
-def stay_in_free_water(world: World, everyone: Ints, own: Array) -> None:
-    """Keep bodies, which swim at `own` (n, 3) cm/s, off solids and within the sea."""
+def stay_in_free_water(world: World, everyone: Ints, swimming: Array) -> None:
+    """Keep bodies with the velocities `swimming` (n, 3), cm/s, off solids and within the sea."""
     fishes, sea = world.state.fishes, world.state.sea
-    share(keep_in_free_water, everyone, LEAST_PART, fishes, sea, own, TICK_S)
+    share(keep_in_free_water, everyone, LEAST_PART, fishes, sea, swimming, TICK_S)
 
 
 def move_fishes(world: World, everyone: Ints, clock: Clock) -> None:

@@ -1,12 +1,11 @@
 """Export a world as a scenario, with the parameters that panels have changed.
 
-Traits of fishes, constants of all fishes, the current and the physics. Traits that a whole shoal
-shares go into its table, those of single fishes into `[[individual]]`. Current hunger and libido
-are not exported.
+These are traits of fishes, constants of all fishes, the current and the physics. Traits that a
+whole shoal shares go into its table, traits of single fishes into `[[individual]]`. Present hunger
+and libido are not exported.
 
-Save and restore parameters that panels edit.
-
-A snapshot holds all that a tick changes. Both together are the complete state of a world.
+`Tunables` copy these parameters. Together with a snapshot, which holds all that a tick changes,
+they are the complete state of a world.
 """
 
 from typing import Any, NamedTuple
@@ -54,10 +53,10 @@ def set_tunables(world: World, tunables: Tunables) -> None:
         getattr(world.state.minds, name)[...] = values
 
 
-def equal_tunables(one: Tunables, other: Tunables) -> bool:
+def equal_tunables(first: Tunables, second: Tunables) -> bool:
     """True if worlds with these parameters continue equally from the same snapshot."""
-    return one[:3] == other[:3] and all(
-        np.array_equal(values, other.traits[name]) for name, values in one.traits.items()
+    return first[:3] == second[:3] and all(
+        np.array_equal(values, second.traits[name]) for name, values in first.traits.items()
     )
 
 
@@ -67,7 +66,7 @@ RATES = {"digestion": DIGESTION, "libido_rate": LIBIDO_RATE, "dread_cm": DREAD_C
 
 
 def to_scenario(world: World) -> Scenario:
-    """The scenario of a world with its current parameters."""
+    """Make the scenario of a world with its present parameters."""
     shoals, tables = _fishes(world)
     return replace(
         world.scenario,
@@ -80,32 +79,32 @@ def to_scenario(world: World) -> Scenario:
 
 
 def _fishes(world: World) -> tuple[list[Shoal], list[IndividualTable]]:
-    """Shoals, and tables of single fishes."""
+    """Make the shoals, and the tables of single fishes."""
     scenario = world.scenario
-    own = {one.fish: one for one in scenario.individual}
+    given = {table.fish: table for table in scenario.individual}
     shoals: list[Shoal] = []
     tables = []
     first = 0
     for shoal in scenario.fish:
         these = slice(first, first + shoal.number)
         species = world.species[scenario.species.index(shoal.species)]
-        now = _now(world, these)
-        shoal = _common(shoal, species, now)
-        usual = _usual(shoal, species, now, world.state.fishes.length[these])
-        differs = {key: _unlike(now[key], usual[key]) for key in now}
+        traits = _traits(world, these)
+        shoal = _common(shoal, species, traits)
+        usual = _usual(shoal, species, traits, world.state.fishes.length[these])
+        differs = {key: _unlike(traits[key], usual[key]) for key in traits}
         for i in range(shoal.number):
-            given = own.get(first + i, IndividualTable(fish=first + i))
-            keys = [k for k in now if differs[k][i] or getattr(given, k) is not None]
-            one = replace(given, **{key: _plain(key, now[key][i]) for key in keys})
-            if one.fish in own or keys:
-                tables.append(one)
+            table = given.get(first + i, IndividualTable(fish=first + i))
+            keys = [k for k in traits if differs[k][i] or getattr(table, k) is not None]
+            table = replace(table, **{key: _plain(key, traits[key][i]) for key in keys})
+            if table.fish in given or keys:
+                tables.append(table)
         shoals.append(shoal)
         first += shoal.number
-    tables += [one for fish, one in own.items() if fish >= first]
+    tables += [table for fish, table in given.items() if fish >= first]
     return shoals, tables
 
 
-def _now(world: World, these: slice) -> Columns:
+def _traits(world: World, these: slice) -> Columns:
     minds = world.state.minds
     return {
         "kind": minds.kind[these], "male": minds.male[these], "likes": minds.likes[these],
@@ -115,8 +114,8 @@ def _now(world: World, these: slice) -> Columns:
     }  # fmt: skip
 
 
-def _usual(shoal: Shoal, species: Species, now: Columns, length: NDArray[Any]) -> Columns:
-    """Traits that a shoal's table gives to fishes of these lengths and kinds."""
+def _usual(shoal: Shoal, species: Species, traits: Columns, length: NDArray[Any]) -> Columns:
+    """Return the traits that a shoal's table gives to fishes of given lengths and kinds."""
     schooling = species.schooling if shoal.schooling is None else shoal.schooling
     rates = {
         key: usual if getattr(shoal, key) is None else getattr(shoal, key)
@@ -127,34 +126,35 @@ def _usual(shoal: Shoal, species: Species, now: Columns, length: NDArray[Any]) -
         "male": males_of(shoal, shoal.number),
         "likes": np.tile([name in shoal.likes for name in HABITS], (shoal.number, 1)),
         "schooling": np.full(shoal.number, schooling),
-        "appetite": appetite_of(length, now["kind"]).astype(np.float32),
+        "appetite": appetite_of(length, traits["kind"]).astype(np.float32),
         **{key: np.full(shoal.number, rate, np.float32) for key, rate in rates.items()},
     }
 
 
-def _common(shoal: Shoal, species: Species, now: Columns) -> Shoal:
-    """The shoal with the traits that all of its fishes share, where its table gives others."""
+def _common(shoal: Shoal, species: Species, traits: Columns) -> Shoal:
+    """Give a shoal the traits that all of its fishes share, where its table has others."""
     if not shoal.number:
         return shoal
-    usual = _usual(shoal, species, now, np.zeros(shoal.number))
+    usual = _usual(shoal, species, traits, np.zeros(shoal.number))
     for key in ("kind", "likes", "schooling", *RATES):
-        alike = not _unlike(now[key], np.broadcast_to(now[key][0], now[key].shape)).any()
-        if alike and _unlike(now[key], usual[key]).all():
-            shoal = replace(shoal, **{key: _plain(key, now[key][0])})
-    males = now["male"]
+        values = traits[key]
+        alike = not _unlike(values, np.broadcast_to(values[0], values.shape)).any()
+        if alike and _unlike(values, usual[key]).all():
+            shoal = replace(shoal, **{key: _plain(key, values[0])})
+    males = traits["male"]
     if males.all() != males.any() or not _unlike(males, usual["male"]).any():
         return shoal
     return replace(shoal, male_share=float(males[0]))
 
 
-def _unlike(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    """Fishes (n,) whose values differ."""
-    unlike = one != other
+def _unlike(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
+    """Select the fishes (n,) whose values differ."""
+    unlike = first != second
     return unlike if unlike.ndim == 1 else unlike.any(axis=1)
 
 
 def _plain(key: str, value: Any) -> Any:
-    """A value as in a file."""
+    """Convert a trait to the value of a file."""
     if key == "kind":
         return KINDS[value]
     if key == "likes":

@@ -34,7 +34,7 @@ class World:
     rock_owners: list[str]  # the scenario's table of each rock
     shoal_sizes: list[int]  # number of fishes of each shoal
     script: Script = field(init=False)  # of the scenario's directions
-    # `state.TRAITS` before panels changed any.
+    # Values of `state.TRAITS` before panels changed any.
     initial_traits: dict[str, NDArray[Any]] = field(default_factory=dict)
     stages_s: dict[str, float] = field(default_factory=dict)  # seconds of the last tick
     # Brightness of rendered eye views, for fishes that use it in place of the ambient light.
@@ -43,7 +43,7 @@ class World:
     # Functions to call after every tick.
     observers: list[Callable[["World"], object]] = field(default_factory=list)
     reported_bursts: set[tuple[int, Physics]] = field(default_factory=set)
-    # Rocks, and the cells that list them.
+    # The rocks, and the cells that list these rocks.
     _listed: tuple[Array, RockCells] | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -52,7 +52,7 @@ class World:
 
     @property
     def rock_cells(self) -> RockCells:
-        """The rocks by the cells where they change the current."""
+        """Return the rocks by the cells where they change the current."""
         rocks = self.state.sea.rocks
         if self._listed is None or self._listed[0] is not rocks:
             self._listed = rocks, rock_cells(rocks, REACH_CM)
@@ -60,13 +60,13 @@ class World:
 
     @property
     def flowing_cm_s(self) -> tuple[float, float]:
-        """`current_cm_s` with the addition of directions."""
+        """Add the current of directions to `current_cm_s`."""
         x, y = self.current_cm_s
         more = self.state.directions.current
         return (x + float(more[0]), y + float(more[1])) if len(more) else (x, y)
 
     def report_bursts(self, fishes: Iterable[int]) -> None:
-        """Add a notice of simulated fishes that lost their shape, once for the same physics."""
+        """Add a notice of simulated fishes that lost their shape, once for each physics."""
         how = self.physics._replace(fish=-1)  # whichever is simulated first
         new = [int(fish) for fish in fishes if (int(fish), how) not in self.reported_bursts]
         if not new:
@@ -74,15 +74,15 @@ class World:
         self.reported_bursts.update((fish, how) for fish in new)
         names = [self.species[self.state.fishes.species[fish]].name for fish in new]
         who = " and ".join(f"{fish} ({name})" for fish, name in zip(new, names, strict=True))
-        one = len(new) == 1
+        single = len(new) == 1
         self.notices.append(
-            f"{'fish' if one else 'fishes'} {who} exploded, {_unusual(self.physics)}: "
-            f"{'it is' if one else 'they are'} played back instead of simulated"
+            f"{'fish' if single else 'fishes'} {who} exploded, {_unusual(self.physics)}: "
+            f"{'it is' if single else 'they are'} played back instead of simulated"
         )
 
 
 def _unusual(physics: Physics) -> str:
-    """Parameters that differ from the usual physics, in words."""
+    """Name the parameters that differ from the usual physics."""
     words = [
         f"{name.replace('_', ' ')} {value:g}"
         for name, value in physics._asdict().items()
