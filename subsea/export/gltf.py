@@ -12,7 +12,7 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.files import replacing
-from subsea.export import MESHOPT
+from subsea.export import MESHOPT, glb
 from subsea.export.clips import Clip, Model, bake_root, transparent_triangles
 from subsea.export.conventions import (
     METRES,
@@ -23,19 +23,6 @@ from subsea.export.conventions import (
     sheet_webp,
     to_metres,
 )
-from subsea.export.glb import (
-    CLAMPED,
-    EXACT,
-    INDICES,
-    VERTICES,
-    GlbBuffer,
-    Packing,
-    PositionGrid,
-    Stored,
-    asset,
-    glb,
-    material,
-)
 from subsea.export.skinning import MAX_INFLUENCES, Joint, Skeleton
 from subsea.geometry.rotation import from_matrix, matrix
 
@@ -45,7 +32,7 @@ WEBP = "EXT_texture_webp"
 INSTANCING = "EXT_mesh_gpu_instancing"
 LINEAR_MIPMAPS = 9987
 STEP = 1e-6  # body lengths: what a joint's place may be off when it is compressed
-SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": CLAMPED, "wrapT": CLAMPED}
+SHEET_SAMPLER = {"minFilter": LINEAR_MIPMAPS, "wrapS": glb.CLAMPED, "wrapT": glb.CLAMPED}
 
 
 class KeyTrack(NamedTuple):
@@ -53,7 +40,7 @@ class KeyTrack(NamedTuple):
 
     node: int
     path: str  # translation, rotation, scale or weights
-    keys: Stored
+    keys: glb.Stored
     times: int  # accessor of the keys' times
     steps: bool = False  # holds a key until the next one
 
@@ -68,9 +55,9 @@ class Parts(NamedTuple):
 class GltfFile:
     """A file in the making: its lists, to which fishes are added."""
 
-    def __init__(self, packing: Packing) -> None:
+    def __init__(self, packing: glb.Packing) -> None:
         """Begin an empty file whose arrays are stored in this way."""
-        self.buffer = GlbBuffer(packing)
+        self.buffer = glb.GlbBuffer(packing)
         self.nodes: list[Json] = []
         self.roots: list[int] = []
         self.meshes: list[Json] = []
@@ -104,8 +91,8 @@ class GltfFile:
             ):
                 if chosen.any():
                     corners = model.triangles[chosen].astype(np.uint16).ravel()
-                    parts.indices.append(self.buffer.add(corners, INDICES))
-                    parts.materials.append(material(name, looks, len(self._images)))
+                    parts.indices.append(self.buffer.add(corners, glb.INDICES))
+                    parts.materials.append(glb.material(name, looks, len(self._images)))
             self._parts[model.name] = parts
             self._images.append(self._sheet(model))
         return self._parts[model.name]
@@ -154,7 +141,7 @@ class GltfFile:
             "skins": self.skins, "animations": self.animations, "images": self._images,
         }  # fmt: skip
         scenes = [{"nodes": self.roots} | scene]
-        content: Json = {"asset": asset(species, extras), "scene": 0, "scenes": scenes}
+        content: Json = {"asset": glb.asset(species, extras), "scene": 0, "scenes": scenes}
         content |= {name: values for name, values in lists.items() if values} | more
         needed = []
         if self._images:
@@ -167,21 +154,21 @@ class GltfFile:
             needed += [WEBP] * webp
         if any(INSTANCING in node.get("extensions", {}) for node in self.nodes):
             needed.append(INSTANCING)
-        return glb(content, self.buffer, needed)
+        return glb.glb(content, self.buffer, needed)
 
 
-def add_vertices(buffer: GlbBuffer, model: Model, grid: PositionGrid) -> Json:
+def add_vertices(buffer: glb.GlbBuffer, model: Model, grid: glb.PositionGrid) -> Json:
     """Add the vertices of a model at rest; return the attributes of its primitives."""
     pack = buffer.packing
     sheet = np.clip(model.uv * (1, -1) + (0, 1), 0.0, 1.0)
     return {
-        "POSITION": buffer.add(pack.positions(to_metres(model.rest, Y_UP), grid), VERTICES),
-        "NORMAL": buffer.add(pack.normals(model.normals @ Y_UP.T), VERTICES),
-        "TEXCOORD_0": buffer.add(pack.coordinates(sheet), VERTICES),
+        "POSITION": buffer.add(pack.positions(to_metres(model.rest, Y_UP), grid), glb.VERTICES),
+        "NORMAL": buffer.add(pack.normals(model.normals @ Y_UP.T), glb.VERTICES),
+        "TEXCOORD_0": buffer.add(pack.coordinates(sheet), glb.VERTICES),
     }
 
 
-def add_weights(buffer: GlbBuffer, rig: Skeleton) -> Json:
+def add_weights(buffer: glb.GlbBuffer, rig: Skeleton) -> Json:
     """Add joints and weights of the vertices; joint 0 is the root and has no weight."""
     most = np.argsort(-rig.weights, axis=1)[:, :MAX_INFLUENCES]
     weights = np.take_along_axis(rig.weights, most, axis=1).astype(np.float32)
@@ -189,13 +176,13 @@ def add_weights(buffer: GlbBuffer, rig: Skeleton) -> Json:
     stored = buffer.packing.weights(weights)
     joints = np.where(stored.values > 0, most + 1, 0).astype(np.uint8)
     return {
-        "JOINTS_0": buffer.add(joints, VERTICES),
-        "WEIGHTS_0": buffer.add(stored, VERTICES),
+        "JOINTS_0": buffer.add(joints, glb.VERTICES),
+        "WEIGHTS_0": buffer.add(stored, glb.VERTICES),
     }
 
 
 def add_targets(
-    buffer: GlbBuffer, model: Model, points: Array, normals: Array, grid: PositionGrid
+    buffer: glb.GlbBuffer, model: Model, points: Array, normals: Array, grid: glb.PositionGrid
 ) -> Json:
     """Add a morph target with these points and normals (n, 3), cm, body axes."""
     pack = buffer.packing
@@ -206,7 +193,7 @@ def add_targets(
     }
 
 
-def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: PositionGrid) -> int:
+def add_bind(buffer: glb.GlbBuffer, joints: list[Joint], grid: glb.PositionGrid) -> int:
     """Add the inverse bind matrices of root and joints."""
     bind = np.tile(np.eye(4), (1 + len(joints), 1, 1))
     bind[1:, :3, 3] = -to_metres(np.array([joint.place for joint in joints]), Y_UP)
@@ -214,7 +201,7 @@ def add_bind(buffer: GlbBuffer, joints: list[Joint], grid: PositionGrid) -> int:
 
 
 def joint_tracks(
-    pack: Packing, joints: list[Joint], motion: Array, first: int, times: int
+    pack: glb.Packing, joints: list[Joint], motion: Array, first: int, times: int
 ) -> list[KeyTrack]:
     """Make tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4).
 
@@ -249,8 +236,8 @@ def carried(motion: Array, position: Array, rotation: Array) -> Array:
 def path_tracks(node: int, places: Array, turns: Array, times: int) -> list[KeyTrack]:
     """Make tracks of a node along places (T, 3), metres, and turns (T, 4), w first: as floats."""
     return [
-        KeyTrack(node, "translation", Stored(places.astype(np.float32)), times),
-        KeyTrack(node, "rotation", Stored(ordered(turns).astype(np.float32)), times),
+        KeyTrack(node, "translation", glb.Stored(places.astype(np.float32)), times),
+        KeyTrack(node, "rotation", glb.Stored(ordered(turns).astype(np.float32)), times),
     ]
 
 
@@ -259,7 +246,7 @@ def ordered(rotation: Array) -> Array:
     return np.roll(continuous(rotation), -1, axis=1)
 
 
-def add_tracks(buffer: GlbBuffer, tracks: Sequence[KeyTrack]) -> list[int]:
+def add_tracks(buffer: glb.GlbBuffer, tracks: Sequence[KeyTrack]) -> list[int]:
     """Add the keys of tracks, one view for each kind of keys; return their accessors."""
     groups: dict[object, list[int]] = {}
     for k, track in enumerate(tracks):
@@ -289,7 +276,7 @@ def animation(name: str, tracks: Sequence[KeyTrack], outputs: Sequence[int], ext
     }
 
 
-def add_times(buffer: GlbBuffer, times: Array) -> int:
+def add_times(buffer: glb.GlbBuffer, times: Array) -> int:
     """Add the times (T,) of keys, seconds."""
     return buffer.add(times.astype(np.float32))
 
@@ -305,7 +292,7 @@ def write_gltf(
     clips: list[Clip],
     baked: bool,
     rig: Skeleton | None,
-    packing: Packing = EXACT,
+    packing: glb.Packing = glb.EXACT,
 ) -> Path:
     """Write NAME.glb into `folder`, with a skinned mesh or, without a rig, with morph targets.
 
@@ -392,7 +379,7 @@ def _root_tracks(clip: Clip, root: int, baked: bool, times: int) -> list[KeyTrac
     return path_tracks(root, to_metres(clip.position, Y_UP), turns, times)
 
 
-def _times(buffer: GlbBuffer, clip: Clip) -> int:
+def _times(buffer: glb.GlbBuffer, clip: Clip) -> int:
     return add_times(buffer, np.arange(len(clip.points)) / clip.fps)
 
 

@@ -16,7 +16,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, check_result
 from subsea.base.files import replacing
-from subsea.export import MESHOPT, PLAIN, QUANTISED
+from subsea.export import MESHOPT, PLAIN, QUANTISED, gltf
 from subsea.export.conventions import (
     METRES,
     WORLD_Y_UP,
@@ -26,22 +26,6 @@ from subsea.export.conventions import (
     world_rotations,
 )
 from subsea.export.glb import INDICES, VERTICES, Packing, PositionGrid, Stored, packing_of
-from subsea.export.gltf import (
-    INSTANCING,
-    GltfFile,
-    Json,
-    KeyTrack,
-    add_bind,
-    add_targets,
-    add_times,
-    add_tracks,
-    add_vertices,
-    add_weights,
-    animation,
-    joint_tracks,
-    ordered,
-    path_tracks,
-)
 from subsea.export.options import SceneOptions, check_options
 from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter
 from subsea.export.skinning import fit_skeleton, follow, off_percent
@@ -70,14 +54,14 @@ ROWS = 4096  # poses in a texture: with normals 8192 rows, as engines read
 PACKED = 0.75  # of the bytes of texels that PNG leaves
 
 
-class SceneFile(GltfFile):
+class SceneFile(gltf.GltfFile):
     """The file of a scene in the making."""
 
     def __init__(self, scene: Scene, packing: Packing) -> None:
         """Begin an empty file."""
         super().__init__(packing)
         self.scene = scene
-        self.tracks: list[KeyTrack] = []
+        self.tracks: list[gltf.KeyTrack] = []
         self.outputs: list[int] = []  # accessors of the keys of tracks
         self._times: dict[tuple[int, int], int] = {}
         self._looks: dict[tuple[str, tuple[float, ...]], int] = {}
@@ -86,13 +70,13 @@ class SceneFile(GltfFile):
         """Return the accessor of the times of frames."""
         if (first, last) not in self._times:
             seconds = np.arange(first, last + 1) / self.scene.fps
-            self._times[first, last] = add_times(self.buffer, seconds)
+            self._times[first, last] = gltf.add_times(self.buffer, seconds)
         return self._times[first, last]
 
-    def move(self, *tracks: KeyTrack) -> None:
+    def move(self, *tracks: gltf.KeyTrack) -> None:
         """Add tracks to the animation of the scene."""
         self.tracks += tracks
-        self.outputs += add_tracks(self.buffer, tracks)
+        self.outputs += gltf.add_tracks(self.buffer, tracks)
 
     def add_path(self, column: int) -> int:
         """Add the node that moves as a fish; return its number."""
@@ -104,11 +88,11 @@ class SceneFile(GltfFile):
         there = slice(fish.first, fish.last + 1)
         places = to_metres(self.scene.position[there, column], WORLD_Y_UP)
         turns = world_rotations(self.scene.rotation[there, column], Y_UP)
-        path = path_tracks(number, places, turns, self.times(fish.first, fish.last))
+        path = gltf.path_tracks(number, places, turns, self.times(fish.first, fish.last))
         self.move(*path, *self._presence(fish, number))
         return number
 
-    def _presence(self, fish: SceneFish, number: int) -> Iterator[KeyTrack]:
+    def _presence(self, fish: SceneFish, number: int) -> Iterator[gltf.KeyTrack]:
         """Give a fish that comes or goes no size while it is not in the sea.
 
         The steps lie between frames, so that no rounding of times moves them to another frame.
@@ -119,11 +103,13 @@ class SceneFile(GltfFile):
         if fish.last < self.scene.frames - 1:
             keys[fish.last + 0.5] = 0.0
         if len(keys) > 1:
-            times = add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
+            times = gltf.add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
             sizes = np.repeat(np.array(list(keys.values()), np.float32)[:, None], 3, axis=1)
-            yield KeyTrack(number, "scale", Stored(sizes), times, steps=True)
+            yield gltf.KeyTrack(number, "scale", Stored(sizes), times, steps=True)
 
-    def add_shape(self, column: int, attributes: Json, targets: Sequence[Json] = ()) -> int:
+    def add_shape(
+        self, column: int, attributes: gltf.Json, targets: Sequence[gltf.Json] = ()
+    ) -> int:
         """Add the mesh of a fish in its tint; return its number."""
         fish = self.scene.fishes[column]
         model, parts = self.scene.models[fish.model], self.parts(self.scene.models[fish.model])
@@ -154,11 +140,11 @@ class SceneFile(GltfFile):
         seconds = np.insert(frames / fps, cuts, cuts / fps - min(CUT_S, 0.1 / fps))
         places = to_metres(camera.position[shown], WORLD_Y_UP)
         turns = world_rotations(camera.rotation[shown])
-        self.move(*path_tracks(number, places, turns, add_times(self.buffer, seconds)))
+        self.move(*gltf.path_tracks(number, places, turns, gltf.add_times(self.buffer, seconds)))
 
     def add_statics(self, instancing: bool) -> None:
         """Add what stands still, copies of a mesh as nodes or as instances of one node."""
-        groups: dict[str, Json] = {}
+        groups: dict[str, gltf.Json] = {}
         for static in self.scene.statics:
             if static.group not in groups:
                 groups[static.group] = {"name": static.group, "children": []}
@@ -191,7 +177,7 @@ class SceneFile(GltfFile):
                 name: self.buffer.add(value.astype(np.float32)) for name, value in floats.items()
             }
             node = {"name": static.name, "mesh": mesh}
-            return [self.node(node | {"extensions": {INSTANCING: {"attributes": attributes}}})]
+            return [self.node(node | {"extensions": {gltf.INSTANCING: {"attributes": attributes}}})]
         meshes: dict[tuple[float, ...], int] = {}
         steps = np.maximum(np.round(tints * TINTS), 1) / TINTS if len(tints) > 1 else tints
         nodes = []
@@ -205,7 +191,7 @@ class SceneFile(GltfFile):
 
     def _primitive(
         self, static: SceneMesh, points: Array, grid: PositionGrid, brightest: float
-    ) -> Json:
+    ) -> gltf.Json:
         pack, buffer = self.buffer.packing, self.buffer
         wide = np.uint16 if len(points) <= 65535 else np.uint32
         colors = np.clip(static.colors * brightest, 0.0, 1.0)
@@ -218,12 +204,12 @@ class SceneFile(GltfFile):
             "indices": buffer.add(static.triangles.astype(wide).ravel(), INDICES),
         }
 
-    def _tinted(self, static: SceneMesh, primitive: Json, tint: Array) -> int:
+    def _tinted(self, static: SceneMesh, primitive: gltf.Json, tint: Array) -> int:
         """Add a mesh in a tint; return its number."""
-        looks: Json = {"metallicFactor": 0.0, "roughnessFactor": ROUGH}
+        looks: gltf.Json = {"metallicFactor": 0.0, "roughnessFactor": ROUGH}
         if (tint != 1.0).any():
             looks["baseColorFactor"] = [*tint.tolist(), 1.0]
-        look: Json = {"name": static.group, "pbrMetallicRoughness": looks}
+        look: gltf.Json = {"name": static.group, "pbrMetallicRoughness": looks}
         look |= {"doubleSided": True} if static.two_sided else {}
         if look not in self.materials:
             self.materials.append(look)
@@ -231,7 +217,7 @@ class SceneFile(GltfFile):
         self.meshes.append({"name": static.name, "primitives": [primitive]})
         return len(self.meshes) - 1
 
-    def whole(self, errors: Json) -> bytes:
+    def whole(self, errors: gltf.Json) -> bytes:
         """Return the whole file."""
         scene, camera = self.scene, self.scene.camera
         extras = {
@@ -249,7 +235,7 @@ class SceneFile(GltfFile):
             "zfar": METRES * camera.far_cm,
         }
         rate = {"framesPerSecond": scene.fps}
-        self.animations.append(animation(scene.name, self.tracks, self.outputs, rate))
+        self.animations.append(gltf.animation(scene.name, self.tracks, self.outputs, rate))
         return self.contents(
             [model.name for model in scene.models],
             extras,
@@ -287,10 +273,10 @@ def _parted(places: Array, grid: PositionGrid) -> tuple[Array, Array, Array]:
     size = np.linalg.norm(turned, axis=1)
     turn = from_matrix(turned / size[:, None])
     way = way + turned @ grid.middle
-    return way, ordered(np.asarray(turn)), size * (grid.half or 1.0)
+    return way, gltf.ordered(np.asarray(turn)), size * (grid.half or 1.0)
 
 
-def _place(way: Array, turn: Array, size: Array, k: int) -> Json:
+def _place(way: Array, turn: Array, size: Array, k: int) -> gltf.Json:
     """Return the properties of a node at place k, but those that say nothing."""
     known = {"translation": (way, 0.0), "scale": (size, 1.0), "rotation": (turn, (0, 0, 0, 1))}
     return {
@@ -305,9 +291,9 @@ class _FittedSpecies:
         scene, self.model = file.scene, file.scene.models[number]
         self.rig = fit_skeleton(self.model, _samples(scene, number))
         grid = file.buffer.packing.grid(to_metres(self.model.rest, Y_UP))
-        vertices = add_vertices(file.buffer, self.model, grid)
-        self.attributes = vertices | add_weights(file.buffer, self.rig)
-        self.bind = add_bind(file.buffer, self.rig.joints, grid)
+        vertices = gltf.add_vertices(file.buffer, self.model, grid)
+        self.attributes = vertices | gltf.add_weights(file.buffer, self.rig)
+        self.bind = gltf.add_bind(file.buffer, self.rig.joints, grid)
         self.square, self.most, self.count = 0.0, 0.0, 0
 
     def follow(self, scene: Scene, fish: int) -> Array:
@@ -353,7 +339,7 @@ def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
 def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     """Write a scene; return its files."""
     file = SceneFile(scene, packing_of(options.compress))
-    errors: Json = {}
+    errors: gltf.Json = {}
     textures: dict[Path, bytes] = {}
     if options.vat:
         textures = _add_textured(file, _textures(out))
@@ -370,7 +356,7 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     return [out, *textures]
 
 
-def _add_skinned(file: SceneFile) -> Json:
+def _add_skinned(file: SceneFile) -> gltf.Json:
     """Add all fishes with skeletons; return what the file says of their error."""
     scene = file.scene
     used = sorted({fish.model for fish in scene.fishes})
@@ -385,7 +371,7 @@ def _add_skinned(file: SceneFile) -> Json:
         root = file.add_path(column)
         first = file.skeleton(joints, root, species.bind)
         times = file.times(fish.first, fish.last)
-        file.move(*joint_tracks(file.buffer.packing, joints, motion, first, times))
+        file.move(*gltf.joint_tracks(file.buffer.packing, joints, motion, first, times))
         mesh = file.add_shape(column, species.attributes)
         # Not below the fish: a skinned mesh moves with its joints alone.
         name = f"{fish.name}_mesh"
@@ -405,15 +391,15 @@ def _add_morphed(file: SceneFile) -> None:
         reach = max(float(np.abs(part[1] - model.rest).max()) for part in scene.parts(column))
         grid = pack.grid(to_metres(model.rest, Y_UP), METRES * reach)
         targets = [
-            add_targets(file.buffer, model, places, ways, grid)
+            gltf.add_targets(file.buffer, model, places, ways, grid)
             for _, points, normals in scene.parts(column)
             for places, ways in zip(points, normals, strict=True)
         ]
         root = file.add_path(column)
-        mesh = file.add_shape(column, add_vertices(file.buffer, model, grid), targets)
+        mesh = file.add_shape(column, gltf.add_vertices(file.buffer, model, grid), targets)
         shown = file.hang(root, mesh, grid)
         keys = pack.shares(np.eye(count).ravel())
-        file.move(KeyTrack(shown, "weights", keys, file.times(fish.first, fish.last)))
+        file.move(gltf.KeyTrack(shown, "weights", keys, file.times(fish.first, fish.last)))
 
 
 def _add_textured(file: SceneFile, folder: Path) -> dict[Path, bytes]:
@@ -430,7 +416,7 @@ def _add_textured(file: SceneFile, folder: Path) -> dict[Path, bytes]:
         texture = encode_points(model, points, normals)
         grid = file.buffer.packing.grid(to_metres(model.rest, Y_UP))
         texels = texel_coordinates(len(model.rest), len(texture.texels)).astype(np.float32)
-        attributes = add_vertices(file.buffer, model, grid)
+        attributes = gltf.add_vertices(file.buffer, model, grid)
         attributes["TEXCOORD_1"] = file.buffer.add(texels, VERTICES)
         row = 0
         tracks = {}

@@ -22,6 +22,7 @@ from subsea.base.errors import UserError
 from subsea.base.file_kinds import USD, FileKind, check_result, signed
 from subsea.base.files import replacing
 from subsea.base.progress import progress, say
+from subsea.export import usd
 from subsea.export.conventions import (
     METRES,
     WORLD_Y_UP,
@@ -32,22 +33,6 @@ from subsea.export.conventions import (
 )
 from subsea.export.options import SceneOptions, check_options
 from subsea.export.scene import Scene, SceneCamera, SceneExtent, SceneMesh, SceneWriter
-from subsea.export.usd import (
-    animate,
-    bind,
-    define,
-    identifier,
-    move,
-    preview_surface,
-    primvar_reader,
-    set_up,
-    skin_materials,
-    skin_meshes,
-    stage_file,
-    still_mesh,
-    vectors,
-    write_package,
-)
 
 
 def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
@@ -56,20 +41,20 @@ def add_statics(stage: Any, at: Any, statics: tuple[SceneMesh, ...]) -> None:
         return
     look = _colour_material(stage, at.AppendPath("materials/ground"))
     for name in dict.fromkeys(static.group for static in statics):
-        define(stage, at.AppendChild(name), "group")
+        usd.define(stage, at.AppendChild(name), "group")
     for static in statics:
-        path = at.AppendPath(f"{static.group}/{identifier(static.name)}")
+        path = at.AppendPath(f"{static.group}/{usd.identifier(static.name)}")
         if len(static.places) == 1:
-            prim = define(stage, path, "component")
+            prim = usd.define(stage, path, "component")
             _place(prim, static.places[0])
-            bind(_coloured_mesh(stage, path.AppendChild("mesh"), static, static.tints[0]), look)
+            usd.bind(_coloured_mesh(stage, path.AppendChild("mesh"), static, static.tints[0]), look)
             continue
-        kept = at.AppendPath(f"{static.group}/prototypes/{identifier(static.name)}")
+        kept = at.AppendPath(f"{static.group}/prototypes/{usd.identifier(static.name)}")
         folder = UsdGeom.Scope.Define(stage, kept.GetParentPath())
         folder.GetPrim().SetSpecifier(Sdf.SpecifierClass)  # not drawn itself
-        prototype = define(stage, kept, "component")
+        prototype = usd.define(stage, kept, "component")
         mesh = _coloured_mesh(stage, kept.AppendChild("mesh"), static, static.tints.mean(axis=0))
-        bind(mesh, look)
+        usd.bind(mesh, look)
         for k, place in enumerate(static.places):
             prim = UsdGeom.Xform.Define(stage, path.GetParentPath().AppendChild(f"{path.name}_{k}"))
             prim.GetPrim().GetInherits().AddInherit(prototype.GetPath())
@@ -90,16 +75,16 @@ def _place(prim: Any, place: Array) -> None:
 def _coloured_mesh(stage: Any, path: Any, static: SceneMesh, tint: Array) -> Any:
     """Define a mesh that does not move, with colours at its vertices times `tint` (3,)."""
     points, normals = to_metres(static.points, WORLD_Y_UP), static.normals @ WORLD_Y_UP.T
-    mesh = still_mesh(stage, path, points, normals, static.triangles, static.two_sided)
+    mesh = usd.still_mesh(stage, path, points, normals, static.triangles, static.two_sided)
     colours = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex)
-    colours.Set(vectors(np.clip(static.colors * tint, 0.0, 1.0)))
+    colours.Set(usd.vectors(np.clip(static.colors * tint, 0.0, 1.0)))
     return mesh
 
 
 def _colour_material(stage: Any, path: Any) -> Any:
     """Define a material with the display colours of a mesh."""
-    material, surface = preview_surface(stage, path, 1.0)
-    colours = primvar_reader(stage, path.AppendChild("colours"), "displayColor", 3)
+    material, surface = usd.preview_surface(stage, path, 1.0)
+    colours = usd.primvar_reader(stage, path.AppendChild("colours"), "displayColor", 3)
     surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(colours)
     return material
 
@@ -147,7 +132,7 @@ def estimate(extent: SceneExtent, options: SceneOptions) -> int:
 def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
     """Write the stage with its textures, or a package with all of it; return the files."""
     if out.suffix.lower() == ".usdz":
-        write_package(out, lambda folder: _fill_package(scene, folder, options))
+        usd.write_package(out, lambda folder: _fill_package(scene, folder, options))
         return [out]
     textures = f"{out.stem}_textures"
     files = []
@@ -156,7 +141,7 @@ def write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
             files.append(out.parent / textures / f"{model.name}_basecolor.png")
             sheet = all_or_none.enter_context(replacing(files[-1]))
             sheet.write_bytes(sheet_png(model.sheet))
-        _write_stage(scene, all_or_none.enter_context(stage_file(out)), textures, options)
+        _write_stage(scene, all_or_none.enter_context(usd.stage_file(out)), textures, options)
     return [out, *files]
 
 
@@ -167,7 +152,7 @@ def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
     """Write a stage and its textures into `folder`; return the stage."""
     for model in scene.models:
         (folder / f"{model.name}_basecolor.png").write_bytes(sheet_png(model.sheet))
-    stage = folder / f"{identifier(scene.name)}.usdc"
+    stage = folder / f"{usd.identifier(scene.name)}.usdc"
     _write_stage(scene, stage, ".", options)
     return stage
 
@@ -175,20 +160,22 @@ def _fill_package(scene: Scene, folder: Path, options: SceneOptions) -> Path:
 def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions) -> None:
     """Write the stage `path`; `textures` is the folder of its textures, as seen from there."""
     stage = Usd.Stage.CreateNew(str(path))
-    set_up(
+    usd.set_up(
         stage, scene.fps, scene.frames - 1, [model.name for model in scene.models],
         title=scene.title, seed=scene.seed, start_s=scene.start_s,
     )  # fmt: skip
-    root = define(stage, f"/{identifier(scene.name)}", "assembly")
+    root = usd.define(stage, f"/{usd.identifier(scene.name)}", "assembly")
     stage.SetDefaultPrim(root.GetPrim())
     at = root.GetPath()
     _add_camera(stage, at.AppendChild("camera"), scene.camera)
     looks = []
     UsdGeom.Scope.Define(stage, at.AppendChild("materials"))
     for model in scene.models:
-        folder = UsdGeom.Scope.Define(stage, at.AppendPath(f"materials/{identifier(model.name)}"))
+        folder = UsdGeom.Scope.Define(
+            stage, at.AppendPath(f"materials/{usd.identifier(model.name)}")
+        )
         sheet = f"{textures}/{model.name}_basecolor.png"
-        looks.append(skin_materials(stage, folder.GetPath(), sheet.removeprefix("./")))
+        looks.append(usd.skin_materials(stage, folder.GetPath(), sheet.removeprefix("./")))
     add_statics(stage, at, scene.statics)
     if options.poses is None:
         _add_fishes(stage, at.AppendChild("fishes"), scene, looks)
@@ -199,21 +186,21 @@ def _write_stage(scene: Scene, path: Path, textures: str, options: SceneOptions)
 
 def _add_fishes(stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]]) -> None:
     """Add each fish with its path, and its meshes with points in every frame."""
-    define(stage, at, "group")
+    usd.define(stage, at, "group")
     pending = 0
     with progress(len(scene.fishes), "fish") as done:
         for number, fish in enumerate(scene.fishes):
             model = scene.models[fish.model]
-            prim = define(stage, at.AppendChild(identifier(fish.name)), "component")
+            prim = usd.define(stage, at.AppendChild(usd.identifier(fish.name)), "component")
             inside = slice(fish.first, fish.last + 1)
             place = to_metres(scene.position[inside, number], WORLD_Y_UP)
-            move(prim, place, world_rotations(scene.rotation[inside, number], Y_UP), fish.first)
+            usd.move(prim, place, world_rotations(scene.rotation[inside, number], Y_UP), fish.first)
             _hide(prim, fish.first, fish.last, scene.frames)
             _describe(prim, fish.length_cm, fish.number, fish.tint)
-            meshes = skin_meshes(stage, prim.GetPath(), model, looks[fish.model])
+            meshes = usd.skin_meshes(stage, prim.GetPath(), model, looks[fish.model])
             for first, points, normals in scene.parts(number):
                 for mesh, part in meshes:
-                    animate(mesh, part, zip(fish.scale * points, normals, strict=True), first)
+                    usd.animate(mesh, part, zip(fish.scale * points, normals, strict=True), first)
                 pending += points.size // 3 * FRAME_BYTES
                 if pending > SAVED_BYTES:
                     stage.Save()
@@ -244,17 +231,17 @@ def _add_schools(
     stage: Any, at: Any, scene: Scene, looks: list[dict[str, Any]], number: int
 ) -> None:
     """Add a point instancer for each species, with `number` poses baked as prototypes."""
-    define(stage, at, "group")
+    usd.define(stage, at, "group")
     for kind, model in enumerate(scene.models):
         poses = bake_poses(scene, kind, number)
-        prim = at.AppendChild(identifier(model.name))
+        prim = at.AppendChild(usd.identifier(model.name))
         instancer = _instancer(stage, prim, scene, poses)
         for k, (points, normals) in enumerate(zip(poses.points, poses.normals, strict=True)):
             path = prim.AppendPath(f"poses/pose_{k:03}")
-            define(stage, path, "component")
+            usd.define(stage, path, "component")
             instancer.GetPrototypesRel().AddTarget(path)
             posed = model._replace(rest=points, normals=normals)
-            skin_meshes(stage, path, posed, looks[kind])
+            usd.skin_meshes(stage, path, posed, looks[kind])
         say(
             f"{model.name}: {len(poses.points)} poses; vertices are off by "
             f"{poses.rms_percent:.2f}% of the body length (rms), {poses.most_percent:.2f}% at most"
@@ -268,7 +255,7 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
     fishes = [scene.fishes[k] for k in poses.fishes]
     instancer.CreateIdsAttr(Vt.Int64Array([fish.number for fish in fishes]))
     size = np.repeat(np.array([fish.scale for fish in fishes], np.float32)[:, None], 3, axis=1)
-    instancer.CreateScalesAttr(vectors(size))
+    instancer.CreateScalesAttr(usd.vectors(size))
     place, turn = instancer.CreatePositionsAttr(), instancer.CreateOrientationsfAttr()
     coarse, which = instancer.CreateOrientationsAttr(), instancer.CreateProtoIndicesAttr()
     hidden, extent = instancer.CreateInvisibleIdsAttr(), instancer.CreateExtentAttr()
@@ -279,7 +266,7 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
         inside = poses.pose[frame] >= 0
         there = np.where(inside[:, None], position[frame], 0.0)
         facing = np.where(inside[:, None], rotation[frame], (1.0, 0.0, 0.0, 0.0))
-        place.Set(vectors(there), frame)
+        place.Set(usd.vectors(there), frame)
         imaginary_first = np.ascontiguousarray(facing[:, [1, 2, 3, 0]], np.float32)
         turn.Set(Vt.QuatfArray.FromNumpy(imaginary_first), frame)
         coarse.Set(Vt.QuathArray.FromNumpy(imaginary_first.astype(np.float16)), frame)
@@ -291,7 +278,9 @@ def _instancer(stage: Any, path: Any, scene: Scene, poses: BakedPoses) -> Any:
             frame,
         )
         shown = there[inside] if inside.any() else there[:1]
-        extent.Set(vectors(np.stack([shown.min(axis=0) - reach, shown.max(axis=0) + reach])), frame)
+        extent.Set(
+            usd.vectors(np.stack([shown.min(axis=0) - reach, shown.max(axis=0) + reach])), frame
+        )
     return instancer
 
 
@@ -304,7 +293,7 @@ def _add_camera(stage: Any, path: Any, camera: SceneCamera) -> None:
     prim.CreateFocalLengthAttr(0.5 * wide / camera.aspect / np.tan(0.5 * camera.height_rad))
     near, far = METRES * camera.near_cm, METRES * camera.far_cm
     prim.CreateClippingRangeAttr(Gf.Vec2f(near, far))
-    move(prim, to_metres(camera.position, WORLD_Y_UP), world_rotations(camera.rotation))
+    usd.move(prim, to_metres(camera.position, WORLD_Y_UP), world_rotations(camera.rotation))
 
 
 def bake_poses(scene: Scene, model: int, number: int) -> BakedPoses:

@@ -22,21 +22,7 @@ from subsea.dive.directed_camera import check_tour, tour_steering
 from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
-from subsea.lab.benchmark_reports import (
-    REPORT,
-    TIMES,
-    Frames,
-    compare,
-    describe_machine,
-    plot_stages,
-    print_ladder,
-    print_report,
-    read_reports,
-    reference_work,
-    statistics,
-    write_csv,
-    write_json,
-)
+from subsea.lab import benchmark_reports
 from subsea.rendering.output.quality import (
     AUTO,
     LADDER,
@@ -93,7 +79,7 @@ def benchmark(options: BenchmarkOptions) -> int:
     _check_results(options)
     if options.plot is not None:
         require("plot", "plots")
-    older = read_reports(options.compare) if options.compare else None
+    older = benchmark_reports.read_reports(options.compare) if options.compare else None
     rig, _ = chosen_rig(
         options.display, options.size, theatre=options.theatre, shrink=options.shrink
     )
@@ -102,23 +88,27 @@ def benchmark(options: BenchmarkOptions) -> int:
     runs = [_run(options, loaded, rig, number) for number in options.fish]
     reports = [report for report, _ in runs]
     if len(runs) == 1:
-        print_report(reports[0])
+        benchmark_reports.print_report(reports[0])
     else:
-        print_ladder(reports)
+        benchmark_reports.print_ladder(reports)
     if older is not None and options.compare is not None:
-        compare(reports, older, options.compare)
+        benchmark_reports.compare(reports, older, options.compare)
     if options.csv is not None:
-        write_csv(options.csv, runs)
+        benchmark_reports.write_csv(options.csv, runs)
     if options.plot is not None:
-        plot_stages(options.plot, runs)
+        benchmark_reports.plot_stages(options.plot, runs)
     if options.json is not None:
-        write_json(options.json, reports)
+        benchmark_reports.write_json(options.json, reports)
     return 0
 
 
 def _check_results(options: BenchmarkOptions) -> None:
     """Raise a UserError unless each file can be written and is named once."""
-    files = ((options.json, REPORT), (options.csv, TIMES), (options.plot, PICTURE))
+    files = (
+        (options.json, benchmark_reports.REPORT),
+        (options.csv, benchmark_reports.TIMES),
+        (options.plot, PICTURE),
+    )
     taken: set[Path] = set()
     for path, kind in files:
         if path is None:
@@ -131,13 +121,13 @@ def _check_results(options: BenchmarkOptions) -> None:
 
 def _run(
     options: BenchmarkOptions, loaded: LoadedScenario, rig: CameraRig, fish: int | None
-) -> tuple[dict[str, Any], Frames]:
+) -> tuple[dict[str, Any], benchmark_reports.Frames]:
     """Measure with this number of fishes; the report and the frames."""
     automatic = options.quality == AUTO
     with headless() as context:
         world = ready_world(loaded, options.seed, fish=fish, motor=options.motor)
         gpu, hold_ms = context.info["GL_RENDERER"], None
-        machine = describe_machine(context.info)
+        machine = benchmark_reports.describe_machine(context.info)
         if automatic:
             hold_ms = options.target_ms or adaptive_quality.target_for(gpu)
         begin = LADDER[first_rung(gpu)] if automatic else PRESETS[options.quality]
@@ -165,7 +155,7 @@ def _run(
         "without": sorted(options.without),
         "motor": options.motor,
         "machine": machine,
-        **statistics(measured),
+        **benchmark_reports.statistics(measured),
     }, measured
 
 
@@ -178,7 +168,7 @@ def measure(
     frames: int,
     without: frozenset[str] = frozenset(),
     hold_ms: float | None = None,
-) -> Frames:
+) -> benchmark_reports.Frames:
     """Measure `frames` of one tick and one picture each, after a warm-up.
 
     With `hold_ms` the quality adapts from frame to frame to hold that time.
@@ -199,7 +189,7 @@ def measure(
     levels = np.zeros((frames, len(LEVELS)))
     memory = empty_lod_state(len(world.state.fishes.species))
     pace = adaptive_quality.start(LADDER.index(renderer.quality), rig.exact) if hold_ms else None
-    with reference_work() as fixed_work:
+    with benchmark_reports.reference_work() as fixed_work:
         for k in tqdm(range(-WARM_UP_FRAMES, frames), unit="frame", disable=None, leave=False):
             order = steer(world)  # not measured: in a dive the visitor steers
             fixed_s = fixed_work()
@@ -241,7 +231,7 @@ def measure(
             columns["visible"].append(len(world.state.fishes.species) - packet.hidden)
             columns["triangles"].append(renderer.triangles)
             columns["draw_calls"].append(renderer.draw_calls)
-    return Frames(
+    return benchmark_reports.Frames(
         stages_s={name: np.array(values) for name, values in stages.items()},
         gpu_s={name: np.array(values) for name, values in gpu.items()},
         levels=levels,

@@ -16,18 +16,7 @@ from subsea.base.file_kinds import check_result, json_file
 from subsea.base.files import replacing
 from subsea.base.progress import count_noun, print_line
 from subsea.base.report_files import check_plots
-from subsea.lab.measures import (
-    BARRIERS,
-    captures,
-    changes_per_second,
-    clearances,
-    courtships,
-    escapes,
-    meals,
-    overlaps,
-    saturated,
-    time_budget,
-)
+from subsea.lab import measures
 from subsea.lab.plots import RECORD_PLOTS, plot
 from subsea.lab.schooling import School, schools, splits
 from subsea.media.record import Record, read_record
@@ -100,28 +89,28 @@ def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measure
 
 
 def _sea(record: Record) -> Measured:
-    clearance, which = clearances(record)
-    touching = overlaps(record)[record.alive]
+    clearance, which = measures.clearances(record)
+    touching = measures.overlaps(record)[record.alive]
     least = np.unravel_index(np.argmin(clearance), clearance.shape)
     alive = int(record.alive.sum())
     return {
         "fish_ticks": alive,
         "out_of_bounds_or_inside": int((clearance < 0).sum()),
         "least_clearance_cm": _rounded(clearance[least]) if alive else None,
-        "least_clearance_from": BARRIERS[which[least]] if alive else None,
+        "least_clearance_from": measures.BARRIERS[which[least]] if alive else None,
         "overlap_share": _share(touching == 2, 6),
         "meant_overlap_share": _share(touching == 1, 6),
     }
 
 
 def _minds(record: Record) -> Measured:
-    changes = changes_per_second(record)
-    began, warned = escapes(record)
-    budget = time_budget(record)
+    changes = measures.changes_per_second(record)
+    began, warned = measures.escapes(record)
+    budget = measures.time_budget(record)
     return {
         "changes_per_second": _rounded(changes.mean()),
         "changes_per_second_most": _rounded(changes.max()),
-        "hunger_saturated_share": _share(saturated(record)[record.alive], 6),
+        "hunger_saturated_share": _share(measures.saturated(record)[record.alive], 6),
         "escapes": began,
         "escapes_after_fear_share": _rounded(warned / began) if began else None,
         "time_budget": {
@@ -162,7 +151,7 @@ def _school(school: School, end: float) -> Measured:
 
 
 def _captures(record: Record) -> Measured:
-    caught = captures(record)
+    caught = measures.captures(record)
     together, alone = (
         {
             "caught": number,
@@ -176,7 +165,7 @@ def _captures(record: Record) -> Measured:
 
 def _mating(record: Record) -> Measured:
     names = record.courtship_names
-    found = courtships(record)
+    found = measures.courtships(record)
     return {
         "courtships": len(found),
         "complete": sum(one.complete for one in found),
@@ -192,7 +181,7 @@ def _mating(record: Record) -> Measured:
 
 
 def _food(record: Record) -> Measured:
-    eaten = meals(record)
+    eaten = measures.meals(record)
     minutes = record.alive.sum(axis=0) * record.tick_s / 60.0
     of = [record.species == k for k in range(len(record.species_names))]
     return {

@@ -20,18 +20,7 @@ from subsea.base.source_stamp import source_stamp
 from subsea.behavior.table import INTENTIONS
 from subsea.dive.start import Say, ready_world
 from subsea.fish.species import repertoire_file, species_file
-from subsea.media.record import (
-    COORDINATES,
-    DIMENSIONS,
-    FIELDS,
-    FORMAT,
-    READ,
-    RECORD,
-    STATIONS,
-    VERSION,
-    Record,
-    outline,
-)
+from subsea.media import record
 from subsea.motor.pose import centres_world, ends_world
 from subsea.repertoire import SEGMENTS
 from subsea.scenario.load import load_scenario
@@ -62,8 +51,8 @@ TARGETS = {
     "mate": "fish",
 }
 _SCALES = {
-    name: [DIMENSIONS[one][0] for one in field.dimensions]
-    for name, field in (FIELDS | COORDINATES).items()
+    name: [record.DIMENSIONS[one][0] for one in field.dimensions]
+    for name, field in (record.FIELDS | record.COORDINATES).items()
 }
 # Datasets whose values are indices, and the attribute with the names.
 CODES = {
@@ -132,7 +121,7 @@ def simulate(
     """
     if out.suffix.lower() not in SUFFIXES:
         raise UserError(f"expected a name that ends in {' or '.join(SUFFIXES)}", file=out)
-    check_result(out, RECORD, force)
+    check_result(out, record.RECORD, force)
     run = Run(scenario, ticks, seed, fish, tuple(changes))
     with interrupts.deferred_interrupts() as check:
         world = record_run(
@@ -192,7 +181,7 @@ def record_run(
 
 def live_records(
     world: World, ticks: int, fish_ticks: int, check: Callable[[], None] = lambda: None
-) -> Iterator[Record]:
+) -> Iterator[record.Record]:
     """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory.
 
     `check`, which may raise, is called before each tick.
@@ -210,9 +199,11 @@ def live_records(
                 step(world, NEUTRAL)
             _note(world, block, row)
         done += length
-        fields: dict[str, Any] = {name: (block | constants)[path] for name, path in READ.items()}
-        fields |= {name: words for name, words in names.items() if name in Record._fields}
-        yield Record(
+        fields: dict[str, Any] = {
+            name: (block | constants)[path] for name, path in record.READ.items()
+        }
+        fields |= {name: words for name, words in names.items() if name in record.Record._fields}
+        yield record.Record(
             **fields,
             tick_s=TICK_S,
             seed=world.state.seed,
@@ -228,10 +219,13 @@ def _extent(ticks: int, fishes: int) -> str:
 
 def _empty_block(length: int, n: int) -> Rows:
     """Make empty arrays for `length` ticks of `n` fishes."""
-    sizes = {name: size for name, (_, size) in DIMENSIONS.items()} | {"time": length, "fish": n}
+    sizes = {name: size for name, (_, size) in record.DIMENSIONS.items()} | {
+        "time": length,
+        "fish": n,
+    }
     return {
         name: np.zeros([sizes[k] or 0 for k in field.dimensions], field.type)
-        for name, field in FIELDS.items()
+        for name, field in record.FIELDS.items()
         if field.dimensions[0] == "time"
     }
 
@@ -266,14 +260,14 @@ def _table(happened: list[Event]) -> Rows:
     """Arrange events as rows of the record."""
     columns = zip(*happened, strict=True) if happened else ([], [], [])
     return {
-        name: np.array([*column], FIELDS[name].type).reshape(-1, *ROLES[name])
+        name: np.array([*column], record.FIELDS[name].type).reshape(-1, *ROLES[name])
         for name, column in zip(ROLES, columns, strict=True)
     }
 
 
 def _constants(world: World) -> Rows:
     fishes, minds, sea = world.state.fishes, world.state.minds, world.state.sea
-    outlines = [outline(species.surface) for species in world.species]
+    outlines = [record.outline(species.surface) for species in world.species]
     values = {
         "fish/species": fishes.species,
         "fish/kind": minds.kind,
@@ -287,7 +281,7 @@ def _constants(world: World) -> Rows:
         "sea/pillars": sea.pillars,
         "sea/rocks": sea.rocks,
     }
-    return {name: np.asarray(given, FIELDS[name].type) for name, given in values.items()}
+    return {name: np.asarray(given, record.FIELDS[name].type) for name, given in values.items()}
 
 
 def _coordinates(world: World) -> Rows:
@@ -304,7 +298,7 @@ def _coordinates(world: World) -> Rows:
     }
     return {
         "fish/fish": np.arange(len(world.state.fishes.species), dtype=np.int32),
-        "species/station": np.linspace(0.0, 1.0, STATIONS),
+        "species/station": np.linspace(0.0, 1.0, record.STATIONS),
         "sea/y": along,
         "sea/x": along,
         **{name: np.array([*labels], object) for name, labels in words.items()},
@@ -328,7 +322,7 @@ def _names(world: World) -> dict[str, Sequence[str]]:
 def _notes(names: Mapping[str, Sequence[str]]) -> dict[str, dict[str, Any]]:
     """List the attributes of each dataset, by the climate and forecast conventions (CF)."""
     notes: dict[str, dict[str, Any]] = {}
-    for name, field in (FIELDS | COORDINATES).items():
+    for name, field in (record.FIELDS | record.COORDINATES).items():
         notes[name] = {"long_name": hdf5.text(field.meaning)}
         if field.unit:
             notes[name]["units"] = hdf5.text(field.unit)
@@ -352,8 +346,8 @@ def _attributes(
         if name != "scenario"
     }
     return {
-        "format": hdf5.text(FORMAT),
-        "version": VERSION,
+        "format": hdf5.text(record.FORMAT),
+        "version": record.VERSION,
         "title": hdf5.text(world.scenario.title[:200]),
         **origin,
         "scenario": provenance.scenario,  # of any length; strings of fixed length hold 64 KB

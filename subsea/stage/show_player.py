@@ -23,30 +23,7 @@ from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
 from subsea.dive.presented import Presented, with_show
 from subsea.scenario.schema import AUTOPILOT, Scenario
-from subsea.stage.show_file import (
-    JUMP_S,
-    Progress,
-    Show,
-    ShowClock,
-    ShowItem,
-    advance,
-    begin,
-    clock_now,
-    clock_text,
-    day_of,
-    faults,
-    hours_text,
-    is_open,
-    jump_s,
-    load_show,
-    open_item,
-    resume,
-    scenario_name,
-    show_digest,
-    spans_on,
-    timetable,
-    waits_for,
-)
+from subsea.stage import show_file
 from subsea.world import snapshot
 from subsea.world.world import World
 
@@ -64,7 +41,7 @@ class SavedShow(msgspec.Struct, frozen=True, kw_only=True):
 
     form: Literal[1] = 1
     show: str  # digest of its file
-    progress: Progress
+    progress: show_file.Progress
     shown: int  # the item that the sea is of
     sea: bytes  # a snapshot
 
@@ -119,7 +96,7 @@ class ShowStore:
             return None
         return saved if saved.show == self._show else None
 
-    def save(self, progress: Progress, shown: int, sea: Callable[[], bytes]) -> None:
+    def save(self, progress: show_file.Progress, shown: int, sea: Callable[[], bytes]) -> None:
         """Save a state, unless the last one is still being written."""
         if self._writing is not None and not self._writing.done():
             return
@@ -190,23 +167,25 @@ def describe_show(path: Path) -> int:
 
     At night that of the evening before, while its hours last.
     """
-    show, today = load_show(path), clock_now().local.date()
-    day = day_of(show.hours, clock_now().local)
+    show, today = show_file.load_show(path), show_file.clock_now().local.date()
+    day = show_file.day_of(show.hours, show_file.clock_now().local)
     items = count_noun(len(show.item), "item", "items")
     named = "today" if day == today else "yesterday"
-    print_line(f"{show.title or path.name}: {items}, {hours_text(show.hours, day)} {named}")
-    for start, number in timetable(show):
+    print_line(
+        f"{show.title or path.name}: {items}, {show_file.hours_text(show.hours, day)} {named}"
+    )
+    for start, number in show_file.timetable(show):
         print_line(f"{number + 1:>4}  {start:<14}{_described(show.item[number])}")
     if show.repeat:
         print_line("      then from the beginning")
     print_line(f"dives of visitors today: {DiveCount(say).of(today)}")
-    missing = list(faults(show, path))
+    missing = list(show_file.faults(show, path))
     for _, fault in missing:
         say(str(fault))
     return 1 if missing else 0
 
 
-def _described(item: ShowItem) -> str:
+def _described(item: show_file.ShowItem) -> str:
     parts = [item.scenario or "the same sea", f"tour {item.tour}" if item.tour else "steered"]
     if item.for_s is not None:
         parts.append(f"{item.for_s:g} s")
@@ -223,16 +202,18 @@ class ShowPlayer:
 
     def __init__(
         self,
-        show: Show,
+        show: show_file.Show,
         tell: Callable[[str], object],
-        saved: Progress | None = None,
-        clock: Callable[[], ShowClock] = clock_now,
+        saved: show_file.Progress | None = None,
+        clock: Callable[[], show_file.ShowClock] = show_file.clock_now,
     ) -> None:
         """Begin, or resume what was `saved`; `tell` gets a line on each jump of the clock."""
         self.show, self._tell, self._clock = show, tell, clock
         now = clock()
-        self.progress = begin(show, now) if saved is None else resume(show, saved, now)
-        self.open = is_open(show.hours, now.local)
+        self.progress = (
+            show_file.begin(show, now) if saved is None else show_file.resume(show, saved, now)
+        )
+        self.open = show_file.is_open(show.hours, now.local)
         self.shown: int | None = None  # the item whose sea is on the screens
         self.shade = 1.0  # of the screens
         self._cue, self._loaded = False, False
@@ -251,13 +232,13 @@ class ShowPlayer:
             "scenario": self.item.scenario,
             "tour": self.item.tour,
             "elapsed_s": self.progress.elapsed_s,
-            "next": waits_for(self.show, self.progress),
+            "next": show_file.waits_for(self.show, self.progress),
             "open": self.open,
             "shade": self.shade,
         }
 
     @property
-    def item(self) -> ShowItem:
+    def item(self) -> show_file.ShowItem:
         """The item that is on."""
         return self.show.item[self.progress.item]
 
@@ -279,15 +260,15 @@ class ShowPlayer:
         if not self._loaded:  # loading took time that is not of the show: the clock is right
             before = msgspec.structs.replace(before, utc_s=now.utc_s - elapsed_s)
             self._loaded = True
-        if abs(jump := jump_s(before, now, elapsed_s)) > JUMP_S:
+        if abs(jump := show_file.jump_s(before, now, elapsed_s)) > show_file.JUMP_S:
             way = "forward" if jump > 0.0 else "back"
             self._tell(f"the clock went {way} by {abs(jump):.0f} s; the show goes on")
-        was_open, self.open = self.open, is_open(self.show.hours, now.local)
+        was_open, self.open = self.open, show_file.is_open(self.show.hours, now.local)
         if self.open and not was_open:
-            self.progress, self.shown = begin(self.show, now), None
+            self.progress, self.shown = show_file.begin(self.show, now), None
             self._tell("the show opens")
         elif self.open:
-            self.progress = advance(self.show, before, now, elapsed_s, cue)
+            self.progress = show_file.advance(self.show, before, now, elapsed_s, cue)
         else:
             self.progress = msgspec.structs.replace(before, seen=now.local, utc_s=now.utc_s)
             if was_open:
@@ -319,13 +300,13 @@ class ShowPlayer:
         if not dark:
             self._caption_s += elapsed_s
 
-    def _next_opening(self, now: ShowClock) -> str:
+    def _next_opening(self, now: show_file.ShowClock) -> str:
         hours = self.show.hours
-        later = [] if hours is None else spans_on(hours, now.local.date())
+        later = [] if hours is None else show_file.spans_on(hours, now.local.date())
         minute = 60 * now.local.hour + now.local.minute
         for first, _ in later:
             if first > minute:
-                return f"it opens at {clock_text(first)}"
+                return f"it opens at {show_file.clock_text(first)}"
         return "it opens on another day"
 
 
@@ -344,18 +325,20 @@ class ShowScreens(DivePart):
         An item whose scenario or tour is missing is reported; a UserError if no item can be shown.
         """
         self.path, self._tell = path, tell
-        self.show: Show = load_show(path)
-        bad = dict(faults(self.show, path))
+        self.show: show_file.Show = show_file.load_show(path)
+        bad = dict(show_file.faults(self.show, path))
         for fault in bad.values():
             tell(f"{fault}; the sea before it goes on")
         if len(bad) == len(self.show.item):
             raise UserError("no item can be shown", file=path)
-        self._store = ShowStore(show_digest(path), tell)
+        self._store = ShowStore(show_file.show_digest(path), tell)
         saved = self._store.load()
         self.player = ShowPlayer(self.show, tell, None if saved is None else saved.progress)
         item, elapsed_s = self.player.progress.item, self.player.progress.elapsed_s
         order = [*range(item, -1, -1), *range(item + 1, len(self.show.item))]
-        self.first_scenario = scenario_name(self.show, path, next(k for k in order if k not in bad))
+        self.first_scenario = show_file.scenario_name(
+            self.show, path, next(k for k in order if k not in bad)
+        )
         resumes = saved is not None and saved.progress.item == saved.shown == item
         resumes &= saved is not None and elapsed_s >= saved.progress.elapsed_s
         self._saved = saved if resumes else None
@@ -424,7 +407,7 @@ class ShowScreens(DivePart):
         start: tuple[Scenario, Path, int | None] | None = None
         tour = item.tour
         try:
-            scenario, source = open_item(self.show, self.path, number)
+            scenario, source = show_file.open_item(self.show, self.path, number)
             if keeps or dive.open_world(scenario, source):
                 start = scenario, source, None
         except UserError as fault:

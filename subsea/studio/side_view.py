@@ -12,18 +12,7 @@ from numpy.typing import NDArray
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.fish.surface import (
-    FIN_V,
-    RIGHT,
-    SUNK,
-    FinPlan,
-    SurfacePlan,
-    U,
-    V,
-    along,
-    points_along,
-    rest_surface,
-)
+from subsea.fish import surface
 from subsea.geometry.curves import basis_at, dense, greville, through
 from subsea.studio.deformable_mesh import (
     DORSAL,
@@ -55,46 +44,46 @@ class SideView(NamedTuple):
     fins: dict[str, SideViewFin]
 
 
-def side_view(plan: SurfacePlan) -> SideView:
+def side_view(plan: surface.SurfacePlan) -> SideView:
     """The side of a fish; UserError for one with wings."""
     if plan.wing:
         raise UserError("a body with wings needs a photograph from above, which is not supported")
-    half = rest_surface(plan)[RIGHT].reshape(U, V, 3)
-    even = np.linspace(1.0, -1.0, U)[:, None]
+    half = surface.rest_surface(plan)[surface.RIGHT].reshape(surface.U, surface.V, 3)
+    even = np.linspace(1.0, -1.0, surface.U)[:, None]
     middle, reach = (half[0, :, 1] + half[-1, :, 1]) / 2, (half[0, :, 1] - half[-1, :, 1]) / 2
     control = np.stack([half[..., 0], middle + even * reach], axis=2)
     # Across the body these are control points; the nodes lie on the surface.
-    body = np.tensordot(dense(basis_at(U, greville(U)), U), control, 1)
+    body = np.tensordot(dense(basis_at(surface.U, greville(surface.U)), surface.U), control, 1)
     fins = {}
     for name, row, one, ridge in (
         (DORSAL, 0, plan.dorsal, plan.back),
-        (VENTRAL, U - 1, plan.ventral, plan.belly),
+        (VENTRAL, surface.U - 1, plan.ventral, plan.belly),
     ):
         if one:
             fins[name] = _rest_fin(one, row, body[row], np.asarray(ridge, np.float64))
     return SideView(body, fins)
 
 
-def _rest_fin(plan: FinPlan, row: int, line: Array, ridge: Array) -> SideViewFin:
+def _rest_fin(plan: surface.FinPlan, row: int, line: Array, ridge: Array) -> SideViewFin:
     """A fin, from where its way from the sunk root to the edge crosses the ridge."""
-    share = greville(FIN_V)
+    share = greville(surface.FIN_V)
     base = plan.base[0] + (plan.base[1] - plan.base[0]) * share
-    sunk = np.stack([base, SUNK * along(ridge, base)], axis=1)
-    edge = points_along(plan.edge, share)
+    sunk = np.stack([base, surface.SUNK * surface.along(ridge, base)], axis=1)
+    edge = surface.points_along(plan.edge, share)
     up = np.linspace(0.0, 1.0, 129)[:, None]
     x = sunk[:, 0] + up * (edge[:, 0] - sunk[:, 0])
     y = sunk[:, 1] + up * (edge[:, 1] - sunk[:, 1])
-    out = np.abs(y) - np.abs(along(ridge, x))
+    out = np.abs(y) - np.abs(surface.along(ridge, x))
     shows = out[-1] > SHOWS
     left = np.where(shows, np.argmax(out > 0.0, axis=0), len(up) - 1)
     # Roots keep the order of the nodes whose springs they share.
-    root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(FIN_V)], base))
-    places = np.interp(root_x, line[:, 0], np.arange(V))
-    root = np.stack([np.interp(places, np.arange(V), axis) for axis in line.T], axis=1)
+    root_x = np.maximum.accumulate(np.where(shows, x[left, np.arange(surface.FIN_V)], base))
+    places = np.interp(root_x, line[:, 0], np.arange(surface.V))
+    root = np.stack([np.interp(places, np.arange(surface.V), axis) for axis in line.T], axis=1)
     return SideViewFin(row, places, root, up[left, 0], edge, shows)
 
 
-def make_fish_meshes(plan: SurfacePlan, matrix: Array) -> FishMeshes:
+def make_fish_meshes(plan: surface.SurfacePlan, matrix: Array) -> FishMeshes:
     """Meshes in a picture, at rest in the species' shape; only outlines attract the picture.
 
     The back under a fin, the belly at pelvic fins and fin edges inside the body are not outlines.
@@ -109,7 +98,7 @@ def make_fish_meshes(plan: SurfacePlan, matrix: Array) -> FishMeshes:
     for name, one in rest.fins.items():
         fins[name] = make_fin(body, one.row, one.places, to_picture(matrix, one.edge))
         fins[name].mesh.edge_weight[1, ~one.shows] = 0.0
-        column = np.arange(V)
+        column = np.arange(surface.V)
         under = (column > one.places[0]) & (column < one.places[-1])
         hidden = np.interp(column, one.places, one.shows.astype(float)) < 0.5
         body.edge_weight[one.row, under & hidden] = 1.0  # the back between two fins
@@ -121,7 +110,7 @@ def to_picture(matrix: Array, places: Array) -> Array:
     return np.asarray(places @ np.asarray(matrix)[:, :2].T + np.asarray(matrix)[:, 2])
 
 
-def centred_matrix(width: float, height: float, plan: SurfacePlan) -> Array:
+def centred_matrix(width: float, height: float, plan: surface.SurfacePlan) -> Array:
     """The matrix of a fish that heads left and fills most of a picture."""
     rest = side_view(plan)
     every = np.concatenate([rest.body.reshape(-1, 2), *(one.edge for one in rest.fins.values())])

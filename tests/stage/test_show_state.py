@@ -103,6 +103,6 @@ def test_at_night_the_evening_before_is_listed(tmp_path, monkeypatch, capsys):
         ("2026-11-23 12:00", "open 18:00 to 02:00 today"),
     ):
         at = ShowClock(datetime.fromisoformat(time), 0.0)
-        monkeypatch.setattr("subsea.stage.show_player.clock_now", lambda at=at: at)
+        monkeypatch.setattr("subsea.stage.show_file.clock_now", lambda at=at: at)
         assert describe_show(path) == 0
         assert words in capsys.readouterr().out

@@ -10,30 +10,10 @@ import zmq
 
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING
-from subsea.stage.cluster import link
+from subsea.stage.cluster import link, messages
 from subsea.stage.cluster.identity import NO_VIEW, identity_of
 from subsea.stage.cluster.keys import Keys
 from subsea.stage.cluster.master import Say
-from subsea.stage.cluster.messages import (
-    PART,
-    SLICE,
-    SMALL,
-    Diverged,
-    FromMaster,
-    FromNode,
-    Hello,
-    OpenSea,
-    Picture,
-    PictureDrawn,
-    Refused,
-    Resume,
-    StatePart,
-    Swap,
-    WorldState,
-    encode,
-    from_master,
-    ticks_of,
-)
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot
 from subsea.world.step import step
@@ -74,12 +54,12 @@ class Follower:
         self._given = b""  # the state that a new master fetches
         self._number = 0  # of the last picture
         self._alpha = 1.0
-        self._heard: deque[FromMaster] = deque()
+        self._heard: deque[messages.FromMaster] = deque()
         self._heard_s = self._called_s = -math.inf
         self._garbled = False
         self._context: Any = zmq.Context()
         try:
-            limit = snapshot.size_limit(world) + SMALL
+            limit = snapshot.size_limit(world) + messages.SMALL
             self._socket = link.calling(self._context, address, keys, master, limit)
         except BaseException:
             self._context.term()
@@ -100,15 +80,15 @@ class Follower:
             message = self._next(0.0 if made else patience_s - spent)
             if message is None or (not made and spent > patience_s + HURRY_S):
                 break
-            if isinstance(message, WorldState):
+            if isinstance(message, messages.WorldState):
                 self._take(message)
                 made = False
-            elif isinstance(message, OpenSea):
+            elif isinstance(message, messages.OpenSea):
                 self.wanted = message.name, message.seed
                 return None
-            elif isinstance(message, Resume):
+            elif isinstance(message, messages.Resume):
                 self._give(message.offset)
-            elif isinstance(message, Picture) and self._dive:
+            elif isinstance(message, messages.Picture) and self._dive:
                 made |= self._make(message)
             if made and spent > HURRY_S:
                 self._wait_for("catching up with the others")
@@ -121,12 +101,12 @@ class Follower:
 
     def swap(self) -> None:
         """Report the picture as drawn and wait until all nodes show theirs."""
-        self._say(PictureDrawn(self._number))
+        self._say(messages.PictureDrawn(self._number))
         end = time.monotonic() + self._timeout_s
         while (message := self._next(end - time.monotonic())) is not None:
-            if isinstance(message, Swap) and message.number >= self._number:
+            if isinstance(message, messages.Swap) and message.number >= self._number:
                 return
-            if not isinstance(message, Swap):  # the others have gone on
+            if not isinstance(message, messages.Swap):  # the others have gone on
                 self._heard.appendleft(message)
                 return
             if time.monotonic() > end:
@@ -150,7 +130,7 @@ class Follower:
         self._socket.close()
         self._context.term()
 
-    def _make(self, picture: Picture) -> bool:
+    def _make(self, picture: messages.Picture) -> bool:
         """Step the ticks of a picture; False if it is not the next one, or of another world."""
         if picture.number <= self._number:
             return False
@@ -162,16 +142,16 @@ class Follower:
         differs = picture.checksum and picture.checksum != snapshot.checksum(self.world)
         if differs or picture.tick != state.tick:
             self._tell(f"this world differs from the master's at tick {picture.tick}")
-            self._say(Diverged(picture.tick))
+            self._say(messages.Diverged(picture.tick))
             self._dive, self._called_s = "", time.monotonic()
             return False
-        for steered in ticks_of(picture):
+        for steered in messages.ticks_of(picture):
             step(self.world, steered)
         self._number, self._alpha = picture.number, picture.alpha
         self.presented = picture.presented
         return True
 
-    def _take(self, state: WorldState) -> None:
+    def _take(self, state: messages.WorldState) -> None:
         try:
             snapshot.restore(self.world, state.snapshot)
         except UserError as fault:
@@ -184,8 +164,10 @@ class Follower:
         """Send a slice of the state of this world to a master that resumes the dive."""
         if offset == 0:
             self._given = snapshot.take(self.world)
-        for at in range(offset, min(offset + SLICE, len(self._given)), PART):
-            self._say(StatePart(len(self._given), at, self._given[at : at + PART]))
+        for at in range(offset, min(offset + messages.SLICE, len(self._given)), messages.PART):
+            self._say(
+                messages.StatePart(len(self._given), at, self._given[at : at + messages.PART])
+            )
 
     def _call(self) -> None:
         """Call the master if it is silent or its state is needed."""
@@ -194,13 +176,13 @@ class Follower:
             self._wait_for(f"waiting for the master at {self._address}")
         if (silent or not self._dive) and now - self._called_s > CALL_S:
             tick = self.world.state.tick if self._joined else 0
-            if self._say(Hello(self._name, self._identity, self._dive, tick)):
+            if self._say(messages.Hello(self._name, self._identity, self._dive, tick)):
                 self._called_s = now
 
     def _silent(self) -> bool:
         return time.monotonic() - self._heard_s > max(self._timeout_s, SILENT_S)
 
-    def _next(self, wait_s: float) -> FromMaster | None:
+    def _next(self, wait_s: float) -> messages.FromMaster | None:
         """The next message of the master within `wait_s` seconds, or None.
 
         A bad message does not renew the wait: a flood of them would hold the window's thread.
@@ -214,7 +196,7 @@ class Follower:
             try:
                 if len(frames) != 1:
                     raise UserError("the message received is not one of subsea")
-                message = from_master(frames[0])
+                message = messages.from_master(frames[0])
             except UserError as fault:
                 if not self._garbled:
                     self._tell(f"the master at {self._address}: {fault}")
@@ -223,7 +205,7 @@ class Follower:
                     return None
                 continue
             self._heard_s = time.monotonic()
-            if isinstance(message, Refused):
+            if isinstance(message, messages.Refused):
                 raise UserError(message.reason)
             return message
         return None
@@ -241,10 +223,10 @@ class Follower:
                     "keys and the other does not, or it is another program"
                 )
 
-    def _say(self, message: FromNode) -> bool:
+    def _say(self, message: messages.FromNode) -> bool:
         """Send to the master; False if there is no connection."""
         try:
-            self._socket.send(encode(message), zmq.NOBLOCK)
+            self._socket.send(messages.encode(message), zmq.NOBLOCK)
         except zmq.Again:
             return False
         return True

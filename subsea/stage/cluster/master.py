@@ -16,27 +16,9 @@ from zmq.auth.thread import ThreadAuthenticator
 
 from subsea.base.errors import UserError
 from subsea.dive.presented import NOTHING
-from subsea.stage.cluster import link
+from subsea.stage.cluster import link, messages
 from subsea.stage.cluster.identity import NO_VIEW, difference, identity_of, may_open
 from subsea.stage.cluster.keys import Keys
-from subsea.stage.cluster.messages import (
-    SLICE,
-    SMALL,
-    Diverged,
-    FromMaster,
-    Hello,
-    OpenSea,
-    PictureDrawn,
-    Refused,
-    Resume,
-    StatePart,
-    Swap,
-    WorldState,
-    encode,
-    from_node,
-    picture_of,
-    ticks_of,
-)
 from subsea.submarine.vessel import Helm, Rail
 from subsea.world import snapshot
 from subsea.world.step import step
@@ -145,7 +127,7 @@ class Master:
         self._number = self._refusals = 0
         self._checked = -CHECK_TICKS  # the tick of the last checksum
         self._source: NodeRecord | None = None  # the node whose state was asked for ...
-        self._parts: deque[StatePart] = deque(maxlen=64)  # ... and its parts
+        self._parts: deque[messages.StatePart] = deque(maxlen=64)  # ... and its parts
         self._context: Any = zmq.Context()
         self._authenticator = None
         try:
@@ -156,7 +138,9 @@ class Master:
                 self._authenticator.configure_curve_callback(
                     credentials_provider=SimpleNamespace(callback=lambda _, key: key in known)
                 )
-            self._socket, self._failures = link.listening(self._context, address, keys, SMALL)
+            self._socket, self._failures = link.listening(
+                self._context, address, keys, messages.SMALL
+            )
             self._begun_s = time.monotonic()
         except BaseException:
             self._leave()
@@ -190,8 +174,8 @@ class Master:
         data, size, asked = bytearray(), 1, 0
         while len(data) < size:
             if len(data) == asked:
-                self._send(source, encode(Resume(asked)))
-                asked += SLICE
+                self._send(source, messages.encode(messages.Resume(asked)))
+                asked += messages.SLICE
             check()
             self._hear(NUDGE_S)
             if source.route != route:
@@ -219,17 +203,23 @@ class Master:
             check, self._checked = snapshot.checksum(self.world), tick
         self._number += 1
         if isinstance(ticks, Sequence):
-            picture = picture_of(self._number, tick, alpha, ticks, check, lights, self.presented)
+            picture = messages.picture_of(
+                self._number, tick, alpha, ticks, check, lights, self.presented
+            )
             self._send_all(picture)
-            for steered in ticks_of(picture):
+            for steered in messages.ticks_of(picture):
                 step(self.world, steered)
             return
         made = []
         for steered in ticks:
-            [exact] = ticks_of(picture_of(self._number, tick, alpha, [steered], check))
+            [exact] = messages.ticks_of(
+                messages.picture_of(self._number, tick, alpha, [steered], check)
+            )
             step(self.world, exact)
             made.append(exact)
-        self._send_all(picture_of(self._number, tick, alpha, made, check, lights, self.presented))
+        self._send_all(
+            messages.picture_of(self._number, tick, alpha, made, check, lights, self.presented)
+        )
 
     def swap(self) -> None:
         """Wait until all nodes in step have drawn, or time out, and tell them to show it."""
@@ -244,7 +234,7 @@ class Master:
             for node in missing:
                 if self._awaited(node):
                     # A repeated message: only whether it can be sent matters.
-                    self._send(node, encode(Swap(self._number - 1)))
+                    self._send(node, messages.encode(messages.Swap(self._number - 1)))
         now = time.monotonic()
         for node in late:
             node.in_step = False
@@ -255,7 +245,7 @@ class Master:
         for node in self._present():
             if node.in_step:
                 node.waits.add(max(node.drawn_s - start, 0.0))
-            self._send(node, encode(Swap(self._number)))
+            self._send(node, messages.encode(messages.Swap(self._number)))
 
     def report(self) -> list[str]:
         """One line for each node with its wait times and events."""
@@ -292,21 +282,25 @@ class Master:
         try:
             if len(content) != 1:
                 raise UserError("the message received is not one of subsea")
-            message = from_node(content[0].bytes)
+            message = messages.from_node(content[0].bytes)
         except UserError as fault:
             self._report_refused(str(fault))
-            self._reply(route, Refused(str(fault)[:200]))
+            self._reply(route, messages.Refused(str(fault)[:200]))
             return
-        if isinstance(message, Hello):
+        if isinstance(message, messages.Hello):
             self._welcome(route, message, content[0])
         elif node := next((node for node in self._present() if node.route == route), None):
             self._answer(node, message)  # not of a dropped connection
 
-    def _answer(self, node: NodeRecord, message: PictureDrawn | Diverged | StatePart) -> None:
-        if isinstance(message, Diverged):
+    def _answer(
+        self,
+        node: NodeRecord,
+        message: messages.PictureDrawn | messages.Diverged | messages.StatePart,
+    ) -> None:
+        if isinstance(message, messages.Diverged):
             self._resynchronize(node, message.tick)
             return
-        if isinstance(message, StatePart):
+        if isinstance(message, messages.StatePart):
             if node is self._source:
                 self._parts.append(message)
             return
@@ -324,27 +318,31 @@ class Master:
         asking = [node for node in self._present() if node.asks and now - node.sent_s > STATE_S]
         if not asking:
             return
-        state = encode(WorldState(self._dive, self._number, snapshot.take(self.world)))
+        state = messages.encode(
+            messages.WorldState(self._dive, self._number, snapshot.take(self.world))
+        )
         for node in asking:
             node.asks, node.sent_s = False, now
             self._send(node, state)
 
-    def _welcome(self, route: bytes, hello: Hello, frame: Any) -> None:
+    def _welcome(self, route: bytes, hello: messages.Hello, frame: Any) -> None:
         if not (reason := self._objection(hello, frame)):
             reason = difference(hello.identity, self._identity)
             if reason and self.offers and may_open(hello.identity, self._identity):
-                self._reply(route, OpenSea(self.offers, self.world.state.seed))
+                self._reply(route, messages.OpenSea(self.offers, self.world.state.seed))
                 return
         if reason:
             self._refuse(hello.node, reason)
-            self._reply(route, Refused(f"the master refuses node {hello.node}: it {reason}"))
+            self._reply(
+                route, messages.Refused(f"the master refuses node {hello.node}: it {reason}")
+            )
             return
         node = self.nodes[hello.node]
         if node.route == route and hello.dive == self._dive:
             return  # the master was only silent for a while
         if node.route not in (None, route):
             reason = f"another computer has come as node {node.name}"
-            self._reply(node.route, Refused(reason))
+            self._reply(node.route, messages.Refused(reason))
             self._drop(node, reason)
         node.route, node.tick = route, hello.tick
         node.asks, node.in_step = True, False
@@ -357,7 +355,7 @@ class Master:
             self.nodes[name].refusal = reason
             self._tell(f"node {name}: {reason}: refused")
 
-    def _objection(self, hello: Hello, frame: Any) -> str:
+    def _objection(self, hello: messages.Hello, frame: Any) -> str:
         """Why a computer is not a node of this theatre, to follow its name; empty if it is."""
         if hello.node not in self.nodes:
             return f"is not among the nodes of the theatre: {', '.join(self.nodes)}"
@@ -372,7 +370,9 @@ class Master:
         if now - node.diverged_s < SOON_S:
             reason = f"its world differed from the master's again at tick {tick}; its processor or "
             reason += "its packages compute otherwise"
-            self._reply(node.route, Refused(f"the master refuses node {node.name}: {reason}"))
+            self._reply(
+                node.route, messages.Refused(f"the master refuses node {node.name}: {reason}")
+            )
             self._drop(node, reason)
             return
         node.diverged_s = now
@@ -396,15 +396,15 @@ class Master:
                 raise
             self._drop(node, "is gone")
 
-    def _send_all(self, message: FromMaster) -> None:
-        data = encode(message)
+    def _send_all(self, message: messages.FromMaster) -> None:
+        data = messages.encode(message)
         for node in self._present():
             self._send(node, data)
 
-    def _reply(self, route: bytes | None, message: FromMaster) -> None:
+    def _reply(self, route: bytes | None, message: messages.FromMaster) -> None:
         """Send to a connection, ignoring errors."""
         with suppress(zmq.ZMQError):
-            self._socket.send_multipart([route, encode(message)], zmq.NOBLOCK)
+            self._socket.send_multipart([route, messages.encode(message)], zmq.NOBLOCK)
 
     def _drop(self, node: NodeRecord, reason: str) -> None:
         node.route, node.in_step, node.asks = None, False, False

@@ -11,23 +11,9 @@ import numpy as np
 from subsea.base.arrays import Array
 from subsea.dive.pilot import Pilot
 from subsea.frame.packet import Lamps
+from subsea.stage.headset import head
 from subsea.stage.headset.cabin import Cabin
 from subsea.stage.headset.controllers import Hand, HeadsetFrame, HeadsetLostError
-from subsea.stage.headset.head import (
-    AT_ORIGIN,
-    AT_REST,
-    HeadEye,
-    Home,
-    Mirror,
-    head_eyes,
-    headset_rig,
-    home_of,
-    mirror_of,
-    mirror_patch,
-    mirror_view,
-    on_observer,
-    snapped,
-)
 from subsea.stage.headset.openxr import OpenXrHeadset, open_headset
 from subsea.state import PREDATOR
 from subsea.ui.gamepad import GamepadState
@@ -53,10 +39,10 @@ def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "Headse
 
     `note` shows a line to the diver.
     """
-    head = HeadsetDisplay(open_headset(), windows.context, gui, windows.pilot, note)
-    windows.gamepads.read_hands = head.gamepad
+    display = HeadsetDisplay(open_headset(), windows.context, gui, windows.pilot, note)
+    windows.gamepads.read_hands = display.gamepad
     windows.wait_for_display(False)
-    return head
+    return display
 
 
 class HeadsetDisplay:
@@ -75,8 +61,8 @@ class HeadsetDisplay:
         Comfort follows the settings of the `pilot`; `note` shows a line to the diver.
         """
         self.headset = headset
-        self.eyes: Sequence[HeadEye] = AT_REST
-        self.home: Home = AT_ORIGIN
+        self.eyes: Sequence[head.HeadEye] = head.AT_REST
+        self.home: head.Home = head.AT_ORIGIN
         self._context, self._gui, self._pilot, self._note = context, gui, pilot, note
         self._cabin = Cabin(context)
         self._frame: HeadsetFrame | None = None
@@ -85,40 +71,40 @@ class HeadsetDisplay:
         self._worn_told = False  # the time of use
         self._dark = 1.0  # the picture fades in
         self._last = self._mirrored = time.perf_counter()
-        self._mirror: Mirror | None = None
+        self._mirror: head.Mirror | None = None
         self._seated = False  # the home is where the head was
         self._clicked = False  # the trigger is down on the panel
 
     def rig(self, mirror: tuple[int, int]) -> CameraRig:
         """The rig, with a window of `mirror` pixels."""
         self._cabin.resize(mirror)
-        return headset_rig(self.headset.sizes, self.eyes, mirror)
+        return head.headset_rig(self.headset.sizes, self.eyes, mirror)
 
     def moved(self, rig: CameraRig) -> CameraRig:
         """The rig with its eyes where those of the head are."""
         viewports = [eye.viewport for eye in rig.eyes]
-        return rig._replace(eyes=head_eyes(self.eyes, viewports, self.home))
+        return rig._replace(eyes=head.head_eyes(self.eyes, viewports, self.home))
 
     def steadied(self, rig: CameraRig) -> CameraRig:
         """The rig whose window shows a steadied part of what the left eye sees."""
         now, size = time.perf_counter(), rig.outputs[0]
         eye = self.moved(rig).eyes[0]
-        self._mirror = mirror_of(eye, size, self._mirror, now - self._mirrored)
+        self._mirror = head.mirror_of(eye, size, self._mirror, now - self._mirrored)
         self._mirrored = now
-        return rig._replace(patches=(mirror_patch(self._mirror, eye, size), *rig.patches[1:]))
+        return rig._replace(patches=(head.mirror_patch(self._mirror, eye, size), *rig.patches[1:]))
 
     def front_view(self, rig: CameraRig, observer: CameraPose) -> FrontView:
         """The view in the window, for an observer."""
         eye, size = self.moved(rig).eyes[0], rig.outputs[0]
-        mirror = self._mirror or mirror_of(eye, size, None, 0.0)
-        return FrontView(mirror_view(mirror, eye, observer, size), (-1.0, -1.0), (1.0, 1.0))
+        mirror = self._mirror or head.mirror_of(eye, size, None, 0.0)
+        return FrontView(head.mirror_view(mirror, eye, observer, size), (-1.0, -1.0), (1.0, 1.0))
 
     def turned(self, observer: CameraPose) -> CameraPose:
         """The observer, level, with a heading that changes in steps if that was chosen."""
         heading = math.atan2(observer.forward[1], observer.forward[0])
         step = math.radians(self._pilot.settings.comfort.snap_turn_deg)
         if step > 0.0:
-            heading = self._heading = snapped(heading, self._heading, step)
+            heading = self._heading = head.snapped(heading, self._heading, step)
         return pose_from_angles(observer.eye, heading, 0.0)
 
     def recentre(self) -> None:
@@ -133,7 +119,7 @@ class HeadsetDisplay:
         """The lamp in the right or else the left hand; None if neither is tracked."""
         for hand in reversed(self.headset.hands):
             if hand.aim is not None:
-                pose = self._placed(observer, *on_observer(hand.aim, self.home))
+                pose = self._placed(observer, *head.on_observer(hand.aim, self.home))
                 return Lamps(np.stack([pose.eye] * 2), np.stack([pose.forward] * 2))
         return None
 
@@ -158,7 +144,7 @@ class HeadsetDisplay:
             return
         self.eyes = self._frame.eyes
         if self.headset.recentred or (not self._seated and self._frame.tracked):
-            self.home, self._seated = home_of(self.eyes), True
+            self.home, self._seated = head.home_of(self.eyes), True
 
     @property
     def targets(self) -> Mapping[int, Any]:
@@ -227,14 +213,14 @@ class HeadsetDisplay:
         left, right = self.headset.hands
         for hand in sorted((right, left), key=lambda hand: -hand.trigger):
             if hand.aim is not None:
-                offset, axes = on_observer(hand.aim, self.home)
+                offset, axes = head.on_observer(hand.aim, self.home)
                 return PANEL.hit(offset, axes[2])
         offset, axes = self._middle()
         return PANEL.hit(offset, axes[2])
 
     def _middle(self) -> tuple[Array, Array]:
         """Offset (3,), cm, and axes (3, 3) of the middle of the eyes on the observer."""
-        eyes = head_eyes(self.eyes, [(0, 0, 1, 1)] * len(self.eyes), self.home)
+        eyes = head.head_eyes(self.eyes, [(0, 0, 1, 1)] * len(self.eyes), self.home)
         return np.mean([eye.offset for eye in eyes], axis=0), eyes[0].axes
 
     def _placed(self, observer: CameraPose, offset: Array, axes: Array) -> CameraPose:
@@ -254,7 +240,7 @@ class HeadsetDisplay:
             self._note(f"{LONG_S / 60.0:.0f} minutes in the headset: time for a break")
 
 
-def gamepad_of(left: Hand, right: Hand, home: Home = AT_ORIGIN) -> GamepadState:
+def gamepad_of(left: Hand, right: Hand, home: head.Home = head.AT_ORIGIN) -> GamepadState:
     """The gamepad with the sticks, triggers and buttons of both controllers.
 
     A and B are right, X and Y left; squeezes are the bumpers. Without sticks the vessel goes where
@@ -271,13 +257,13 @@ def gamepad_of(left: Hand, right: Hand, home: Home = AT_ORIGIN) -> GamepadState:
     return GamepadState("headset", [int(down) for down in buttons.values()], (*sticks, *triggers))
 
 
-def _pointing(left: Hand, right: Hand, home: Home) -> GamepadState:
+def _pointing(left: Hand, right: Hand, home: head.Home) -> GamepadState:
     """The gamepad of hands that point; a fist of a tracked left hand is the menu."""
     buttons, axes = [0] * 15, [0.0, 0.0, 0.0, 0.0, -1.0, -1.0]
     buttons[7] = int(left.menu or right.menu or left.squeeze > CLICKED)
     hand = max((right, left), key=lambda one: one.trigger)
     if hand.aim is not None and hand.trigger > UNCLICKED:
-        _, (_, _, (across, up, ahead)) = on_observer(hand.aim, home)
+        _, (_, _, (across, up, ahead)) = head.on_observer(hand.aim, home)
         course = math.atan2(across, ahead) / FULL_TURN
         axes[0] = min(max(course, -1.0), 1.0)
         axes[1] = -hand.trigger

@@ -18,6 +18,7 @@ from subsea.base.arrays import Array, Bools, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.base.files import read_input
 from subsea.base.toml_files import error_at
+from subsea.stage.theatre import theatre_file
 from subsea.stage.theatre.imported import ImportedTheatre
 from subsea.stage.theatre.measured_mesh import grid_triangles
 from subsea.stage.theatre.mesh_formats import read_warp
@@ -33,18 +34,6 @@ from subsea.stage.theatre.screens import (
     places_on,
     points_on,
     screen_of,
-)
-from subsea.stage.theatre.theatre_file import (
-    SCREENS,
-    Angles,
-    Archive,
-    Channel,
-    Dome,
-    Panorama,
-    ScreenTable,
-    Theatre,
-    Window,
-    viewport,
 )
 from subsea.stage.theatre.warp import continued, cropped, identity, rasterized, subdivided
 from subsea.view.rig import Projection, Rect, Warp, overlap
@@ -79,7 +68,7 @@ class ProjectorChannel:
 
 
 def usable_channels(
-    theatre: Theatre, path: Path
+    theatre: theatre_file.Theatre, path: Path
 ) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
     """The channels that work, and an error for each fault in the file `path`.
 
@@ -143,11 +132,13 @@ def _check_free(new: ProjectorChannel, usable: Sequence[ProjectorChannel]) -> Pr
     return new
 
 
-def _file_channel(theatre: Theatre, channel: Channel, folder: Path, key: str) -> ProjectorChannel:
+def _file_channel(
+    theatre: theatre_file.Theatre, channel: theatre_file.Channel, folder: Path, key: str
+) -> ProjectorChannel:
     names = [window.name for window in theatre.window]
     number = names.index(channel.window)
     window = theatre.window[number]
-    x, y, width, height = viewport(channel, window)
+    x, y, width, height = theatre_file.viewport(channel, window)
     place = x, y, width, height
     lighted = _channel_on(theatre, channel, channel.name, number, place, channel.part)
     for word in ("blend", "eye"):
@@ -185,7 +176,7 @@ def _masked(mask: Array | None, picture: Array) -> Array:
 
 
 def _mpcdi_channel(
-    theatre: Theatre, archive: Archive, region: MpcdiRegion, key: str
+    theatre: theatre_file.Theatre, archive: theatre_file.Archive, region: MpcdiRegion, key: str
 ) -> ProjectorChannel:
     """A region of an archive: the part of the screen that is its place in the buffer.
 
@@ -201,16 +192,18 @@ def _mpcdi_channel(
     place = 0, 0, *theatre.window[number].size
     if region.frustum is not None:
         turn, edges = region.frustum[:3], region.frustum[3:]
-        view = Angles(
+        view = theatre_file.Angles(
             heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
             left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
         )  # fmt: skip
         if (far := _screen_distance(theatre, archive)) is not None:
             view = msgspec.structs.replace(view, distance_cm=far)
-        lit = ScreenTable(angles=view, gamma=archive.gamma, black=archive.black)
+        lit = theatre_file.ScreenTable(angles=view, gamma=archive.gamma, black=archive.black)
         lighted = _channel_on(theatre, lit, region.name, number, place, None)
-    elif not any(getattr(archive, kind) for kind in SCREENS):
-        raise UserError(f"has no frustum of its own, expected one of {', '.join(SCREENS[:3])}")
+    elif not any(getattr(archive, kind) for kind in theatre_file.SCREENS):
+        raise UserError(
+            f"has no frustum of its own, expected one of {', '.join(theatre_file.SCREENS[:3])}"
+        )
     else:
         lighted = _channel_on(theatre, archive, region.name, number, place, region.place)
     warp = region.warp
@@ -222,7 +215,7 @@ def _mpcdi_channel(
     return replace(lighted, warp=warp, mask=seen, key=key)
 
 
-def _screen_distance(theatre: Theatre, archive: Archive) -> float | None:
+def _screen_distance(theatre: theatre_file.Theatre, archive: theatre_file.Archive) -> float | None:
     """Distance of an archive's screen in real centimetres, None if it has none."""
     wide = archive.panorama or archive.dome or archive.equirectangular
     if wide is not None:
@@ -232,8 +225,8 @@ def _screen_distance(theatre: Theatre, archive: Archive) -> float | None:
 
 
 def _channel_on(
-    theatre: Theatre,
-    lit: ScreenTable,
+    theatre: theatre_file.Theatre,
+    lit: theatre_file.ScreenTable,
     name: str,
     number: int,
     place: Rect,
@@ -241,7 +234,7 @@ def _channel_on(
 ) -> ProjectorChannel:
     """The channel on the screen `lit`; `place` counts from the window's upper left corner."""
     x, y, width, height = place
-    window: Window = theatre.window[number]
+    window: theatre_file.Window = theatre.window[number]
     common = ProjectorChannel(
         name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
     )
@@ -252,11 +245,13 @@ def _channel_on(
     ):
         if table is not None:
             far = theatre.scale * table.distance_cm
-            wide = table.angle_deg if isinstance(table, Panorama) else ALL_ROUND.angle_deg
+            wide = (
+                table.angle_deg if isinstance(table, theatre_file.Panorama) else ALL_ROUND.angle_deg
+            )
             surround = Surround(
                 wide,
                 getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
-                table.angle_deg if isinstance(table, Dome) else ALL_ROUND.dome_deg,
+                table.angle_deg if isinstance(table, theatre_file.Dome) else ALL_ROUND.dome_deg,
             )
             return replace(common, distance_cm=far, shape=shape, surround=surround)
     flat = lit.plane or lit.cylinder or lit.angles

@@ -13,6 +13,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, nearest
 from subsea.base.files import read_input
+from subsea.stage.theatre import sgct_file
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
@@ -34,20 +35,6 @@ from subsea.stage.theatre.mesh_formats import (
     sources_of,
 )
 from subsea.stage.theatre.pixel_files import parse_pfm
-from subsea.stage.theatre.sgct_file import (
-    QUIET,
-    SgctConfig,
-    SgctFov,
-    SgctPoint,
-    SgctProjection,
-    SgctTurn,
-    SgctUser,
-    SgctViewport,
-    SgctWindow,
-    foreign_keys,
-    lowered,
-    read_config,
-)
 from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, MAIN, Window
 from subsea.stage.theatre.warp import mesh, validated
 from subsea.view.rig import Rect
@@ -79,11 +66,11 @@ MIRROR_TILT = 45.0  # by which the front face is turned up
 
 def read_sgct(path: Path, content: Any) -> ImportedTheatre:
     """Build the theatre of a configuration's content; a UserError if nothing of it can be shown."""
-    content = lowered(content)
-    config = read_config(path, content)
+    content = sgct_file.lowered(content)
+    config = sgct_file.read_config(path, content)
     title = config.meta.get("name") or config.meta.get("description") or path.stem
     users = {user.name: user for user in config.users}
-    default = users.get("", next(iter(users.values()), SgctUser()))
+    default = users.get("", next(iter(users.values()), sgct_file.SgctUser()))
     reader = _SgctReader(TheatreBuilder(path, str(title)), users, _eye(default))
     builder = reader.builder
     if any(eye := centimetres(reader.eye_m)):
@@ -110,7 +97,7 @@ def read_sgct(path: Path, content: Any) -> ImportedTheatre:
         name = MAIN if len(config.nodes) == 1 else f"node{number}"
         for k, window in enumerate(node.windows, 1):
             reader.window(window, name, window.name or f"window{k}")
-    builder.leave_out_keys(content, SgctConfig, QUIET)
+    builder.leave_out_keys(content, sgct_file.SgctConfig, sgct_file.QUIET)
     return builder.build()
 
 
@@ -118,10 +105,10 @@ class _SgctReader(NamedTuple):
     """Collects the windows and viewports of a configuration."""
 
     builder: TheatreBuilder
-    users: dict[str, SgctUser]
+    users: dict[str, sgct_file.SgctUser]
     eye_m: Array  # (3,) of the default user
 
-    def window(self, window: SgctWindow, node: str, words: str) -> None:
+    def window(self, window: sgct_file.SgctWindow, node: str, words: str) -> None:
         """Add a window of a computer, with its viewports."""
         said = f"window {words!r}"
         if not window.draw3d:
@@ -151,7 +138,7 @@ class _SgctReader(NamedTuple):
             except UserError as fault:
                 self.builder.refuse(f"viewport {name!r}: {fault}")
 
-    def _viewport(self, viewport: SgctViewport, window: Window, name: str) -> None:
+    def _viewport(self, viewport: sgct_file.SgctViewport, window: Window, name: str) -> None:
         projection = viewport.projection
         if projection is None:
             raise UserError("it has no projection")
@@ -161,7 +148,7 @@ class _SgctReader(NamedTuple):
         if place is None:
             raise UserError(f"{wide:g}×{high:g} of its window at {x:g}, {y:g}, expected shares "
                             "from 0 to 1 of 16 pixels or more")  # fmt: skip
-        if foreign := foreign_keys(projection):
+        if foreign := sgct_file.foreign_keys(projection):
             words = ", ".join(f"`{key}`" for key in foreign)
             self.builder.leave_out(f"{words} of viewport {name!r}: not of a {projection.type}")
         if viewport.overlay or viewport.blacklevelmask:
@@ -186,8 +173,8 @@ class _SgctReader(NamedTuple):
 
     def _screen(
         self,
-        viewport: SgctViewport,
-        projection: SgctProjection,
+        viewport: sgct_file.SgctViewport,
+        projection: sgct_file.SgctProjection,
         window: Window,
         place: Rect,
         name: str,
@@ -279,7 +266,9 @@ def pixels_of(
     return left, top, right - left, bottom - top
 
 
-def fisheye_part(projection: SgctProjection, place: Rect, mesh_file: str | None) -> dict[str, Any]:
+def fisheye_part(
+    projection: sgct_file.SgctProjection, place: Rect, mesh_file: str | None
+) -> dict[str, Any]:
     """The part of the dome's square, and the pixels, that a fisheye without a mesh fills.
 
     A mesh, but for Paul Bourke's, bends the picture of the whole viewport instead.
@@ -306,7 +295,9 @@ def fisheye_part(projection: SgctProjection, place: Rect, mesh_file: str | None)
     return {"part": part, "place": (*corner, wide, high)}
 
 
-def pieces(projection: SgctProjection, place: Rect) -> Iterator[tuple[str, Rect, dict[str, Any]]]:
+def pieces(
+    projection: sgct_file.SgctProjection, place: Rect
+) -> Iterator[tuple[str, Rect, dict[str, Any]]]:
     """Cut a projection that several screens make: name, pixels and screen of each."""
     x, y, width, height = place
     if projection.type == "CubemapProjection":
@@ -321,17 +312,17 @@ def pieces(projection: SgctProjection, place: Rect) -> Iterator[tuple[str, Rect,
         yield key, (left, top, right - left, bottom - top), screen
 
 
-def _eye(user: SgctUser) -> Array:
+def _eye(user: sgct_file.SgctUser) -> Array:
     """The place (3,) of a user in metres."""
     return np.asarray(rotation(user.orientation) @ point(user.pos))
 
 
-def point(given: SgctPoint | None) -> Array:
+def point(given: sgct_file.SgctPoint | None) -> Array:
     """A point (3,) in metres."""
     return np.zeros(3) if given is None else np.array([given.x, given.y, given.z])
 
 
-def rotation(turn: SgctTurn | None) -> Array:
+def rotation(turn: sgct_file.SgctTurn | None) -> Array:
     """The right-handed rotation (3, 3) of an orientation."""
     if turn is None:
         return np.eye(3)
@@ -340,7 +331,7 @@ def rotation(turn: SgctTurn | None) -> Array:
     return turns(1, -turn.yaw) @ turns(0, turn.pitch) @ turns(2, -turn.roll)
 
 
-def edges_deg(fov: SgctFov) -> tuple[float, ...]:
+def edges_deg(fov: sgct_file.SgctFov) -> tuple[float, ...]:
     """Angles of the edges left, right, down, up; a UserError if they are incomplete."""
     edges = []
     for side, whole, sign in (
@@ -353,9 +344,9 @@ def edges_deg(fov: SgctFov) -> tuple[float, ...]:
     return tuple(edges)
 
 
-def planar(projection: SgctProjection, user_m: Array, eye_m: Array) -> dict[str, Any]:
+def planar(projection: sgct_file.SgctProjection, user_m: Array, eye_m: Array) -> dict[str, Any]:
     """The screen of a planar view for a user (3,); the theatre's eye is at `eye_m`."""
-    if not isinstance(projection.fov, SgctFov):
+    if not isinstance(projection.fov, sgct_file.SgctFov):
         raise UserError("a planar view has no `fov`, expected `hfov` and `vfov`")
     edges = edges_deg(projection.fov)
     far = projection.distance or projection.fov.distance or PLANAR_M
@@ -402,7 +393,7 @@ def plane_through(lower_left: Array, upper_left: Array, upper_right: Array) -> d
     return {"plane": {name: centimetres(corner) for name, corner in corners.items()}}
 
 
-def projection_plane(projection: SgctProjection, shift_m: Array) -> dict[str, Any]:
+def projection_plane(projection: sgct_file.SgctProjection, shift_m: Array) -> dict[str, Any]:
     """The screen through the three corners of a projection plane."""
     corners = projection.lowerleft, projection.upperleft, projection.upperright
     if None in corners:
@@ -415,17 +406,17 @@ def centimetres(point_m: Array) -> list[float]:
     return [_short(x) for x in flipped(CM * point_m)]
 
 
-def fisheye(projection: SgctProjection) -> dict[str, Any]:
+def fisheye(projection: sgct_file.SgctProjection) -> dict[str, Any]:
     """The dome of a fisheye."""
     angle = 180.0 if projection.fov is None else projection.fov
-    if isinstance(angle, SgctFov):
+    if isinstance(angle, sgct_file.SgctFov):
         raise UserError("`fov` of a fisheye, expected a number")
     radius = CM * (projection.diameter or DOME_M) / 2
     dome = {"tilt_deg": projection.tilt, "angle_deg": angle}
     return {"dome": dome | {"distance_cm": _short(max(radius, NEAREST_CM))}}
 
 
-def cylinders(projection: SgctProjection) -> list[dict[str, Any]]:
+def cylinders(projection: sgct_file.SgctProjection) -> list[dict[str, Any]]:
     """Screens for the quarters of a cylindrical picture, from the left.
 
     It spans a whole turn, from the height of the eye up by the radius. Its left edge looks 135
@@ -449,9 +440,9 @@ def cylinders(projection: SgctProjection) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def cube_faces(projection: SgctProjection) -> dict[str, tuple[int, int, dict[str, Any]]]:
+def cube_faces(projection: sgct_file.SgctProjection) -> dict[str, tuple[int, int, dict[str, Any]]]:
     """Column, row (from below) and screen of each face of a cubemap's picture that is on."""
-    turn = projection.orientation or SgctTurn()
+    turn = projection.orientation or sgct_file.SgctTurn()
     whole = turns(1, -turn.pitch) @ turns(0, turn.yaw) @ turns(2, -turn.roll)
     edges = (-45.0, 45.0, -45.0, 45.0)
     return {
@@ -464,7 +455,7 @@ def cube_faces(projection: SgctProjection) -> dict[str, tuple[int, int, dict[str
 
 
 def spherical_mirror(
-    folder: Path, projection: SgctProjection, size: tuple[int, int]
+    folder: Path, projection: sgct_file.SgctProjection, size: tuple[int, int]
 ) -> MeasuredMesh:
     """Make one warp of a dome's picture from the meshes of four faces of a cube.
 
