@@ -208,10 +208,7 @@ class GlbBuffer:
         return list(range(len(self.accessors) - len(arrays), len(self.accessors)))
 
     def changes(self, values: Stored) -> int:
-        """Append the changes (n, 3) of a morph target, without those that are zero if that helps.
-
-        Return the number of their accessor.
-        """
+        """Append the changes (n, 3) of a morph target, without zeros if that is shorter."""
         rows = _rows(values.values)
         moved = np.flatnonzero(rows.any(axis=1))
         size = rows.itemsize * rows.shape[1]

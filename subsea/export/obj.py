@@ -22,7 +22,7 @@ def read_mesh(path: Path) -> tuple[list[str], Floats]:
     lines, vertices = [], []
     for number, line in logical_lines(text_of(read_input(path, MAX_BYTES), path, foreign=True)):
         lines.append(line)
-        if not _is_vertex(line):
+        if line.split(maxsplit=1)[:1] != ["v"]:
             continue
         try:
             x, y, z = (float(word) for word in line.split()[1:4])
@@ -84,10 +84,6 @@ def write_mesh(path: Path, mesh: BoundMesh, nodes: Array) -> None:
         temporary.write_text(_moved(mesh.lines, mesh.weights @ nodes), encoding="utf-8")
 
 
-def _is_vertex(line: str) -> bool:
-    return line.split(maxsplit=1)[:1] == ["v"]
-
-
 def _moved(lines: list[str], vertices: Floats) -> str:
     """Make the text of the mesh with other vertices and without normals."""
     following = iter(vertices)
@@ -97,13 +93,9 @@ def _moved(lines: list[str], vertices: Floats) -> str:
         if word == "v":
             x, y, z = next(following)
             out.append(" ".join(["v", f"{x:.6g}", f"{y:.6g}", f"{z:.6g}", *rest[3:]]))
-        elif word == "f":
-            out.append(" ".join(["f", *(_without_normal(corner) for corner in rest)]))
+        elif word == "f":  # `v/vt/vn` becomes `v/vt`, `v//vn` becomes `v`
+            corners = ("/".join(corner.split("/")[:2]).rstrip("/") for corner in rest)
+            out.append(" ".join(["f", *corners]))
         elif word != "vn":
             out.append(line)
     return "\n".join(out) + "\n"
-
-
-def _without_normal(corner: str) -> str:
-    """Shorten the corner `v/vt/vn` of a face to `v/vt`, and `v//vn` to `v`."""
-    return "/".join(corner.split("/")[:2]).rstrip("/")

@@ -54,7 +54,7 @@ from subsea.repertoire import read_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
 from subsea.scenario.shoals import find_fish, with_total
-from subsea.submarine.vessel import NEUTRAL, Helm, Rail
+from subsea.submarine.vessel import NEUTRAL
 from subsea.view.camera import FAR_CM, NEAR_CM
 from subsea.view.display_rigs import VERTICAL_FOV, cockpit, display_rig
 from subsea.view.follow import FollowCamera, follow_fish
@@ -132,13 +132,17 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     if record is None:
         check_tour(scenario, film.tour)
     follow = None if film.follow is None else find_fish(film.follow, scenario)
-    seconds = _seconds_of(film, record)
+    if film.seconds is not None or record is None:
+        seconds = film_length_s(film)
+    else:
+        seconds = max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
     rate = frame_rate(film.fps)
     times = instants(film.start, seconds, rate)
     announce(_extent(scenario, len(times), film.detail))
     compute_context()  # without OpenGL, say so before the work
     world = ready_world(film.loaded, film.seed, fish=film.fish)
-    steer = tour_steering(world, film.tour) if record is None else _drift
+    # Nobody steers in `subsea simulate`.
+    steer = tour_steering(world, film.tour) if record is None else lambda world: NEUTRAL
     after = (lambda: None) if record is None else _check_against(record, world, film)
     with interrupts.deferred_interrupts() as check:
         alpha = reach(world, times[0], steer, check, after=after)
@@ -148,23 +152,8 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
     return make_scene(source.stem, world, takes, camera, statics, film, float(rate))
 
 
-def _drift(world: World) -> Helm | Rail:
-    """Leave the submarine alone, as `subsea simulate` does."""
-    return NEUTRAL
-
-
-def _seconds_of(film: SceneFilmOptions, record: Record | None) -> float:
-    """Choose the length of a scene: as given, to the end of the record, or as that of a film."""
-    if film.seconds is not None or record is None:
-        return film_length_s(film)
-    return max(float(record.time[-1]) - record.tick_s - film.start, 0.0)
-
-
 def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Record]:
-    """Return the options of the dive that `subsea simulate` recorded, and the record.
-
-    UserError for a record of another scenario.
-    """
+    """Return the options of the dive that `subsea simulate` recorded, and the record."""
     record, origin = read_record(path), read_origin(path)
     source = film.loaded.path
     if not origin.scenario_sha256:

@@ -46,10 +46,7 @@ class MeshPart(NamedTuple):
 
 
 def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: Any) -> None:
-    """Set axes, units, time codes and licence of a stage with the frames 0 to `last`.
-
-    `species` names the species in it. `notes` go to its custom data.
-    """
+    """Set axes, units, time codes and licence of a stage with the frames 0 to `last`."""
     layer = stage.GetRootLayer()
     layer.documentation = copyright_line(species)
     layer.customLayerData = {"copyright": layer.documentation} | notes
@@ -217,10 +214,7 @@ def identifier(name: str) -> str:
 
 @contextmanager
 def stage_file(path: Path) -> Iterator[Path]:
-    """Give a place for a stage, which replaces `path` once it is whole.
-
-    UserError if the library cannot write it.
-    """
+    """Give a place for a stage, which replaces `path` once it is whole."""
     with replacing(path) as part, partial_folder(part) as folder:
         plain = folder / path.name  # the library needs the suffix
         try:

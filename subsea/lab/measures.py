@@ -478,12 +478,9 @@ def predation(record: Record) -> Predation:
 
 def joined(parts: Sequence[Predation]) -> Predation:
     """Join the predation of a dive that was recorded in parts, one after another."""
-    return Predation(
-        sum(part.attacks for part in parts),
-        sum(part.captures for part in parts),
-        [sum(numbers) for numbers in zip(*(part.catches for part in parts), strict=True)],
-        sum(part.seconds for part in parts),
-    )
+    attacks, captures, catches, seconds = zip(*parts, strict=True)
+    whole = [sum(numbers) for numbers in zip(*catches, strict=True)]
+    return Predation(sum(attacks), sum(captures), whole, sum(seconds))
 
 
 def _attacks(record: Record, i: int) -> list[tuple[int, int]]:

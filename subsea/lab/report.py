@@ -65,10 +65,7 @@ def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
 
 
 def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
-    """Compute all measures of docs/reference/records.md; None where there is nothing to measure.
-
-    `check`, which may raise, is called between two of them.
-    """
+    """Compute all measures of docs/reference/records.md; None where there is nothing to measure."""
     ticks, n = record.alive.shape
     found: Measured = {
         "seed": record.seed,
@@ -219,7 +216,8 @@ def table(found: Measured) -> list[str]:
         "",
         _line("out of bounds or in an obstacle", f"{sea['out_of_bounds_or_inside']:,} of "
               f"{sea['fish_ticks']:,} fish-ticks"),
-        _line("least clearance", _cm(sea)),
+        _line("least clearance", f"{sea['least_clearance_cm']:.1f} cm from the "
+              f"{sea['least_clearance_from']}" if sea["fish_ticks"] else "nobody lives"),
         _line("bodies overlap", f"{sea['overlap_share']:.3%} of fish-ticks, and "
               f"{sea['meant_overlap_share']:.3%} intended (courting, hunting)"),
         _line("changes of intention", f"{minds['changes_per_second']:.2f} a second and fish, "
@@ -238,12 +236,6 @@ def table(found: Measured) -> list[str]:
 
 def _line(name: str, value: str) -> str:
     return f"{name:32s} {value}"
-
-
-def _cm(sea: Measured) -> str:
-    if sea["least_clearance_cm"] is None:
-        return "nobody lives"
-    return f"{sea['least_clearance_cm']:.1f} cm from the {sea['least_clearance_from']}"
 
 
 def _escapes(minds: Measured) -> str:

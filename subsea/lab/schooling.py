@@ -1,7 +1,7 @@
 """Schools as measured in nature: order, spacing, room, bearings and splits."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,8 +27,8 @@ class School(NamedTuple):
     cruises: Bools  # (k,), whether at least half of them school, and none is alarmed
     polarisation: Array  # (k,) length of the mean heading of those that school
     nearest: Array  # (k,) median distance to the nearest of the school, body lengths
-    distances: Array  # every such distance while it cruises, body lengths
     together: Array  # (k,) share of those that school in the largest connected part
+    distances: Array  # every such distance while it cruises, body lengths
 
 
 class Split(NamedTuple):
@@ -80,17 +80,9 @@ def _school(record: Record, leader: int, every: int) -> School:
             float(np.median(nearest)), together,
         ))  # fmt: skip
     columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 7
-    return School(
-        leader=leader,
-        time=columns[0],
-        members=columns[1],
-        calm=columns[2],
-        cruises=columns[3],
-        polarisation=columns[4],
-        nearest=columns[5],
-        distances=np.concatenate(distances) if distances else np.zeros(0),
-        together=columns[6],
-    )
+    fields = dict(zip(School._fields[1:8], columns, strict=True))
+    nearby = np.concatenate(distances) if distances else np.zeros(0)
+    return School(leader=leader, **fields, distances=nearby)
 
 
 @kernel
@@ -246,20 +238,12 @@ def joined(parts: Sequence[Schooling]) -> list[Schooling]:
 
 
 def _joined(parts: Sequence[Schooling]) -> Schooling:
-    return Schooling(
-        parts[0].leader,
-        max(one.fishes for one in parts),
-        _median([one.polarisation for one in parts]),
-        _median([one.nearest_bl for one in parts]),
-        _median([one.height_bl for one in parts]),
-        _median([one.room_bl3 for one in parts]),
-        _median([one.ahead_bl for one in parts]),
-        np.mean([one.bearing for one in parts], axis=0),
-        np.concatenate([one.time for one in parts]),
-        np.concatenate([one.together for one in parts]),
-        np.concatenate([one.calm for one in parts]),
-        parts[-1].end,
-    )
+    columns = {name: [getattr(one, name) for one in parts] for name in Schooling._fields}
+    measured = "polarisation", "nearest_bl", "height_bl", "room_bl3", "ahead_bl"
+    joint: dict[str, Any] = {name: _median(columns[name]) for name in measured}
+    joint |= {name: np.concatenate(columns[name]) for name in ("time", "together", "calm")}
+    bearing = np.mean(columns["bearing"], axis=0)
+    return parts[-1]._replace(fishes=max(columns["fishes"]), bearing=bearing, **joint)
 
 
 def _median(values: Sequence[float]) -> float:

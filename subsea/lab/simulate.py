@@ -92,10 +92,7 @@ class Provenance(NamedTuple):
 def provenance_of(
     scenario: Scenario, source: Path, changes: Sequence[str], module: str
 ) -> Provenance:
-    """Collect the provenance of a run of a scenario from the file `source`.
-
-    `module` is the file of the code that makes the result. A missing file is a UserError.
-    """
+    """Collect the provenance of a run of a scenario from the file `source`."""
     names = tuple(scenario.species)
     return Provenance(
         program=f"subsea {__version__}",
@@ -153,12 +150,11 @@ def record_run(
     number = len(world.state.fishes.species)
     length = int(np.clip(BLOCK_FISH_TICKS // number, 1, min(64, run.ticks)))
     block = _empty_block(length, number)
-    held, happened = 0, []
+    held, happened, k = 0, [], 0
     names = _names(world)
     attributes = _attributes(world, names, provenance_of(*loaded, __file__))
     constants = _constants(world) | _coordinates(world)
     with hdf5.recording(out, attributes, constants, _notes(names), _SCALES) as append:
-        k = 0
         try:
             for k in progress(range(run.ticks)):
                 check()
@@ -167,25 +163,21 @@ def record_run(
                 _note(world, block, held)
                 happened += _begun(world)
                 held += 1
-                if held == length or k == run.ticks - 1:
-                    append({name: rows[:held] for name, rows in block.items()} | _table(happened))
+                if held == length:
+                    append(block | _table(happened))
                     held, happened = 0, []
         except KeyboardInterrupt:
-            if held:
-                append({name: rows[:held] for name, rows in block.items()} | _table(happened))
             if not k:
                 raise
             raise KeyboardInterrupt(f"{out}: {_extent(k, number)} kept") from None
+        finally:
+            if held:
+                append({name: rows[:held] for name, rows in block.items()} | _table(happened))
     return world
 
 
-def live_records(
-    world: World, ticks: int, fish_ticks: int, check: Callable[[], None] = lambda: None
-) -> Iterator[record.Record]:
-    """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory.
-
-    `check`, which may raise, is called before each tick.
-    """
+def live_records(world: World, ticks: int, fish_ticks: int) -> Iterator[record.Record]:
+    """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory."""
     number = len(world.state.fishes.species)
     names = {name: list(words) for name, words in _names(world).items()}
     constants = _constants(world)
@@ -194,7 +186,6 @@ def live_records(
         length = min(max(fish_ticks // number, 1), ticks - done)
         block = _empty_block(length, number)
         for row in range(length):
-            check()
             if done + row:
                 step(world, NEUTRAL)
             _note(world, block, row)

@@ -322,29 +322,21 @@ def _describe(run: Run) -> str:
     return " ".join([f"seed {run.seed}", *run.changes])
 
 
-def _result_path(out: Path, name: str) -> Path:
-    return out / "runs" / f"{name}.json"
-
-
-def _record_path(out: Path, name: str) -> Path:
-    return out / "records" / f"{name}.h5"
-
-
 def _save(out: Path, name: str, job: _Job, row: Row, record: bytes | None) -> Row:
     """Write the result of a finished run, and its record before it."""
     if record is not None:
-        with replacing(_record_path(out, name)) as temporary:
+        with replacing(out / "records" / f"{name}.h5") as temporary:
             temporary.write_bytes(record)
-    with replacing(_result_path(out, name)) as temporary:
+    with replacing(out / "runs" / f"{name}.json") as temporary:
         temporary.write_text(json.dumps({"inputs": job.inputs, "measures": row}, indent=1))
     return row
 
 
 def _finished(out: Path, name: str, job: _Job) -> Row | None:
     """Read the measures of a run that `out` has already; None if it must be made."""
-    if job.keep and not _record_path(out, name).is_file():
+    if job.keep and not (out / "records" / f"{name}.h5").is_file():
         return None
-    return read_result(_result_path(out, name), job.inputs)
+    return read_result(out / "runs" / f"{name}.json", job.inputs)
 
 
 def read_result(path: Path, inputs: str) -> Row | None:

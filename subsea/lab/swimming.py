@@ -4,7 +4,7 @@ The path of the tail stands for the beat, the origin of the body for the path of
 are stretches one after another, long enough for the beats of a species.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,10 +64,7 @@ class Swimming(NamedTuple):
 
 
 def swimming(record: Record, slowest: Array) -> dict[str, Swimming]:
-    """Measure each species of a record; `slowest` (n,) is the speed of each one's slowest stroke.
-
-    Keys are common names.
-    """
+    """Measure each species of a record; `slowest` (n,) is the speed of a fish's slowest stroke."""
     found = {}
     for k, name in enumerate(record.species_names):
         those = np.flatnonzero(record.species == k)
@@ -83,16 +80,18 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     forward = headings(record.orientation[:, those])
     course = np.unwrap(np.arctan2(forward[..., 1], forward[..., 0]), axis=0)
     tail = record.tail[:, those].astype(np.float64) / length[:, None]
-    swims = alive & _in_swims(record)[:, those]
+    straight = [name for name in record.segment_names if name.startswith("swim")]
+    swims = alive & _plays(record, {*straight} - {"swim_coast"})[:, those]
     nose = record.snout[:, those].astype(np.float64) / length[:, None]
     paths = Paths(tail[..., :2], place[..., :2], nose[..., :2], course)
     beat = _beats(paths, swims, record.tick_s)
     centre = record.centre[:, those].astype(np.float64) / length[:, None]
     doing, predator = record.intention[:, those], record.kind[those] == PREDATOR
     hurried = (doing == ESCAPE) | ((doing == EAT) & predator)
-    calm = alive & ~hurried & ~_in_escapes(record)[:, those]
-    rows = _plays(record, "row_forward")[:, those]
-    still = rows | _plays(record, "swim_coast")[:, those]
+    escapes = [name for name in record.segment_names if name.startswith("cstart")]
+    calm = alive & ~hurried & ~_plays(record, escapes)[:, those]
+    rows = _plays(record, ["row_forward", *FAMILIES["row_forward"]])[:, those]
+    still = rows | _plays(record, ["swim_coast", *FAMILIES["swim_coast"]])[:, those]
     speed, short = _speeds(place, alive, record.tick_s)
     every = _ticks(SHORT_S, record.tick_s)
     strokes = short & ~still[every // 2 :: every][: len(short)]
@@ -117,28 +116,13 @@ def _species(record: Record, those: Ints, slowest: Array) -> Swimming:
     )  # fmt: skip
 
 
-def _in_swims(record: Record) -> Bools:
-    """Flag (T, n) where a fish swims straight with its tail."""
-    swims = np.array(
-        [name.startswith("swim") and name != "swim_coast" for name in record.segment_names]
-    )
-    return np.asarray(swims[record.segment])
-
-
-def _in_escapes(record: Record) -> Bools:
-    """Flag (T, n) where a fish makes a C-start."""
-    escapes = np.array([name.startswith("cstart") for name in record.segment_names])
-    return np.asarray(escapes[record.segment])
+def _plays(record: Record, names: Collection[str]) -> Bools:
+    """Flag (T, n) where a fish swims by one of these segments."""
+    return np.array([name in names for name in record.segment_names])[record.segment]
 
 
 def _ticks(seconds: float, tick_s: float) -> int:
     return max(round(seconds / tick_s), 2)
-
-
-def _plays(record: Record, name: str) -> Bools:
-    """Flag (T, n) where a fish swims by the segment `name` or turns by one of its family."""
-    names = name, *FAMILIES[name]
-    return np.asarray(np.isin(record.segment_names, names)[record.segment])
 
 
 def _stretches(values: NDArray[Any], ticks: int) -> NDArray[Any]:
@@ -247,10 +231,7 @@ def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
 
 
 def _rolls(orientation: Array, alive: Bools, tick_s: float) -> Array:
-    """Measure the greatest roll (k,) beside its mean in stretches of ROLL_S, degrees.
-
-    `orientation` (T, n, 4) are unit quaternions.
-    """
+    """Measure the greatest roll (k,) beside its mean in stretches of ROLL_S, degrees."""
     _, x, y, _ = np.moveaxis(orientation.astype(np.float64), -1, 0)
     right = 1.0 - 2.0 * (x**2 + y**2)  # height of the fish's right side
     aside = np.degrees(np.arcsin(np.clip(right, -1.0, 1.0)))

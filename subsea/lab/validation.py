@@ -16,7 +16,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.findings import RangeCheck
 from subsea.base.progress import count_noun, progress
-from subsea.base.report_files import Draw, Report, ReportFiles
+from subsea.base.report_files import Report, ReportFiles
 from subsea.base.system import is_path
 from subsea.dive.start import start_world
 from subsea.fish.measured import (
@@ -159,10 +159,7 @@ def _thinned(found: Swimming) -> Swimming:
 def run_trials(
     chosen: Iterable[SeaTrial], pool: Pool[int], check: Check = lambda: None
 ) -> tuple[list[tuple[SeaTrial, SeaMeasures]], list[SeaTrial]]:
-    """Run trials; returns them with their measures in their order, and those that crashed.
-
-    `check` is called meanwhile and may raise.
-    """
+    """Run trials; returns them with their measures in their order, and those that crashed."""
     jobs = dict(enumerate(chosen))
     done: dict[int, SeaMeasures] = {}
     with progress(len(jobs), "run") as count:
@@ -358,13 +355,6 @@ RANGE, OURS = "#E69F00", "#0072B2"
 SPREAD = (10, 50, 90)  # percentiles
 
 
-def validation_plots(found: Summary, table: MeasuredSwimming) -> Mapping[str, Draw]:
-    """Choose the plots by name of their file (`VALIDATION_PLOTS`)."""
-    return {
-        name: partial(draw, found=found, table=table) for name, draw in VALIDATION_PLOTS.items()
-    }
-
-
 def _swimming_plot(page: Any, found: Summary, table: MeasuredSwimming) -> None:
     """Draw percentiles of quantities by species over their ranges."""
     names = [name for name in found.swims if name in table.species]
@@ -453,7 +443,9 @@ def validate(jobs: Sequence[SeaTrial], files: ReportFiles, pool: Pool[int], chec
         table.sources,
         extent=f"Seeds {seed_words(seeds)}, {seconds:.0f} s each.",
         more={"seeds": seeds, "seconds": round(seconds, 3), **samples(found)},
-        plots=validation_plots(found, table),
+        plots={
+            name: partial(draw, found=found, table=table) for name, draw in VALIDATION_PLOTS.items()
+        },
     )
     files.write(report, check)
     if crashed:

@@ -360,10 +360,6 @@ class KioskPart(DivePart):
 class HeadsetPart(DivePart):
     """Shows the dive in a headset."""
 
-    @staticmethod
-    def add_options(parser: ArgumentParser) -> None:
-        """Add nothing: `--display headset` asks for the part."""
-
     @classmethod
     def made(cls, options: Namespace, dive: "DiveOptions") -> "HeadsetPart | None":
         """Make the part for `--display headset`."""

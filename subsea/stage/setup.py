@@ -70,9 +70,7 @@ def set_up_theatre(
     theatre = shrink_theatre(theatre, shrink)
     for line in chain(*import_notes(theatre)):
         say(f"{path}: left out: {line}")
-    found, faults = usable_channels(theatre, path)
-    found, unseen = visible_channels(theatre, found, display, stereo)
-    unseen = tuple(error_at(path, fault.key or "", fault.message) for fault in unseen)
+    found, faults, unseen = _shown_channels(theatre, path, display, stereo)
     if not found:
         raise unseen[0]
     for fault in (*faults, *unseen):
@@ -90,17 +88,21 @@ def set_up_theatre(
     return TheatreSetup(theatre, path, windows, rig, _loudspeakers(theatre, node), ahead)
 
 
+def _shown_channels(
+    theatre: Theatre, path: Path, display: str = "mono", stereo: Stereo = EYES
+) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...], tuple[UserError, ...]]:
+    """The channels that work and are in sight, faults of others, and those out of sight."""
+    found, faults = usable_channels(theatre, path)
+    found, unseen = visible_channels(theatre, found, display, stereo)
+    return found, faults, tuple(error_at(path, one.key or "", one.message) for one in unseen)
+
+
 def _loudspeakers(theatre: Theatre, node: str | None) -> Layout | None:
     """The loudspeakers of one computer, None: of all; None if the theatre lists none."""
     if not theatre.loudspeaker:
         return None
-    return loudspeakers(
-        [
-            (speaker.azimuth_deg, speaker.elevation_deg)
-            for speaker in theatre.loudspeaker
-            if node in (None, speaker.node)
-        ]
-    )
+    shown = [one for one in theatre.loudspeaker if node in (None, one.node)]
+    return loudspeakers([(one.azimuth_deg, one.elevation_deg) for one in shown])
 
 
 def named_rig(
@@ -155,10 +157,7 @@ def shown_windows(
 
 
 def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
-    """The same theatre with `times` fewer pixels a side.
-
-    A UserError if a window or viewport would get smaller than a file may ask for.
-    """
+    """The same theatre with `times` fewer pixels a side."""
     if times == 1:
         return theatre
 
@@ -200,10 +199,7 @@ def import_notes(theatre: Theatre) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def describe(name: str, write: Path | None = None, force: bool = False) -> int:
-    """Print the parts and faults of a theatre; exit code 0 if all works, else 1.
-
-    `write`: also write it as a theatre file of our own.
-    """
+    """Print the parts and faults of a theatre; exit code 0 if all works, else 1."""
     theatre, path = load_theatre(name)
     if write is not None:
         for file in write_theatre(theatre, path, write, force):
@@ -211,9 +207,8 @@ def describe(name: str, write: Path | None = None, force: bool = False) -> int:
     print_line(f"{path}: {theatre.title or 'a theatre'}")
     found: Sequence[ProjectorChannel]
     try:
-        found, faults = usable_channels(theatre, path)
-        found, unseen = visible_channels(theatre, found)
-        faults = (*faults, *(error_at(path, one.key or "", one.message) for one in unseen))
+        found, faults, unseen = _shown_channels(theatre, path)
+        faults = (*faults, *unseen)
     except UserError as fault:
         found, faults = (), (fault,)
     for number, window in enumerate(theatre.window):

@@ -87,13 +87,13 @@ def lift_sheet(
 
 def _source(colour: Bytes, meshes: FishMeshes, surface: SurfacePlan, fish: Bools | None) -> _Source:
     """The part of a photograph around the meshes, filled with the fish's own colours."""
-    length = (
-        float(np.hypot(*(meshes.body.nodes[4, 0] - meshes.body.nodes[4, 14]))) / surface.tail.begin
-    )
+    front, tail = meshes.body.nodes[4, 0], meshes.body.nodes[4, 14]
+    length = float(np.hypot(*(front - tail))) / surface.tail.begin
     window, corner = _around(colour, meshes, length)
     within = mesh_mask(meshes, colour.shape)[window]
     there = within if fish is None else fish[window]
-    sure = _distance_inside(within & there) > max(RIM * length, 1.0)
+    inside = cv2.distanceTransform((within & there).astype(np.uint8), cv2.DIST_L2, 5)
+    sure = inside > max(RIM * length, 1.0)
     # A small fish has only a rim; meshes may lie beside the fish. Background never counts.
     seen = next((part for part in (sure, within & there) if part.any()), there)
     table = raster.from_srgb(np.arange(256) / 255.0).astype(np.float32)
@@ -196,10 +196,7 @@ def pull_push(values: Array, share: Array) -> Array:
 
 
 def rasterize(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
-    """Values (h, w, k) under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
-
-    Linear on its triangles; NaN outside.
-    """
+    """Values (h, w, k) under a mesh with `corners` (m, n, 2) and `values` (m, n, k)."""
     out = np.full((*shape, values.shape[2]), np.nan, np.float32)
     _draw(np.ascontiguousarray(corners), np.ascontiguousarray(values, np.float64), out)
     return out
@@ -244,21 +241,12 @@ def _around(colour: Bytes, meshes: FishMeshes, length: float) -> tuple[tuple[sli
     return (slice(low[1], high[1]), slice(low[0], high[0])), low.astype(float)
 
 
-def _distance_inside(mask: Bools) -> Array:
-    """Distance (h, w) to the nearest pixel outside a mask, ignoring the picture's border."""
-    return np.asarray(cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5))
-
-
 def _sample(picture: Array, places: Array) -> Array:
     """Values (h, w, k) of a picture at places (h, w, 2), pixels; 0 where these are NaN."""
     x, y = np.nan_to_num(places.astype(np.float32), nan=-9.0).transpose(2, 0, 1)
-    found = cv2.remap(
-        np.asarray(picture, np.float32),
-        np.ascontiguousarray(x),
-        np.ascontiguousarray(y),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
+    x, y = np.ascontiguousarray(x), np.ascontiguousarray(y)
+    values = np.asarray(picture, np.float32)
+    found = cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(found)
 
 

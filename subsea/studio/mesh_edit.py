@@ -71,9 +71,10 @@ def border_nodes(meshes: FishMeshes, parts: tuple[str, ...]) -> list[MeshNode]:
 
 def inner_nodes(meshes: FishMeshes, parts: tuple[str, ...]) -> list[MeshNode]:
     """The inner nodes of the body, if that is among the parts."""
+    if BODY not in parts:
+        return []
     m, n, _ = meshes.body.nodes.shape
-    inner = [MeshNode(BODY, k, j) for k in range(1, m - 1) for j in range(1, n - 1)]
-    return inner if BODY in parts else []
+    return [MeshNode(BODY, k, j) for k in range(1, m - 1) for j in range(1, n - 1)]
 
 
 def node_places(meshes: FishMeshes, nodes: list[MeshNode]) -> Array:

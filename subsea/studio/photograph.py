@@ -100,10 +100,7 @@ class Photograph(NamedTuple):
 
 
 def read_photograph(path: Path) -> Photograph:
-    """Read a photograph upright, in sRGB and with at most `WORK` pixels on its longer side.
-
-    UserError for a file that is not a picture, damaged, too large or too small.
-    """
+    """Read a photograph upright, in sRGB and with at most `WORK` pixels on its longer side."""
     size = check_input(path)
     try:
         if size > MOST_BYTES:

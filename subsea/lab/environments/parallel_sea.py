@@ -45,7 +45,8 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
         fps = sea.decisions_per_second
         self.metadata = self.metadata | {"name": name, "render_fps": fps, "is_parallelizable": True}
         self.sea, self.render_mode, self._reward = sea, render_mode, reward
-        self._fish = dict(zip(agent_names(sea.species, who), (int(i) for i in who), strict=True))
+        kinds = sea.species
+        self._fish = {f"{kinds[i]}_{kinds[:i].count(kinds[i])}": i for i in who.tolist()}
         self.possible_agents = list(self._fish)
         self.agents: list[str] = []
         self.action_spaces = {
@@ -139,11 +140,6 @@ class ParallelSea(ParallelEnv):  # type: ignore[misc]
 
     def _infos(self, outcome: Outcome) -> dict[str, dict[str, Any]]:
         return {agent: {"meals": float(outcome.meals[k])} for k, agent in enumerate(self.agents)}
-
-
-def agent_names(species: list[str], who: Ints) -> list[str]:
-    """Make names such as "fusilier_0" of fishes `who`: numbers count all fishes of a species."""
-    return [f"{species[i]}_{species[:i].count(species[i])}" for i in who]
 
 
 def chosen_agents(sea: LivingSea, agents: Agents) -> Ints:

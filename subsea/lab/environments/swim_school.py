@@ -90,17 +90,10 @@ TASKS = {
 """The tasks by name."""
 
 
-def task_named(name: str) -> SwimTask:
-    """Look up the task of this name; UserError if there is none."""
-    if name not in TASKS:
-        raise UserError(f"unknown task {name!r}; expected one of {', '.join(TASKS)}")
-    return TASKS[name]
-
-
 def draw_goal(
     goal: str, origin: Array, body_length: float, random: np.random.Generator
 ) -> tuple[float, float, float]:
-    """Draw A new goal of a body at ``origin`` (3,): a direction of length 1, or a place in cm."""
+    """Draw a new goal of a body at ``origin`` (3,): a direction of length 1, or a place in cm."""
     if goal == "ahead":
         return 1.0, 0.0, 0.0
     turn = random.uniform(-np.pi, np.pi)
@@ -147,7 +140,9 @@ class SwimSchool:
             if count is not None and count < 1:
                 raise UserError(f"{name} = {count}; expected 1 or more")
         self.species, muscles = _muscular(exercise.species)
-        task = task_named(exercise.task)
+        if exercise.task not in TASKS:
+            raise UserError(f"unknown task {exercise.task!r}; expected one of {', '.join(TASKS)}")
+        task = TASKS[exercise.task]
         self._goal, self._reward = task.goal, exercise.reward or task.reward
         self._ticks = exercise.frame_skip
         length = muscles.body.length

@@ -52,10 +52,7 @@ def endpoint(address: str, keys: Keys | None) -> str:
 def listening(
     context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int
 ) -> tuple[Any, Any]:
-    """Listen as the master; return the socket, and one that reports `failed` handshakes.
-
-    Parts of more than `limit` bytes end a connection.
-    """
+    """Listen as the master; return the socket, and one that reports `failed` handshakes."""
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
     socket.rcvhwm = UNREAD
@@ -128,10 +125,7 @@ def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
 
 
 def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -> Keys | None:
-    """Read the keys of `node`, if the theatre file `path` names a folder of keys.
-
-    Missing keys, and an address that needs keys where none are named, are UserErrors.
-    """
+    """Read the keys of `node`, if the theatre file `path` names a folder of keys."""
     try:
         keys = None
         if cluster.keys is not None:
@@ -145,10 +139,7 @@ def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -
 
 
 def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[UserError, ...]:
-    """Errors of the nodes that have a secret key on this computer; of the master if none has.
-
-    A computer needs no secret key but its own.
-    """
+    """Errors of the nodes that have a secret key on this computer; of the master if none has."""
     here = [cluster.master]
     if cluster.keys is not None:
         folder = path.parent / cluster.keys

@@ -39,10 +39,7 @@ class Board:
         self._wanted_s = self._beat_s = -np.inf
 
     def put(self, command: PresenterCommand) -> "Future[str]":
-        """Ask the dive for a command; its result is a text, or a UserError.
-
-        A UserError if too many are waiting.
-        """
+        """Ask the dive for a command; its result is a text, or a UserError."""
         done: Future[str] = Future()
         try:
             self._waiting.put_nowait((command, done))

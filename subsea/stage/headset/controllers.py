@@ -130,10 +130,7 @@ class Controllers:
     """The action set of a session."""
 
     def __init__(self, xr: Any, instance: Any, session: Any, extensions: set[str]) -> None:
-        """Make the actions, suggest their bindings and attach them to the session.
-
-        `extensions` of OpenXR that are enabled.
-        """
+        """Make the actions, suggest their bindings and attach them to the session."""
         self._xr, self._session = xr, session
         self._paths = [xr.string_to_path(instance, hand) for hand in HANDS]
         self._set = xr.create_action_set(

@@ -360,8 +360,8 @@ def _mirror(measures: Mapping[str, float]) -> TheatreLayout:
     )
     dome = Dome(tilt_deg=tilt, distance_cm=max(radius, 50.0))
     channel = PlannedChannel("dome", dome, setup.lens, setup.nodes)
-    centre = (_rounded(setup.centre[0]), _rounded(setup.centre[1]), _rounded(setup.centre[2]))
-    sphere = SphericalMirror(centre_cm=centre, radius_cm=measures["mirror"])
+    x, y, z = map(_rounded, setup.centre)
+    sphere = SphericalMirror(centre_cm=(x, y, z), radius_cm=measures["mirror"])
     notes = [f"the mirror lights {100 * setup.lit:.0f}% of the dome"]
     return TheatreLayout(
         "A dome with a spherical mirror", [channel], -measures["eye"], False, dome, sphere, notes

@@ -61,7 +61,8 @@ def aimed(place: Array, points: Array, aspect: float) -> Lens:
     way = way / np.linalg.norm(way, axis=1, keepdims=True)
     aim = way.mean(axis=0)
     for _ in range(4):
-        axes = axes_of(float(np.arctan2(aim[0], aim[2])), float(np.arcsin(_unit(aim)[1])))
+        pitch = np.arcsin(aim[1] / np.linalg.norm(aim))
+        axes = axes_of(float(np.arctan2(aim[0], aim[2])), float(pitch))
         seen = way @ axes.T
         if seen[:, 2].min() < 0.05:
             return Lens(place, axes, (np.inf, np.inf))
@@ -137,10 +138,6 @@ def on_cylinder(place: Array, ways: Array, radius: float) -> Array:
     return np.asarray(place + reach[:, None] * ways)
 
 
-def _unit(vector: Array) -> Array:
-    return np.asarray(vector / np.linalg.norm(vector))
-
-
 class MirrorSetup(NamedTuple):
     """The lens, the mirror and the mesh; lengths in centimetres from the dome's centre."""
 
@@ -194,10 +191,7 @@ def mirror_setup(
 def traced(
     start: Array, ways: Array, centre: Array, mirror: float, radius: float
 ) -> tuple[Array, Array, Array]:
-    """Points (n, 3) on the mirror, reflected directions, and points on the dome about 0.
-
-    `ways` (n, 3) are unit directions from `start` (3,); NaN where light passes the mirror by.
-    """
+    """Points (n, 3) on the mirror, reflected directions, and points on the dome about 0."""
     away = start - centre
     b = ways @ away
     with np.errstate(invalid="ignore"):

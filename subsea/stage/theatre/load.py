@@ -45,11 +45,10 @@ def load_theatre(name: str) -> tuple[Theatre, Path]:
     reader = READERS.get(suffix)
     if reader is None and suffix[1:] in others:
         reader = load(others[suffix[1:]])
+    path = Path(name)
     if reader is not None:
-        path = Path(name)
         theatre: Theatre = reader(path)
     else:
-        path = Path(name)
         if suffix not in ("", ".toml") and path.is_file():
             suffixes = ".toml", *READERS, *(f".{other}" for other in others)
             raise unknown_name("theatre", name, [], *suffixes)
@@ -148,10 +147,7 @@ READERS: dict[str, Callable[[Path], ImportedTheatre]] = {
 
 
 def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
-    """Find names that are taken or unknown, and windows and channels that overlap: key, message.
-
-    Each fault after the first one may follow from those before it.
-    """
+    """Find names that are taken or unknown, and windows and channels that overlap: key, message."""
     names = [channel.name for channel in theatre.channel]
     windows = {window.name: window for window in theatre.window}
     for kind, given in (("window", [window.name for window in theatre.window]), ("channel", names)):
@@ -180,33 +176,18 @@ def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
     for k, channel in enumerate(theatre.channel):
         window = windows[channel.window]
         if reaches_out(channel, window):
-            yield (
-                f"channel[{k}].viewport",
-                (
-                    f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches "
-                    f"out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
-                ),
-            )
+            message = f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches"
+            message += f" out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
+            yield f"channel[{k}].viewport", message
     for (_, first), (k, second) in combinations(enumerate(theatre.channel), 2):
         window = windows[first.window]
-        if second.window == first.window and overlap(
-            viewport(first, window), viewport(second, window)
-        ):
-            yield (
-                f"channel[{k}]",
-                (
-                    f"channels {first.name!r} and {second.name!r} lie on one another in window "
-                    f"{window.name!r}; expected viewports side by side"
-                ),
-            )
+        places = viewport(first, window), viewport(second, window)
+        if second.window == first.window and overlap(*places):
+            message = f"channels {first.name!r} and {second.name!r} lie on one another in window "
+            yield f"channel[{k}]", f"{message}{window.name!r}; expected viewports side by side"
     if theatre.cluster is None and len(theatre.nodes) > 1:
-        yield (
-            "",
-            (
-                f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table "
-                "[cluster] that says which of them is the `master`"
-            ),
-        )
+        message = f"windows are on the nodes {', '.join(theatre.nodes)}, expected a table [cluster]"
+        yield "", f"{message} that says which of them is the `master`"
 
 
 def _references(theatre: Theatre) -> Iterator[tuple[str, str, str, tuple[str, ...], str]]:

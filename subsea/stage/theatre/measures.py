@@ -115,10 +115,7 @@ def ask(
     tell: Callable[[str], object],
     kind: str | None = None,
 ) -> tuple[str, dict[str, float]]:
-    """Ask for the kind and for each measure that is not given; an empty answer is the default.
-
-    `read` shows a question and returns a line, `tell` shows why an answer does not fit.
-    """
+    """Ask for the kind and for each measure that is not given; an empty answer is the default."""
     while kind not in KINDS:
         if kind:
             tell(str(unknown("kind of theatre", kind, list(KINDS))))

@@ -19,6 +19,7 @@ from subsea.view.theatre_vessel import TheatreVessel
 FINEST = 1.5  # largest number of pixels of a curved screen's view per pixel of the projector
 WIDEST = 8192  # pixels of a row on the canvas, unless a single picture is wider
 MODES = ("mono", *LAYOUTS)
+DISPLAY_OF = {shape: display for display, shape in SURROUNDS.items()}  # with the same projection
 
 
 def theatre_rig(
@@ -161,7 +162,7 @@ def _pictures(channel: ProjectorChannel, display: str) -> list[tuple[int, int]]:
     """Pixels of a channel's pictures on the canvas, one for each eye, with their margins."""
     layout = None if display == "mono" else LAYOUTS[display]
     if channel.shape in CUBES:  # whose faces are never squeezed
-        face = face_size(_display(channel), channel.place[2:], channel.surround)
+        face = face_size(DISPLAY_OF[channel.shape], channel.place[2:], channel.surround)
         return [(COLUMNS * face, ROWS * face)] * (1 if layout is None else 2)
     width, height = channel.place[2:]
     if channel.screen is not None and not isinstance(channel.screen, Flat):
@@ -219,11 +220,6 @@ def _warp(channel: ProjectorChannel, offsets: Sequence[Array], frusta: Sequence[
 
 def _cube_eyes(channel: ProjectorChannel, rect: Rect, offset: Array) -> tuple[Eye, ...]:
     """The eyes of a channel with a surround projection."""
-    display, size = _display(channel), channel.place[2:]
+    display, size = DISPLAY_OF[channel.shape], channel.place[2:]
     shown = visible_parts(display, size, channel.surround, float(offset[0]) / channel.distance_cm)
     return cube(rect[:2], face_size(display, size, channel.surround), shown, offset)
-
-
-def _display(channel: ProjectorChannel) -> str:
-    """The display mode with the same projection."""
-    return next(name for name, shape in SURROUNDS.items() if shape == channel.shape)

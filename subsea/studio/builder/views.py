@@ -168,21 +168,22 @@ class OutlineViews:
             return
         canvas.line([(x, -2.0), (x, 2.0)], MARK, 1.0, 0.45)
         if path[0] == "surface":
-            surface, at = draft.species.surface, np.array([x])
-            values = (
-                (along(surface.back, at)[0], along(surface.belly, at)[0])
-                if view == "side"
-                else (along(surface.width, at)[0], -along(surface.width, at)[0])
-            )
-            canvas.dots([(x, y) for y in values], MARK, 4.0, ring=True)
+            surface = draft.species.surface
+            curves = (surface.back, surface.belly) if view == "side" else (surface.width,) * 2
+            first, second = (along(curve, np.array([x]))[0] for curve in curves)
+            second *= 1.0 if view == "side" else -1.0
+            canvas.dots([(x, first), (x, second)], MARK, 4.0, ring=True)
 
     def _edit_points(
         self, canvas: Viewport2D, view: View, editing: EditState, points: list[DragHandle]
     ) -> None:
-        twice = canvas.clicked and imgui.is_mouse_double_clicked(0)
-        if canvas.clicked and (self.adding or (twice and self._near_line(canvas, view, editing))):
-            self._add(canvas, view, editing)
-            return
+        if canvas.clicked:
+            reach = 0.8 * imgui.get_font_size() / canvas.scale
+            twice = imgui.is_mouse_double_clicked(0)
+            near = twice and nearest_line(editing.present, view, canvas.mouse)[1] < reach
+            if self.adding or near:
+                self._add(canvas, view, editing)
+                return
         mirrored = [handle for handle in points if handle.mirrored]
         places = [handle.at for handle in points] + [(x, -y) for (x, y) in (m.at for m in mirrored)]
         drag = canvas.drag_points(view, places)
@@ -200,10 +201,6 @@ class OutlineViews:
             if drag.ended:
                 editing.commit()
 
-    def _near_line(self, canvas: Viewport2D, view: View, editing: EditState) -> bool:
-        reach = 0.8 * imgui.get_font_size() / canvas.scale
-        return nearest_line(editing.present, view, canvas.mouse)[1] < reach
-
     def _add(self, canvas: Viewport2D, view: View, editing: EditState) -> None:
         canvas.clicked = self.adding = False
 
@@ -219,7 +216,9 @@ def outlines(species: Species) -> dict[str, Array]:
     surface = species.surface
     begin = surface.tail.begin
     x = np.concatenate([np.linspace(0.0, 0.1, 12), np.linspace(0.115, begin, 40)])
-    shares = np.linspace(1.0, -1.0, 25)
+    shares, eye = np.linspace(1.0, -1.0, 25), surface.eye
+    middle_eye = np.array([eye.at, 0.0 if surface.wing else eye.height])
+    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     edge = surface.tail.edge_at(shares)
     top, low = np.linspace(begin, edge[0], 12), np.linspace(begin, edge[-1], 12)
     tip, base = along(surface.back, top), along(surface.belly, low)
@@ -230,8 +229,7 @@ def outlines(species: Species) -> dict[str, Array]:
             [along(surface.back, x), tip, middle + shares * radius, base[::-1],
              along(surface.belly, x)[::-1]],
         ),
-        "side eye": _round(surface.eye.at, 0.0 if surface.wing else surface.eye.height,
-                           surface.eye.radius),
+        "side eye": middle_eye + eye.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1),
     }  # fmt: skip
     for name, plan, ridge in (
         ("dorsal", surface.dorsal, surface.back),
@@ -259,11 +257,6 @@ def outlines(species: Species) -> dict[str, Array]:
 
 def _closed(x: list[Array], y: list[Array]) -> Array:
     return np.stack([np.concatenate(x), np.concatenate(y)], axis=1)
-
-
-def _round(x: float, y: float, radius: float) -> Array:
-    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
-    return np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=1)
 
 
 def _paddle(plan: PaddlePlan) -> Array:
@@ -334,10 +327,7 @@ def _twins(handle: DragHandle) -> list[tuple[float, float]]:
 
 
 def textured_view(species: Species, sheet: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Box]:
-    """Return the sheet cut out along the outline, for the side view or that of a ray from above.
-
-    Pixels (h, w, 4), top row first; box in body lengths.
-    """
+    """Return the sheet cut out along the outline, for the side view or that of a ray from above."""
     surface = species.surface
     rows, columns = sheet.shape[0], sheet.shape[1]
     body = sheet[: round(BODY.top * rows)]

@@ -6,7 +6,6 @@ import numpy as np
 from imgui_bundle import imgui
 from numpy.typing import NDArray
 
-from subsea.base.arrays import Array
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio import mesh_edit
 from subsea.studio.deformable_mesh import (
@@ -114,8 +113,10 @@ class PhotoCanvas:
             )
             view.line(rim, GLASS, 3.0, 0.4)
             view.line(rim, MARK, 1.5, 0.9)
-            for held in mesh_edit.anchored_nodes(document.meshes):
-                self._draw_anchor(mesh_edit.node_places(document.meshes, [held])[0])
+            anchors = mesh_edit.anchored_nodes(document.meshes)
+            for place in mesh_edit.node_places(document.meshes, anchors):
+                view.dots(place, GLASS, 6.5, 0.8)
+                view.dots(place, ANCHOR_INK, 5.0)
             if self.mode == "whole":
                 self._draw_box(mesh_edit.transform_box(document.meshes), grip)
             elif node is not None:
@@ -198,11 +199,8 @@ class PhotoCanvas:
     def _drag_box(self, document: SkinDocument) -> int | None:
         """Move, turn or scale all meshes; return the grip under the pointer."""
         view = self.view
-        shown = (
-            self._box
-            if self._start is not None and self._box
-            else mesh_edit.transform_box(document.meshes)
-        )
+        dragged = self._box if self._start is not None else None
+        shown = dragged or mesh_edit.transform_box(document.meshes)
         grips = np.concatenate([shown.corners, shown.sides, shown.knob[None], shown.middle[None]])
         drag = view.drag_points("grips", grips[:GRIPS], 0.8)
         if drag.hovered is None:
@@ -238,16 +236,8 @@ class PhotoCanvas:
             line = outline(fine) if closed else fine[-1]  # of a fin, its free edge
             view.line(line, GLASS, 4.0, 0.35 * alpha, closed)
             view.line(line, ink, 2.0, 0.95 * alpha, closed)
-        view.dots(
-            mesh_edit.node_places(meshes, mesh_edit.border_nodes(meshes, self.parts)),
-            INK,
-            2.6,
-            0.95,
-        )
-
-    def _draw_anchor(self, place: Array) -> None:
-        self.view.dots(place, GLASS, 6.5, 0.8)
-        self.view.dots(place, ANCHOR_INK, 5.0)
+        border = mesh_edit.border_nodes(meshes, self.parts)
+        view.dots(mesh_edit.node_places(meshes, border), INK, 2.6, 0.95)
 
     def _draw_box(self, shown: mesh_edit.TransformBox, grip: int | None) -> None:
         view = self.view

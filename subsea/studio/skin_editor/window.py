@@ -409,10 +409,7 @@ def edit_skin(
     mesh: Path | None,
     force: bool = False,
 ) -> int:
-    """Open the skin editor until it is closed; exit code 0.
-
-    Faults of the arguments are one-line UserErrors before the window opens.
-    """
+    """Open the skin editor until it is closed; exit code 0."""
     name = name or DEFAULT_SPECIES
     species, photograph = load_species(name), read_photograph(photo)
     side_view(species.surface)
