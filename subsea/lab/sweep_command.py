@@ -94,7 +94,6 @@ def run(options: Namespace) -> int:
         pool = dask_pool(options.cluster, options.cluster_tls)
     else:
         pool = process_pool(options.jobs or cores())
-    if options.cluster is None:
         warm_up(say)
     with deferred_interrupts() as check:
         table = sweep(

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec import structs
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
@@ -20,7 +21,6 @@ from subsea.base.report_files import Report, ReportFiles
 from subsea.base.system import is_path
 from subsea.dive.start import start_world
 from subsea.fish.measured import (
-    MeasuredRange,
     MeasuredSwimming,
     PostureFacts,
     SwimmingFacts,
@@ -222,40 +222,35 @@ def findings(done: Done, table: MeasuredSwimming) -> list[RangeCheck]:
 def _swimming(
     name: str, found: Swimming, facts: SwimmingFacts, posture: PostureFacts
 ) -> Iterator[RangeCheck]:
-    many = f"{len(found.strouhal)} stretches"
+    row = partial(published, name)
     if facts.gait != "ray":  # its tail does not drive it
-        row = published(name, "Strouhal number", _at(found.strouhal), "", facts.strouhal, many)
-        yield row._replace(high=max(row.high, SLOW_STROUHAL))
-        stride = facts.slow_stride or facts.stride
-        yield published(name, "stride", _at(found.stride), " L", stride)
-        yield published(name, "beat", _at(found.frequency), " Hz", facts.beat)
+        note = f"{len(found.strouhal)} stretches"
+        strouhal = row("Strouhal number", _at(found.strouhal), "", facts.strouhal, note)
+        yield strouhal._replace(high=max(strouhal.high, SLOW_STROUHAL))
+        yield row("stride", _at(found.stride), " L", facts.slow_stride or facts.stride)
+        yield row("beat", _at(found.frequency), " Hz", facts.beat)
         if facts.amplitude:
-            amplitude = _at(found.amplitude)
             measured = facts.slow_amplitude or facts.amplitude
-            yield published(name, "tail amplitude", amplitude, " L", measured)
+            yield row("tail amplitude", _at(found.amplitude), " L", measured)
     if facts.wave == "carangiform":
-        yield published(name, "snout over tail", _at(found.snout_over_tail), "",
-                        posture.snout_over_tail)  # fmt: skip
-        yield published(name, "yaw of the head", _at(found.yaw), "°", posture.yaw)
-        yield published(name, "roll, 90%", _at(found.roll, MOSTLY), "°", posture.roll)
+        yield row("snout over tail", _at(found.snout_over_tail), "", posture.snout_over_tail)
+        yield row("yaw of the head", _at(found.yaw), "°", posture.yaw)
+        yield row("roll, 90%", _at(found.roll, MOSTLY), "°", posture.roll)
         part, whole = found.into
-        yield published(name, "bent into the turn", part / whole if whole else NAN, "",
-                        posture.into_turn, f"{whole:.0f} ticks")  # fmt: skip
-        yield published(name, "acceleration, 99%", _at(found.acceleration, HASTY), " L/s²",
-                        posture.acceleration)  # fmt: skip
-    speeds = MeasuredRange(
+        into, note = part / whole if whole else NAN, f"{whole:.0f} ticks"
+        yield row("bent into the turn", into, "", posture.into_turn, note)
+        pull = _at(found.acceleration, HASTY)
+        yield row("acceleration, 99%", pull, " L/s²", posture.acceleration)
+    speeds = structs.replace(
+        facts.cruise,
         range=(facts.slow.range[0], facts.cruise.range[1]),
-        of=facts.cruise.of,
-        source=facts.cruise.source,
         recalled=facts.slow.recalled or facts.cruise.recalled,
     )
-    yield published(name, "speed, median", _at(found.speed), " L/s", speeds)
-    note = f"{len(found.hasty)} half seconds"
-    yield published(name, "speed in flights and hunts, 99%", _at(found.hasty, HASTY), " L/s",
-                    facts.burst, note)  # fmt: skip
-    quantity = "turning radius at low speed, tightest hundredth"
-    note = f"{len(found.radius)} turns"
-    yield published(name, quantity, _at(found.radius, TIGHTEST), " L", facts.radius, note)
+    yield row("speed, median", _at(found.speed), " L/s", speeds)
+    hasty, note = _at(found.hasty, HASTY), f"{len(found.hasty)} half seconds"
+    yield row("speed in flights and hunts, 99%", hasty, " L/s", facts.burst, note)
+    tightest, note = _at(found.radius, TIGHTEST), f"{len(found.radius)} turns"
+    yield row("turning radius at low speed, tightest hundredth", tightest, " L", facts.radius, note)
     yield _share(name, "ticks pitched over 25°", found.pitched, PITCHED)
     yield _share(name, "change of heading in straight segments", found.straight, STRAIGHT)
     yield _share(name, "time below its slowest stroke", found.idle, IDLE)
@@ -267,29 +262,25 @@ def _swimming(
 def _schooling(
     label: str, schools: Sequence[Schooling], table: MeasuredSwimming
 ) -> Iterator[RangeCheck]:
-    facts = table.schools
-    note = f"{len(schools)} schools"
-    columns = {
-        name: np.array([getattr(one, name) for one in schools], np.float64)
-        for name in ("polarisation", "nearest_bl", "room_bl3", "height_bl")
-    }
-    yield published(
-        label, "polarisation", _at(columns["polarisation"]), "", facts.polarisation, note
+    facts, row = table.schools, partial(published, label)
+    order, near, room, height, ahead = (
+        np.array([getattr(one, name) for one in schools], np.float64)
+        for name in ("polarisation", "nearest_bl", "room_bl3", "height_bl", "ahead_bl")
     )
-    near = columns["nearest_bl"]
-    yield published(label, "nearest neighbour", _at(near), " L", facts.nearest)
-    yield published(label, "room for each fish", _at(columns["room_bl3"]), " L³", facts.room)
-    angle = np.degrees(np.arcsin(np.clip(columns["height_bl"] / near, 0.0, 1.0)))
-    yield published(label, "elevation of the nearest", _at(angle), "°", facts.elevation)
-    lead = _at(np.array([one.ahead_bl for one in schools]))
-    yield RangeCheck(label, "lead of the foremost over the second", lead, " L", 0.0, 1.0, AIM)
+    yield row("polarisation", _at(order), "", facts.polarisation, f"{len(schools)} schools")
+    yield row("nearest neighbour", _at(near), " L", facts.nearest)
+    yield row("room for each fish", _at(room), " L³", facts.room)
+    angle = np.degrees(np.arcsin(np.clip(height / near, 0.0, 1.0)))
+    yield row("elevation of the nearest", _at(angle), "°", facts.elevation)
+    lead = "lead of the foremost over the second"
+    yield RangeCheck(label, lead, _at(ahead), " L", 0.0, 1.0, AIM)
     for name, all_parts in (
         ("longest split", [one.split_s for one in schools]),
         ("longest split without alarm", [one.calm_split_s for one in schools]),
     ):
         parts = np.concatenate(all_parts)
         longest = float(parts.max()) if len(parts) else 0.0
-        yield published(label, name, longest, " s", facts.split, f"{len(parts)} splits")
+        yield row(name, longest, " s", facts.split, f"{len(parts)} splits")
 
 
 def _hunting(found: Summary, table: MeasuredSwimming) -> Iterator[RangeCheck]:
@@ -300,15 +291,13 @@ def _hunting(found: Summary, table: MeasuredSwimming) -> Iterator[RangeCheck]:
         yield RangeCheck("predators", f"captures per attack on {size}", rates[size], note=note)
     if rates:
         most = rates[max(rates)] / rates[min(rates)] if rates[min(rates)] else NAN
-        sizes = f"{max(rates)} over {min(rates)}"
-        yield published("predators", f"captures per attack on {sizes}", most, "",
-                        table.predation.confusion)  # fmt: skip
+        name = f"captures per attack on {max(rates)} over {min(rates)}"
+        yield published("predators", name, most, "", table.predation.confusion)
+    name = "catches of a predator in 3 min"
     for label, catches in found.catches.items():
-        yield RangeCheck(label, "catches of a predator in 3 min, mean", float(np.mean(catches)),
-                         "", *CATCHES, AIM, f"{len(catches)} predators")  # fmt: skip
-        yield published(
-            label, "catches of a predator in 3 min, most", max(catches), "", table.predation.catches
-        )
+        mean, note = float(np.mean(catches)), f"{len(catches)} predators"
+        yield RangeCheck(label, f"{name}, mean", mean, "", *CATCHES, AIM, note)
+        yield published(label, f"{name}, most", max(catches), "", table.predation.catches)
 
 
 def _bounds(done: Done) -> Iterator[RangeCheck]:

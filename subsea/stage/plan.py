@@ -63,7 +63,7 @@ def write_theatre(
     for path in meshes:
         check_free(path, wanted.force)
     options = " ".join(
-        f"{one.option} {measures[one.name]:g}" for one in MEASURES if one.name in measures
+        f"--{one.name} {measures[one.name]:g}" for one in MEASURES if one.name in measures
     )
     command = f"subsea theatre --new {kind} {options}{' --computers' * wanted.computers}"
     size = int(measures["across"]), int(measures["down"])

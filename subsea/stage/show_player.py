@@ -100,7 +100,7 @@ class ShowStore:
         """Save a state, unless the last one is still being written."""
         if self._writing is not None and not self._writing.done():
             return
-        self._report()
+        self.close()
         saved = SavedShow(show=self._show, progress=progress, shown=shown, sea=sea())
         data = msgspec.msgpack.encode(saved)
         self._writing = self._pool.submit(write_whole, self._path, data)
@@ -111,10 +111,7 @@ class ShowStore:
             self._path.unlink()
 
     def close(self) -> None:
-        """Wait until the state is written."""
-        self._report()
-
-    def _report(self) -> None:
+        """Wait until the state is written, and report a fault."""
         if self._writing is not None and (fault := self._writing.exception()):
             self._tell_full(f"{fault}; after a power cut the show would begin earlier")
 

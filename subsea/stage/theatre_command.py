@@ -44,7 +44,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--out", metavar="FILE", type=Path, help="file of the new theatre")
     for one in MEASURES:
-        parser.add_argument(one.option, metavar="N", type=one.reader, help=one.text)
+        parser.add_argument(f"--{one.name}", metavar="N", type=one.reader, help=one.text)
     parser.add_argument(
         "--computers", action="store_true", help="one computer for each projector of a new theatre"
     )

@@ -3,6 +3,7 @@
 `static_checks` read the numbers; `swim_checks` judge a test swim with the fish's own controllers.
 """
 
+from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
@@ -133,7 +134,7 @@ def _rings(body: BodyPlan, surface: SurfacePlan) -> FishFinding:
     )
 
 
-def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
+def _buoyancy(body: BodyPlan, water: float) -> Iterator[FishFinding]:
     share = body.mass / water
     dense = body.mass / body.hull_volume
     masses = f"{body.mass:.0f} g on the nodes, {water:.0f} g of water displaced"
@@ -142,32 +143,25 @@ def _buoyancy(body: BodyPlan, water: float) -> list[FishFinding]:
     remedy = "Neutral, in tab Body, sets its masses."
     near = abs(share - 1.0) <= NEUTRAL
     way = "light: it would rise" if share < 1.0 else "heavy: it would sink"
-    findings = [
-        judge(
-            AFLOAT[0] <= share <= AFLOAT[1],
-            f"About neutrally buoyant: {masses}." if near else f"It is {off}: {masses}. {remedy}",
-            f"Too {way}. There are {masses}; {remedy}",
-        )
-    ]
+    yield judge(
+        AFLOAT[0] <= share <= AFLOAT[1],
+        f"About neutrally buoyant: {masses}." if near else f"It is {off}: {masses}. {remedy}",
+        f"Too {way}. There are {masses}; {remedy}",
+    )
     low, high = DENSITIES
     if dense < 1.5 * low or dense > high / 1.5:
-        findings.append(
-            _warning(
-                f"{dense:.1f} g for each cm³ between the nodes is near the limit of "
-                f"{low:g} to {high:g}."
-            )
+        limits = f"{low:g} to {high:g}"
+        yield _warning(
+            f"{dense:.1f} g for each cm³ between the nodes is near the limit of {limits}."
         )
     heart = float(np.average(body.stations, weights=np.multiply(body.masses, NODES_AT_STATION)))
     behind = round((heart - body.stations[2]) / body.length, 2) + 0.0  # no -0.00
     if behind < REAR:
-        findings.append(
-            _warning(
-                "Its weight lies too far forward: the fins push on ring 2, and the centre of mass "
-                f"should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
-                "Move mass to ring 3."
-            )
+        yield _warning(
+            "Its weight lies too far forward: the fins push on ring 2, and the centre of mass "
+            f"should lie {REAR:g} lengths behind it or more (now {behind:.2f}). "
+            "Move mass to ring 3."
         )
-    return findings
 
 
 def _material(body: Body, light: bool, unstable: bool) -> FishFinding:
@@ -232,36 +226,30 @@ def try_swimming(muscles: Muscles) -> SwimTrial:
 
 def swim_checks(swim: SwimTrial) -> list[FishFinding]:
     """Judge a test swim."""
+    return list(_swim_findings(swim))
+
+
+def _swim_findings(swim: SwimTrial) -> Iterator[FishFinding]:
     low, high = STRAIN_LIMITS
     if swim.motion is None:
-        return [
-            _fault(
-                f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its length at "
-                f"rest. {swim.advice['']}"
-            )
-        ]
-    findings = [
-        _good(
-            "It keeps its shape in fast swimming: units keep within "
-            f"{swim.strain[0]:.2f} to {swim.strain[1]:.2f} of their length."
-        ),
-        *motion_findings(swim.motion, swim.advice),
-    ]
+        yield _fault(
+            f"It loses its shape: {swim.worst} leaves {low:g} to {high:g} of its length at "
+            f"rest. {swim.advice['']}"
+        )
+        return
+    least, most = swim.strain
+    within = f"{least:.2f} to {most:.2f} of their length"
+    yield _good(f"It keeps its shape in fast swimming: units keep within {within}.")
+    yield from motion_findings(swim.motion, swim.advice)
     if not SWEEP[0] <= round(swim.sweep, 2) <= SWEEP[1]:
         much = "little" if swim.sweep < SWEEP[0] else "far"
-        findings.append(
-            _warning(
-                f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; fishes' sweep about 0.2."
-            )
-        )
+        usual = "fishes' sweep about 0.2"
+        yield _warning(f"Its tail sweeps {much}: {swim.sweep:.2f} body lengths; {usual}.")
     if swim.step_cm > S_MAX * 1.01:
-        findings.append(
-            _warning(
-                f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the {S_MAX:g} "
-                "cm that muscles can. Contract less, or take more ticks a beat."
-            )
+        yield _warning(
+            f"Its muscles contract by {swim.step_cm:.3f} cm a step, faster than the {S_MAX:g} "
+            "cm that muscles can. Contract less, or take more ticks a beat."
         )
-    return findings
 
 
 def _remedy(muscles: Muscles, grade: str) -> str:

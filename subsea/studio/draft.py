@@ -95,16 +95,14 @@ def with_values(draft: SpeciesDraft, values: dict[KeyPath, Any]) -> SpeciesDraft
     content = draft.content
     for path, value in values.items():
         content = _replaced(content, path, value)
-    try:
-        species = convert(content, Species)
-    except UserError as fault:
-        if not isinstance(draft.species, UnstableSpecies):
-            raise EditError(str(fault)) from None
+    kinds: set[type[Species]] = {Species, type(draft.species)}
+    reason = ""
+    for kind in sorted(kinds, key=lambda kind: kind is not Species):
         try:
-            species = convert(content, UnstableSpecies)
-        except UserError as worse:
-            raise EditError(str(worse)) from None
-    return replace(draft, content=content, species=species)
+            return replace(draft, content=content, species=convert(content, kind))
+        except UserError as fault:
+            reason = str(fault)
+    raise EditError(reason)
 
 
 def _replaced(here: Any, path: KeyPath, value: Any) -> Any:

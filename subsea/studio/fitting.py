@@ -376,12 +376,11 @@ def fin_errors(meshes: FishMeshes, plan: SurfacePlan) -> dict[str, float]:
     for name, fin in meshes.fins.items():
         one = rest.fins[name]
         opposite = len(rest.body) - 1 - fin.row
-        begins = (
-            fin.root_weights @ rest.body[opposite],
-            fin.root_weights @ meshes.body.nodes[opposite],
+        usual, begin = (
+            fin.root_weights @ body[opposite] for body in (rest.body, meshes.body.nodes)
         )
-        own, own_whole = _distances(begins[0], one.root), _distances(begins[0], one.edge)
-        here, whole = (_distances(begins[1], row) for row in fin.mesh.nodes)
+        own, own_whole = _distances(usual, one.root), _distances(usual, one.edge)
+        here, whole = (_distances(begin, row) for row in fin.mesh.nodes)
         off = np.abs(here - own / own_whole * whole)
         if one.shows.any():
             found[name] = float(off[one.shows].mean() / meshes.length)

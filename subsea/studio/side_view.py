@@ -117,12 +117,8 @@ def centred_matrix(width: float, height: float, plan: surface.SurfacePlan) -> Ar
     low, high = every.min(axis=0), every.max(axis=0)
     length = 0.8 * min(width / (high - low)[0], height / (high - low)[1])
     middle = (low + high) / 2
-    return np.array(
-        [
-            [length, 0.0, width / 2 - length * middle[0]],
-            [0.0, -length, height / 2 + length * middle[1]],
-        ]
-    )
+    across, down = width / 2 - length * middle[0], height / 2 + length * middle[1]
+    return np.array([[length, 0.0, across], [0.0, -length, down]])
 
 
 def subdivide(nodes: Array, times: int = FINER) -> Array:

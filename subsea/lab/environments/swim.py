@@ -143,10 +143,8 @@ class SwimVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.num_envs = num_envs
         self._school = SwimSchool(num_envs, Exercise(species, task, reward, frame_skip), threads)
         self._limit = np.inf if max_episode_steps is None else max_episode_steps
-        self.single_action_space, self.action_space = (
-            ACTION_SPACE,
-            batch_space(ACTION_SPACE, num_envs),
-        )
+        self.single_action_space = ACTION_SPACE
+        self.action_space = batch_space(ACTION_SPACE, num_envs)
         self.single_observation_space = OBSERVATION_SPACE
         self.observation_space = batch_space(OBSERVATION_SPACE, num_envs)
         self._all = np.arange(num_envs)

@@ -55,41 +55,23 @@ PROFILES = {
         {"primary": "input/x/click", "secondary": "input/y/click", "menu": "input/menu/click"},
         {"primary": "input/a/click", "secondary": "input/b/click"},
     ),
-    "valve/index_controller": Profile(
-        WITH_STICK
-        | {
-            "primary": "input/a/click",
-            "secondary": "input/b/click",
-            "menu": "input/thumbstick/click",  # the system has its only other button
-        }
-    ),
-    "htc/vive_controller": Profile(
-        WITH_STICK
-        | {
-            "stick": "input/trackpad",
-            "squeeze": "input/squeeze/click",
-            "primary": "input/trackpad/click",
-            "menu": "input/menu/click",
-        }
-    ),
-    "microsoft/motion_controller": Profile(
-        WITH_STICK
-        | {
-            "squeeze": "input/squeeze/click",
-            "primary": "input/trackpad/click",
-            "secondary": "input/thumbstick/click",
-            "menu": "input/menu/click",
-        }
-    ),
-    "ext/hand_interaction_ext": Profile(
-        {
-            "aim": "input/aim/pose",
-            "trigger": "input/pinch_ext/value",
-            "squeeze": "input/grasp_ext/value",
-        },
-        extension=HAND_INTERACTION,
-    ),
-}
+    "valve/index_controller": Profile(WITH_STICK | {
+        "primary": "input/a/click", "secondary": "input/b/click",
+        "menu": "input/thumbstick/click",  # the system has its only other button
+    }),
+    "htc/vive_controller": Profile(WITH_STICK | {
+        "stick": "input/trackpad", "squeeze": "input/squeeze/click",
+        "primary": "input/trackpad/click", "menu": "input/menu/click",
+    }),
+    "microsoft/motion_controller": Profile(WITH_STICK | {
+        "squeeze": "input/squeeze/click", "primary": "input/trackpad/click",
+        "secondary": "input/thumbstick/click", "menu": "input/menu/click",
+    }),
+    "ext/hand_interaction_ext": Profile({
+        "aim": "input/aim/pose", "trigger": "input/pinch_ext/value",
+        "squeeze": "input/grasp_ext/value",
+    }, extension=HAND_INTERACTION),
+}  # fmt: skip
 
 
 class HeadsetLostError(LostDisplayError):

@@ -188,11 +188,7 @@ def _mpcdi_channel(
     number = names.index(shown)
     place = 0, 0, *theatre.window[number].size
     if region.frustum is not None:
-        turn, edges = region.frustum[:3], region.frustum[3:]
-        view = theatre_file.Angles(
-            heading_deg=turn[0], pitch_deg=turn[1], roll_deg=turn[2],
-            left_deg=edges[0], right_deg=edges[1], down_deg=edges[2], up_deg=edges[3],
-        )  # fmt: skip
+        view = theatre_file.Angles(**region.frustum._asdict())
         if (far := _screen_distance(theatre, archive)) is not None:
             view = msgspec.structs.replace(view, distance_cm=far)
         lit = theatre_file.ScreenTable(angles=view, gamma=archive.gamma, black=archive.black)

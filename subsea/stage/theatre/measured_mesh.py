@@ -22,7 +22,7 @@ from subsea.view.rig import Warp
 class ViewAngles(NamedTuple):
     """Direction and field of a view, in degrees."""
 
-    yaw_deg: float  # to the right
+    heading_deg: float  # to the right
     pitch_deg: float  # then up
     roll_deg: float  # then clockwise
     left_deg: float  # usually negative, as down is
@@ -33,10 +33,8 @@ class ViewAngles(NamedTuple):
 
 def angles_of(view: ViewAngles, distance_cm: float = 300.0) -> Angles:
     """The table `angles` of a view; a UserError names the key that is out of range."""
-    yaw, pitch, roll, left, right, down, up = (round(float(angle), 5) + 0.0 for angle in view)
-    turns = {"heading_deg": yaw, "pitch_deg": pitch, "roll_deg": roll}
-    edges = {"left_deg": left, "right_deg": right, "down_deg": down, "up_deg": up}
-    return convert(turns | edges | {"distance_cm": float(distance_cm)}, Angles)
+    angles = {key: round(float(angle), 5) + 0.0 for key, angle in view._asdict().items()}
+    return convert(angles | {"distance_cm": float(distance_cm)}, Angles)
 
 
 def flipped(vectors: Array) -> Array:

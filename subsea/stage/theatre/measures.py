@@ -25,88 +25,47 @@ class RoomMeasure(NamedTuple):
     reader: NumberReader
     defaults: Mapping[str, float]
 
-    @property
-    def option(self) -> str:
-        """The option of the command line."""
-        return f"--{self.name}"
-
 
 _whole, _real = partial(number_reader, int), partial(number_reader, float)
 LENGTH = _real(10, 10_000)
 MEASURES = (
-    RoomMeasure(
-        "projectors",
-        "number of projectors",
-        _whole(1, 32),
-        {"wall": 3, "curved": 3, "dome": 6, "cave": 3},
-    ),
-    RoomMeasure(
-        "across",
-        "width of a projector's picture in pixels",
-        _whole(320, 16384),
-        dict.fromkeys(KINDS, 1920),
-    ),
-    RoomMeasure(
-        "down",
-        "height of a projector's picture in pixels",
-        _whole(240, 16384),
-        dict.fromkeys(KINDS, 1080),
-    ),
-    RoomMeasure(
-        "overlap",
-        "overlap of neighbours, percent of a picture",
-        _real(2, 40),
-        {"wall": 15, "curved": 15, "dome": 10},
-    ),
+    RoomMeasure("projectors", "number of projectors", _whole(1, 32),
+                {"wall": 3, "curved": 3, "dome": 6, "cave": 3}),
+    RoomMeasure("across", "width of a projector's picture in pixels", _whole(320, 16384),
+                dict.fromkeys(KINDS, 1920)),
+    RoomMeasure("down", "height of a projector's picture in pixels", _whole(240, 16384),
+                dict.fromkeys(KINDS, 1080)),
+    RoomMeasure("overlap", "overlap of neighbours, percent of a picture", _real(2, 40),
+                {"wall": 15, "curved": 15, "dome": 10}),
     RoomMeasure("width", "width of the screen in cm", LENGTH, {"wall": 600, "cave": 250}),
     RoomMeasure("height", "height of the screen in cm", LENGTH, {"curved": 140, "cave": 250}),
-    RoomMeasure(
-        "radius", "radius of the screen in cm", LENGTH, {"curved": 275, "dome": 400, "mirror": 300}
-    ),
-    RoomMeasure(
-        "angle",
-        "angle of the screen from left to right in degrees",
-        _real(30, 300),
-        {"curved": 120},
-    ),
+    RoomMeasure("radius", "radius of the screen in cm", LENGTH,
+                {"curved": 275, "dome": 400, "mirror": 300}),
+    RoomMeasure("angle", "angle of the screen from left to right in degrees", _real(30, 300),
+                {"curved": 120}),
     RoomMeasure("distance", "distance of the best seat from the wall in cm", LENGTH, {"wall": 400}),
-    RoomMeasure(
-        "bottom",
-        "height of the screen's lower edge above the floor in cm",
-        _real(0, 10_000),
-        {"wall": 60, "curved": 50},
-    ),
-    RoomMeasure(
-        "eye",
-        "height of the audience's eyes above the floor in cm",
-        _real(30, 1000),
-        dict.fromkeys(KINDS, 120),
-    ),
-    RoomMeasure(
-        "tilt", "tilt of the dome to the front in degrees", _real(0, 60), {"dome": 0, "mirror": 0}
-    ),
+    RoomMeasure("bottom", "height of the screen's lower edge above the floor in cm",
+                _real(0, 10_000), {"wall": 60, "curved": 50}),
+    RoomMeasure("eye", "height of the audience's eyes above the floor in cm", _real(30, 1000),
+                dict.fromkeys(KINDS, 120)),
+    RoomMeasure("tilt", "tilt of the dome to the front in degrees", _real(0, 60),
+                {"dome": 0, "mirror": 0}),
     RoomMeasure("mirror", "radius of the mirror's sphere in cm", _real(5, 500), {"mirror": 30}),
-    RoomMeasure(
-        "throw",
-        "throw ratio of the lenses, distance over width; 0: one that fits",
-        _real(0, 20),
-        {"wall": 1.2, "curved": 0, "dome": 0, "mirror": 1.5},
-    ),
-)
+    RoomMeasure("throw", "throw ratio of the lenses, distance over width; 0: one that fits",
+                _real(0, 20), {"wall": 1.2, "curved": 0, "dome": 0, "mirror": 1.5}),
+)  # fmt: skip
 
 
 def chosen(kind: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """The measures of a kind: those given, else the defaults; UserError for a foreign one."""
     if kind not in KINDS:
         raise unknown("kind of theatre", kind, list(KINDS))
-    for question in MEASURES:
-        if given.get(question.name) is not None and kind not in question.defaults:
-            fitting = ", ".join(measure.option for measure in MEASURES if kind in measure.defaults)
-            raise UserError(f"{question.option} is not for a {kind}, expected {fitting}")
-    measures = {
-        measure.name: measure.defaults[kind] for measure in MEASURES if kind in measure.defaults
-    }
-    return measures | {name: value for name, value in given.items() if value is not None}
+    fitting = {measure.name: measure for measure in MEASURES if kind in measure.defaults}
+    values = {name: value for name, value in given.items() if value is not None}
+    if foreign := [name for name in values if name not in fitting]:
+        options = ", ".join(f"--{name}" for name in fitting)
+        raise UserError(f"--{foreign[0]} is not for a {kind}, expected {options}")
+    return {name: measure.defaults[kind] for name, measure in fitting.items()} | values
 
 
 def ask(

@@ -116,14 +116,9 @@ def points_on(screen: Screen, places: Array) -> Array:
     if isinstance(screen, Flat):
         return np.asarray(screen.corner + s[:, None] * screen.along + t[:, None] * screen.up)
     angle = screen.left + s * (screen.right - screen.left)
-    return np.stack(
-        [
-            screen.axis[0] + screen.radius * np.sin(angle),
-            screen.bottom + t * (screen.top - screen.bottom),
-            screen.axis[1] + screen.radius * np.cos(angle),
-        ],
-        axis=1,
-    )
+    x = screen.axis[0] + screen.radius * np.sin(angle)
+    y = screen.bottom + t * (screen.top - screen.bottom)
+    return np.column_stack([x, y, screen.axis[1] + screen.radius * np.cos(angle)])
 
 
 def places_on(screen: Screen, rays: Array) -> Array:
@@ -131,16 +126,11 @@ def places_on(screen: Screen, rays: Array) -> Array:
     rays = np.asarray(rays, np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         if isinstance(screen, Flat):
-            normal = np.cross(screen.along, screen.up)
-            reach = (screen.corner @ normal) / (rays @ normal)
-            met = np.where(reach > 0.0, reach, np.nan)[:, None] * rays - screen.corner
-            return np.stack(
-                [
-                    met @ screen.along / (screen.along @ screen.along),
-                    met @ screen.up / (screen.up @ screen.up),
-                ],
-                axis=1,
-            )
+            corner, along, up = screen
+            normal = np.cross(along, up)
+            reach = (corner @ normal) / (rays @ normal)
+            met = np.where(reach > 0.0, reach, np.nan)[:, None] * rays - corner
+            return np.column_stack([met @ along / (along @ along), met @ up / (up @ up)])
         x, z = rays[:, 0], rays[:, 2]
         a, b = x**2 + z**2, x * screen.axis[0] + z * screen.axis[1]
         c = screen.axis[0] ** 2 + screen.axis[1] ** 2 - screen.radius**2
@@ -149,13 +139,8 @@ def places_on(screen: Screen, rays: Array) -> Array:
         angle = np.arctan2(met[:, 0] - screen.axis[0], met[:, 2] - screen.axis[1])
         middle = (screen.left + screen.right) / 2.0
         angle = middle + np.remainder(angle - middle + np.pi, 2.0 * np.pi) - np.pi
-        return np.stack(
-            [
-                (angle - screen.left) / (screen.right - screen.left),
-                (met[:, 1] - screen.bottom) / (screen.top - screen.bottom),
-            ],
-            axis=1,
-        )
+        s = (angle - screen.left) / (screen.right - screen.left)
+        return np.column_stack([s, (met[:, 1] - screen.bottom) / (screen.top - screen.bottom)])
 
 
 def distance_to(screen: Screen) -> float:

@@ -520,7 +520,7 @@ def float_map(path: Path, textured: bool) -> MeasuredMesh:
 
 def mesh_view(view: ViewAngles, eye_m: Array) -> dict[str, Any]:
     """The screen of the view that a mesh bends, which replaces the viewport's own."""
-    turn = turns(1, -view.yaw_deg) @ turns(0, view.pitch_deg) @ turns(2, -view.roll_deg)
+    turn = turns(1, -view.heading_deg) @ turns(0, view.pitch_deg) @ turns(2, -view.roll_deg)
     edges = view.left_deg, view.right_deg, view.down_deg, view.up_deg
     return flat_view(turn, edges, PLANAR_M, np.zeros(3), eye_m)
 

@@ -347,18 +347,15 @@ class SkinEditor:
                 if imgui.selectable(name.replace("_", " "), name == document.name)[0]:
                     defer(lambda name=name: self.choose(name))  # type: ignore[misc]
             imgui.end_combo()
-        if button("Place", not self.searching):
-            defer(self.find)
-        imgui.set_item_tooltip("Find the fish, and lay the mesh over it.")
-        imgui.same_line()
-        if imgui.button("Reset"):
-            defer(self.reset)
-        imgui.set_item_tooltip("Lay the mesh across the picture in its own shape.")
-        imgui.same_line()
-        if imgui.button("Flip"):
-            defer(document.flip)
-        imgui.set_item_tooltip("The fish heads the other way.")
-        imgui.same_line()
+        for label, enabled, act, tip in (
+            ("Place", not self.searching, self.find, "Find the fish, and lay the mesh over it."),
+            ("Reset", True, self.reset, "Lay the mesh across the picture in its own shape."),
+            ("Flip", True, document.flip, "The fish heads the other way."),
+        ):
+            if button(label, enabled):
+                defer(act)
+            imgui.set_item_tooltip(tip)
+            imgui.same_line()
         if imgui.button("Stop###relax" if document.relaxing else "Relax###relax"):
             document.relax(not document.relaxing)
         imgui.set_item_tooltip("Let the mesh snap to the edges, and come to rest.")
