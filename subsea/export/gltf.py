@@ -273,11 +273,6 @@ def animation(name: str, tracks: Sequence[KeyTrack], outputs: Sequence[int], ext
     }
 
 
-def add_times(buffer: glb.GlbBuffer, times: Array) -> int:
-    """Add the times (T,) of keys, seconds."""
-    return buffer.add(times.astype(np.float32))
-
-
 def gltf_files(folder: Path, name: str) -> list[Path]:
     """Return the file that `write_gltf` writes."""
     return [folder / f"{name}.glb"]
@@ -377,7 +372,7 @@ def _root_tracks(clip: Clip, root: int, baked: bool, times: int) -> list[KeyTrac
 
 
 def _times(buffer: glb.GlbBuffer, clip: Clip) -> int:
-    return add_times(buffer, np.arange(len(clip.points)) / clip.fps)
+    return buffer.add((np.arange(len(clip.points)) / clip.fps).astype(np.float32))
 
 
 def _animate(file: GltfFile, clip: Clip, tracks: list[KeyTrack]) -> None:

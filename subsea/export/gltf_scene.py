@@ -16,7 +16,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import GLTF, PICTURE, check_result
 from subsea.base.files import replacing
-from subsea.export import MESHOPT, PLAIN, QUANTISED, gltf
+from subsea.export import MESHOPT, PLAIN, QUANTISED, gltf, vat
 from subsea.export.conventions import (
     METRES,
     WORLD_Y_UP,
@@ -29,14 +29,6 @@ from subsea.export.glb import INDICES, VERTICES, Packing, PositionGrid, Stored, 
 from subsea.export.options import SceneOptions, check_options
 from subsea.export.scene import Scene, SceneExtent, SceneFish, SceneMesh, SceneWriter
 from subsea.export.skinning import fit_skeleton, follow, off_percent
-from subsea.export.vat import (
-    REMAP,
-    animation_track,
-    encode_points,
-    png16,
-    remap_info,
-    texel_coordinates,
-)
 from subsea.geometry.rotation import from_matrix
 
 SAMPLES = 120  # frames of a species that its skeleton is fitted to
@@ -70,7 +62,7 @@ class SceneFile(gltf.GltfFile):
         """Return the accessor of the times of frames."""
         if (first, last) not in self._times:
             seconds = np.arange(first, last + 1) / self.scene.fps
-            self._times[first, last] = gltf.add_times(self.buffer, seconds)
+            self._times[first, last] = self.buffer.add(seconds.astype(np.float32))
         return self._times[first, last]
 
     def move(self, *tracks: gltf.KeyTrack) -> None:
@@ -103,7 +95,7 @@ class SceneFile(gltf.GltfFile):
         if fish.last < self.scene.frames - 1:
             keys[fish.last + 0.5] = 0.0
         if len(keys) > 1:
-            times = gltf.add_times(self.buffer, np.array(list(keys)) / self.scene.fps)
+            times = self.buffer.add((np.array(list(keys)) / self.scene.fps).astype(np.float32))
             sizes = np.repeat(np.array(list(keys.values()), np.float32)[:, None], 3, axis=1)
             yield gltf.KeyTrack(number, "scale", Stored(sizes), times, steps=True)
 
@@ -140,7 +132,8 @@ class SceneFile(gltf.GltfFile):
         seconds = np.insert(frames / fps, cuts, cuts / fps - min(CUT_S, 0.1 / fps))
         places = to_metres(camera.position[shown], WORLD_Y_UP)
         turns = world_rotations(camera.rotation[shown])
-        self.move(*gltf.path_tracks(number, places, turns, gltf.add_times(self.buffer, seconds)))
+        times = self.buffer.add(seconds.astype(np.float32))
+        self.move(*gltf.path_tracks(number, places, turns, times))
 
     def add_statics(self, instancing: bool) -> None:
         """Add what stands still, copies of a mesh as nodes or as instances of one node."""
@@ -320,7 +313,7 @@ def _check(out: Path, options: SceneOptions) -> None:
     check_result(out, GLTF, options.force)
     if options.vat:
         for path in sorted(_textures(out).glob("*")):
-            check_result(path, PICTURE if path.suffix == ".png" else REMAP, options.force)
+            check_result(path, PICTURE if path.suffix == ".png" else vat.REMAP, options.force)
 
 
 def _estimate(extent: SceneExtent, options: SceneOptions) -> int:
@@ -413,9 +406,9 @@ def _add_textured(file: SceneFile, folder: Path) -> dict[Path, bytes]:
         model = scene.models[number]
         shapes = [part for column in columns for part in scene.parts(column)]
         points, normals = (np.concatenate([part[k] for part in shapes]) for k in (1, 2))
-        texture = encode_points(model, points, normals)
+        texture = vat.encode_points(model, points, normals)
         grid = file.buffer.packing.grid(to_metres(model.rest, Y_UP))
-        texels = texel_coordinates(len(model.rest), len(texture.texels)).astype(np.float32)
+        texels = vat.texel_coordinates(len(model.rest), len(texture.texels)).astype(np.float32)
         attributes = gltf.add_vertices(file.buffer, model, grid)
         attributes["TEXCOORD_1"] = file.buffer.add(texels, VERTICES)
         row = 0
@@ -431,11 +424,11 @@ def _add_textured(file: SceneFile, folder: Path) -> dict[Path, bytes]:
                 "lastFrame": fish.last,
             }
             count = fish.last - fish.first + 1
-            tracks[fish.name] = animation_track(row, count, scene.fps, False)
+            tracks[fish.name] = vat.animation_track(row, count, scene.fps, False)
             row += count
-        files[folder / f"{name}_vat.png"] = png16(texture.texels)
+        files[folder / f"{name}_vat.png"] = vat.png16(texture.texels)
         extras = {"framesPerSecond": scene.fps, "copyright": copyright_line([model.name])}
-        files[folder / f"{name}-remap_info.json"] = remap_info(texture, tracks, extras)
+        files[folder / f"{name}-remap_info.json"] = vat.remap_info(texture, tracks, extras)
     return files
 
 

@@ -251,24 +251,17 @@ def _caught(captures: Measured) -> list[str]:
     parts = []
     for name in ("prey_in_company", "prey_alone"):
         rate = captures[name]["caught_per_1000_fish_s"]
-        words = name.replace("_", " ")
-        parts.append(
-            f"{words} {captures[name]['caught']}"
-            + (f" ({rate:.2f} in 1000 fish-seconds)" if rate is not None else "")
-        )
+        words = f"{name.replace('_', ' ')} {captures[name]['caught']}"
+        parts.append(words if rate is None else f"{words} ({rate:.2f} in 1000 fish-seconds)")
     return [_line("eaten or landed", f"{captures['lost']}: " + ", ".join(parts))]
 
 
 def _mated(mating: Measured) -> list[str]:
     if not mating["courtships"]:
         return [_line("courtships", "none")]
-    lines = [
-        _line(
-            "courtships",
-            f"{mating['courtships']}, {mating['complete']} complete, "
-            f"{mating['rejected']} rejected ({mating['rejected_and_turned_away']} turned away)",
-        )
-    ]
+    rejected = f"{mating['rejected']} rejected ({mating['rejected_and_turned_away']} turned away)"
+    counts = f"{mating['courtships']}, {mating['complete']} complete, {rejected}"
+    lines = [_line("courtships", counts)]
     for one in mating["each"][:12]:
         partner = one["partner"] if one["partner"] >= 0 else "nobody"
         lines.append(

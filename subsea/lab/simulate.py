@@ -210,10 +210,8 @@ def _extent(ticks: int, fishes: int) -> str:
 
 def _empty_block(length: int, n: int) -> Rows:
     """Make empty arrays for `length` ticks of `n` fishes."""
-    sizes = {name: size for name, (_, size) in record.DIMENSIONS.items()} | {
-        "time": length,
-        "fish": n,
-    }
+    sizes = {name: size for name, (_, size) in record.DIMENSIONS.items()}
+    sizes |= {"time": length, "fish": n}
     return {
         name: np.zeros([sizes[k] or 0 for k in field.dimensions], field.type)
         for name, field in record.FIELDS.items()

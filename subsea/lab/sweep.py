@@ -54,16 +54,12 @@ def _converted(texts: list[Any]) -> list[Any]:
     for text in texts:
         with suppress(ValueError, RecursionError):
             values.append(tomllib.loads(f"value = {text}")["value"])
-    if len(values) == len(texts):
-        if len({isinstance(value, bool) for value in values}) == 1 and all(
-            isinstance(value, int) and abs(value) < 2**63 for value in values
-        ):
-            return values
-        if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-            return [float(value) for value in values]
-        if all(isinstance(value, str) for value in values):
-            return values
-    return texts
+    kinds = {type(value) for value in values}
+    if len(values) < len(texts) or not (kinds <= {int, float} or kinds in ({bool}, {str})):
+        return texts
+    if float in kinds or (int in kinds and max(map(abs, values)) >= 2**63):
+        return [float(value) for value in values]
+    return values
 
 
 def write_parquet(path: Path, lines: Sequence[Line]) -> None:

@@ -29,9 +29,8 @@ from subsea.fish.measured import (
 )
 from subsea.fish.species import load_species, shipped_species
 from subsea.jobs.workers import Check, Pool
-from subsea.lab import measures as predation
-from subsea.lab import schooling, swimming
-from subsea.lab.measures import Outside, Predation, outside
+from subsea.lab import measures, schooling, swimming
+from subsea.lab.measures import Outside, Predation
 from subsea.lab.schooling import BEARINGS, Schooling
 from subsea.lab.simulate import live_records
 from subsea.lab.swimming import Counts, Swimming, joined
@@ -134,10 +133,10 @@ def run_sea(trial: SeaTrial) -> SeaMeasures:
         for name, found in swimming.swimming(record, slowest).items():
             swims.setdefault(keys.get(name, name), []).append(found)
         schools += schooling.schooling(record)
-        beyond += outside(record)
-        hunts.append(predation.predation(record))
+        beyond += measures.outside(record)
+        hunts.append(measures.predation(record))
     thinned = {name: _thinned(swimming.joined(parts)) for name, parts in swims.items()}
-    return SeaMeasures(thinned, schooling.joined(schools), beyond, predation.joined(hunts))
+    return SeaMeasures(thinned, schooling.joined(schools), beyond, measures.joined(hunts))
 
 
 def slowest_strokes(world: World) -> Array:
@@ -187,18 +186,17 @@ def summarise(done: Done) -> Summary:
     """Join the measures of all trials."""
     swims: dict[str, list[Swimming]] = {}
     found = Summary({}, {}, {}, {})
-    for trial, measures in done:
+    for trial, (swim, schools, _, hunt) in done:
         if trial.hunt:
             attacks, captures = found.hunts.get(trial.size, (0, 0))
-            hunt = measures.predation
             found.hunts[trial.size] = attacks + hunt.attacks, captures + hunt.captures
             continue
-        for name, one in measures.swims.items():
+        for name, one in swim.items():
             swims.setdefault(name, []).append(one)
-        if measures.schools:
-            found.schools.setdefault(trial.label, []).extend(measures.schools)
-        if measures.predation.catches:
-            found.catches.setdefault(trial.label, []).extend(measures.predation.rates())
+        if schools:
+            found.schools.setdefault(trial.label, []).extend(schools)
+        if hunt.catches:
+            found.catches.setdefault(trial.label, []).extend(hunt.rates())
     found.swims.update({name: joined(swims[name]) for name in sorted(swims)})
     return found
 

@@ -10,15 +10,7 @@ from gymnasium.spaces import Box
 from subsea.base.arrays import Array, Bytes, Ints
 from subsea.base.errors import UserError, unknown
 from subsea.geometry.rotation import x_axis
-from subsea.lab.environments.living_sea import (
-    ACTIONS,
-    NAMES,
-    RENDER_MODES,
-    LivingSea,
-    checked_action,
-    sea_options,
-    senses,
-)
+from subsea.lab.environments import living_sea
 from subsea.lab.environments.rewards import Reward, escape_reward, forage_reward
 from subsea.scenario.shoals import find_fish
 from subsea.state import PREDATOR, PREY
@@ -37,7 +29,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
     default_reward: Reward
     wanted: str  # fishes that may be steered, for messages
 
-    metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012 as in the base
+    metadata: dict[str, Any] = {"render_modes": living_sea.RENDER_MODES}  # noqa: RUF012 as in the base
 
     def __init__(
         self, scenario: str | None = None, fish: int | str | None = None,
@@ -50,9 +42,9 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         """
         if observation not in OBSERVATIONS:
             raise unknown("observation", str(observation), OBSERVATIONS)
-        if render_mode not in (None, *RENDER_MODES):
-            raise unknown("render_mode", str(render_mode), RENDER_MODES)
-        self.sea = LivingSea(sea_options(scenario or self.scenario, options))
+        if render_mode not in (None, *living_sea.RENDER_MODES):
+            raise unknown("render_mode", str(render_mode), living_sea.RENDER_MODES)
+        self.sea = living_sea.LivingSea(living_sea.sea_options(scenario or self.scenario, options))
         self.metadata = self.metadata | {"render_fps": self.sea.decisions_per_second}
         self._candidates = self.candidates()
         if fish is not None:
@@ -66,9 +58,9 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self._reward = reward or self.default_reward
         self._who = self._candidates[:1]
         self._steps, self._over = 0, True
-        self.action_space = Box(-1.0, 1.0, (len(ACTIONS),), np.float32)
+        self.action_space = Box(-1.0, 1.0, (len(living_sea.ACTIONS),), np.float32)
         width, height = self.sea.options.retina_size
-        self.observation_space = Box(-1.0, 1.0, (len(NAMES),), np.float32)
+        self.observation_space = Box(-1.0, 1.0, (len(living_sea.NAMES),), np.float32)
         if observation == "retina":
             self.observation_space = Box(0, 255, (height, 2 * width, 3), np.uint8)
 
@@ -93,7 +85,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
         self.sea.begin(self.np_random)
         self._who = self.np_random.choice(self._candidates, 1)
         self.start(self.fish)
-        outcome = self.sea.advance(self._who, np.zeros((1, len(ACTIONS))), ticks=1)
+        outcome = self.sea.advance(self._who, np.zeros((1, len(living_sea.ACTIONS))), ticks=1)
         self._steps, self._over = 0, False
         return self._observe(), self._info(outcome.meals)
 
@@ -102,7 +94,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
 
         A ValueError for an action of another shape or with NaN, and for a dead fish.
         """
-        chosen = checked_action(action)
+        chosen = living_sea.checked_action(action)
         if self._over:
             raise ValueError("the fish is dead or the episode has not begun: call reset() first")
         outcome = self.sea.advance(self._who, chosen[None])
@@ -123,7 +115,7 @@ class SteeredFishEnv(gymnasium.Env[Any, Any], ABC):
 
     def _observe(self) -> Array | Bytes:
         if self._observation == "senses":
-            return np.asarray(senses(self.sea.world, self._who)[0])
+            return np.asarray(living_sea.senses(self.sea.world, self._who)[0])
         return self.sea.pictures.retina(self.fish, self.sea.options.retina_size)
 
     def _info(self, meals: Array) -> dict[str, Any]:

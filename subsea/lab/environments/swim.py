@@ -148,7 +148,7 @@ class SwimVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.single_observation_space = OBSERVATION_SPACE
         self.observation_space = batch_space(OBSERVATION_SPACE, num_envs)
         self._all = np.arange(num_envs)
-        self._randoms: list[np.random.Generator] = []
+        self._randoms = [seeding.np_random()[0] for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._steps = np.zeros(num_envs, np.int64)
 
@@ -163,13 +163,9 @@ class SwimVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         Without a seed it continues its random numbers. ``options`` are ignored. UserError for a
         list of another length.
         """
-        seeds = self._seeds(seed)
-        if not self._randoms:
-            self._randoms = [seeding.np_random(one)[0] for one in seeds]
-        else:
-            for i, one in enumerate(seeds):
-                if one is not None:
-                    self._randoms[i] = seeding.np_random(one)[0]
+        for i, one in enumerate(self._seeds(seed)):
+            if one is not None:
+                self._randoms[i] = seeding.np_random(one)[0]
         self._ended[:] = False
         self._steps[:] = 0
         self._school.begin(self._all, self._randoms)

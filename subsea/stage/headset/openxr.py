@@ -10,15 +10,7 @@ from typing import Any, NamedTuple
 
 from subsea.base.errors import UserError
 from subsea.base.system import require
-from subsea.stage.headset.controllers import (
-    HAND_INTERACTION,
-    NO_HANDS,
-    Controllers,
-    Hand,
-    HeadsetFrame,
-    HeadsetLostError,
-    pose_of,
-)
+from subsea.stage.headset import controllers
 from subsea.stage.headset.head import AT_REST, HeadEye, Pose
 
 OPENGL = "XR_KHR_opengl_enable"
@@ -85,7 +77,7 @@ class OpenXrHeadset:
     name: str  # of the runtime and of the headset, for people
     sizes: tuple[tuple[int, int], ...]  # of the pictures, pixels, left and right
     srgb: bool  # the textures hold values of sRGB, as a window does; False: linear ones
-    hands: tuple[Hand, Hand]  # left and right, as of the last `poll`
+    hands: tuple[controllers.Hand, controllers.Hand]  # left and right, as of the last `poll`
     worn: bool  # True while the runtime shows the dive: from VISIBLE on
     focused: bool  # True while it takes input
     # True if the runtime asks to take the head in the last `begin` as home: in the first frame of
@@ -99,7 +91,7 @@ class OpenXrHeadset:
         self._xr, self._instance = xr, instance
         self.name = f"{name_runtime(xr, instance)}: {name_system(xr, instance, system)}"
         self.state = "UNKNOWN"  # of the session, as OpenXR calls it
-        self.hands = NO_HANDS
+        self.hands = controllers.NO_HANDS
         self.worn = self.focused = self.recentred = False
         self._views = xr.ViewConfigurationType.PRIMARY_STEREO
         binding, restore = graphics_binding(xr, instance, system)
@@ -108,7 +100,7 @@ class OpenXrHeadset:
         made.callback(destroy, xr, xr.destroy_session, self._session)
         local = xr.ReferenceSpaceCreateInfo(reference_space_type=xr.ReferenceSpaceType.LOCAL)
         self._space = xr.create_reference_space(self._session, local)
-        self._controllers = Controllers(xr, instance, self._session, extensions)
+        self._controllers = controllers.Controllers(xr, instance, self._session, extensions)
         self._swapchains = self._make_swapchains(system)
         modes = xr.enumerate_environment_blend_modes(instance, system, self._views)
         opaque = xr.EnvironmentBlendMode.OPAQUE
@@ -157,7 +149,7 @@ class OpenXrHeadset:
         """Process events and read the hands; call once a picture."""
         with self._speaking():
             self._process_events()
-            self.hands = NO_HANDS
+            self.hands = controllers.NO_HANDS
             if self.focused and not self._lost:
                 self.hands = self._controllers.read(self._space, self._coming_time)
 
@@ -194,7 +186,7 @@ class OpenXrHeadset:
         elif state == states.LOSS_PENDING:
             self._lost = LOST
 
-    def begin(self) -> HeadsetFrame | None:
+    def begin(self) -> controllers.HeadsetFrame | None:
         """Wait for the runtime and begin a frame; None, at once, while the session does not run."""
         with self._speaking():
             if not self._running:
@@ -210,7 +202,7 @@ class OpenXrHeadset:
                 self._recentre_at = None
             visible = shown and self._located
             textures = [self._acquire(chain) for chain in self._swapchains] if visible else []
-            return HeadsetFrame(self._eyes, tracked, visible, tuple(textures))
+            return controllers.HeadsetFrame(self._eyes, tracked, visible, tuple(textures))
 
     def _begin_frame(self) -> bool:
         """Begin a frame; True if the runtime shows it."""
@@ -291,7 +283,7 @@ class OpenXrHeadset:
                 self._leave()
         self._lost = self._lost or ENDED
         self._running = self.worn = self.focused = False
-        self.hands = NO_HANDS
+        self.hands = controllers.NO_HANDS
         self._made.close()
 
     def _leave(self) -> None:
@@ -314,21 +306,21 @@ class OpenXrHeadset:
     def _speaking(self) -> Iterator[None]:
         """Turn what the runtime reports into a HeadsetLostError, now and in later calls."""
         if self._lost:
-            raise HeadsetLostError(self._lost)
+            raise controllers.HeadsetLostError(self._lost)
         try:
             yield
         except (self._xr.InstanceLostError, self._xr.SessionLostError) as fault:
             self._lost = f"{LOST}: its software ended"
-            raise HeadsetLostError(self._lost) from fault
+            raise controllers.HeadsetLostError(self._lost) from fault
         except self._xr.XrException as fault:
             self._lost = f"{LOST}: {first_line(fault)}"
-            raise HeadsetLostError(self._lost) from fault
+            raise controllers.HeadsetLostError(self._lost) from fault
         finally:
             if self._lost:
                 self.worn = self.focused = False
-                self.hands = NO_HANDS
+                self.hands = controllers.NO_HANDS
         if self._lost:
-            raise HeadsetLostError(self._lost)
+            raise controllers.HeadsetLostError(self._lost)
 
 
 def _library() -> Any:
@@ -344,7 +336,7 @@ def _library() -> Any:
 
 def _updated(eye: HeadEye, view: Any, placed: bool, turned: bool) -> HeadEye:
     """An eye with the valid parts of its view."""
-    pose, fov = pose_of(view.pose), view.fov
+    pose, fov = controllers.pose_of(view.pose), view.fov
     return HeadEye(
         Pose(
             pose.position if placed else eye.pose.position,
@@ -387,7 +379,7 @@ def make_instance(xr: Any, made: ExitStack, graphics: bool) -> tuple[Any, set[st
     """Make an instance, which `made` destroys; also the extensions that are enabled in it."""
     properties = xr.enumerate_instance_extension_properties()
     offered = {_text(extension.extension_name) for extension in properties}
-    wanted = {OPENGL, HAND_INTERACTION} & offered
+    wanted = {OPENGL, controllers.HAND_INTERACTION} & offered
     if graphics and OPENGL not in wanted:
         raise UserError(NO_OPENGL)
     about = xr.ApplicationInfo(

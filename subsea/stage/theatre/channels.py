@@ -231,22 +231,15 @@ def _channel_on(
     common = ProjectorChannel(
         name, number, (x, window.size[1] - y - height, width, height), 1.0, lit.gamma, lit.black
     )
-    for table, shape in (
-        (lit.panorama, Projection.PANORAMA),
-        (lit.dome, Projection.DOME),
-        (lit.equirectangular, Projection.EQUIRECTANGULAR),
-    ):
-        if table is not None:
-            far = theatre.scale * table.distance_cm
-            wide = (
-                table.angle_deg if isinstance(table, theatre_file.Panorama) else ALL_ROUND.angle_deg
-            )
-            surround = Surround(
-                wide,
-                getattr(table, "tilt_deg", ALL_ROUND.tilt_deg),
-                table.angle_deg if isinstance(table, theatre_file.Dome) else ALL_ROUND.dome_deg,
-            )
-            return replace(common, distance_cm=far, shape=shape, surround=surround)
+    if (wide := lit.panorama or lit.dome or lit.equirectangular) is not None:
+        shape, surround = Projection.EQUIRECTANGULAR, ALL_ROUND
+        if isinstance(wide, theatre_file.Panorama):
+            shape, surround = Projection.PANORAMA, Surround(angle_deg=wide.angle_deg)
+        elif isinstance(wide, theatre_file.Dome):
+            surround = Surround(tilt_deg=wide.tilt_deg, dome_deg=wide.angle_deg)
+            shape = Projection.DOME
+        far = theatre.scale * wide.distance_cm
+        return replace(common, distance_cm=far, shape=shape, surround=surround)
     flat = lit.plane or lit.cylinder or lit.angles
     assert flat is not None  # one of six, as `ScreenTable` has checked
     screen = screen_of(flat, np.array(theatre.eye_cm), theatre.scale)
@@ -259,11 +252,7 @@ def _channel_on(
 def _with_masks(usable: list[ProjectorChannel]) -> Iterator[ProjectorChannel]:
     """The channels, those to blend with their masks."""
     together = [channel for channel in usable if channel.blend and channel.screen is not None]
-    lamps = [
-        Projector(channel.screen, channel.gamma, channel.black)
-        for channel in together
-        if channel.screen
-    ]
+    lamps = [Projector(one.screen, one.gamma, one.black) for one in together if one.screen]
     for channel in usable:
         if not channel.blend or channel.screen is None or len(together) < 2:
             yield channel
@@ -330,7 +319,9 @@ def blend_mask(projectors: Sequence[Projector], number: int, places: Array) -> A
     projector = projectors[number]
     light = light_shares(projectors, number, places)
     here = overlap_count(projectors, number, places)
-    most = max(_most_overlap(projectors), int(here.max(initial=1)))
+    steps = np.stack(np.meshgrid(EDGE, EDGE), axis=-1).reshape(-1, 2)
+    counts = [overlap_count(projectors, k, steps) for k in range(len(projectors))]
+    most = max(int(np.max(counts)), int(here.max(initial=1)))
     lifted = projector.black * (most - here) / np.maximum(here, 1)
     white = 1.0 - max(other.black for other in projectors) * (most - 1)
     factor = (light * white) ** (1.0 / projector.gamma)
@@ -359,12 +350,6 @@ def _blended_edges(projectors: Sequence[Projector], number: int) -> tuple[bool, 
         any(bool(_within(places_on(other, edge_points), -1e-3).any()) for other in others)
         for edge_points in points
     )
-
-
-def _most_overlap(projectors: Sequence[Projector]) -> int:
-    """The largest number of projectors that light one place."""
-    steps = np.stack(np.meshgrid(EDGE, EDGE), axis=-1).reshape(-1, 2)
-    return max(int(overlap_count(projectors, k, steps).max()) for k in range(len(projectors)))
 
 
 def _within(places: Array, beyond: float = WITHIN) -> Bools:

@@ -102,13 +102,13 @@ class TheatreBuilder:
         self._lines: dict[str, None] = {}
         self._refused: dict[str, None] = {}
 
-    def leave_out(self, line: str) -> None:
-        """Note a thing that the theatre lacks."""
-        self._lines[line] = None
+    def leave_out(self, *lines: str) -> None:
+        """Note things that the theatre lacks."""
+        self._lines.update(dict.fromkeys(lines))
 
-    def refuse(self, line: str) -> None:
-        """Note a picture that the theatre lacks."""
-        self._refused[line] = None
+    def refuse(self, *lines: str) -> None:
+        """Note pictures that the theatre lacks."""
+        self._refused.update(dict.fromkeys(lines))
 
     def leave_out_keys(self, content: Any, kind: Any, quiet: frozenset[str]) -> None:
         """Note the keys of a file's content that its struct `kind` has not, but `quiet` ones."""

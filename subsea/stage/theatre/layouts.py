@@ -13,23 +13,8 @@ import numpy as np
 
 from subsea.base.arrays import Array
 from subsea.base.errors import UserError
-from subsea.stage.theatre.lenses import (
-    Lens,
-    mirror_setup,
-    on_cylinder,
-    on_sphere,
-    placed,
-    warp_nodes,
-)
+from subsea.stage.theatre import lenses, screens
 from subsea.stage.theatre.measured_mesh import heading_pitch_roll
-from subsea.stage.theatre.screens import (
-    STEEPEST,
-    Curved,
-    Screen,
-    places_on,
-    points_on,
-    screen_of,
-)
 from subsea.stage.theatre.theatre_file import (
     Angles,
     Cylinder,
@@ -64,7 +49,7 @@ class PlannedChannel(NamedTuple):
 
     name: str
     screen: Plane | Cylinder | Angles | Dome
-    lens: Lens
+    lens: lenses.Lens
     nodes: Array | None = None  # (rows, columns, 5) of its mesh
     viewport: Rect | None = None  # in its window, as a theatre file has it; None: all of it
 
@@ -108,8 +93,8 @@ def front_channel(plan: TheatreLayout) -> PlannedChannel:
     def ahead(channel: PlannedChannel) -> float:
         if isinstance(channel.screen, Dome):
             return 0.0
-        screen = screen_of(channel.screen, np.zeros(3), 1.0)
-        middle = points_on(screen, np.array([[0.5, 0.5]]))[0]
+        screen = screens.screen_of(channel.screen, np.zeros(3), 1.0)
+        middle = screens.points_on(screen, np.array([[0.5, 0.5]]))[0]
         return round(float(middle[2] / np.linalg.norm(middle)), 6)
 
     return max(plan.channels, key=ahead)
@@ -146,7 +131,7 @@ def _wall(measures: Mapping[str, float]) -> TheatreLayout:
             lower_left=(low, bottom, far), lower_right=(high, bottom, far),
             upper_left=(low, top, far),
         )  # fmt: skip
-        channels.append(PlannedChannel(name, plane, Lens(place, np.eye(3), half)))
+        channels.append(PlannedChannel(name, plane, lenses.Lens(place, np.eye(3), half)))
     notes = [
         f"each picture is {across:.0f} x {across / aspect:.0f} cm, "
         f"{overlap * across:.0f} cm of it shared with each neighbour",
@@ -183,8 +168,8 @@ def _curved(measures: Mapping[str, float]) -> TheatreLayout:
             radius_cm=radius, left_deg=_rounded(left - angle / 2.0),
             right_deg=_rounded(right - angle / 2.0), bottom_cm=bottom, top_cm=top,
         )  # fmt: skip
-        screen = screen_of(table, np.zeros(3), 1.0)
-        assert isinstance(screen, Curved)
+        screen = screens.screen_of(table, np.zeros(3), 1.0)
+        assert isinstance(screen, screens.Curved)
         turn = (screen.left + screen.right) / 2.0
         ahead = np.array([math.sin(turn), 0.0, math.cos(turn)])
         raised = np.array([0.0, top + ABOVE_CM, 0.0])
@@ -194,11 +179,13 @@ def _curved(measures: Mapping[str, float]) -> TheatreLayout:
             gap = max(HOUSING_CM - 2.0 * abs(far) * math.sin(step / 2.0) * side, 0.0)
             aside = (number - (count - 1) / 2.0) * math.copysign(gap, far) * (angle <= 180.0)
             tries.append(far * ahead + raised + [aside, 0.0, 0.0])
-        edge = points_on(screen, _BORDER)
-        lens = placed(tries, edge, _aspect(measures), measures["throw"], "its part of the screen")
+        edge = screens.points_on(screen, _BORDER)
+        lens = lenses.placed(
+            tries, edge, _aspect(measures), measures["throw"], "its part of the screen"
+        )
 
-        def shares(place: Array, ways: Array, screen: Curved = screen) -> Array:
-            return places_on(screen, on_cylinder(place, ways, radius))
+        def shares(place: Array, ways: Array, screen: screens.Curved = screen) -> Array:
+            return screens.places_on(screen, lenses.on_cylinder(place, ways, radius))
 
         channels.append(PlannedChannel(name, table, lens, _mesh(lens, shares)))
     return TheatreLayout(
@@ -222,7 +209,7 @@ def _cave(measures: Mapping[str, float]) -> TheatreLayout:
         raise UserError(
             f"--height {high:g}: walls end below the eyes at {measures['eye']:g} cm, expected more"
         )
-    screens: dict[str, tuple[Point, Point, Point]] = {
+    walls: dict[str, tuple[Point, Point, Point]] = {
         "front": ((-half, low, half), (half, low, half), (-half, top, half)),
         "left": ((-half, low, -half), (-half, low, half), (-half, top, -half)),
         "right": ((half, low, half), (half, low, -half), (half, top, half)),
@@ -232,7 +219,7 @@ def _cave(measures: Mapping[str, float]) -> TheatreLayout:
     }
     channels = []
     size = int(measures["across"]), int(measures["down"])
-    for name, corners in list(screens.items())[:count]:
+    for name, corners in list(walls.items())[:count]:
         first, second, third = (np.array(corner) for corner in corners)
         along, up = second - first, third - first
         inward = np.cross(up, along) / (np.linalg.norm(up) * np.linalg.norm(along))
@@ -246,7 +233,9 @@ def _cave(measures: Mapping[str, float]) -> TheatreLayout:
         width, height = round(wide / scale), round(tall / scale)
         place = (size[0] - width) // 2, (size[1] - height) // 2, width, height
         far = 2.0 * float(np.linalg.norm(behind)) / scale
-        lens = Lens(first + (along + up) / 2.0 + behind, axes, (size[0] / far, size[1] / far))
+        lens = lenses.Lens(
+            first + (along + up) / 2.0 + behind, axes, (size[0] / far, size[1] / far)
+        )
         plane = Plane(lower_left=corners[0], lower_right=corners[1], upper_left=corners[2])
         viewport = None if place == (0, 0, *size) else place
         channels.append(PlannedChannel(name, plane, lens, viewport=viewport))
@@ -260,7 +249,7 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     dome = Dome(tilt_deg=measures["tilt"], distance_cm=max(radius, 50.0))
     title = f"A dome, projectors: {count}"
     if count == 1:
-        lens = Lens(np.zeros(3), _tilted(np.eye(3), measures["tilt"]), (1.0, 1.0))
+        lens = lenses.Lens(np.zeros(3), _tilted(np.eye(3), measures["tilt"]), (1.0, 1.0))
         fisheye = PlannedChannel("dome", dome, lens)
         return TheatreLayout(title, [fisheye], -measures["eye"], dome=dome)
     if count < 4:
@@ -270,17 +259,17 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     for name, (heading, angles) in zip(names_of(count), _patches(count, overlap), strict=True):
         axes = axes_of(heading, math.radians(angles.pitch_deg)) @ turned
         table = _turned(angles, axes, radius)
-        screen = screen_of(table, np.zeros(3), 1.0)
-        border = points_on(screen, _BORDER)
+        screen = screens.screen_of(table, np.zeros(3), 1.0)
+        border = screens.points_on(screen, _BORDER)
         border *= radius / np.linalg.norm(border, axis=1, keepdims=True)
         taken = [channel.lens.place for channel in channels]
 
         def lens_at(turn: float, heading: float = heading, border: Array = border,
-                    part: str = f"its part of the dome ({name})") -> Lens:  # fmt: skip
+                    part: str = f"its part of the dome ({name})") -> lenses.Lens:  # fmt: skip
             way = heading + math.pi + math.radians(turn)
             back = np.array([math.sin(way), 0.0, math.cos(way)]) @ turned
             tries = [s * radius * back for s in np.linspace(0.0, RIM, STEPS)]
-            return placed(tries, border, _aspect(measures), measures["throw"], part)
+            return lenses.placed(tries, border, _aspect(measures), measures["throw"], part)
 
         lens = lens_at(0.0)
         for turn in TURNS:
@@ -291,8 +280,8 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
         else:
             lens = lens_at(0.0)
 
-        def shares(place: Array, ways: Array, screen: Screen = screen) -> Array:
-            return places_on(screen, on_sphere(place, ways, radius))
+        def shares(place: Array, ways: Array, screen: screens.Screen = screen) -> Array:
+            return screens.places_on(screen, lenses.on_sphere(place, ways, radius))
 
         channels.append(PlannedChannel(name, table, lens, _mesh(lens, shares)))
     return TheatreLayout(
@@ -328,7 +317,7 @@ def _patches(count: int, overlap: float) -> list[tuple[float, Angles]]:
 def _view(seen: Array, pitch: float, count: int) -> Angles:
     """The flat view that takes in directions (n, 3) in its own axes."""
     slopes = seen[:, :2] / np.maximum(seen[:, 2:], 1e-6)
-    if seen[:, 2].min() <= 0.0 or np.abs(slopes).max() > 0.9 * STEEPEST:
+    if seen[:, 2].min() <= 0.0 or np.abs(slopes).max() > 0.9 * screens.STEEPEST:
         raise UserError(
             f"--projectors {count}: with this --overlap each would light too much of the dome, "
             "expected more projectors or less overlap"
@@ -355,7 +344,7 @@ def _turned(angles: Angles, axes: Array, radius: float) -> Angles:
 def _mirror(measures: Mapping[str, float]) -> TheatreLayout:
     """One projector onto a convex mirror at the rear of a dome."""
     radius, tilt = measures["radius"], measures["tilt"]
-    setup = mirror_setup(
+    setup = lenses.mirror_setup(
         radius, measures["mirror"], measures["throw"] or 1.5, _aspect(measures), math.radians(tilt)
     )
     dome = Dome(tilt_deg=tilt, distance_cm=max(radius, 50.0))
@@ -377,9 +366,9 @@ def _aspect(measures: Mapping[str, float]) -> float:
     return measures["across"] / measures["down"]
 
 
-def _mesh(lens: Lens, shares: Callable[[Array, Array], Array]) -> Array:
+def _mesh(lens: lenses.Lens, shares: Callable[[Array, Array], Array]) -> Array:
     """The mesh of a lens; a UserError if it lights next to nothing of its picture."""
-    nodes = warp_nodes(lens, NODES, shares)
+    nodes = lenses.warp_nodes(lens, NODES, shares)
     used = nodes[..., 4] > 0
     lit = float((used & (np.abs(nodes[..., 2:4] - 0.5) <= 0.5).all(axis=-1)).mean())
     if lit < LEAST_LIT:

@@ -18,14 +18,7 @@ from subsea.stage.theatre.mesh_formats import FORMATS, MAX_BYTES, read_mesh
 from subsea.stage.theatre.mpcdi import read_mpcdi
 from subsea.stage.theatre.ndisplay import read_ndisplay
 from subsea.stage.theatre.sgct import read_sgct
-from subsea.stage.theatre.theatre_file import (
-    FOLDER,
-    Archive,
-    Theatre,
-    covers,
-    reaches_out,
-    viewport,
-)
+from subsea.stage.theatre.theatre_file import FOLDER, Archive, Theatre, covers, viewport
 from subsea.stage.theatre.vioso import vioso_maps, vioso_mesh
 from subsea.view.rig import overlap
 
@@ -80,8 +73,7 @@ def read_archive(path: Path) -> ImportedTheatre:
     """Read the projectors of an MPCDI archive, a window for each."""
     builder = TheatreBuilder(path, path.stem)
     archive = read_mpcdi(path)
-    for fault in archive.faults:
-        builder.refuse(fault)
+    builder.refuse(*archive.faults)
     windows = {}
     for region in archive.regions:
         if region.frustum is None:
@@ -100,15 +92,12 @@ def read_lone_mesh(path: Path) -> ImportedTheatre:
     """Make a window for one mesh, with its own view if it has one."""
     builder = TheatreBuilder(path, path.stem)
     measured = read_mesh(path, SIZE)
-    for note in measured.notes:
-        builder.leave_out(note)
-    screen: dict[str, Any] = {"angles": FIELD}
+    builder.leave_out(*measured.notes)
+    screen: dict[str, Any] = {"dome": {}} if path.suffix.lower() == ".data" else {"angles": FIELD}
     if measured.view is not None:
         screen = {"angles": angles_of(measured.view)}
     else:
         builder.leave_out("its screen: a mesh says nothing of it, so change it here")
-        if path.suffix.lower() == ".data":
-            screen = {"dome": {}}
     window = builder.window(path.stem, size=SIZE)
     if window is not None:
         builder.channel(path.stem, window, warp=path.name, **screen)
@@ -119,9 +108,7 @@ def read_maps(path: Path) -> ImportedTheatre:
     """Make a window for each map of a VIOSO file."""
     builder = TheatreBuilder(path, path.stem)
     maps, notes = vioso_maps(read_input(path, MAX_BYTES), str(path))
-    for note in notes:
-        builder.leave_out(note)
-    builder.leave_out("the screen of each map: a map says nothing of it, so change it here")
+    builder.leave_out(*notes, "the screen of each map: a map says nothing of it, so change it here")
     for measured in maps:
         name = measured.name or path.stem
         try:
@@ -175,7 +162,8 @@ def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
             yield f"window[{k}].{key}", f"{pair} {how[key]}"
     for k, channel in enumerate(theatre.channel):
         window = windows[channel.window]
-        if reaches_out(channel, window):
+        x, y, width, height = viewport(channel, window)
+        if x + width > window.size[0] or y + height > window.size[1]:
             message = f"channel {channel.name!r}: `viewport` {list(channel.viewport or ())} reaches"
             message += f" out of window {window.name!r} of {window.size[0]}x{window.size[1]} pixels"
             yield f"channel[{k}].viewport", message

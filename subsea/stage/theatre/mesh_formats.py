@@ -54,7 +54,8 @@ def read_mesh(path: Path, size: Size) -> MeasuredMesh:
         raise UserError(f"expected a warp file that ends in {', '.join(FORMATS)}", file=path)
     most = MAX_BYTES if suffix in BINARY else MAX_TEXT
     measured = FORMATS[suffix](read_input(path, most), size, str(path))
-    if suffix == ".csv" and (beside := frustum_file(path)).is_file():
+    beside = path.with_name(f"{path.stem.removesuffix('_mesh')}_frustum.csv")
+    if suffix == ".csv" and beside.is_file():
         measured = measured._replace(view=parse_frustum(read_input(beside), str(beside)))
     return measured
 
@@ -322,11 +323,6 @@ def parse_domeprojection(data: bytes, _: Size, where: str) -> MeasuredMesh:
     places = np.column_stack([placed[:, 0], 1.0 - placed[:, 1]])
     sources = np.column_stack([placed[:, 2], 1.0 - placed[:, 3]])
     return MeasuredMesh(node_mesh(places, sources, grid_triangles(columns, rows), where))
-
-
-def frustum_file(path: Path) -> Path:
-    """Name the file with the view of a mesh ``NAME_mesh.csv`` or ``NAME.csv``."""
-    return path.with_name(f"{path.stem.removesuffix('_mesh')}_frustum.csv")
 
 
 def parse_frustum(data: bytes, where: str) -> ViewAngles:

@@ -211,8 +211,7 @@ class _NdisplayReader:
             try:
                 self._viewport(words, viewport, window)
             except UserError as fault:
-                line = f"viewport {words!r} of {name!r}: {fault}"
-                self.builder.refuse(line)
+                self.builder.refuse(f"viewport {words!r} of {name!r}: {fault}")
 
     def _viewport(self, words: str, viewport: NdisplayViewport, window: Window) -> None:
         if viewport.policy.type.lower() != "simple":
@@ -220,11 +219,10 @@ class _NdisplayReader:
         given = viewport.policy.parameters
         named = str(given.get("screen", given.get("screen_id")))
         screen = self.config.scene.screens.get(named)
-        extent = None if screen is None else screen.size
-        if extent is None:
+        if screen is None or screen.size is None:
             raise UserError(f"screen {named!r} is not there")
         turn, middle = self._pose(named)
-        half = np.array([[-1, -1], [1, -1], [-1, 1]]) * [extent.width / 2, extent.height / 2]
+        half = np.array([[-1, -1], [1, -1], [-1, 1]]) / 2 * [screen.size.width, screen.size.height]
         corners = middle + half[:, :1] * turn[0] + half[:, 1:] * turn[1]
         names = ("lower_left", "lower_right", "upper_left")
         plane = {key: _rounded(corner) for key, corner in zip(names, corners, strict=True)}

@@ -13,7 +13,7 @@ import numpy as np
 from subsea.base.arrays import Array, Ints
 from subsea.base.errors import UserError, nearest
 from subsea.base.files import read_input
-from subsea.stage.theatre import sgct_file
+from subsea.stage.theatre import mesh_formats, sgct_file
 from subsea.stage.theatre.imported import ImportedTheatre, TheatreBuilder
 from subsea.stage.theatre.measured_mesh import (
     MeasuredMesh,
@@ -24,15 +24,6 @@ from subsea.stage.theatre.measured_mesh import (
     quaternion_rotation,
     turned,
     turns,
-)
-from subsea.stage.theatre.mesh_formats import (
-    FORMATS,
-    MAX_BYTES,
-    MAX_TEXT,
-    obj_mesh,
-    read_mesh,
-    regular_sources,
-    sources_of,
 )
 from subsea.stage.theatre.pixel_files import parse_pfm
 from subsea.stage.theatre.theatre_file import FEWEST_PIXELS, MAIN, Window
@@ -220,26 +211,19 @@ class _SgctReader(NamedTuple):
         suffix = path.suffix.lower()
         if suffix == ".txt":
             raise UserError(f"mesh {file!r}: rename it to .skyskan")
-        if suffix not in FORMATS:
-            raise UserError(f"mesh {file!r} is of no known format, expected {', '.join(FORMATS)}")
+        if suffix not in mesh_formats.FORMATS:
+            raise UserError(
+                f"mesh {file!r} is of no known format, expected {', '.join(mesh_formats.FORMATS)}"
+            )
         if suffix == ".pfm":
             warp = float_map(path, kind == "TextureMappedProjection")
             return {"warp": self._composed(name, warp)}
         if suffix in VIEWED and kind not in SURROUND:
-            measured = read_mesh(path, SIZE)
-            for note in measured.notes:
-                self.builder.leave_out(note)
+            measured = mesh_formats.read_mesh(path, SIZE)
+            self.builder.leave_out(*measured.notes)
             if measured.view is not None:
                 return {"plane": None, **mesh_view(measured.view, self.eye_m), "warp": file}
         return {"warp": file}
-
-
-def plain_path(name: str) -> str:
-    """Write a path with forward slashes; a UserError for one of another computer."""
-    plain = name.replace("\\", "/")
-    if plain.startswith("//"):
-        raise UserError(f"file {name!r} is on another computer, expected one of this")
-    return plain
 
 
 def sought(folder: Path, name: str) -> str:
@@ -247,7 +231,9 @@ def sought(folder: Path, name: str) -> str:
 
     Programs such as OpenSpace keep meshes below the root of all configurations.
     """
-    plain = plain_path(name)
+    plain = name.replace("\\", "/")
+    if plain.startswith("//"):
+        raise UserError(f"file {name!r} is on another computer, expected one of this")
     ways = ["../" * up + plain for up in range(ROOTS)]
     return next((way for way in ways if (folder / way).is_file()), plain)
 
@@ -469,7 +455,7 @@ def spherical_mirror(
         path = folder / sought(folder, getattr(geometry, name))
         if path.suffix.lower() != ".obj":
             raise UserError("expected a mesh in an .obj file", file=path)
-        face = obj_mesh(read_input(path, MAX_TEXT), str(path), True)
+        face = mesh_formats.obj_mesh(read_input(path, mesh_formats.MAX_TEXT), str(path), True)
         x, y, u, v = face.vertices[:, :4].astype(np.float64).T
         places.append(np.column_stack([((2 * x - 1) / (size[0] / size[1]) + 1) / 2, y]))
         rays = np.column_stack([2 * u - 1, 2 * v - 1, -np.ones_like(u)])
@@ -498,8 +484,8 @@ def float_map(path: Path, textured: bool) -> MeasuredMesh:
     On a texture-mapped view the numbers are sources of a grid over the projector; else they are
     places of a grid over the picture, and the left half of the file is for both eyes.
     """
-    numbers = parse_pfm(read_input(path, MAX_BYTES), str(path))[::-1]
-    shown = sources_of(numbers, str(path)).astype(np.float64)
+    numbers = parse_pfm(read_input(path, mesh_formats.MAX_BYTES), str(path))[::-1]
+    shown = mesh_formats.sources_of(numbers, str(path)).astype(np.float64)
     rows, columns = shown.shape[:2]
     if not textured:
         columns //= 2
@@ -508,7 +494,7 @@ def float_map(path: Path, textured: bool) -> MeasuredMesh:
         shown = shown[:, :columns]
     shown = np.where(np.abs(shown) < 100, shown, np.nan).reshape(-1, 2)
     used = np.asarray(np.isfinite(shown).all(axis=1))
-    grid = regular_sources(columns, rows)
+    grid = mesh_formats.regular_sources(columns, rows)
     if not textured:
         grid = (grid * [columns - 1, rows - 1] + 0.5) / [columns, rows]
     triangles = grid_triangles(columns, rows)

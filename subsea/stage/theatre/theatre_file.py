@@ -245,12 +245,6 @@ def viewport(channel: Channel, window: Window) -> Rect:
     return channel.viewport or (0, 0, *window.size)
 
 
-def reaches_out(channel: Channel, window: Window) -> bool:
-    """Test whether a part of a channel's viewport lies beyond its window."""
-    x, y, width, height = viewport(channel, window)
-    return x + width > window.size[0] or y + height > window.size[1]
-
-
 def covers(window: Window, other: Window) -> str:
     """The key, `monitor` or `position`, by which two windows of a computer lie on one another."""
     if window.node != other.node:

@@ -64,7 +64,7 @@ class SkinDocument:
         self.error: float | None = None  # of the outline, body lengths
         self.fin_errors: dict[str, float] = {}  # of the roots of fins, body lengths
         self._steps = 0
-        self._mask: Bools | None = None  # the fish that was found, in the small picture
+        self.mask: Bools | None = None  # the fish that was found, in the small picture
         self._field: EdgeField | None = None
         self._field_key: tuple[float, bool] | None = None
         self.set_species(name)
@@ -141,11 +141,6 @@ class SkinDocument:
         return _scaled(meshes, self._scale)
 
     @property
-    def fish_known(self) -> bool:
-        """True if the fish was separated from the background."""
-        return self._mask is not None
-
-    @property
     def parameters(self) -> MeshParameters:
         """The forces, as the sliders set them."""
         tension, rigidity, picture, *_ = self.sliders
@@ -160,7 +155,7 @@ class SkinDocument:
     @property
     def field(self) -> EdgeField:
         """The edge field of the photograph, as the sliders set it."""
-        mask = self._mask if self.sliders.found else None
+        mask = self.mask if self.sliders.found else None
         key = self.sliders.smoothing, mask is not None
         if self._field is None or key != self._field_key:
             picture: Any = self.colour if mask is None else mask
@@ -171,14 +166,14 @@ class SkinDocument:
         """Take a mask of the photograph as the fish that was found."""
         size = self.colour.shape[1::-1]
         share = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
-        self._mask, self._field = np.asarray(share > 0.5), None
+        self.mask, self._field = np.asarray(share > 0.5), None
 
     def set_sheet(self, sheet: Bytes, mask: Bools) -> None:
         """Take the sheet that was lifted through the meshes, and the mask of the fish there."""
-        if self._mask is None and self.from_file:
+        if self.mask is None and self.from_file:
             self.set_fish(mask)
-        if self._mask is not None:
-            self.error = outline_error(self.meshes, self._mask)
+        if self.mask is not None:
+            self.error = outline_error(self.meshes, self.mask)
             self.fin_errors = fin_errors(self.meshes, self.species.surface)
         self.sheet = sheet
 

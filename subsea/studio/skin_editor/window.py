@@ -437,7 +437,7 @@ def _draw_sliders(document: SkinDocument) -> None:
         document.sliders = document.sliders._replace(**{key: value})
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("edges of")
-    known = document.fish_known
+    known = document.mask is not None
     for label, found in (("all", False), ("the fish found", True)):
         same_line(label)
         imgui.begin_disabled(found and not known)
