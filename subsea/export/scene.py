@@ -95,8 +95,8 @@ class Scene:
     ) -> tuple[Array, Array]:
         """Compute points and normals (t, n, 3) of a fish, cm, in body axes, at the fish's own size.
 
-        `fish` is its column. The frames are those from `first` to `last`, both
-        included; None: those in which the fish is in the sea, beyond which nothing is known.
+        `fish` is its column. The frames are those from `first` to `last`, both included; None:
+        those in which the fish is in the sea, beyond which nothing is known.
         """
         known = self.fishes[fish]
         begin, end = known.first if first is None else first, known.last if last is None else last

@@ -23,14 +23,7 @@ from subsea.dive.start import headless, picture_maker, ready_world
 from subsea.dive.tour import Steer
 from subsea.frame.packet import Packet, pack
 from subsea.lab import benchmark_reports
-from subsea.rendering.output.quality import (
-    AUTO,
-    LADDER,
-    PRESETS,
-    first_rung,
-    name_of,
-    on_software,
-)
+from subsea.rendering.output.quality import AUTO, LADDER, PRESETS, first_rung, name_of, on_software
 from subsea.scenario.load import LoadedScenario, load_scenario
 from subsea.scenario.schema import AUTOPILOT
 from subsea.view.display_rigs import chosen_rig, cockpit

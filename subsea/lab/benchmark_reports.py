@@ -216,19 +216,12 @@ def print_ladder(reports: Sequence[dict[str, Any]]) -> None:
     names = ("fishes", "visible", "fps", "frame", "p95", "cpu", *STAGES)
     print("".join(f"{name:>{_wide(name)}}" for name in names))
     for report in reports:
-        values = (
-            report["fps"],
-            report["frame_ms"]["p50"],
-            report["frame_ms"]["p95"],
-            report["cpu_ms"]["all"],
-            *report["stages_ms"].values(),
-        )
-        print(
-            f"{report['fish']:>{_wide('fishes')}}{report['visible_mean']:>{_wide('visible')}.0f}"
-            + "".join(
-                f"{value:>{_wide(name)}.2f}" for name, value in zip(names[2:], values, strict=True)
-            )
-        )
+        line = f"{report['fish']:>{_wide('fishes')}}{report['visible_mean']:>{_wide('visible')}.0f}"
+        frame, cpu = report["frame_ms"], report["cpu_ms"]["all"]
+        values = report["fps"], frame["p50"], frame["p95"], cpu, *report["stages_ms"].values()
+        for name, value in zip(names[2:], values, strict=True):
+            line += f"{value:>{_wide(name)}.2f}"
+        print(line)
 
 
 def _wide(name: str) -> int:
@@ -255,21 +248,15 @@ def write_csv(path: Path, runs: Sequence[tuple[dict[str, Any], Frames]]) -> None
     """Write a row for every frame: number of fishes, frame, times in ms, counts."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(
-            ["fish", "frame"]
-            + [f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES, "rest")]
-            + [*SHOWN]
-        )
+        times = [f"{name}_ms" for name in ("frame", "host", "cpu", *STAGES, "rest")]
+        rows.writerow(["fish", "frame", *times, *SHOWN])
         for report, frames in runs:
-            times = [frames.frame_s, frames.host_s, frames.cpu_s]
-            times += [*(frames.stages_s[name] for name in STAGES), frames.rest_s]
+            columns = [frames.frame_s, frames.host_s, frames.cpu_s]
+            columns += [*(frames.stages_s[name] for name in STAGES), frames.rest_s]
             shown = [getattr(frames, name) for name in SHOWN]
             for k in range(len(frames.frame_s)):
-                rows.writerow(
-                    [report["fish"], k]
-                    + [f"{1000.0 * column[k]:.4f}" for column in times]
-                    + [int(column[k]) for column in shown]
-                )
+                spent = [f"{1000.0 * column[k]:.4f}" for column in columns]
+                rows.writerow([report["fish"], k, *spent, *(int(column[k]) for column in shown)])
 
 
 class OlderReport(msgspec.Struct, frozen=True):
@@ -337,11 +324,8 @@ def compare(reports: Sequence[dict[str, Any]], older: Sequence[OlderReport], pat
         print()
         print_line(f"{report['fish']} fishes, against {path} (subsea {old.version})")
         others = [name for name in ("fish", *SETTINGS) if getattr(old, name) != report[name]]
-        others += [
-            name
-            for name in MACHINE
-            if name in old.machine and old.machine[name] != report["machine"][name]
-        ]
+        here = report["machine"]
+        others += [name for name in MACHINE if old.machine.get(name, here[name]) != here[name]]
         if others:
             print_line(f"different: {', '.join(others)}")
         parts = old.parts_ms

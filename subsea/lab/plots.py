@@ -116,7 +116,7 @@ def _schools_page(page: Any, record: Record) -> None:
 
 
 def _smooth(values: Array) -> Array:
-    """Compute A running mean that keeps gaps."""
+    """Compute a running mean that keeps gaps."""
     width = max(round(SMOOTH_S / SAMPLE_S), 1)
     there = np.isfinite(values)
     kernel = np.ones(min(width, len(values)))

@@ -322,7 +322,7 @@ def _share(name: str, quantity: str, counts: Counts, most: float, note: str = ""
 
 
 def _at(values: Array, percentile: float = 50) -> float:
-    """Compute A percentile of the numbers among the values; NaN without any."""
+    """Compute a percentile of the numbers among the values; NaN without any."""
     there = values[np.isfinite(values)]
     return float(np.percentile(there, percentile)) if len(there) else NAN
 

@@ -25,11 +25,7 @@ from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan,
 from subsea.biomechanics.controllers import S_MAX, ease
 from subsea.biomechanics.fins import contraction_step, headings, sweep
 from subsea.biomechanics.simulation import BodyState, at_rest, is_sound, simulate
-from subsea.biomechanics.solver import (
-    STEP,
-    STRAIN_LIMITS,
-    longest_step,
-)
+from subsea.biomechanics.solver import STEP, STRAIN_LIMITS, longest_step
 from subsea.biomechanics.trial import grade_contraction, steady_beat
 from subsea.fish.species import Species, UnstableSpecies
 from subsea.fish.surface import SurfacePlan, along

@@ -1,8 +1,6 @@
-"""Edit a species file as immutable drafts.
+"""Edit a species file as immutable drafts, with undo history and a drag in progress.
 
 Every edit returns another valid draft or raises EditError, so a saved file always loads.
-
-The state of the fish builder: undo history, the edit in progress, the selection.
 """
 
 import tomllib

@@ -1,7 +1,4 @@
-"""Edits of more than one point: fins, total mass, model length.
-
-Adding and removing points of outlines.
-"""
+"""Edits of more than one point: points that come and go, fins, total mass, model length."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -21,15 +18,7 @@ from subsea.studio.draft import (
     with_value,
     with_values,
 )
-from subsea.studio.handles import (
-    CM_DIGITS,
-    CURVES,
-    FINS,
-    LEAST_GAP,
-    View,
-    handles,
-    tail_heights,
-)
+from subsea.studio.handles import CM_DIGITS, CURVES, FINS, LEAST_GAP, View, handles, tail_heights
 
 FEWEST = {"back": 3, "belly": 3, "width": 3, "dorsal": 3, "ventral": 3, "tail": 2, "wing": 5}
 

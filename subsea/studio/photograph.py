@@ -1,10 +1,6 @@
-"""Read a photograph of a fish, and segment the fish from the background.
+"""Read a photograph of a fish, segment the fish from the background, and find its eye.
 
-Needs the extra `skin` (OpenCV).
-
-Eye detection in a photograph: a dark disc with a paler ring around it.
-
-Needs the extra `skin` (OpenCV).
+An eye is a dark disc with a paler ring around it. Needs the extra `skin` (OpenCV).
 """
 
 import warnings

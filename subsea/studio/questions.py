@@ -1,7 +1,4 @@
-"""A modal dialog for the names of a new species.
-
-A modal question in the middle of a window.
-"""
+"""Modal dialogs in the middle of a window: a question, and the names of a new species."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping

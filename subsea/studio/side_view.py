@@ -14,13 +14,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.fish import surface
 from subsea.geometry.curves import basis_at, dense, greville, through
-from subsea.studio.deformable_mesh import (
-    DORSAL,
-    VENTRAL,
-    FishMeshes,
-    make_fin,
-    make_mesh,
-)
+from subsea.studio.deformable_mesh import DORSAL, VENTRAL, FishMeshes, make_fin, make_mesh
 
 FINER = 4  # default subdivision of a mesh
 SHOWS = 0.006  # body lengths from which on the edge of a fin stands out of the body

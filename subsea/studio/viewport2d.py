@@ -179,17 +179,11 @@ class Viewport2D:
 
     def grid(self) -> None:
         """Draw lines at round coordinates, about five text heights apart."""
-        step = 5.0 * imgui.get_font_size() / self.scale
-        step = next(
-            round_step
-            for power in (10.0 ** math.floor(math.log10(step)),)
-            for round_step in (power, 2.0 * power, 5.0 * power, 10.0 * power)
-            if round_step >= step
-        )
-        (x0, y0), (x1, y1) = (
-            self.from_screen(*self.place),
-            self.from_screen(self.place[0] + self.size[0], self.place[1] + self.size[1]),
-        )
+        least = 5.0 * imgui.get_font_size() / self.scale
+        power = 10.0 ** math.floor(math.log10(least))
+        step = next(times * power for times in (1.0, 2.0, 5.0, 10.0) if times * power >= least)
+        x0, y0 = self.from_screen(*self.place)
+        x1, y1 = self.from_screen(self.place[0] + self.size[0], self.place[1] + self.size[1])
         low, high = min(y0, y1), max(y0, y1)
         for x in np.arange(math.ceil(x0 / step), math.floor(x1 / step) + 1) * step:
             self.line([(x, low), (x, high)], QUIET, 1.0, GRID)
@@ -219,9 +213,8 @@ class Viewport2D:
 
     def _pan(self) -> None:
         """Pan when no point is dragged; fit after a double click."""
-        if self.hovered and (
-            imgui.is_mouse_clicked(1) or imgui.is_mouse_clicked(2) or self.clicked
-        ):
+        pressed = imgui.is_mouse_clicked(1) or imgui.is_mouse_clicked(2) or self.clicked
+        if self.hovered and pressed:
             self._panning = True
             if self.clicked and imgui.is_mouse_double_clicked(0):
                 self.fit()

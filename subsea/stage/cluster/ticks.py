@@ -170,12 +170,11 @@ def tick_source_maker(
     theatre: Theatre, path: Path, node: str | None, view: Mapping[str, str], resumes: bool = True,
     leads: bool = False,
 ) -> TickSourceMaker:  # fmt: skip
-    """The maker of the tick source on the computer `node` of a theatre.
+    """The maker of the tick source on the computer `node` of a theatre with the file `path`.
 
     None: this computer shows all windows. `view` names parts of theatre and display that are equal
     on all computers. A master that `resumes` goes on with the dive of its nodes; one that `leads`
-    has nodes open its scenarios. A UserError if
-    keys are missing, raised here rather than after the world is loaded. `path` is the theatre's.
+    has nodes open its scenarios. A UserError if keys are missing, before the world is loaded.
     """
     cluster = theatre.cluster
     if node is None or cluster is None:

@@ -115,35 +115,25 @@ class Controllers:
         """Make the actions, suggest their bindings and attach them to the session."""
         self._xr, self._session = xr, session
         self._paths = [xr.string_to_path(instance, hand) for hand in HANDS]
-        self._set = xr.create_action_set(
-            instance,
-            xr.ActionSetCreateInfo(
-                action_set_name="dive", localized_action_set_name="Dive", priority=0
-            ),
+        about = xr.ActionSetCreateInfo(
+            action_set_name="dive", localized_action_set_name="Dive", priority=0
         )
-        self._actions = {
-            name: xr.create_action(
-                self._set,
-                xr.ActionCreateInfo(
-                    action_name=name,
-                    action_type=getattr(xr.ActionType, kind),
-                    subaction_paths=self._paths,
-                    localized_action_name=name.capitalize(),
-                ),
+        self._set = xr.create_action_set(instance, about)
+        self._actions = {}
+        for name, kind in ACTIONS.items():
+            info = xr.ActionCreateInfo(
+                action_name=name,
+                action_type=getattr(xr.ActionType, kind),
+                subaction_paths=self._paths,
+                localized_action_name=name.capitalize(),
             )
-            for name, kind in ACTIONS.items()
-        }
+            self._actions[name] = xr.create_action(self._set, info)
         self._suggest(instance, extensions)
-        xr.attach_session_action_sets(
-            session, xr.SessionActionSetsAttachInfo(action_sets=[self._set])
-        )
-        self._aims = [
-            xr.create_action_space(
-                session,
-                xr.ActionSpaceCreateInfo(action=self._actions["aim"], subaction_path=path),
-            )
-            for path in self._paths
-        ]
+        attached = xr.SessionActionSetsAttachInfo(action_sets=[self._set])
+        xr.attach_session_action_sets(session, attached)
+        aim = self._actions["aim"]
+        spaces = [xr.ActionSpaceCreateInfo(action=aim, subaction_path=at) for at in self._paths]
+        self._aims = [xr.create_action_space(session, space) for space in spaces]
         self._queries = [
             {
                 name: xr.ActionStateGetInfo(action=action, subaction_path=path)
@@ -163,14 +153,12 @@ class Controllers:
                 )
                 for action, path in profile.paths()
             ]
-            path = xr.string_to_path(instance, f"/interaction_profiles/{name}")
+            suggested = xr.InteractionProfileSuggestedBinding(
+                interaction_profile=xr.string_to_path(instance, f"/interaction_profiles/{name}"),
+                suggested_bindings=bindings,
+            )
             with suppress(xr.PathUnsupportedError):  # a runtime that lacks this controller
-                xr.suggest_interaction_profile_bindings(
-                    instance,
-                    xr.InteractionProfileSuggestedBinding(
-                        interaction_profile=path, suggested_bindings=bindings
-                    ),
-                )
+                xr.suggest_interaction_profile_bindings(instance, suggested)
 
     def read(self, space: Any, time: int) -> tuple[Hand, Hand]:
         """The hands; their poses in a space at a time of the runtime, ns, 0 if unknown."""

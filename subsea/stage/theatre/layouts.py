@@ -15,14 +15,7 @@ from subsea.base.arrays import Array
 from subsea.base.errors import UserError
 from subsea.stage.theatre import lenses, screens
 from subsea.stage.theatre.measured_mesh import heading_pitch_roll
-from subsea.stage.theatre.theatre_file import (
-    Angles,
-    Cylinder,
-    Dome,
-    Plane,
-    Point,
-    SphericalMirror,
-)
+from subsea.stage.theatre.theatre_file import Angles, Cylinder, Dome, Plane, Point, SphericalMirror
 from subsea.view.camera import axes_of
 from subsea.view.rig import Rect
 
@@ -248,13 +241,13 @@ def _dome(measures: Mapping[str, float]) -> TheatreLayout:
     count, radius = int(measures["projectors"]), measures["radius"]
     dome = Dome(tilt_deg=measures["tilt"], distance_cm=max(radius, 50.0))
     title = f"A dome, projectors: {count}"
+    turned = axes_of(0.0, -math.radians(measures["tilt"]))  # its zenith leans to the front
     if count == 1:
-        lens = lenses.Lens(np.zeros(3), _tilted(np.eye(3), measures["tilt"]), (1.0, 1.0))
-        fisheye = PlannedChannel("dome", dome, lens)
+        fisheye = PlannedChannel("dome", dome, lenses.Lens(np.zeros(3), turned, (1.0, 1.0)))
         return TheatreLayout(title, [fisheye], -measures["eye"], dome=dome)
     if count < 4:
         raise UserError(f"--projectors {count}: a dome has 1 (a fisheye), or 4 or more")
-    overlap, turned = measures["overlap"] / 100.0, _tilted(np.eye(3), measures["tilt"])
+    overlap = measures["overlap"] / 100.0
     channels: list[PlannedChannel] = []
     for name, (heading, angles) in zip(names_of(count), _patches(count, overlap), strict=True):
         axes = axes_of(heading, math.radians(angles.pitch_deg)) @ turned
@@ -355,11 +348,6 @@ def _mirror(measures: Mapping[str, float]) -> TheatreLayout:
     return TheatreLayout(
         "A dome with a spherical mirror", [channel], -measures["eye"], False, dome, sphere, notes
     )
-
-
-def _tilted(axes: Array, tilt_deg: float) -> Array:
-    """Axes (3, 3) of a dome whose zenith leans to the front."""
-    return np.asarray(axes @ axes_of(0.0, -math.radians(tilt_deg)))
 
 
 def _aspect(measures: Mapping[str, float]) -> float:

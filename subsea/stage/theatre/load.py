@@ -29,9 +29,8 @@ FIELD = {"left_deg": -40, "right_deg": 40, "down_deg": -25, "up_deg": 25}
 def load_theatre(name: str) -> tuple[Theatre, Path]:
     """Load the theatre called `name`, or from the path `name`; return it with its file.
 
-    The suffix of a path tells which program's file it is (`READERS`,
-    or a registered format). Raises a UserError; the
-    geometry of screens is checked when they are built.
+    The suffix of a path tells which program's file it is (`READERS`, or a registered format).
+    Raises a UserError; the geometry of screens is checked when they are built.
     """
     suffix = Path(name).suffix.lower()
     others = registered(THEATRE_FORMATS)

@@ -20,6 +20,7 @@ FINER = 2  # times more pixels while drawing
 PAPER, INK, FAINT, EYE = (250, 250, 247), (40, 44, 50), (205, 207, 210), (200, 30, 40)
 EDGE = np.linspace(0.0, 1.0, 25)
 ROUND = np.linspace(0.0, 2.0 * math.pi, 73)
+RIM = np.stack([np.cos(ROUND), np.zeros_like(ROUND), np.sin(ROUND)], axis=1)
 # Rows: right and up on the paper, for points right, up, ahead.
 VIEWS = {
     "from above": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
@@ -124,9 +125,7 @@ def _edge(theatre: Theatre, one: ProjectorChannel) -> Array:
             points *= room.dome.distance_cm / np.linalg.norm(points, axis=1, keepdims=True)
         return np.asarray(eye + points)
     if one.shape == Projection.DOME:
-        axes = axes_of(0.0, -one.surround.wide[1])
-        rim = np.stack([np.cos(ROUND), np.zeros_like(ROUND), np.sin(ROUND)], axis=1)
-        return np.asarray(eye + far * rim @ axes)
+        return np.asarray(eye + far * RIM @ axes_of(0.0, -one.surround.wide[1]))
     half = one.surround.wide[0] / 2.0 if one.shape == Projection.PANORAMA else math.pi
     turn = np.linspace(-half, half, 49)
     tall = 2.0 * half * one.place[3] / one.place[2] / 2.0
@@ -147,8 +146,7 @@ def _middle(theatre: Theatre, one: ProjectorChannel) -> Array:
 def _dome(eye: Array, radius: float, tilt_deg: float) -> Iterator[RoomLine]:
     """The rim and the meridians of a dome about the eye."""
     axes = axes_of(0.0, -math.radians(tilt_deg))
-    rim = np.stack([np.cos(ROUND), np.zeros_like(ROUND), np.sin(ROUND)], axis=1)
-    yield RoomLine(eye + radius * rim @ axes, INK, 2.0)
+    yield RoomLine(eye + radius * RIM @ axes, INK, 2.0)
     half = ROUND[: len(ROUND) // 2 + 1]
     for turn in np.radians([0.0, 45.0, 90.0, 135.0]):
         flat = np.cos(half)

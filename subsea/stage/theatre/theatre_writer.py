@@ -213,12 +213,8 @@ def compose_layout(
     if computers:
         lines += ["", "# One computer shows all nodes as it stands. For several enter the master's"]
         lines += ["# own address, make keys with"]
-        lines += [f'# `subsea keys keys {" ".join(names)}`, and add `keys = "keys"`.']
-        lines += [
-            "[cluster]",
-            f'master = "{front_channel(layout).name}"',
-            'address = "127.0.0.1:5560"',
-        ]
+        lines += [f'# `subsea keys keys {" ".join(names)}`, and add `keys = "keys"`.', "[cluster]"]
+        lines += [f'master = "{front_channel(layout).name}"', 'address = "127.0.0.1:5560"']
     return "\n".join(lines) + "\n"
 
 

@@ -1,7 +1,4 @@
-"""Learning and recording of an edited species as processes, a first dive with it, and the pane.
-
-Commands as processes: their progress and their exit codes.
-"""
+"""Learning and recording of an edited species as processes, a first dive with it, and the pane."""
 
 import re
 import signal

@@ -1,9 +1,7 @@
-"""Panels with the numbers of a species: shape, body, motion, colours and names.
+"""Panels of a species: its numbers, the options of the views, and the swimming preview.
 
 A dragged or typed number is shown at once and recorded when it is released. An invalid one is
 refused with a message in the status line.
-
-The options of the outline views, and the swimming preview with its modes.
 """
 
 from collections.abc import Callable

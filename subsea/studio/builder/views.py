@@ -1,9 +1,8 @@
 """The side and the top view of a fish: outline and scaffold, with points to drag.
 
 Both keep the same scale and place along the body. The nodes of a ring have the same colour in both,
-and a point in one view is highlighted in the other (KS I.B).
-
-A photograph behind the side view, to trace its outline.
+and a point in one view is highlighted in the other (KS I.B). A photograph may lie behind the side
+view, to trace its outline.
 """
 
 from pathlib import Path
@@ -159,12 +158,8 @@ class OutlineViews:
 
     def _draw_crosshair(self, canvas: Viewport2D, view: View, editing: EditState) -> None:
         """Draw a line through both views at the hovered or else the selected point."""
-        path = editing.hovered or editing.selected
-        if path is None:
-            return
-        draft = editing.present
-        x = place_of(draft, path)
-        if x is None:
+        path, draft = editing.hovered or editing.selected, editing.present
+        if path is None or (x := place_of(draft, path)) is None:
             return
         canvas.line([(x, -2.0), (x, 2.0)], MARK, 1.0, 0.45)
         if path[0] == "surface":
@@ -236,13 +231,10 @@ def outlines(species: Species) -> dict[str, Array]:
         ("ventral", surface.ventral, surface.belly),
     ):
         if plan:
-            free, root = (
-                points_along(plan.edge, np.linspace(0.0, 1.0, 40)),
-                np.linspace(*plan.base, 20),
-            )
-            shapes[f"side {name} fin"] = _closed(
-                [free[:, 0], root[::-1]], [free[:, 1], along(ridge, root)[::-1]]
-            )
+            free = points_along(plan.edge, np.linspace(0.0, 1.0, 40))
+            root = np.linspace(*plan.base, 20)
+            heights = [free[:, 1], along(ridge, root)[::-1]]
+            shapes[f"side {name} fin"] = _closed([free[:, 0], root[::-1]], heights)
     for name, paddle in (("pectoral", surface.pectoral), ("pelvic", surface.pelvic)):
         if paddle:
             shapes[f"side {name} fin"] = _paddle(paddle)
@@ -274,11 +266,9 @@ def _paddle(plan: PaddlePlan) -> Array:
 
 def place_of(draft: SpeciesDraft, path: KeyPath) -> float | None:
     """Return the distance of a point from the snout; None if it does not exist."""
-    for view in ("side", "top"):
-        for handle in handles(draft, view):
-            if handle.path == path:
-                return handle.at[0]
-    return None
+    views: tuple[View, ...] = ("side", "top")
+    points = (handle for view in views for handle in handles(draft, view))
+    return next((point.at[0] for point in points if point.path == path), None)
 
 
 def scaffold(view: View, species: Species) -> Array:

@@ -15,13 +15,7 @@ from subsea.fish.species import is_shipped, own_species_file, species_file
 from subsea.rendering.fish.preview import Orbit
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.repertoire.findings import FishFinding
-from subsea.studio.builder.assessment import (
-    Assessment,
-    Picture,
-    assess,
-    draft_sheet,
-    draw_findings,
-)
+from subsea.studio.builder.assessment import Assessment, Picture, assess, draft_sheet, draw_findings
 from subsea.studio.builder.jobs import CaptureJobs, draw_jobs, is_known, recorded
 from subsea.studio.builder.panels import NumberPanels, draw_preview, draw_view_options, room
 from subsea.studio.builder.views import OutlineViews, PhotoOverlay, read_photo, textured_view

@@ -8,14 +8,7 @@ from numpy.typing import NDArray
 
 from subsea.rendering.gl.textures import ImageTexture
 from subsea.studio import mesh_edit
-from subsea.studio.deformable_mesh import (
-    BODY,
-    DORSAL,
-    VENTRAL,
-    EdgeField,
-    FishMeshes,
-    copy_meshes,
-)
+from subsea.studio.deformable_mesh import BODY, DORSAL, VENTRAL, EdgeField, FishMeshes, copy_meshes
 from subsea.studio.mesh_edit import MeshNode
 from subsea.studio.side_view import outline, subdivide
 from subsea.studio.skin_editor.document import SkinDocument
