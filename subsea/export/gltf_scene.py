@@ -466,16 +466,15 @@ def _each(scene: Scene) -> Iterator[int]:
 
 def _samples(scene: Scene, model: int) -> Array:
     """Sample points (F, n, 3), cm, at the size of the model, of frames of all its fishes."""
-    mine = [(k, fish) for k, fish in enumerate(scene.fishes) if fish.model == model]
-    ends = np.cumsum([fish.last - fish.first + 1 for _, fish in mine])
-    frames = np.linspace(0, ends[-1] - 1, min(SAMPLES, int(ends[-1]))).astype(int)
-    out = []
-    for frame in frames:
-        place = int(np.searchsorted(ends, frame, side="right"))
-        column, fish = mine[place]
-        at = fish.last - int(ends[place] - 1 - frame)
-        out.append(scene.points(column, at, at)[0][0] / fish.scale)
-    return np.array(out)
+    frames = [
+        (column, frame, fish.scale)
+        for column, fish in enumerate(scene.fishes)
+        if fish.model == model
+        for frame in range(fish.first, fish.last + 1)
+    ]
+    chosen = np.linspace(0, len(frames) - 1, min(SAMPLES, len(frames))).astype(int)
+    places = (frames[k] for k in chosen)
+    return np.array([scene.points(fish, at, at)[0][0] / scale for fish, at, scale in places])
 
 
 WRITER = SceneWriter(_check, _estimate, _write)

@@ -7,13 +7,7 @@ from subsea.base.command_line import number_reader
 from subsea.base.errors import UserError
 from subsea.export import COMPRESSIONS, PLAIN
 
-FORMAT_OF = {
-    "morph": "gltf",
-    "vat": "gltf",
-    "compress": "gltf",
-    "instances": "gltf",
-    "poses": "usd",
-}
+FORMAT_OF = dict.fromkeys(("morph", "vat", "compress", "instances"), "gltf") | {"poses": "usd"}
 
 
 @dataclass(frozen=True)
