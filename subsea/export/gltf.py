@@ -203,7 +203,10 @@ def add_bind(buffer: glb.GlbBuffer, joints: list[Joint], grid: glb.PositionGrid)
 def joint_tracks(
     pack: glb.Packing, joints: list[Joint], motion: Array, first: int, times: int
 ) -> list[KeyTrack]:
-    """Make tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4)."""
+    """Make tracks of joints, the first of node `first`, for rigid motions (T, J, 3, 4).
+
+    The motions are in cm and body axes.
+    """
     places = np.array([joint.place for joint in joints])
     turn, place = motion[..., :3], motion[..., :3] @ places[:, :, None] + motion[..., 3:]
     # Relative to the parents; row 0 stands for the root.

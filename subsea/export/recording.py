@@ -153,7 +153,10 @@ def record_scene(film: SceneFilmOptions, announce: Announce = lambda extent: Non
 
 
 def _replay_of(film: SceneFilmOptions, path: Path) -> tuple[SceneFilmOptions, Record]:
-    """Return the options of the dive that `subsea simulate` recorded, and the record."""
+    """Return the options of the dive that `subsea simulate` recorded, and the record.
+
+    UserError for a record of another scenario.
+    """
     record, origin = read_record(path), read_origin(path)
     source = film.loaded.path
     if not origin.scenario_sha256:

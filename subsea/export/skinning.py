@@ -53,7 +53,10 @@ def fit_skeleton(
     goal: Array,
     progress: Callable[[Sequence[int]], Iterable[int]] = lambda rounds: rounds,
 ) -> Skeleton:
-    """Fit a skeleton to vertices (F, n, 3), cm, body axes, at the size of the model."""
+    """Fit a skeleton to vertices (F, n, 3), cm, body axes, at the size of the model.
+
+    `progress` wraps the rounds.
+    """
     joints = place_joints(model)
     rest, far = _homogeneous(model), _distances(model, joints)
     near = far.argsort(axis=1)[:, :NEAR]

@@ -46,7 +46,10 @@ class MeshPart(NamedTuple):
 
 
 def set_up(stage: Any, fps: float, last: int, species: Iterable[str], **notes: Any) -> None:
-    """Set axes, units, time codes and licence of a stage with the frames 0 to `last`."""
+    """Set axes, units, time codes and licence of a stage with the frames 0 to `last`.
+
+    `species` names the species in it. `notes` go to its custom data.
+    """
     layer = stage.GetRootLayer()
     layer.documentation = copyright_line(species)
     layer.customLayerData = {"copyright": layer.documentation} | notes
@@ -214,7 +217,10 @@ def identifier(name: str) -> str:
 
 @contextmanager
 def stage_file(path: Path) -> Iterator[Path]:
-    """Give a place for a stage, which replaces `path` once it is whole."""
+    """Give a place for a stage, which replaces `path` once it is whole.
+
+    UserError if the library cannot write it.
+    """
     with replacing(path) as part, partial_folder(part) as folder:
         plain = folder / path.name  # the library needs the suffix
         try:

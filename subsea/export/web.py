@@ -130,7 +130,10 @@ def _packed(options: SceneOptions) -> SceneOptions:
 
 
 def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
-    """Write the page of a scene into a folder; return its files."""
+    """Write the page of a scene into a folder; return its files.
+
+    All files appear at the end, or none. UserError if a file cannot be written.
+    """
     three = find_three()
     files = {name: resource_path(f"assets/web/{name}").read_bytes() for name in PAGE}
     files |= {f"three/{name}": (three / name).read_bytes() for name in THREE}
@@ -148,7 +151,10 @@ def _write(scene: Scene, out: Path, options: SceneOptions) -> list[Path]:
 
 
 def find_three() -> Path:
-    """Find the folder of three.js in the version that the page is written for."""
+    """Find the folder of three.js in the version that the page is written for.
+
+    UserError with the command that installs it if it is missing.
+    """
     wanted = json.loads(resource_path("assets/web/package.json").read_text("utf-8"))
     version = wanted["dependencies"]["three"]
     users = own_path("web")

@@ -65,7 +65,10 @@ class BenchmarkOptions:
 
 
 def benchmark(options: BenchmarkOptions) -> int:
-    """Measure, print the report as a table and write the results; returns the exit code."""
+    """Measure, print the report as a table and write the results; returns the exit code.
+
+    Raises a UserError before anything is measured if something cannot be shown, read or written.
+    """
     _check_results(options)
     if options.plot is not None:
         require("plot", "plots")

@@ -53,7 +53,10 @@ T = TypeVar("T")
 
 
 def describe_machine(graphics: Mapping[str, str]) -> dict[str, Any]:
-    """Collect data to cite with a figure; `graphics` is the `info` of an OpenGL context."""
+    """Collect data to cite with a figure; `graphics` is the `info` of an OpenGL context.
+
+    `load` is the load average of the last minute, None where the system has none.
+    """
     return {
         "cpu": _processor(),
         "cores": cores(),

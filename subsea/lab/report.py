@@ -65,7 +65,10 @@ def refuse_clashes(records: Sequence[Path], results: list[Path]) -> None:
 
 
 def measure(record: Record, check: Callable[[], None] = lambda: None) -> Measured:
-    """Compute all measures of docs/reference/records.md; None where there is nothing to measure."""
+    """Compute all measures of docs/reference/records.md; None where there is nothing to measure.
+
+    `check`, which may raise, is called between two of them.
+    """
     ticks, n = record.alive.shape
     found: Measured = {
         "seed": record.seed,

@@ -92,7 +92,10 @@ class Provenance(NamedTuple):
 def provenance_of(
     scenario: Scenario, source: Path, changes: Sequence[str], module: str
 ) -> Provenance:
-    """Collect the provenance of a run of a scenario from the file `source`."""
+    """Collect the provenance of a run of a scenario from the file `source`.
+
+    `module` is the file of the code that makes the result. A missing file is a UserError.
+    """
     names = tuple(scenario.species)
     return Provenance(
         program=f"subsea {__version__}",
@@ -177,7 +180,10 @@ def record_run(
 
 
 def live_records(world: World, ticks: int, fish_ticks: int) -> Iterator[record.Record]:
-    """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory."""
+    """Step a world for `ticks` ticks; yield records of at most `fish_ticks` each, in memory.
+
+    `check`, which may raise, is called before each tick.
+    """
     number = len(world.state.fishes.species)
     names = {name: list(words) for name, words in _names(world).items()}
     constants = _constants(world)

@@ -231,7 +231,10 @@ def beat_of(aside: Array, tick_s: float) -> tuple[Array, Array]:
 
 
 def _rolls(orientation: Array, alive: Bools, tick_s: float) -> Array:
-    """Measure the greatest roll (k,) beside its mean in stretches of ROLL_S, degrees."""
+    """Measure the greatest roll (k,) beside its mean in stretches of ROLL_S, degrees.
+
+    `orientation` (T, n, 4) are unit quaternions.
+    """
     _, x, y, _ = np.moveaxis(orientation.astype(np.float64), -1, 0)
     right = 1.0 - 2.0 * (x**2 + y**2)  # height of the fish's right side
     aside = np.degrees(np.arcsin(np.clip(right, -1.0, 1.0)))

@@ -158,7 +158,10 @@ def _thinned(found: Swimming) -> Swimming:
 def run_trials(
     chosen: Iterable[SeaTrial], pool: Pool[int], check: Check = lambda: None
 ) -> tuple[list[tuple[SeaTrial, SeaMeasures]], list[SeaTrial]]:
-    """Run trials; returns them with their measures in their order, and those that crashed."""
+    """Run trials; returns them with their measures in their order, and those that crashed.
+
+    `check` is called meanwhile and may raise.
+    """
     jobs = dict(enumerate(chosen))
     done: dict[int, SeaMeasures] = {}
     with progress(len(jobs), "run") as count:

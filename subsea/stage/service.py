@@ -25,7 +25,10 @@ SOCKET = "NOTIFY_SOCKET"  # variable with the address; "@" begins an abstract on
 
 
 def notify(**fields: object) -> None:
-    """Send fields such as ``READY=1``; without a service manager do nothing."""
+    """Send fields such as ``READY=1``; without a service manager do nothing.
+
+    Never waits: a message that cannot be sent at once is dropped.
+    """
     address = os.environ.get(SOCKET, "")
     if not address or not hasattr(socket, "AF_UNIX"):
         return

@@ -157,7 +157,10 @@ def shown_windows(
 
 
 def shrink_theatre(theatre: Theatre, times: int) -> Theatre:
-    """The same theatre with `times` fewer pixels a side."""
+    """The same theatre with `times` fewer pixels a side.
+
+    A UserError if a window or viewport would get smaller than a file may ask for.
+    """
     if times == 1:
         return theatre
 
@@ -199,7 +202,10 @@ def import_notes(theatre: Theatre) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def describe(name: str, write: Path | None = None, force: bool = False) -> int:
-    """Print the parts and faults of a theatre; exit code 0 if all works, else 1."""
+    """Print the parts and faults of a theatre; exit code 0 if all works, else 1.
+
+    `write`: also write it as a theatre file of our own.
+    """
     theatre, path = load_theatre(name)
     if write is not None:
         for file in write_theatre(theatre, path, write, force):

@@ -349,7 +349,10 @@ def _walk(show: Show, item: int, elapsed_s: float) -> tuple[int, float]:
 
 
 def _latest_start(show: Show, after: datetime, until: datetime) -> tuple[datetime, int] | None:
-    """Find the last start by the clock after one local time and until another, and its item."""
+    """Find the last start by the clock after one local time and until another, and its item.
+
+    Starts more than a day back do not count.
+    """
     midnight = until.replace(hour=0, minute=0, second=0, microsecond=0)
     starts = [
         (day + timedelta(minutes=item.minute), number)

@@ -160,7 +160,10 @@ def _counts(text: str) -> dict[str, int]:
 
 
 def describe_show(path: Path) -> int:
-    """Print the timetable of today and what is missing; 1 if anything is."""
+    """Print the timetable of today and what is missing; 1 if anything is.
+
+    At night that of the evening before, while its hours last.
+    """
     show, today = show_file.load_show(path), show_file.clock_now().local.date()
     day = show_file.day_of(show.hours, show_file.clock_now().local)
     items = count_noun(len(show.item), "item", "items")

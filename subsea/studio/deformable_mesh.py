@@ -123,7 +123,10 @@ def set_rest_shape(meshes: FishMeshes) -> None:
 
 
 def transform(meshes: FishMeshes, matrix: Array, about: Array, shift: Array | float) -> None:
-    """Apply `matrix` (2, 2) about a point, then a shift, to meshes and rest shapes."""
+    """Apply `matrix` (2, 2) about a point, then a shift, to meshes and rest shapes.
+
+    Anchors and mouse targets stay.
+    """
     matrix = np.asarray(matrix, np.float64)
     scale = np.sqrt(abs(np.linalg.det(matrix)))
     for one in meshes.parts.values():

@@ -148,7 +148,10 @@ def changed_on_disk(path: Path, known: SpeciesDraft | None) -> bool:
 
 
 def save_draft(draft: SpeciesDraft, path: Path) -> None:
-    """Write the species file atomically, and the picture of a copied species if it is missing."""
+    """Write the species file atomically, and the picture of a copied species if it is missing.
+
+    UserError on failure.
+    """
     text = to_toml(draft)
     if draft.sheet and (name := draft.species.skin.sheet):
         own = path.with_name(name)

@@ -340,7 +340,10 @@ def _hill_climb(
 
 
 def snap_to_outline(meshes: FishMeshes, colour: Bytes, mask: Bools) -> None:
-    """Snap roughly placed meshes to the outline of a fish in a picture (h, w, 3)."""
+    """Snap roughly placed meshes to the outline of a fish in a picture (h, w, 3).
+
+    ``mask`` (h, w) is the segmented fish.
+    """
     length = meshes.length
     for width in COARSE_BLURS:
         relax(meshes, edge_field(mask, max(width * length, 1.0)), still=0.02, most=600)

@@ -196,7 +196,10 @@ def pull_push(values: Array, share: Array) -> Array:
 
 
 def rasterize(corners: Array, values: Array, shape: tuple[int, int]) -> Array:
-    """Values (h, w, k) under a mesh with `corners` (m, n, 2) and `values` (m, n, k)."""
+    """Values (h, w, k) under a mesh with `corners` (m, n, 2) and `values` (m, n, k).
+
+    Linear on its triangles; NaN outside.
+    """
     out = np.full((*shape, values.shape[2]), np.nan, np.float32)
     _draw(np.ascontiguousarray(corners), np.ascontiguousarray(values, np.float64), out)
     return out

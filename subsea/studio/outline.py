@@ -26,7 +26,10 @@ FEWEST = {"back": 3, "belly": 3, "width": 3, "dorsal": 3, "ventral": 3, "tail": 
 def add_point(
     draft: SpeciesDraft, view: View, at: tuple[float, float]
 ) -> tuple[SpeciesDraft, KeyPath]:
-    """Add a point to the nearest line of a view; return its path too."""
+    """Add a point to the nearest line of a view; return its path too.
+
+    EditError if a point of the line is too close already.
+    """
     path = nearest_line(draft, view, at)[0]
     at = (at[0], abs(at[1])) if view == "top" else at
     _, k, place = _distance(_lines(draft, view)[path], at)
@@ -56,7 +59,10 @@ def add_point(
 
 
 def nearest_line(draft: SpeciesDraft, view: View, at: tuple[float, float]) -> tuple[KeyPath, float]:
-    """The line of a view nearest to a point, and its distance, body lengths."""
+    """The line of a view nearest to a point, and its distance, body lengths.
+
+    Both sides of the top view count as one.
+    """
     at = (at[0], abs(at[1])) if view == "top" else at
     found = [(path, _distance(points, at)[0]) for path, points in _lines(draft, view).items()]
     return min(found, key=lambda pair: pair[1])

@@ -96,7 +96,10 @@ class Photograph(NamedTuple):
 
 
 def read_photograph(path: Path) -> Photograph:
-    """Read a photograph upright, in sRGB and with at most `WORK` pixels on its longer side."""
+    """Read a photograph upright, in sRGB and with at most `WORK` pixels on its longer side.
+
+    UserError for a file that is not a picture, damaged, too large or too small.
+    """
     size = check_input(path)
     try:
         if size > MOST_BYTES:

@@ -39,7 +39,10 @@ UNPRINTED = re.compile(r"[^\w .,:'()/+-]")
 
 
 def identity_of(world: World, view: Mapping[str, str] = NO_VIEW) -> Identity:
-    """The parts that make this world and its picture, each with its value or its hash."""
+    """The parts that make this world and its picture, each with its value or its hash.
+
+    ``view`` adds parts of the theatre and the display.
+    """
     library, recorded = world.library, len(world.library.entry)
     tables = {
         name: getattr(library, name)[:recorded]

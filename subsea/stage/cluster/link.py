@@ -52,7 +52,10 @@ def endpoint(address: str, keys: Keys | None) -> str:
 def listening(
     context: "zmq.Context[Any]", address: str, keys: Keys | None, limit: int
 ) -> tuple[Any, Any]:
-    """Listen as the master; return the socket, and one that reports `failed` handshakes."""
+    """Listen as the master; return the socket, and one that reports `failed` handshakes.
+
+    Parts of more than `limit` bytes end a connection.
+    """
     where = endpoint(address, keys)
     socket = _socket(context, zmq.ROUTER, limit)
     socket.rcvhwm = UNREAD
@@ -125,7 +128,10 @@ def _socket(context: "zmq.Context[Any]", kind: int, limit: int) -> Any:
 
 
 def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -> Keys | None:
-    """Read the keys of `node`, if the theatre file `path` names a folder of keys."""
+    """Read the keys of `node`, if the theatre file `path` names a folder of keys.
+
+    Missing keys, and an address that needs keys where none are named, are UserErrors.
+    """
     try:
         keys = None
         if cluster.keys is not None:
@@ -139,7 +145,10 @@ def credentials(cluster: Cluster, nodes: Sequence[str], node: str, path: Path) -
 
 
 def cluster_faults(cluster: Cluster, nodes: Sequence[str], path: Path) -> tuple[UserError, ...]:
-    """Errors of the nodes that have a secret key on this computer; of the master if none has."""
+    """Errors of the nodes that have a secret key on this computer; of the master if none has.
+
+    A computer needs no secret key but its own.
+    """
     here = [cluster.master]
     if cluster.keys is not None:
         folder = path.parent / cluster.keys

@@ -39,7 +39,10 @@ class Board:
         self._wanted_s = self._beat_s = -np.inf
 
     def put(self, command: PresenterCommand) -> "Future[str]":
-        """Ask the dive for a command; its result is a text, or a UserError."""
+        """Ask the dive for a command; its result is a text, or a UserError.
+
+        A UserError if too many are waiting.
+        """
         done: Future[str] = Future()
         try:
             self._waiting.put_nowait((command, done))

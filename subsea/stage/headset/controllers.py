@@ -112,7 +112,10 @@ class Controllers:
     """The action set of a session."""
 
     def __init__(self, xr: Any, instance: Any, session: Any, extensions: set[str]) -> None:
-        """Make the actions, suggest their bindings and attach them to the session."""
+        """Make the actions, suggest their bindings and attach them to the session.
+
+        `extensions` of OpenXR that are enabled.
+        """
         self._xr, self._session = xr, session
         self._paths = [xr.string_to_path(instance, hand) for hand in HANDS]
         about = xr.ActionSetCreateInfo(

@@ -35,7 +35,10 @@ FULL_TURN, FULL_CLIMB = 0.7, 0.6  # rad by which a hand points aside, or up, for
 
 
 def put_on(windows: WindowSet, gui: Gui, note: Callable[[str], None]) -> "HeadsetDisplay":
-    """Connect the headset to the windows of a dive; a UserError if there is none."""
+    """Connect the headset to the windows of a dive; a UserError if there is none.
+
+    `note` shows a line to the diver.
+    """
     display = HeadsetDisplay(open_headset(), windows.context, gui, windows.pilot, note)
     windows.gamepads.read_hands = display.gamepad
     windows.wait_for_display(False)
@@ -53,7 +56,10 @@ class HeadsetDisplay:
         pilot: Pilot,
         note: Callable[[str], None],
     ) -> None:
-        """The `context` is the one that the session was opened in."""
+        """The `context` is the one that the session was opened in.
+
+        Comfort follows the settings of the `pilot`; `note` shows a line to the diver.
+        """
         self.headset = headset
         self.eyes: Sequence[head.HeadEye] = head.AT_REST
         self.home: head.Home = head.AT_ORIGIN

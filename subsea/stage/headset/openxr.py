@@ -45,7 +45,10 @@ class _Swapchain(NamedTuple):
 
 
 def open_headset() -> "OpenXrHeadset":
-    """Open a session that draws with the OpenGL context which is current in this thread."""
+    """Open a session that draws with the OpenGL context which is current in this thread.
+
+    A UserError says in one line what is missing.
+    """
     xr = _library()
     with opening(xr), ExitStack() as made:
         instance, extensions = make_instance(xr, made, graphics=True)
@@ -376,7 +379,10 @@ def opening(xr: Any) -> Iterator[None]:
 
 
 def make_instance(xr: Any, made: ExitStack, graphics: bool) -> tuple[Any, set[str]]:
-    """Make an instance, which `made` destroys; also the extensions that are enabled in it."""
+    """Make an instance, which `made` destroys; also the extensions that are enabled in it.
+
+    `graphics`: a UserError if the runtime does not support OpenGL.
+    """
     properties = xr.enumerate_instance_extension_properties()
     offered = {_text(extension.extension_name) for extension in properties}
     wanted = {OPENGL, controllers.HAND_INTERACTION} & offered

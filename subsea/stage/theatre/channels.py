@@ -70,7 +70,10 @@ class ProjectorChannel:
 def usable_channels(
     theatre: theatre_file.Theatre, path: Path
 ) -> tuple[tuple[ProjectorChannel, ...], tuple[UserError, ...]]:
-    """The channels that work, and an error for each fault in the file `path`."""
+    """The channels that work, and an error for each fault in the file `path`.
+
+    Raises the first error if no channel works.
+    """
     usable: list[ProjectorChannel] = []
     faults: list[UserError] = []
     for k, channel in enumerate(theatre.channel):

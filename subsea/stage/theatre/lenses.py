@@ -191,7 +191,10 @@ def mirror_setup(
 def traced(
     start: Array, ways: Array, centre: Array, mirror: float, radius: float
 ) -> tuple[Array, Array, Array]:
-    """Points (n, 3) on the mirror, reflected directions, and points on the dome about 0."""
+    """Points (n, 3) on the mirror, reflected directions, and points on the dome about 0.
+
+    `ways` (n, 3) are unit directions from `start` (3,); NaN where light passes the mirror by.
+    """
     away = start - centre
     b = ways @ away
     with np.errstate(invalid="ignore"):

@@ -133,7 +133,10 @@ READERS: dict[str, Callable[[Path], ImportedTheatre]] = {
 
 
 def _faults(theatre: Theatre) -> Iterator[tuple[str, str]]:
-    """Find names that are taken or unknown, and windows and channels that overlap: key, message."""
+    """Find names that are taken or unknown, and windows and channels that overlap: key, message.
+
+    Each fault after the first one may follow from those before it.
+    """
     names = [channel.name for channel in theatre.channel]
     windows = {window.name: window for window in theatre.window}
     for kind, given in (("window", [window.name for window in theatre.window]), ("channel", names)):

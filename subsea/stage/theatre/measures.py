@@ -74,7 +74,10 @@ def ask(
     tell: Callable[[str], object],
     kind: str | None = None,
 ) -> tuple[str, dict[str, float]]:
-    """Ask for the kind and for each measure that is not given; an empty answer is the default."""
+    """Ask for the kind and for each measure that is not given; an empty answer is the default.
+
+    `read` shows a question and returns a line, `tell` shows why an answer does not fit.
+    """
     while kind not in KINDS:
         if kind:
             tell(str(unknown("kind of theatre", kind, list(KINDS))))

@@ -48,7 +48,10 @@ def read_warp(path: Path, size: Size) -> tuple[Warp, NDArray[np.float32] | None]
 
 
 def read_mesh(path: Path, size: Size) -> MeasuredMesh:
-    """Read all that a warp file says, with the view in a file beside it."""
+    """Read all that a warp file says, with the view in a file beside it.
+
+    The suffix tells the format (`FORMATS`).
+    """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise UserError(f"expected a warp file that ends in {', '.join(FORMATS)}", file=path)
@@ -149,7 +152,10 @@ def parse_obj(data: bytes, _: Size, where: str) -> MeasuredMesh:
 
 
 def obj_mesh(data: bytes, where: str, signed: bool = False) -> Warp:
-    """Read the mesh of an OBJ file without validating it."""
+    """Read the mesh of an OBJ file without validating it.
+
+    `signed`: x and y are from -1 to 1, whatever they are.
+    """
     points: list[list[float]] = []
     shown: list[list[float]] = []
     corners: list[tuple[int, int]] = []  # of all faces: indices of a point and its source

@@ -317,7 +317,10 @@ def _twins(handle: DragHandle) -> list[tuple[float, float]]:
 
 
 def textured_view(species: Species, sheet: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Box]:
-    """Return the sheet cut out along the outline, for the side view or that of a ray from above."""
+    """Return the sheet cut out along the outline, for the side view or that of a ray from above.
+
+    Pixels (h, w, 4), top row first; box in body lengths.
+    """
     surface = species.surface
     rows, columns = sheet.shape[0], sheet.shape[1]
     body = sheet[: round(BODY.top * rows)]

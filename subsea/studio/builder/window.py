@@ -103,7 +103,10 @@ class FishBuilder:
         self.editing.redo()
 
     def save(self) -> bool:
-        """Write the species file; a shipped species needs a new name first."""
+        """Write the species file; a shipped species needs a new name first.
+
+        Asks before it overwrites what another program wrote.
+        """
         if self.naming:
             self.window.show_message("it has no name yet: Make it, or Cancel", error=True)
             return False
@@ -349,7 +352,10 @@ def build(name: str | None, in_place: bool, over: Path | None) -> int:
 def builder_for(
     name: str | None, in_place: bool = False, over: Path | None = None
 ) -> Callable[[ToolWindow], FishBuilder]:
-    """Return what makes a builder; a faulty file is a UserError before a window opens."""
+    """Return what makes a builder; a faulty file is a UserError before a window opens.
+
+    A photograph `over` which the fish is drawn needs the extra `skin`.
+    """
     path = species_file(name or START)
     draft = read_draft(path)
     shipped = species_file(draft.key) if is_shipped(draft.key) else None

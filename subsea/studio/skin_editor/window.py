@@ -406,7 +406,10 @@ def edit_skin(
     mesh: Path | None,
     force: bool = False,
 ) -> int:
-    """Open the skin editor until it is closed; exit code 0."""
+    """Open the skin editor until it is closed; exit code 0.
+
+    Faults of the arguments are one-line UserErrors before the window opens.
+    """
     name = name or DEFAULT_SPECIES
     species, photograph = load_species(name), read_photograph(photo)
     side_view(species.surface)
