@@ -60,7 +60,6 @@ from subsea.studio.side_view import centred_matrix, make_fish_meshes
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.world import World
-from tools import fuzzing
 from tools import theatre_samples as theatres
 
 TEXT = (".toml", ".json", ".obj", ".csv", ".simcad", ".ol", ".skyskan", ".ndisplay")
@@ -623,15 +622,20 @@ def _time_limit() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-def add_keep(parser: argparse.ArgumentParser) -> None:
-    """Add --keep."""
+def main() -> int:
+    """Run from the command line; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("kinds", metavar="KIND", nargs="*", help=f"of {', '.join(KINDS)} (all)")
+    parser.add_argument("--rounds", type=int, default=1000, help="of each kind (1000)")
+    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("fuzz-findings"), metavar="DIR")
-
-
-def fuzz_chosen(name: str, options: argparse.Namespace) -> int:
-    """Damage files of a kind as the options say."""
-    return fuzz(name, KINDS[name], options.rounds, options.seed, options.keep)
+    options = parser.parse_args()
+    if wrong := {*options.kinds} - {*KINDS}:
+        parser.error(f"unknown kind {min(wrong)!r}; there are: {', '.join(KINDS)}")
+    kinds = options.kinds or [*KINDS]
+    found = [fuzz(kind, KINDS[kind], options.rounds, options.seed, options.keep) for kind in kinds]
+    return 1 if any(found) else 0
 
 
 if __name__ == "__main__":
-    sys.exit(fuzzing.main(__doc__, KINDS, 1000, fuzz_chosen, add_keep))
+    sys.exit(main())

@@ -27,8 +27,6 @@ from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
-from tools.fuzzing import resident_mb
-
 SCREEN = 800, 600
 SIZE = 480, 320  # of the window at the start
 BEGUN = 15  # pictures; Esc would end a dive that is still loading
@@ -189,6 +187,15 @@ def growth(memory_mb: list[float]) -> list[str]:
         return []
     grown = max(memory_mb[-quarter:]) / max(memory_mb[quarter : 2 * quarter]) - 1.0
     return [f"memory grew by {grown:.0%}"] if grown > GROWTH else []
+
+
+def resident_mb(process: int) -> list[float]:
+    """Read the resident memory of a process, MB, as a list; empty if it has ended."""
+    try:
+        status = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return []
+    return [int(kb) / 1024 for kb in re.findall(r"^VmRSS:\s*(\d+)", status, re.MULTILINE)]
 
 
 def _wait_for_start(dive: Dive) -> list[str]:
