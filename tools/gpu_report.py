@@ -5,29 +5,27 @@
 Writes FOLDER/report.json and FOLDER/report.md: every preset at three sizes, 60 to 100,000 fishes,
 the theatre of 4000x1000 pixels, stereo, a dome, the tables of the paper, and the stored pictures
 with their differences. Each case runs in a process of its own, so that a fault of a driver ends
-only this case. Both files are written after every case: Ctrl-C or the end of the time keeps what
-is measured. Cases that no longer fit are listed as left out.
-
---shrink divides the sizes of the pictures by N, for a trial on a slow machine.
+only this case. Both files are written after every case, so they hold what was measured before
+Ctrl-C or the end of the time. --shrink divides the sizes of the pictures by N, for a trial on a
+slow machine.
 """
 
 import argparse
 import json
-import platform
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
-SUBSEA = [sys.executable, "-m", "subsea"]
+BENCHMARK = [sys.executable, "-m", "subsea", "benchmark"]
 SIZES = ("1280x720", "1920x1080", "3840x2160")
 PRESETS = ("low", "medium", "high", "ultra")
 FISH = (60, 1_000, 10_000, 30_000, 100_000)
+MOST_S = 240.0  # a case is stopped after this time
 LEAST_S = 4.0  # a case is not begun with less time left
 LEAST_PX = 64  # a side of a picture
 GROUPS = ("start", "presets", "fishes", "dive", "displays", "pictures", "paper")
@@ -39,186 +37,131 @@ class Case:
 
     group: str
     name: str
-    command: list[str]
-    kind: str = "benchmark"  # also "text" and "pictures": what the command leaves
-    most_s: float = 90.0  # it is stopped after this time
-    state: str = "waiting"  # then done, failed, stopped or left out
-    reason: str = ""
-    seconds: float = 0.0
-    result: Any = field(default=None)
+    command: list[str]  # without the option that names a file for the result
+    fault: str = ""  # why there is no result
+    result: Any = None  # the content of that file, else the text that was printed
+
+    @property
+    def is_benchmark(self) -> bool:
+        """True if the command writes a report."""
+        return self.group not in ("pictures", "paper")
 
 
 def cases(options: argparse.Namespace) -> list[Case]:
-    """All cases of the chosen groups, in the order in which they run."""
-    frames, shrink = str(options.frames), options.shrink
+    """List all cases of the chosen groups, in the order in which they run."""
+    frames = ["--frames", str(options.frames)]
 
-    def benchmark(group: str, name: str, *words: str, most_s: float = 90.0) -> Case:
-        command = [*SUBSEA, "benchmark", "--frames", frames, *words]
-        return Case(group, name, command, most_s=most_s)
+    def size(text: str) -> list[str]:
+        width, height = (max(int(side) // options.shrink, LEAST_PX) for side in text.split("x"))
+        return ["--size", f"{width}x{height}"]
 
-    first = benchmark("start", "the first start: kernels and caches", "--size", "64x64")
-    first.command[first.command.index("--frames") + 1] = "1"
-    first.most_s = 240.0
-    found = [first]
-    for size in SIZES:
-        for preset in PRESETS:
-            words = "--size", smaller(size, shrink), "--quality", preset
-            found.append(benchmark("presets", f"{preset}, {size}", *words))
-    ocean, full_hd = (
-        ("--scenario", "open-ocean", "--fish"),
-        ("--size", smaller("1920x1080", shrink)),
-    )
-    for number in FISH:
-        words = *ocean, str(number), *full_hd
-        found.append(benchmark("fishes", f"{number:,}", *words, most_s=120.0))
-    together = "--without", "sync", *full_hd
-    drawn = [(f"{preset}, 1920x1080", ("--quality", preset)) for preset in PRESETS]
-    drawn += [(f"{number:,}", (*ocean, str(number))) for number in FISH[2:]]
-    found += [benchmark("dive", name, *together, *words, most_s=120.0) for name, words in drawn]
-    theatre = ["--theatre", "three-projectors", "--shrink", str(shrink), "--quality", "medium"]
-    found.append(benchmark("displays", "three channels, 4000x1000", *theatre))
-    for name, display, size in (
-        ("side by side", "side-by-side", "1920x1080"),
-        ("anaglyph", "anaglyph", "1920x1080"),
-        ("dome", "dome", "2048x2048"),
-    ):
-        view = ["--display", display, "--size", smaller(size, shrink), "--quality", "medium"]
-        found.append(benchmark("displays", f"{name}, {size}", *view))
+    ocean, full_hd = ["--scenario", "open-ocean", "--fish"], size("1920x1080")
+    drawn = {f"{preset}, 1920x1080": ["--quality", preset] for preset in PRESETS}
+    drawn |= {f"{number:,}": [*ocean, str(number)] for number in FISH[2:]}
+    theatre = ["--theatre", "three-projectors", "--shrink", str(options.shrink)]
+    shown = {
+        "three channels, 4000x1000": theatre,
+        "side by side, 1920x1080": ["--display", "side-by-side", *full_hd],
+        "anaglyph, 1920x1080": ["--display", "anaglyph", *full_hd],
+        "dome, 2048x2048": ["--display", "dome", *size("2048x2048")],
+    }
+    benchmarks = {
+        "start": {"the first start: kernels and caches": ["--frames", "1", "--size", "64x64"]},
+        "presets": {
+            f"{preset}, {pixels}": [*frames, *size(pixels), "--quality", preset]
+            for pixels in SIZES
+            for preset in PRESETS
+        },
+        "fishes": {f"{number:,}": [*frames, *ocean, str(number), *full_hd] for number in FISH},
+        "dive": {
+            name: [*frames, "--without", "sync", *full_hd, *words] for name, words in drawn.items()
+        },
+        "displays": {
+            name: [*frames, *words, "--quality", "medium"] for name, words in shown.items()
+        },
+    }
+    found = [
+        Case(group, name, [*BENCHMARK, *words])
+        for group, named in benchmarks.items()
+        for name, words in named.items()
+    ]
     tests = [sys.executable, "-m", "pytest", "tests/rendering", "-q", "-p", "no:cacheprovider"]
-    found.append(Case("pictures", "stored pictures", tests, "pictures", 150.0))
-    paper = [*SUBSEA, "benchmark", "--paper"]
-    found.append(Case("paper", "tables 3 and 4 of the paper", paper, "text", 120.0))
+    found.append(Case("pictures", "stored pictures", tests))
+    found.append(Case("paper", "tables 3 and 4 of the paper", [*BENCHMARK, "--paper"]))
     return [case for case in found if case.group in options.only]
 
 
-def smaller(size: str, shrink: int) -> str:
-    """A size divided by `shrink`."""
-    width, height = (max(int(side) // shrink, LEAST_PX) for side in size.split("x"))
-    return f"{width}x{height}"
-
-
 def run_case(case: Case, left_s: float) -> None:
-    """Run the command of a case, for at most `left_s`, and keep what it leaves."""
+    """Run the command of a case, for at most `left_s`, and keep its result."""
     with tempfile.TemporaryDirectory() as folder:
-        leaves = {"benchmark": "--json", "pictures": "--differences"}.get(case.kind)
-        result = Path(folder) / "result.json"
-        command = case.command if leaves is None else [*case.command, leaves, str(result)]
-        start = time.monotonic()
-        with (Path(folder) / "output").open("w+") as output:
-            try:
-                code = subprocess.run(
-                    command, cwd=HERE, stdout=output, stderr=subprocess.STDOUT, check=False,
-                    timeout=min(case.most_s, left_s),
-                ).returncode  # fmt: skip
-            except subprocess.TimeoutExpired:
-                code = None
-            finally:
-                case.seconds = time.monotonic() - start
-            output.seek(0)
-            text = output.read()
-        case.state = "stopped" if code is None else "failed" if code else "done"
-        if code is None:
-            case.reason = f"no end after {case.seconds:.0f} s"
-        elif code:
-            case.reason = next((line for line in reversed(text.splitlines()) if line.strip()), "")
-        if case.kind == "text":
-            case.result = text
-        elif result.is_file():  # failing tests leave one too
-            case.result = json.loads(result.read_text())
-
-
-def measure(
-    found: list[Case], minutes: float, keep: Callable[[], None], tell: Callable[[str], None] = print
-) -> bool:
-    """Run the cases until the time is over; `keep` is called after each. False if interrupted."""
-    begin = time.monotonic()
-    for number, case in enumerate(found):
-        left_s = 60.0 * minutes - (time.monotonic() - begin)
-        if left_s < LEAST_S:
-            case.state, case.reason = "left out", "no time left"
-            continue
-        tell(f"{number + 1} of {len(found)}, {left_s:.0f} s left: {case.group}, {case.name}")
+        report = Path(folder) / "report.json"
+        option = {"pictures": ["--differences"], "paper": []}.get(case.group, ["--json"])
+        command = case.command + [*option, *[str(report)] * len(option)]
         try:
-            run_case(case, left_s)
-        except KeyboardInterrupt:
-            case.state, case.reason = "stopped", "interrupted"
-            for later in found[number + 1 :]:
-                later.state, later.reason = "left out", "interrupted"
-            keep()
-            return False
-        keep()
-    keep()
-    return True
+            done = subprocess.run(
+                command, cwd=HERE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                check=False, timeout=min(MOST_S, left_s),
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            case.fault = "no end in time"
+            return
+        if done.returncode:
+            case.fault = (done.stdout.strip().splitlines() or ["failed"])[-1]
+        if not option:
+            case.result = done.stdout
+        elif report.is_file():  # failing tests leave one too
+            case.result = json.loads(report.read_text())
 
 
-def write(folder: Path, found: list[Case], minutes: float) -> None:
+def write(folder: Path, found: list[Case]) -> None:
     """Write both files."""
     folder.mkdir(parents=True, exist_ok=True)
-    content = {"minutes": minutes, "python": platform.python_version()}
-    listed = [asdict(case) for case in found]
-    for name, text in (
-        ("report.json", json.dumps(content | {"cases": listed}, indent=2) + "\n"),
-        ("report.md", page(found)),
-    ):
-        temporary = folder / f"{name}.part"
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(folder / name)
+    listed = json.dumps([asdict(case) for case in found], indent=2)
+    (folder / "report.json").write_text(listed + "\n", encoding="utf-8")
+    (folder / "report.md").write_text(page(found), encoding="utf-8")
 
 
 def page(found: list[Case]) -> str:
-    """The report as a page of tables."""
+    """Format the report as a page of tables."""
     lines = ["# Report of a GPU", ""]
-    reports = [case.result for case in found if case.kind == "benchmark" and case.result]
+    reports = [case.result for case in found if case.is_benchmark and case.result]
     if reports:
         machine = reports[0]["machine"]
         lines += [f"{reports[0]['renderer']}; OpenGL {machine['driver']}; {machine['cpu']}, "
                   f"{machine['cores']} cores; commit {machine['commit']}", ""]  # fmt: skip
-    for group in GROUPS:
+    for group in dict.fromkeys(case.group for case in found):
         own = [case for case in found if case.group == group]
-        if not own:
-            continue
         lines += [f"## {group.capitalize()}", ""]
-        if any(case.kind == "benchmark" for case in own):
+        if own[0].is_benchmark:
             lines += [*_table(own), ""]
-        for case in own:
-            if case.kind == "text" and case.result:
-                lines += ["```text", case.result.rstrip(), "```", ""]
-            elif case.kind == "pictures" and case.result:
-                lines += [*_pictures(case.result), ""]
-        lines += [f"- {case.name}: {case.state}, {case.reason}" for case in own if case.reason]
-        lines += [""] if any(case.reason for case in own) else []
-    return "\n".join(lines)
+        elif group == "pictures":
+            lines += [*_pictures(own[0].result or {}), ""]
+        else:
+            for case in own:
+                lines += ["```text", case.result or "", "```", ""]
+        lines += [f"- {case.name}: {case.fault}" for case in own if case.fault]
+    return "\n".join(lines) + "\n"
 
 
 def _table(own: list[Case]) -> list[str]:
-    """Rows of the figures of benchmarks, and of the stages of the GPU."""
-    done = [case for case in own if case.result]
-    names = ("", "frame, p50", "p95", "frames/s", "host", "thread", "GPU", "triangles", "calls")
+    """Format rows of the figures of benchmarks, with the stages of the GPU in the last cell."""
+    names = ("", "frame, p50", "p95", "frames/s", "host", "thread", "triangles", "calls", "GPU")
     lines = ["| " + " | ".join(names) + " |", "| --- " * len(names) + "|"]
-    for case in done:
+    for case in own:
+        if not case.result:
+            continue
         r = case.result
-        gpu = f"{r['gpu_ms']['all']:.2f}" if r["gpu_ms"] else "-"
+        gpu = ", ".join(f"{name} {ms:.3f}" for name, ms in (r["gpu_ms"] or {}).items()) or "-"
         lines.append(
             f"| {case.name} | {r['frame_ms']['p50']:.2f} | {r['frame_ms']['p95']:.2f} "
-            f"| {r['fps']:.0f} | {r['host_ms']:.2f} | {r['cpu_ms']['thread']:.2f} | {gpu} "
-            f"| {r['triangles_mean']:.0f} | {r['draw_calls']} |"
+            f"| {r['fps']:.0f} | {r['host_ms']:.2f} | {r['cpu_ms']['thread']:.2f} "
+            f"| {r['triangles_mean']:.0f} | {r['draw_calls']} | {gpu} |"
         )
-    timed = [case for case in done if case.result["gpu_ms"]]
-    if timed:
-        stages = [name for name in timed[0].result["gpu_ms"] if name != "all"]
-        lines += [
-            "",
-            "| GPU, ms | " + " | ".join(stages) + " |",
-            "| --- " * (1 + len(stages)) + "|",
-        ]
-        for case in timed:
-            values = (f"{case.result['gpu_ms'][name]:.3f}" for name in stages)
-            lines.append(f"| {case.name} | " + " | ".join(values) + " |")
     return lines
 
 
 def _pictures(differences: dict[str, dict[str, float]]) -> list[str]:
-    """Rows of the stored pictures and by how much they differ."""
+    """Format rows of the stored pictures and by how much they differ."""
     lines = ["| picture | pixels that differ | difference, levels: mean | largest |"]
     lines.append("| --- " * 4 + "|")
     for name, one in sorted(differences.items(), key=lambda item: -item[1]["share"]):
@@ -238,11 +181,17 @@ def main() -> int:
     options.only = options.only.split(",")
     if unknown := {*options.only} - {*GROUPS}:
         parser.error(f"--only: no group {', '.join(sorted(unknown))}; {', '.join(GROUPS)}")
-    found = cases(options)
-    whole = measure(found, options.minutes, lambda: write(options.folder, found, options.minutes))
-    done = sum(case.state == "done" for case in found)
-    print(f"{done} of {len(found)} cases measured: {options.folder / 'report.md'}")
-    return 0 if whole else 130
+    found, end = cases(options), time.monotonic() + 60.0 * options.minutes
+    for number, case in enumerate(found, 1):
+        left_s = end - time.monotonic()
+        print(f"{number} of {len(found)}, {left_s:.0f} s left: {case.group}, {case.name}")
+        if left_s < LEAST_S:
+            case.fault = "no time left"
+        else:
+            run_case(case, left_s)
+        write(options.folder, found)
+    print(options.folder / "report.md")
+    return 0
 
 
 if __name__ == "__main__":
