@@ -161,7 +161,7 @@ def write_result(plan: Plan, learned: Learned) -> None:
     """Write the species file, and into the journal that this is done."""
     if plan.target is None or learned.muscles is None:
         return
-    write_plans(plan.source, plan.target, learned.muscles)
+    write_plans(plan.source, plan.target, **learned.muscles._asdict())
     mark = _mark(plan.task, load_toml(plan.target, Species))
     write_journal(plan.task.journal, read_journal(plan.task.journal) | {"done": mark})
 

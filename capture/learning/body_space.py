@@ -7,7 +7,7 @@ stiffness is at most one that the time step bears.
 import msgspec
 import numpy as np
 
-from capture.learning.swim import LAGS, max_contractions
+from capture.learning.swim import beat_at, beat_point
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import DENSITIES, NODES_AT_STATION, BodyPlan, SwimPlan
 from subsea.biomechanics.solver import STEP, longest_step
@@ -64,15 +64,10 @@ def species_point(plan: BodyPlan, swim: SwimPlan, volumes: Floats, firm: bool = 
 
 def gait_point(body: Body, swim: SwimPlan, grade: str, ticks: int | None = None) -> Floats:
     """The point (GAIT_SIZE,) of a grade in the unit box, clipped to it, of a beat of ``ticks``."""
-    (low, high), (fewest, most), gait = LAGS, TICKS[grade], swim.at(grade)
-    ticks = ticks or gait.ticks_per_beat
+    gait = swim.at(grade)
     contraction = swim.amplitude(grade) * np.array(gait.contraction)
-    values = [
-        *contraction / max_contractions(body, ticks),
-        (gait.lag - low) / (high - low),
-        (ticks + 0.5 - fewest) / (most + 1 - fewest),
-    ]
-    return np.clip(values, 0.0, 1.0)
+    ticks = ticks or gait.ticks_per_beat
+    return np.clip(beat_point(body, contraction, gait.lag, ticks, TICKS[grade]), 0.0, 1.0)
 
 
 def body_at(base: BodyPlan, point: Floats, volumes: Floats) -> BodyPlan:
@@ -118,11 +113,7 @@ def bearable(plan: BodyPlan) -> BodyPlan:
 
 def gait_at(body: Body, base: SwimPlan, grade: str, point: Floats | tuple[float, ...]) -> SwimPlan:
     """The plan with the gait of a grade at a point (GAIT_SIZE,): contractions, lag and ticks."""
-    (low, high), (fewest, most) = LAGS, TICKS[grade]
-    ticks = min(int(fewest + point[3] * (most + 1 - fewest)), most)
-    # Rounded down, so that the beat keeps S_MAX.
-    front, back = np.floor(1000 * np.array(point[:2]) * max_contractions(body, ticks)) / 1000
-    contraction, lag = (float(front), float(back)), round(float(low + point[2] * (high - low)), 3)
+    contraction, lag, ticks = beat_at(body, point, TICKS[grade])
     if grade == "fast":
         return msgspec.structs.replace(base, ticks_per_beat=ticks, contraction=contraction, lag=lag)
     own = {"ticks": ticks, "contraction": contraction, "lag": lag}

@@ -217,12 +217,11 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
         return faults
     try:
         levels = speed_map(body, swim).speed
-        grades = [steady_beat(body, grade_contraction(swim, grade)).frames for grade in swim.grades]
+        speeds = [steady_speed(body, swim, grade) for grade in swim.grades]
     except UserError as fault:
         return [str(fault)]
     if not (np.diff(levels) > 0).all():
         faults.append("its speed does not rise with the amplitude")
-    speeds = [float(np.linalg.norm(displacement(one))) / (len(one) - 1) for one in grades]
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if not (GRADE_RATIO if name != "burst" else BURST_RATIO).holds(speed / below):
             faults.append(f"{name} is only {speed / below:.2f} times as fast as the grade below")
@@ -230,6 +229,12 @@ def swim_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
     graded = [(swim.at(grade), swim.amplitude(grade)) for grade in reversed(swim.grades)]
     trials = [*STARTS * graded, *((swim, float(other)) for other in others)]
     return faults + disturbed_faults(body, trials, seed)
+
+
+def steady_speed(body: Body, swim: SwimPlan, grade: str) -> float:
+    """Speed of a steady grade, cm a tick; UserError without one."""
+    frames = steady_beat(body, grade_contraction(swim, grade)).frames
+    return float(np.linalg.norm(displacement(frames))) / (len(frames) - 1)
 
 
 def disturbed_faults(body: Body, trials: list[tuple[SwimPlan, float]], seed: int) -> list[str]:

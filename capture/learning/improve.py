@@ -1,7 +1,4 @@
-"""Improve the controllers of a species file: search, report and write.
-
-Write learned plans to a species file; only their numbers change.
-"""
+"""Improve the controllers of a species file: search, report, and write the numbers."""
 
 import re
 import tomllib
@@ -38,20 +35,8 @@ from subsea.repertoire.findings import complaints, try_motion
 NUMBER = re.compile(r"[-+]?\d[\d.]*")
 
 
-def write_controllers(source: Path, target: Path, swim: SwimPlan, turn: TurnPlan) -> None:
-    """Write the species file ``source`` to ``target`` with other tables [swim] and [turn].
-
-    Comments and order are kept; UserError on failure.
-    """
-    _write(source, target, {"swim": swim, "turn": turn})
-
-
-def write_plans(source: Path, target: Path, muscles: Muscles) -> None:
-    """The same with all three tables: [body], [swim] and [turn]."""
-    _write(source, target, muscles._asdict())
-
-
-def _write(source: Path, target: Path, plans: dict[str, BodyPlan | SwimPlan | TurnPlan]) -> None:
+def write_plans(source: Path, target: Path, **plans: BodyPlan | SwimPlan | TurnPlan) -> None:
+    """Write a species file with other tables, such as ``swim``; comments and order are kept."""
     text = read_text(source)
     content = tomllib.loads(text)
     for name, plan in plans.items():
@@ -114,8 +99,8 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
         return 1
     for note in found.notes:
         print(note)
-    new = found.swim or muscles.swim, found.turn or muscles.turn
-    learned = muscles._replace(swim=new[0], turn=new[1])
+    new: dict[str, Any] = {"swim": found.swim or muscles.swim, "turn": found.turn or muscles.turn}
+    learned = muscles._replace(**new)
     for line in [*_comparison(muscles, learned), *_tables(learned), *_verification(found)]:
         print(line)
     for words in complaints(try_motion(learned)):
@@ -123,7 +108,7 @@ def improve_species(name: str, out: Path | None, dry_run: bool, budget: int, **o
     if dry_run:
         print(f"dry run: {target} is unchanged")
     else:
-        write_controllers(source, target, *new)
+        write_plans(source, target, **new)
         print(f"{target} has new controllers; record it again with `subsea-capture record`")
     return 0
 

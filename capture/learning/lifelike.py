@@ -1,9 +1,8 @@
 """The loss of a body and its gait against those of real fishes.
 
 A lifelike gait has the tail amplitude, Strouhal number, stride and body wave of steadily swimming
-fishes, and its grades differ by frequency rather than amplitude (Bainbridge 1958).
-
-Fit the amplitudes of the grades, so that the tail beats about as far at each of them.
+fishes. Its grades differ by frequency rather than amplitude (Bainbridge 1958): the tail beats about
+as far at each of them.
 """
 
 from typing import NamedTuple
@@ -216,10 +215,7 @@ def _missed(wave: Wave, limits: dict[str, Range]) -> float:
 
 
 def bent_turn(body: Body) -> float:
-    """Degrees by which a body at rest turns that bends to one side and straightens again.
-
-    NaN where it loses its shape.
-    """
+    """Degrees by which a body at rest turns that bends once; NaN where it loses its shape."""
     bend, hold, release, _ = BEND_TICKS
     at = np.arange(int(sum(BEND_TICKS)) * STEPS_PER_TICK) / STEPS_PER_TICK
     share = ease(at / bend) - ease((at - bend - hold) / release)

@@ -1,6 +1,6 @@
 """Learn a swim controller: contractions, lag and ticks of a beat, and its grades."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 import msgspec
@@ -62,15 +62,7 @@ def verified_swims(
 
 def swim_point(body: Body, swim: SwimPlan) -> Floats:
     """The point (4,) of a swim controller in the unit box, the inverse of :func:`swim_at`."""
-    low, high = LAGS
-    fewest, most = TICKS_PER_BEAT
-    return np.array(
-        [
-            *(np.array(swim.contraction) / max_contractions(body, swim.ticks_per_beat)),
-            (swim.lag - low) / (high - low),
-            (swim.ticks_per_beat + 0.5 - fewest) / (most + 1 - fewest),
-        ]
-    )
+    return beat_point(body, swim.contraction, swim.lag, swim.ticks_per_beat, TICKS_PER_BEAT)
 
 
 def swim_at(
@@ -81,18 +73,37 @@ def swim_at(
     The point holds both contractions as fractions of the greatest within S_MAX, the lag and,
     unless given, the ticks of a beat.
     """
+    contraction, lag, ticks = beat_at(body, point, TICKS_PER_BEAT, ticks)
+    return msgspec.structs.replace(base, ticks_per_beat=ticks, contraction=contraction, lag=lag)
+
+
+def beat_point(
+    body: Body, contraction: Sequence[float] | Floats, lag: float, ticks: int, span: tuple[int, int]
+) -> Floats:
+    """The point (4,) of a beat in the box of beats of ``span`` ticks, the inverse of beat_at."""
+    (low, high), (fewest, most) = LAGS, span
+    return np.array(
+        [
+            *(np.array(contraction) / max_contractions(body, ticks)),
+            (lag - low) / (high - low),
+            (ticks + 0.5 - fewest) / (most + 1 - fewest),
+        ]
+    )
+
+
+def beat_at(
+    body: Body,
+    point: Floats | tuple[float, ...],
+    span: tuple[int, int],
+    ticks: int | None = None,
+) -> tuple[tuple[float, float], float, int]:
+    """The contractions, lag and, unless given, ticks of the beat at a point."""
+    (low, high), (fewest, most) = LAGS, span
     if ticks is None:
-        fewest, most = TICKS_PER_BEAT
         ticks = min(int(fewest + point[3] * (most + 1 - fewest)), most)
     # Rounded down, so that the strongest beat keeps S_MAX.
     front, back = np.floor(1000 * np.array(point[:2]) * max_contractions(body, ticks)) / 1000
-    low, high = LAGS
-    return msgspec.structs.replace(
-        base,
-        ticks_per_beat=ticks,
-        contraction=(float(front), float(back)),
-        lag=round(float(low + point[2] * (high - low)), 3),
-    )
+    return (float(front), float(back)), round(float(low + point[2] * (high - low)), 3), ticks
 
 
 def max_contractions(body: Body, ticks: int) -> Floats:

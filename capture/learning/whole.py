@@ -23,7 +23,7 @@ from capture.learning.body_space import (
     outline_volumes,
     species_point,
 )
-from capture.learning.fitness import disturbed_faults
+from capture.learning.fitness import disturbed_faults, steady_speed
 from capture.learning.journal import Journal
 from capture.learning.lifelike import POOR, grade_waves, wave_loss
 from capture.learning.search import SPREAD, distinct, search
@@ -32,7 +32,6 @@ from capture.recording.fingerprint import fingerprint
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import Body, Floats, build_body
 from subsea.biomechanics.body_plan import BodyPlan, Muscles, SwimPlan
-from subsea.biomechanics.trial import displacement, grade_contraction, steady_beat
 from subsea.fish.species import Species
 
 ROOT = "capture.learning.whole"
@@ -134,7 +133,7 @@ def _without_grades(swim: SwimPlan) -> SwimPlan:
 def _with_grades(body: Body, swim: SwimPlan, seed: int, journal: Journal) -> tuple[SwimPlan, float]:
     """Search the gait of each other grade on a given body; return the plan and their losses."""
     try:
-        fast, total = _speed(body, swim, "fast") / float(np.ptp(body.rest[:, 0])), 0.0
+        fast, total = steady_speed(body, swim, "fast") / float(np.ptp(body.rest[:, 0])), 0.0
     except UserError:
         return swim, np.inf
     for grade, ticks in FIRST_TICKS.items():
@@ -169,7 +168,7 @@ def _with_grade(
 def _grade_faults(body: Body, swim: SwimPlan, grade: str, seed: int) -> list[str]:
     """Why a grade cannot be recorded; empty for a steady one that withstands disturbances."""
     try:
-        _speed(body, swim, grade)
+        steady_speed(body, swim, grade)
     except UserError as fault:
         return [str(fault)]
     return disturbed_faults(body, [(swim.at(grade), swim.amplitude(grade))], seed)
@@ -204,7 +203,7 @@ def _with_fit_burst(body: Body, swim: SwimPlan) -> SwimPlan:
     Playback then bursts with the fast swim at a higher tempo.
     """
     try:
-        fast, burst = (_speed(body, swim, grade) for grade in ("fast", "burst"))
+        fast, burst = (steady_speed(body, swim, grade) for grade in ("fast", "burst"))
     except UserError:
         burst = fast = 1.0
     if burst >= LEAST_RATIO * fast:
@@ -212,12 +211,6 @@ def _with_fit_burst(body: Body, swim: SwimPlan) -> SwimPlan:
     return msgspec.structs.replace(
         swim, burst=None, burst_ticks=None, burst_contraction=None, burst_lag=None
     )
-
-
-def _speed(body: Body, swim: SwimPlan, grade: str) -> float:
-    """Speed of a steady grade, cm a tick."""
-    frames = steady_beat(body, grade_contraction(swim, grade)).frames
-    return float(np.linalg.norm(displacement(frames))) / (len(frames) - 1)
 
 
 def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
@@ -228,7 +221,7 @@ def whole_faults(body: Body, swim: SwimPlan, seed: int) -> list[str]:
     for grade, wave in grade_waves(body, swim).items():
         if np.isinf(wave.wavelength):
             return [f"no wave runs to its tail at grade {grade}"]
-    speeds = [_speed(body, swim, grade) for grade in swim.grades]
+    speeds = [steady_speed(body, swim, grade) for grade in swim.grades]
     for name, below, speed in zip(swim.grades[1:], speeds[:-1], speeds[1:], strict=True):
         if speed < LEAST_RATIO * below:
             return [f"{name} is only {speed / below:.2f} times as fast as the grade below"]

@@ -7,7 +7,7 @@ from datetime import date
 import numpy as np
 import pytest
 
-from capture.learning.improve import write_controllers
+from capture.learning.improve import write_plans
 from subsea.base.errors import UserError
 from subsea.base.file_kinds import MESH, check_result, csv_file, toml_file
 from subsea.base.files import logical_lines, read_text, text_of
@@ -73,7 +73,7 @@ def test_species_are_edited_without_their_mark(written, tmp_path):
     assert not changed_on_disk(path, draft)
     save_draft(with_value(draft, ("name",), "Another"), path)
     assert load_toml(path, Species).name == "Another"
-    write_controllers(written("fusilier.toml", text), path, fusilier.swim, fusilier.turn)
+    write_plans(written("fusilier.toml", text), path, swim=fusilier.swim, turn=fusilier.turn)
     assert load_toml(path, Species).swim == fusilier.swim
     assign_sheet(written("fusilier.toml", text), np.zeros((640, 1024, 4), "u1"))
     assert load_toml(path, Species).skin.sheet == "fusilier.png"

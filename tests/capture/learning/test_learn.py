@@ -19,7 +19,7 @@ from capture.learning.fitness import (
     swim_faults,
     swim_loss,
 )
-from capture.learning.improve import write_controllers
+from capture.learning.improve import write_plans
 from capture.learning.learn import LearnedControllers, learn
 from capture.learning.search import METHODS, MIN_DISTANCE, Evaluation, distinct, search
 from capture.learning.swim import swim_at, swim_point
@@ -196,7 +196,7 @@ def test_the_same_numbers_give_the_same_bytes(species, name, tmp_path):
     source = resource_path(f"assets/species/{name}.toml")
     assert species.swim
     assert species.turn
-    write_controllers(source, tmp_path / "same.toml", species.swim, species.turn)
+    write_plans(source, tmp_path / "same.toml", swim=species.swim, turn=species.turn)
     assert (tmp_path / "same.toml").read_bytes() == source.read_bytes()
 
 

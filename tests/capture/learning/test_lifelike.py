@@ -185,11 +185,11 @@ def test_a_burst_that_was_not_found_leaves_the_file(tmp_path):
     fish, target = load_species("fusilier"), tmp_path / "fish.toml"
     source = resource_path("assets") / "species" / "fusilier.toml"
     burst = msgspec.structs.replace(fish.swim, burst=1.0, burst_ticks=12)
-    write_plans(source, target, fish.muscles._replace(swim=burst))
+    write_plans(source, target, swim=burst)
     calm = msgspec.structs.replace(
         burst, burst=None, burst_ticks=None, burst_contraction=None, burst_lag=None
     )
-    write_plans(target, target, fish.muscles._replace(swim=calm))
+    write_plans(target, target, swim=calm)
     text = target.read_text(encoding="utf-8")
     assert load_toml(target, Species).swim == calm and "burst" not in text.split("[turn]")[0]
 

@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 from PIL import Image
 
-from capture.learning.improve import write_controllers
+from capture.learning.improve import write_plans
 from subsea.base.errors import UserError
 from subsea.fish.species import load_species, own_species_file, repertoire_file, species_file
 from subsea.rendering.fish import preview
@@ -294,7 +294,7 @@ def test_learned_controllers_are_put_into_the_draft(window, user, spots):
     # Simulate a result that arrives while the fish is edited.
     path = own_species_file("red_snapper")
     found = load_species("red_snapper")
-    write_controllers(path, path, structs.replace(found.swim, lag=1.21), found.turn)
+    write_plans(path, path, swim=structs.replace(found.swim, lag=1.21), turn=found.turn)
     builder.editing.do(lambda draft: with_value(draft, ("schooling",), False))
     builder.take_job("learn", 0)
     assert species(window).swim.lag == 1.21 and not species(window).schooling
