@@ -18,7 +18,7 @@ from subsea.dive.options import DisplayOptions, DiveOptions
 from subsea.stage.console.options import ConsoleOptions, ListenAddress
 from subsea.stage.parts import ConsolePart
 from subsea.ui.dive import Dive
-from tools.browser import browser
+from tests.support.browser import browser
 
 SIZE, PAGE = (640, 360), (1180, 820)
 

@@ -16,7 +16,7 @@ from picture_files import output_folder, save
 from PIL import Image, ImageDraw, ImageFont
 
 from subsea.cli.main import main as subsea
-from tools.browser import browser
+from tests.support.browser import browser
 
 SCENE, START_S, FPS, FRAMES = "peaceful", 16.0, 30, 3
 WHAT = ["--start", str(START_S), "--seconds", str(FRAMES / FPS), "--fish", "60"]

@@ -60,7 +60,7 @@ from subsea.studio.side_view import centred_matrix, make_fish_meshes
 from subsea.world import snapshot
 from subsea.world.build import create_world
 from subsea.world.world import World
-from tools import theatre_samples as theatres
+from tests.support import theatre_samples as theatres
 
 TEXT = (".toml", ".json", ".obj", ".csv", ".simcad", ".ol", ".skyskan", ".ndisplay")
 SECONDS = 10  # for one file

@@ -50,9 +50,9 @@ from subsea.stage.theatre.load import load_theatre
 from subsea.studio.fitting import silhouette
 from subsea.studio.side_view import centred_matrix
 from subsea.ui.window_set import WindowSet
+from tests.support import theatre_samples
 from tests.support.pages import PAGES, PROGRAMS, Command, blocks, inline, prose, steps
 from tests.support.recording import forget_turns
-from tools import theatre_samples
 
 pytestmark = pytest.mark.timeout(900)  # a page of many commands may compile all kernels
 

@@ -33,8 +33,8 @@ from subsea.rendering.output.quality import PRESETS
 from subsea.scenario.load import load_scenario
 from subsea.view.display_rigs import cockpit, display_rig
 from subsea.view.rig import views
+from tests.support.browser import browser
 from tests.support.scenes import BARE
-from tools.browser import browser
 
 SIZE = 640, 360
 FPS, FRAMES, START_S = 10, 6, 0.7

@@ -7,7 +7,7 @@ import pytest
 from subsea.cli.main import main
 from subsea.lab.comparison import RecordGroup, comparison_table
 from subsea.scenario.load import own_scenarios, scenario_file
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 ODD = r"My \u001b[2J\n\u0007\u202Ebay"
 CLEAN = "My ?[2J???bay"

@@ -16,7 +16,7 @@ from subsea.stage.console.commands import (
     StartTour,
 )
 from tests.stage.console.conftest import TOKEN
-from tools.browser import browser
+from tests.support.browser import browser
 
 CONTROLS = {"button", "combobox", "textbox", "slider", "checkbox"}
 # Contrast of text with the first opaque ground behind it, by WCAG 2.

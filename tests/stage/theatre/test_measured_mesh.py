@@ -21,7 +21,7 @@ from subsea.stage.theatre.vioso import vioso_maps
 from subsea.stage.theatre.warp import is_mirrored
 from subsea.view.camera import axes_of
 from subsea.view.rig import sources_at
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 POINTS = np.random.default_rng(7).uniform(0.06, 0.94, (60, 2))
 FILES = {

@@ -9,7 +9,7 @@ from subsea.base.errors import UserError
 from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.screens import points_on
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 CORNERS = np.array([[0, 0], [1, 0], [0, 1]])
 

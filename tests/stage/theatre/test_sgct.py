@@ -16,7 +16,7 @@ from subsea.stage.theatre.theatre_file import Angles, Plane
 from subsea.stage.theatre.theatre_rig import theatre_rig
 from subsea.view.rig import sources_at
 from subsea.view.surround import Surround, directions
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 CORNERS = np.array([[0, 0], [1, 0], [0, 1], [0.3, 0.8]])
 xyz = samples.xyz

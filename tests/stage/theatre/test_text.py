@@ -13,7 +13,7 @@ from subsea.stage.theatre.channels import usable_channels
 from subsea.stage.theatre.load import load_theatre
 from subsea.stage.theatre.mesh_formats import parse_frustum, read_mesh
 from subsea.stage.theatre.mpcdi import read_mpcdi
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 QUAD = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 OBJ = QUAD + "f 1/1 2/2 3/3 4/4\n"

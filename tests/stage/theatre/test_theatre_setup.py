@@ -23,7 +23,7 @@ from subsea.stage.theatre.theatre_file import FOLDER, Channel, Cluster, Dome, Th
 from subsea.view.display_rigs import chosen_rig
 from subsea.view.display_rigs import theatre_digest as digest_of
 from subsea.view.stereo import Stereo
-from tools import theatre_samples
+from tests.support import theatre_samples
 
 BAD = """
 [[window]]

@@ -12,7 +12,7 @@ from subsea.stage.theatre.screens import points_on
 from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.stage.theatre.theatre_writer import write_theatre
 from subsea.view.rig import sources_at
-from tools import theatre_samples as samples
+from tests.support import theatre_samples as samples
 
 POINTS = np.random.default_rng(2).uniform(0.1, 0.9, (20, 2))
 
