@@ -1,14 +1,14 @@
 """Send random input to the window of a real dive: keys, mouse, wheel, sizes, text.
 
-.venv/bin/python tools/monkey.py [--minutes M] [--seed S] [--keep DIR] [--replay FILE] [-- DIVE…]
+.venv/bin/python tools/monkey.py [--minutes M] [--seed S] [--keep DIR] [-- DIVE…]
 
 Opens `subsea dive`, with the options after `--`, on a virtual display with a temporary home, and
 sends it real events (Xvfb, xdotool). A dive that is left by the menu is opened again. Findings are
 any other end, a traceback or a warning, a panel that failed, no picture for STILL_S, memory that
 grows by more than GROWTH, and a dive that Ctrl-C does not end. Then the last events are printed,
-and all events and the output of the dive are saved in DIR (default monkey-findings); --replay sends
-them again. The same seed sends the same events, each after a picture; the state of the world
-depends on the speed of the computer. Exit code 1 if anything was found.
+and all events and the output of the dive are saved in DIR (default monkey-findings). The same seed
+sends the same events, each after a picture; the state of the world depends on the speed of the
+computer. Exit code 1 if anything was found.
 """
 
 import argparse
@@ -302,25 +302,15 @@ def written(sent: list[Event]) -> str:
     return "".join(f"{event.pause_s}\t" + "\t".join(event.words) + "\n" for event in sent)
 
 
-def read(text: str) -> Iterator[Event]:
-    """Events from lines of text."""
-    for line in text.splitlines():
-        pause, *words = line.split("\t")
-        yield Event(float(pause), tuple(words))
-
-
 def main() -> int:
     """Run from the command line; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="default 10")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=Path("monkey-findings"), metavar="DIR")
-    parser.add_argument("--replay", type=Path, metavar="FILE", help="saved events")
     parser.add_argument("dive", nargs="*", metavar="DIVE", help="after --: options of the dive")
     options = parser.parse_args()
     stream = events(random.Random(options.seed))
-    if options.replay is not None:
-        stream = read(options.replay.read_text())
     sent: list[Event] = []
     with virtual_display() as display, tempfile.TemporaryDirectory() as folder:
         os.environ["DISPLAY"] = display

@@ -1,7 +1,4 @@
-"""Exit codes, one-line errors and help, shared by all command lines of the project.
-
-Standard output and error that outlive a closed pipe or a full disk.
-"""
+"""Command lines of the project: exit codes, one-line errors, help, output that may be closed."""
 
 import argparse
 import errno
@@ -208,14 +205,6 @@ class Parser(argparse.ArgumentParser):
             name = "/".join(action.option_strings) or str(action.metavar or action.dest)
             hint = nearest(str(value), choices) or f"; there are: {', '.join(choices)}"
             raise argparse.ArgumentError(None, f"{name} {value!r}: unknown choice{hint}")
-
-    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
-        # argparse drops the value of `--OPTION=--`; before Python 3.13 it even goes on without one.
-        if action.option_strings and arg_strings == ["--"]:
-            value = self._get_value(action, "--")
-            self._check_value(action, value)
-            return value
-        return super()._get_values(action, arg_strings)
 
     def error(self, message: str) -> NoReturn:
         """Raise a UserError with the name of the command."""

@@ -27,13 +27,10 @@ WAKING = marked("waking the fishes")  # line on the progress
 
 def start_world(
     scenario: str, seed: int | None = None, fish: int | None = None, tell: Say = say,
-    motor: str | None = None, changes: Sequence[str] = (),
+    changes: Sequence[str] = (),
 ) -> World:  # fmt: skip
-    """Load a scenario by name and make its world as `ready_world` does.
-
-    `changes` are those of `--set`.
-    """
-    return ready_world(load_scenario(scenario, changes), seed, tell, fish, motor)
+    """Load a scenario by name, with changes of `--set`, and make its world as `ready_world`."""
+    return ready_world(load_scenario(scenario, changes), seed, tell, fish)
 
 
 def ready_world(

@@ -95,18 +95,17 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     """Read a repertoire, which must be of the named species and have frames of a tick."""
     if stamp is None:
         raise UserError(f"is not there; `subsea-capture record {name}` makes it", file=path)
-    stored = _content(path)
 
     # Named after the content, not the path: a wheel carries the results of its repertoires.
     def read(content: str) -> Repertoire:
         from subsea.repertoire import read_repertoire
 
         repertoire = read_repertoire(path)
-        if _content(path) != content:
+        if file_hash(path) != content:
             raise UserError("changed while it was read; start again", file=path)
         return repertoire
 
-    repertoire = cached(read, stored) if stored else read(stored)
+    repertoire = cached(read, file_hash(path))
     if repertoire.species != name:
         raise UserError(f"holds {repertoire.species!r}, expected {name!r}", file=path)
     if abs(repertoire.tick_s - TICK_S) > 1e-6:

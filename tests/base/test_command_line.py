@@ -138,13 +138,3 @@ def parsed(*arguments):
     command.add_argument("--look", choices=("colours", "range"))
     command.add_argument("--set", action="append")
     return parse_arguments(parser, commands, arguments)
-
-
-def test_two_dashes_are_a_value_like_any_other():
-    assert parsed("film", "--scenario=--").scenario == "--"
-    assert parsed("film", "--set=--", "--set=a").set == ["--", "a"]
-    assert parsed("film", "--scenario=-", "--", "--seconds").files == ["--seconds"]
-    with pytest.raises(UserError, match="'--': expected a number from 0 to 9"):
-        parsed("film", "--seconds=--")
-    with pytest.raises(UserError, match="--look '--': unknown choice"):
-        parsed("film", "--look=--")

@@ -62,14 +62,11 @@ def test_a_repertoire_that_changes_while_being_read_is_not_cached(path, monkeypa
     assert found.body_length_cm == read(path).body_length_cm
 
 
-def test_huge_files_and_pipes_are_not_read_completely(path, tmp_path):
-    with path.open("r+b") as file:
-        file.truncate(1 << 40)  # sparse: a digest would take an hour
-    assert repertoires._repertoire(path, "clownfish", (1, 0)).species == "clownfish"
+def test_pipes_are_not_read(path, tmp_path):
     path.unlink()
     os.mkfifo(path)  # opening it waits for a writer
     with pytest.raises(UserError, match=str(path)):
-        repertoires._repertoire(path, "clownfish", (2, 0))
+        repertoires._repertoire(path, "clownfish", (1, 0))
     assert not (tmp_path / "kept").exists()
 
 
