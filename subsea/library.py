@@ -1,7 +1,4 @@
-"""Pictures of a world, and the retinae of its fishes, as arrays.
-
-A sea to step from a program.
-"""
+"""A sea to step from a program; pictures of it, and retinae of its fishes, as arrays."""
 
 import threading
 import weakref

@@ -1,7 +1,4 @@
-"""Measures of a gait or a turn that need a simulation.
-
-Time a step of simulation and a frame of replay on this computer, in microseconds.
-"""
+"""Measures of a gait or a turn by simulation, and the time that a step and a frame take here."""
 
 from collections.abc import Callable
 from time import perf_counter

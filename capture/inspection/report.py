@@ -1,7 +1,4 @@
-"""Report the segments of a repertoire file and the measures of their motion.
-
-Drag of a body that coasts, and the Strouhal number that drag asks for.
-"""
+"""Report the segments of a repertoire file, the measures of their motion, and drag."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -33,10 +30,7 @@ SOURCES = {
 
 
 def report(path: Path, write: Callable[[str], object]) -> bool:
-    """Write the report on a file line by line; return whether every limit is kept.
-
-    UserError where the file is damaged or not a repertoire.
-    """
+    """Write the report on a file line by line; return whether every limit is kept."""
     repertoire = read_repertoire(path)
     missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
     write(
@@ -179,10 +173,7 @@ def strouhal_of_drag(drag: float, area_over_span2: float) -> float:
 
 
 def glide(motion: Motion, speed: float) -> Floats:
-    """Speeds (GLIDE_TICKS + 1,), cm/tu, of the straight passive body that starts at `speed`.
-
-    NaN from the tick at which it loses its shape.
-    """
+    """Speeds (GLIDE_TICKS + 1,), cm/tu, of a straight passive body; NaN once out of shape."""
     body = build_body(motion.body)
     state = at_rest(body)
     state.v[:, 0] = speed

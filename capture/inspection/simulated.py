@@ -1,8 +1,6 @@
-"""Measure the repertoire of a muscle-driven fish against docs/developers/biomechanics-figures.md.
+"""Measure a repertoire against docs/developers/biomechanics-figures.md, or the plan of its spine.
 
-Except for the timing, the fish is simulated again from the plans in the provenance.
-
-Measure the repertoire of a spine-driven fish against its plan.
+Except for the timing, a muscle-driven fish is simulated again from the plans in the provenance.
 """
 
 from collections.abc import Iterator

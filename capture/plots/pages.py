@@ -1,7 +1,4 @@
-"""Plot a repertoire: a page for each segment and one for the whole.
-
-Plot repertoires beside measured fishes: waves, speeds and Strouhal numbers.
-"""
+"""Plot a repertoire: each segment, the whole, and the whole beside measured fishes."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial

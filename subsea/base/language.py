@@ -2,9 +2,7 @@
 
 The words in the code are English and are the keys of GNU gettext's catalogues in
 ``assets/locale``, which `tools/translate.py` makes. Words for operators and makers (the terminal,
-panels, errors) stay English.
-
-The fonts of text in windows and on pictures: files of TrueType or OpenType outlines.
+panels, errors) stay English. Also the files of fonts, for windows and pictures.
 """
 
 import gettext

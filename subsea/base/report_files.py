@@ -1,7 +1,4 @@
-"""Results of a command that compares with measured fishes: table, page, JSON and plots.
-
-Plots written as PNG files with one style, all or none. Needs matplotlib.
-"""
+"""Results of a command that compares with measured fishes: table, page, JSON and PNG plots."""
 
 import argparse
 from collections.abc import Callable, Iterable, Mapping, Sequence

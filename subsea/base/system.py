@@ -1,11 +1,7 @@
-"""The processors of this computer.
+"""Locate resources and the user's own files; optional packages; the number of processors.
 
-The optional packages, and the command that installs them.
-
-Locate shaders, assets, repertoires and the user's own files.
-
-Resources are next to the package in a checkout and inside it in an installed wheel. The user's own
-files are in the user's data folder.
+Resources, such as shaders, are next to the package in a checkout and inside it in an installed
+wheel. The user's own files are in the user's data folder.
 """
 
 import os
@@ -115,10 +111,7 @@ def is_path(name: str, suffix: str) -> bool:
 
 
 def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
-    """The resource `name` in `folder`, or the file at the path `name`.
-
-    An unknown name is a UserError that lists the known ones.
-    """
+    """The resource `name` in `folder`, or the file at the path `name`; else a UserError."""
     if is_path(name, suffix):
         return Path(name)
     known = resource_names(folder, suffix)

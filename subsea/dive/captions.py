@@ -1,8 +1,6 @@
-"""Captions of directions at the foot of the picture: text, opacity and layout.
+"""Captions of directions at the foot of the picture, and the last fault of a dive that went on.
 
-`ui/text_layer.py` draws them in a window, `draw_caption` on the pictures of a film.
-
-The last fault of a dive that went on, for its presenter and for monitors.
+`ui/text_layer.py` draws captions in a window, `draw_caption` on the pictures of a film.
 """
 
 import re

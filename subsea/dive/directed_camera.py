@@ -212,10 +212,7 @@ def _goal(world: World, cue: int, camera: Camera, courses: Mapping[str, Course])
 
 
 def _beside(world: World, target: Array, way: Array, slope: float, far: float) -> Array:
-    """A free place at `far` cm from a target that sees it, about in the direction `way`.
-
-    The submarine's place if there is none.
-    """
+    """A free place, `far` cm from a target, about in direction `way`; else the submarine's."""
     sea, bounds = world.state.sea, world.scenario.bounds
     bearing = math.atan2(way[1], way[0])
     for rise in RISES:

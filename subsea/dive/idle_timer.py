@@ -1,7 +1,4 @@
-"""Start and end tours by the time since the last input.
-
-Convert real time to ticks.
-"""
+"""Convert real time to ticks; start and end tours by the time since the last input."""
 
 from typing import Literal
 

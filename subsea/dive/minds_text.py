@@ -1,7 +1,4 @@
-"""The last minute of a fish's hunger, libido and fear, for plots (Tu fig. 9.4).
-
-The target of a fish's intention, as a text, and its distance.
-"""
+"""The target of a fish's intention as a text, and its last minute for plots (Tu fig. 9.4)."""
 
 from typing import Any
 

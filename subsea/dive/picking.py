@@ -40,10 +40,7 @@ class Picked(NamedTuple):
 
 
 def pick(renderer: Renderer, packet: Packet, x: float, y: float) -> Picked | None:
-    """Pick at a place on the screen ahead, in shares of it from its upper left corner.
-
-    `packet` was drawn last. None where the screen is dark.
-    """
+    """Pick in the `packet` drawn last, at shares of the screen ahead; None where it is dark."""
     at = canvas_place(renderer.rig, x, y)
     if at is None:
         return None

@@ -1,12 +1,10 @@
-"""From input to helm: pointer, buttons, wheel, keys and sticks.
+"""From input to helm: pointer, buttons, wheel, keys and sticks; and a prediction of the eye.
 
 Independent of the window library. The pilot receives actions of inputs and a pointer in [-1, 1]
 from the middle of the window (x right, y up), and returns one Helm a tick.
 
-Predict the pilot's eye, so that input shows without delay.
-
 Fishes are drawn between the last two ticks, up to one tick late. The submarine is drawn between
-the last tick and the next, which is predicted from the current helm.
+the last tick and the next, predicted from the current helm, so that input shows without delay.
 """
 
 import math

@@ -1,7 +1,4 @@
-"""A ride on a fish: the view from between its eyes, and of each eye (Tu §6.7, §9.3).
-
-Retina pictures of a fish: identities of pixels as values and colours; brightness.
-"""
+"""A ride on a fish: the view from between its eyes, and its retinae (Tu §6.7, §9.3)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -136,10 +133,7 @@ class Ride:
         )
 
     def observer(self, world: World, alpha: float) -> CameraPose:
-        """The pose between the fish's eyes, with tail beat and roll damped.
-
-        Or behind it, if it is followed.
-        """
+        """The pose between the fish's eyes, with tail beat and roll damped, or behind the fish."""
         if self.behind:
             self._camera, pose = follow_fish(world, self.by.fish, alpha, self._camera)
             return pose
@@ -187,10 +181,7 @@ class Ride:
     def text(
         self, world: World, look: RetinaColours, steered: bool = False, public: bool = False
     ) -> str:
-        """Describe the fish and its mental state, or that it is steered, in one line.
-
-        On a `public` screen in words for children.
-        """
+        """Describe the fish and its mental state in one line; for children on a `public` screen."""
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
 
@@ -282,10 +273,7 @@ def pictured(seen: IdMaps, look: RetinaColours) -> NDArray[np.uint8]:
 
 
 def nearest_to_middle(world: World, view: View) -> int | None:
-    """The visible fish nearest to the middle of the view; if none is visible, the nearest.
-
-    None if no fish lives but that whose view it is.
-    """
+    """The visible fish nearest to the middle of the view, else the nearest; None without any."""
     fishes = world.state.fishes
     alive = fishes.alive.copy()
     if view.without >= 0:

@@ -1,9 +1,7 @@
 """User settings: `settings.toml` in the folder of the platform, or a file by name.
 
-Bindings of inputs to controls: keys, mouse buttons and the parts of a gamepad, by name.
-
-An input's name is what a settings file calls it: ``W``, ``PageUp``, ``Ctrl+Shift+Q``,
-``mouse left``, ``pad right trigger``. Nothing here knows the window library.
+They bind inputs to controls. An input's name is what a settings file calls it: ``W``, ``PageUp``,
+``Ctrl+Shift+Q``, ``mouse left``, ``pad right trigger``. Nothing here knows the window library.
 """
 
 import json

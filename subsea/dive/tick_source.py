@@ -41,10 +41,7 @@ class TickSource(ABC):
         """The pose of the pilot's eye in that picture."""
 
     def resume(self, check: Callable[[], object]) -> None:  # noqa: B027 - only a master does
-        """Go on with a dive that has lost its master, before a tour and the first picture.
-
-        `check` is called while waiting, and may raise.
-        """
+        """Go on with a dive that lost its master, before a picture; `check` may raise meanwhile."""
 
     def offer(self, scenario: Path) -> None:  # noqa: B027 - only a master does
         """Let nodes open the scenario of this file, if it has a name, to take part."""

@@ -4,8 +4,6 @@ Most of a sheet is the left flank with the tail, seen from the side at rest. For
 it is one wing unfolded at its edge: from top to bottom spine, upper side, area beyond the tip,
 lower side, keel. The fins have regions above, in the parameters of their surfaces. Colours are
 mixed in linear light and stored in sRGB; alpha is the opacity, 1 on the body.
-
-Patterns of skin textures: stripes, spots, patches, fin rays and blotches.
 """
 
 from typing import NamedTuple

@@ -1,20 +1,10 @@
 """Coupling of the drawn surface to the nodes by one constant matrix per species.
 
-The axes of Tu's patches (§5.4) jump from face to face, so a bent surface creases. Here
-cross-sections are interpolated along the body by a C1 cubic. Centre line and axes are linear in the
-nodes, hence so are all control points.
-
-Control points on the patches of the hull's faces (Tu §5.4).
-
-Each of the 24 faces of the hull is a bilinear surface between its four corners, cut into sixteen
-patches. A control point keeps the offset that it has at rest from the nearest of the 25 patch
-nodes, in axes that move with the face: its normal, and the line along its middle.
-
-Coupling of surface points to the 23 nodes.
-
-Methods: cross-sections interpolated along the body (`skinning.py`), the bilinear patches of Tu
-§5.4 (`patches.py`), and the tetrahedra of KS III.A (`geometry/tetrahedra.py`). All are weighted
-sums of the nodes; Tu's adds an offset in the axes of a face of the hull.
+Three methods. Cross-sections are interpolated along the body by a C1 cubic: centre line and axes
+are linear in the nodes, hence so are all control points. The bilinear patches of Tu §5.4, whose
+axes jump from face to face, so that a bent surface creases: each of the 24 faces of the hull is cut
+into sixteen, and a control point keeps the offset that it has at rest from the nearest of the 25
+patch nodes, in axes that move with the face. The tetrahedra of KS III.A (`geometry/tetrahedra.py`).
 """
 
 from itertools import pairwise

@@ -1,12 +1,8 @@
 """Diagrams of invisible things: springs of bodies, senses, bonds of schools (Tu §9.2, §9.4).
 
-The drawing modes of Tu's general control, and a few more. Diagrams of fishes are drawn for those in
-sight, the largest in the picture first and at most MOST of them; that of the chosen fish is
-stronger than others.
-
-Lines in the world, for diagrams.
-
-Labels: text at points in the world, and their positions in pictures.
+The drawing modes of Tu's general control, and a few more: lines in the world, and labels. Diagrams
+of fishes are drawn for those in sight, the largest in the picture first and at most MOST of them;
+that of the chosen fish is stronger than others.
 """
 
 from collections import deque

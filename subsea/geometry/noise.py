@@ -1,7 +1,4 @@
-"""Smooth noise in space: a pure function of position, the same on every machine.
-
-Random numbers from keys, independent of order and threads.
-"""
+"""Smooth noise in space, and random numbers from keys: the same on every machine and thread."""
 
 import math
 

@@ -2,9 +2,7 @@
 
 A pillar is a row x, y, radius, height of its top: an upright cylinder that goes on below the
 seabed. A rock is a row x, y, z, a, b, c, yaw: an ellipsoid turned about the vertical. The seabed
-is a height field (`height_field.py`). Lengths are cm.
-
-A height field over a square: bilinear lookup for compiled kernels.
+is a height field over a square. Lengths are cm.
 """
 
 import math

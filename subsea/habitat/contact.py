@@ -1,11 +1,7 @@
-"""Contact of bodies with solids and with the bounds of the sea, by water drift.
+"""Contact of bodies with solids, with the bounds of the sea and with each other, by water drift.
 
 Fishes steer clear of both (`behavior/steering.py`). One that comes too fast to turn, or turns from
 one stone into another, slides along what it touches.
-
-Distances of places from pillars and rocks, and the way out of these.
-
-Separation of bodies from each other, by water drift.
 """
 
 import math

@@ -1,7 +1,4 @@
-"""The current: uniform and oscillating, with a source around each solid (Tu §8.1).
-
-The bow wave of the submarine, which moves the fishes around it.
-"""
+"""The current: uniform and oscillating, with a source around each solid (Tu §8.1); bow waves."""
 
 import numpy as np
 

@@ -1,7 +1,4 @@
-"""Plankton: specks carried by the current (Tu §8.2).
-
-When bubbles leave the vents in the seabed (Tu §8.2).
-"""
+"""Plankton carried by the current, and bubbles that leave vents in the seabed (Tu §8.2)."""
 
 import numpy as np
 

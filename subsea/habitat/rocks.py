@@ -1,10 +1,7 @@
 """The rocks of a scenario: single ones, and those of outcrops, ridges and arches.
 
-All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad.
-
-Rocks listed by the square cells of the seabed near them, for passes over many places.
-
-Rocks never move, so a world lists them once.
+All are rows of `state.Sea.rocks` (k, 7): x, y, z and half axes a, b, c in cm, yaw in rad. They
+never move, so a world lists once which are near each square cell of the seabed.
 """
 
 import math

@@ -1,7 +1,4 @@
-"""Share of the sky's light that a rock formation lets through, on a grid of distances.
-
-Sites for corals, distributed evenly over the drawn stone.
-"""
+"""Light and growth on stone: its share of the sky's light, and evenly spread sites for corals."""
 
 import math
 from concurrent.futures import ThreadPoolExecutor

@@ -1,8 +1,7 @@
 """The seabed: a height field of dunes from a seed (SMC §6.2), with scour around solids.
 
-Mounds of dead reef: the surface that is drawn and that growths stand on.
-
-In units of the radius: no point is farther than 1 from the axis, with the summit at `HEIGHT`.
+Mounds of dead reef are in units of their radius: no point is farther than 1 from the axis, with the
+summit at `HEIGHT`.
 """
 
 import numpy as np

@@ -1,13 +1,7 @@
-"""`subsea film`: a tour without a window.
-
-Times of the frames of a film, and stepping the world to them.
-
-Resume a folder of numbered pictures.
+"""`subsea film`: a tour without a window, also into a folder of numbered pictures.
 
 `film.json` beside the pictures records which film they belong to. Filming the same again continues
 after an interruption: every picture is complete or absent.
-
-The options of `subsea film`.
 """
 
 import json

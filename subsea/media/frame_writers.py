@@ -1,9 +1,6 @@
 """Write frames as a film, a picture or a folder of pictures, each file atomically.
 
-Each window of a theatre has its own output beside the others.
-
-Metadata that mark a film for players as stereo or as 360°.
-
+Each window of a theatre has its own output beside the others. Metadata mark a film for players.
 Stereo: the frame packing message of H.264, which switches televisions, and the box `st3d`, which
 players on computers read. 360°: the box `sv3d` ("spherical video V2" by Google). ffmpeg's muxer
 writes these boxes only for input from a demuxer, so they are inserted into the complete file.
@@ -187,10 +184,7 @@ def open_writers(
     metadata: VideoMetadata = NO_METADATA,
     sound: FilmSound | None = None,
 ) -> Iterator[WriteAll]:
-    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`.
-
-    Films have `sound`.
-    """
+    """Open a writer for pictures of these `sizes` by window (`window_path`); films have `sound`."""
     with ExitStack() as stack:
         writers = {
             name: stack.enter_context(

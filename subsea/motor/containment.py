@@ -1,10 +1,8 @@
-"""Keep bodies in the sea and out of solids, whatever brought them there.
+"""Keep bodies upright (SMC §5.2, appendix B), in the sea and out of solids.
 
 Fishes steer clear (`behavior/steering.py`) and slide along what they touch (`habitat/contact.py`),
 but both foresee a straight way. A turn swings snout or tail aside, and a burst begins within a
 tick. After the motion, this moves back each fish that reaches beyond a barrier.
-
-Balance: roll slowly back to an upright posture (SMC §5.2, appendix B).
 """
 
 import math

@@ -1,7 +1,4 @@
-"""Tables of scenario files. See `assets/scenarios`.
-
-Jerlov's optical water types: how fast daylight falls with depth, and what follows from it.
-"""
+"""Tables of scenario files (see `assets/scenarios`), and Jerlov's optical water types."""
 
 from typing import Annotated, Literal, NamedTuple
 

@@ -1,7 +1,4 @@
-"""Save scenarios without overwriting shipped ones.
-
-Small pictures of scenarios, for the menu.
-"""
+"""Save scenarios without overwriting shipped ones, and their small pictures for the menu."""
 
 import warnings
 from io import BytesIO
@@ -29,10 +26,7 @@ MOST_PIXELS = 16_000_000
 
 
 def read_thumbnail(scenario: Path) -> Bytes | None:
-    """The picture (h, w, 3) of a scenario file, top row first: the JPEG file of the same name.
-
-    None if it is missing, damaged or too large, since a scenario needs no picture.
-    """
+    """The picture (h, w, 3) beside a scenario file, top row first; None without a good one."""
     from PIL import Image, ImageOps
 
     try:
@@ -66,10 +60,7 @@ def place_of(source: Path) -> Path:
 
 
 def place_named(name: str) -> Path:
-    """The path to save a scenario under a name or path, which must be unused.
-
-    A name without a slash is in the user's own folder.
-    """
+    """The unused path for a scenario of this name, in the user's own folder, or for this path."""
     if not name or name.endswith(("/", "\\")):
         raise UserError(f"{name or 'nothing'}: expected a name to save the scenario as")
     if "/" in name or "\\" in name:

@@ -1,7 +1,4 @@
-"""Listeners, layouts of loudspeakers, and how a source reaches them.
-
-Listeners in a world: the pilot of the submarine, or a fish.
-"""
+"""Listeners in a world, layouts of loudspeakers, and how a source reaches them."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -147,10 +144,7 @@ def doppler(way: Vector, velocity: Vector, own: Vector) -> float:
 
 @kernel
 def pan(directions: Array, width: float, way: Vector, gains: Array) -> None:
-    """Write the gain of each channel (c,) for a source in direction `way`; their power is 1.
-
-    A zero direction is all round.
-    """
+    """Write the gains (c,) of a source in direction `way`, of power 1; zero is all round."""
     number = len(gains)
     if width > 0.0:
         side = (1.0 + width * way[0]) * 0.25 * math.pi

@@ -1,7 +1,4 @@
-"""Groups of arrays: fishes, minds, surroundings, directions and the submarine.
-
-Parameters of a tick: its time, and constants that a scenario or a panel may change.
-"""
+"""Groups of arrays: fishes, minds, surroundings, directions, submarine; parameters of a tick."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields

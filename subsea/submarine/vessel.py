@@ -1,13 +1,7 @@
-"""Tours of a scenario: a path through waypoints, with gaze targets.
+"""The submarine: commands of the pilot (SMC §8.2), dynamics, tours, and rails.
 
-Commands of the pilot: the ten manoeuvres of SMC §8.2.
-
-Dynamics of the submarine: thrust against drag, righting moment, soft limits.
-
-The submarine on a rail: position and gaze are set by a tour, not by the helm.
-
-The tour sets the pose directly, without thrust, drag and slip. Position and velocity are part of
-the state as usual, so fishes, bow wave and seaweed react as to a piloted hull.
+On a rail a tour sets the pose directly, without thrust, drag and slip. Position and velocity are
+part of the state as usual, so fishes, bow wave and seaweed react as to a piloted hull.
 """
 
 import math

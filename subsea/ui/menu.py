@@ -423,10 +423,7 @@ class ScenarioSummary(msgspec.Struct, frozen=True):
 
 
 def scenario_summaries() -> dict[Path, ScenarioSummary]:
-    """Return the files of all named scenarios, with their titles and descriptions.
-
-    An unreadable file is listed by its name; choosing it reports the error.
-    """
+    """Titles and descriptions of all named scenarios by file; a faulty one has its name."""
     files = [scenario_file(name).resolve() for name in scenario_names()]
     return {path: _summary(path, _version(path)) for path in files}
 

@@ -1,7 +1,4 @@
-"""Draw the sea for the windows of a dive; adapt quality to hold the frame time.
-
-Leave Dear ImGui in order where drawing fails within open scopes.
-"""
+"""Draw the sea for the windows of a dive; adapt quality to hold the frame time."""
 
 import gc
 import traceback

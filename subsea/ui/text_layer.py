@@ -43,10 +43,7 @@ class TextLayer:
         self.vignette.most, self.horizon = comfort.vignette, comfort.horizon
 
     def draw(self, elapsed_s: float) -> None:
-        """Draw one frame, `elapsed_s` after the last.
-
-        Draws nothing over the test pattern, which serves to measure projectors.
-        """
+        """Draw one frame, `elapsed_s` after the last; nothing over the test pattern."""
         dive, picture, overlay = self._dive, self._dive.picture, self._dive.overlay
         if picture.pattern:
             return
@@ -128,10 +125,7 @@ def _draw_film_mark(seconds: float) -> None:
 
 
 def _draw_labels(labels: Sequence[Label], front_view: FrontView | None) -> None:
-    """Draw labels at their places on the screen ahead; none if that is not a flat picture.
-
-    For two eyes: where the left one sees them.
-    """
+    """Draw labels on a flat screen ahead; for two eyes where the left one sees them."""
     if front_view is None or not labels:
         return
     size, font = imgui.get_io().display_size, imgui.get_font()

@@ -62,10 +62,7 @@ OTHER_STEREO = "side-by-side, top-bottom, anaglyph, interlaced or checkerboard"
 
 
 def halves(rect: Rect, beside: bool) -> tuple[Rect, Rect]:
-    """Split a rectangle for the left and right eye: left and right, or upper and lower.
-
-    An odd row goes to the upper half, an odd column to the right.
-    """
+    """Split a rectangle for two eyes; an odd row goes to the upper, a column to the right one."""
     x, y, width, height = rect
     if beside:
         return (x, y, width // 2, height), (x + width // 2, y, width - width // 2, height)

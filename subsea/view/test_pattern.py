@@ -1,7 +1,4 @@
-"""A numbered test pattern to check place, geometry and focus of a channel.
-
-Test patterns on all channels, to line up projectors.
-"""
+"""Numbered test patterns to check place, geometry and focus of all channels of a theatre."""
 
 import colorsys
 from typing import Any

@@ -1,7 +1,4 @@
-"""The vessel around a theatre's audience: hull, rim and instrument panel, at rest on the hull.
-
-The panel with text before an observer in a headset.
-"""
+"""The vessel around a theatre's audience, at rest on the hull, and the panel of a headset."""
 
 import math
 from typing import NamedTuple

@@ -1,9 +1,4 @@
-"""Tileable textures: noise, caustics, waves and the relief of stone.
-
-Mipmapped textures, whose texels are cached on disk.
-
-Pictures as textures for panels.
-"""
+"""Tileable textures: noise, caustics, waves and the relief of stone; mipmaps and cached texels."""
 
 from collections.abc import Callable
 from itertools import product

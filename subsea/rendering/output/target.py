@@ -1,7 +1,4 @@
-"""The canvas in linear light, and the pass that resolves its patches to eight bits.
-
-Presenting finished pictures in further windows.
-"""
+"""The canvas in linear light, the pass that resolves it to eight bits, and further windows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product

@@ -1,7 +1,4 @@
-"""Drawing corals, sponges and anemones: meshes in place, size and colours of each growth.
-
-The look of corals, sponges and anemones: colours of a kind, and the texture of its surface.
-"""
+"""Drawing corals, sponges and anemones: meshes in place, size, colours and texture of a growth."""
 
 from functools import partial
 from typing import Any, NamedTuple

@@ -1,13 +1,7 @@
-"""Tube and barrel sponges, and anemones.
-
-Shapes of corals, sponges and anemones: meshes of size 1 at five levels of detail.
+"""Shapes of corals, sponges and anemones: meshes of size 1 at five levels of detail.
 
 The number of a variant seeds it, so its levels are of one growth: coarser ones leave small parts
 out and make the others thicker.
-
-Kinds that branch: stony thickets, soft corals, sea fans, and their rubble.
-
-Kinds with one closed surface: plates, domes, folds and mounds.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,11 +1,7 @@
-"""Meshes of growths: surfaces over rings of points, as tubes, turned profiles and thin plates.
+"""Meshes of growths: surfaces over rings of points, isosurfaces (Gibson 1998), and branches.
 
 Points are arrays (b, r, c, 3): b pieces of r rings of c points, whose first and last coincide. Seen
 from outside, points run counter-clockwise about the direction from ring to ring.
-
-Isosurfaces of sampled fields by naive surface nets (Gibson 1998).
-
-Branches that fork and bend, the parts of many kinds of coral.
 """
 
 from typing import Any, NamedTuple

@@ -1,6 +1,4 @@
-"""Drawing pillars and rocks: weathered formations of stone.
-
-Meshes of rock formations at three levels of detail, with baked light.
+"""Drawing pillars and rocks: weathered formations at three levels of detail, with baked light.
 
 The surface is where `habitat.formations.drawn_distance` is 0, inside of what fishes avoid.
 """

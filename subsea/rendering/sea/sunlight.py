@@ -1,9 +1,9 @@
-"""Shafts of sunlight: a small map of directions about the sun, redrawn for every eye.
+"""Sunlight: shafts and shadows.
 
-Maps of the distance to the sun: of all that stands, drawn once, and of the fishes in sight.
-
-Every shader that includes `optics.glsl` reads them (`shadows.glsl`). They belong to the world, not
-to a view, so shadows hold across screens.
+Shafts are a small map of directions about the sun, redrawn for every eye. Shadows are maps of the
+distance to the sun: of all that stands, drawn once, and of the fishes in sight. Every shader that
+includes `optics.glsl` reads them (`shadows.glsl`). They belong to the world, not to a view, so
+shadows hold across screens.
 """
 
 from collections.abc import Callable, Iterable

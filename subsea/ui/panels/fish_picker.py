@@ -1,7 +1,4 @@
-"""Choose a fish: the head of all panels about one fish.
-
-Fish view (Tu fig. 9.7): the point of view, and the eyes of a fish.
-"""
+"""Choose a fish, the head of all panels about one fish; fish view (Tu fig. 9.7)."""
 
 import numpy as np
 from imgui_bundle import imgui
