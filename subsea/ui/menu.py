@@ -23,6 +23,7 @@ from subsea.scenario.schema import MAX_SEED
 from subsea.scenario.storage import read_thumbnail
 from subsea.ui.gui import DEEP, LIT, QUIET, colour
 from subsea.ui.panels.fields import typed_whole
+from subsea.world.repertoires import file_version
 
 if TYPE_CHECKING:
     from subsea.ui.dive import Dive
@@ -425,15 +426,7 @@ class ScenarioSummary(msgspec.Struct, frozen=True):
 def scenario_summaries() -> dict[Path, ScenarioSummary]:
     """Titles and descriptions of all named scenarios by file; a faulty one has its name."""
     files = [scenario_file(name).resolve() for name in scenario_names()]
-    return {path: _summary(path, _version(path)) for path in files}
-
-
-def _version(path: Path) -> tuple[int, int] | None:
-    """Return the time and size of a file, which change with its content; None without a file."""
-    with suppress(OSError):
-        status = path.stat()
-        return status.st_mtime_ns, status.st_size
-    return None
+    return {path: _summary(path, file_version(path)) for path in files}
 
 
 @lru_cache(maxsize=256)  # else each opening of the menu takes as long as two pictures

@@ -25,13 +25,13 @@ MOST_BYTES = 64 << 20  # of a repertoire that is cached; shipped repertoires hav
 def species_of(name: str) -> Species:
     """Return a species by name, read again only if its file has changed."""
     path = species_file(name)
-    return _species(path, _stamp(path))
+    return _species(path, file_version(path))
 
 
 def repertoire_of(name: str) -> Repertoire:
     """Return the repertoire of a species, read again only if its file has changed."""
     path = repertoire_file(name)
-    return _repertoire(path, name, _stamp(path))
+    return _repertoire(path, name, file_version(path))
 
 
 class RecordedMotion(NamedTuple):

@@ -93,7 +93,7 @@ def test_worlds_of_the_same_species_share_their_motion(monkeypatch):
         assert not own[rows:].any()
         if name in lively.state.live._fields:
             assert np.shares_memory(getattr(lively.state.live, name), own)
-    monkeypatch.setattr(repertoires, "_stamp", lambda path: path.stat().st_mtime_ns + 1)
+    monkeypatch.setattr(repertoires, "file_version", lambda path: path.stat().st_mtime_ns + 1)
     changed = create_world(scenario, 3).library
     assert changed.control_points is not one.library.control_points
     np.testing.assert_array_equal(changed.control_points, one.library.control_points)
