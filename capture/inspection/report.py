@@ -30,7 +30,10 @@ SOURCES = {
 
 
 def report(path: Path, write: Callable[[str], object]) -> bool:
-    """Write the report on a file line by line; return whether every limit is kept."""
+    """Write the report on a file line by line; return whether every limit is kept.
+
+    UserError where the file is damaged or not a repertoire.
+    """
     repertoire = read_repertoire(path)
     missing = [name for name in BASIC_SEGMENTS if name not in repertoire.segments]
     write(
@@ -173,7 +176,10 @@ def strouhal_of_drag(drag: float, area_over_span2: float) -> float:
 
 
 def glide(motion: Motion, speed: float) -> Floats:
-    """Speeds (GLIDE_TICKS + 1,), cm/tu, of a straight passive body; NaN once out of shape."""
+    """Speeds (GLIDE_TICKS + 1,), cm/tu, of the straight passive body that starts at `speed`.
+
+    NaN from the tick at which it loses its shape.
+    """
     body = build_body(motion.body)
     state = at_rest(body)
     state.v[:, 0] = speed

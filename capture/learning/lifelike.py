@@ -215,7 +215,10 @@ def _missed(wave: Wave, limits: dict[str, Range]) -> float:
 
 
 def bent_turn(body: Body) -> float:
-    """Degrees by which a body at rest turns that bends once; NaN where it loses its shape."""
+    """Degrees by which a body at rest turns that bends to one side and straightens again.
+
+    NaN where it loses its shape.
+    """
     bend, hold, release, _ = BEND_TICKS
     at = np.arange(int(sum(BEND_TICKS)) * STEPS_PER_TICK) / STEPS_PER_TICK
     share = ease(at / bend) - ease((at - bend - hold) / release)

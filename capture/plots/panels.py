@@ -246,7 +246,10 @@ def speed_control(axis: Any, levels: SpeedMap, length: float) -> None:
 
 
 def turned(axis: Any, asked: Floats, measured: Floats) -> None:
-    """Measured angles (n, phases), or NaN, against desired ones (n,), as for the first phase."""
+    """Measured angles (n, phases) against desired ones (n,); the map is for the first phase.
+
+    An angle that was not measured is NaN.
+    """
     top = 1.05 * np.fmax(asked.max(), np.fmax.reduce(measured, axis=None))
     axis.plot([0, top], [0, top], color=FAINT, linewidth=1, zorder=0)
     low, high = np.fmin.reduce(measured, axis=1), np.fmax.reduce(measured, axis=1)

@@ -113,7 +113,10 @@ SUMMARY = ("mean", "p50", "p95", "p99", "max")
 
 
 def summarize_ms(durations_s: Sequence[float] | NDArray[np.floating[Any]]) -> dict[str, float]:
-    """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY."""
+    """Mean, percentiles and maximum in milliseconds of durations in seconds, keyed by SUMMARY.
+
+    Percentiles are interpolated linearly.
+    """
     ms = 1000.0 * np.asarray(durations_s, np.float64)
     p50, p95, p99 = np.percentile(ms, [50, 95, 99])
     return dict(zip(SUMMARY, map(float, (ms.mean(), p50, p95, p99, ms.max())), strict=True))

@@ -111,7 +111,10 @@ def is_path(name: str, suffix: str) -> bool:
 
 
 def named_or_file(name: str, folder: str, suffix: str, kind: str) -> Path:
-    """The resource `name` in `folder`, or the file at the path `name`; else a UserError."""
+    """The resource `name` in `folder`, or the file at the path `name`.
+
+    An unknown name is a UserError that lists the known ones.
+    """
     if is_path(name, suffix):
         return Path(name)
     known = resource_names(folder, suffix)

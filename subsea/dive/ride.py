@@ -133,7 +133,10 @@ class Ride:
         )
 
     def observer(self, world: World, alpha: float) -> CameraPose:
-        """The pose between the fish's eyes, with tail beat and roll damped, or behind the fish."""
+        """The pose between the fish's eyes, with tail beat and roll damped.
+
+        Or behind it, if it is followed.
+        """
         if self.behind:
             self._camera, pose = follow_fish(world, self.by.fish, alpha, self._camera)
             return pose
@@ -181,7 +184,10 @@ class Ride:
     def text(
         self, world: World, look: RetinaColours, steered: bool = False, public: bool = False
     ) -> str:
-        """Describe the fish and its mental state in one line; for children on a `public` screen."""
+        """Describe the fish and its mental state, or that it is steered, in one line.
+
+        On a `public` screen in words for children.
+        """
         fishes, minds, fish = world.state.fishes, world.state.minds, self.by.fish
         name = world.species[fishes.species[fish]].name
 
@@ -273,7 +279,10 @@ def pictured(seen: IdMaps, look: RetinaColours) -> NDArray[np.uint8]:
 
 
 def nearest_to_middle(world: World, view: View) -> int | None:
-    """The visible fish nearest to the middle of the view, else the nearest; None without any."""
+    """The visible fish nearest to the middle of the view; if none is visible, the nearest.
+
+    None if no fish lives but that whose view it is.
+    """
     fishes = world.state.fishes
     alive = fishes.alive.copy()
     if view.without >= 0:

@@ -184,7 +184,10 @@ def open_writers(
     metadata: VideoMetadata = NO_METADATA,
     sound: FilmSound | None = None,
 ) -> Iterator[WriteAll]:
-    """Open a writer for pictures of these `sizes` by window (`window_path`); films have `sound`."""
+    """Open a writer for pictures of these `sizes` by the names of windows, see `window_path`.
+
+    Films have `sound`.
+    """
     with ExitStack() as stack:
         writers = {
             name: stack.enter_context(

@@ -82,7 +82,10 @@ class ScreenCapture:
         self._tell(f"filming: {self._path}")
 
     def frame(self, pixels: Pixels, elapsed_s: float) -> None:
-        """Write the picture that is wanted; add it to the film, `elapsed_s` after the last one."""
+        """Write the picture that is wanted, and add to the film.
+
+        The pixels are shown `elapsed_s` after the last ones; a film has FPS frames a second.
+        """
         if self.wanted:
             self.wanted = False
             self.picture(pixels)

@@ -31,7 +31,10 @@ def scenario_names() -> list[str]:
 
 
 def scenario_file(name: str) -> Path:
-    """The file of the scenario `name`, or the path `name`; UserError for an unknown name."""
+    """The file of the scenario `name`, or the path `name` if it has a slash or ends in ``.toml``.
+
+    An unknown name is a UserError.
+    """
     if is_path(name, ".toml"):
         return Path(name)
     if name not in (known := scenario_names()):

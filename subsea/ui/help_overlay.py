@@ -170,7 +170,10 @@ def draw_help(content: HelpContent, opacity: float, foot: float) -> None:
 
 
 def help_columns(content: HelpContent, line: float) -> tuple[float, float]:
-    """Measure the left edge of the texts and the width of the help, in heights of letters."""
+    """Measure the left edge of the texts and the width of the help, in heights of letters.
+
+    Long names of keys and long texts of a language make it wider.
+    """
     keys = (sum(_cap_width(key, line) + 0.3 * line for key in row.keys) for row in content.rows)
     words_x = max(WORDS_X, KEYS_X + max(keys, default=0.0) / line)
     texts = (float(imgui.calc_text_size(row.what).x) for row in content.rows)

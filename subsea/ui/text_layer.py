@@ -43,7 +43,10 @@ class TextLayer:
         self.vignette.most, self.horizon = comfort.vignette, comfort.horizon
 
     def draw(self, elapsed_s: float) -> None:
-        """Draw one frame, `elapsed_s` after the last; nothing over the test pattern."""
+        """Draw one frame, `elapsed_s` after the last.
+
+        Draws nothing over the test pattern, which serves to measure projectors.
+        """
         dive, picture, overlay = self._dive, self._dive.picture, self._dive.overlay
         if picture.pattern:
             return

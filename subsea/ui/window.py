@@ -192,7 +192,10 @@ class GlWindow:
         glfw.destroy_window(self.handle)
 
     def toggle_fullscreen(self) -> None:
-        """Fill the screen that the window is on, or go back; not with a fixed place."""
+        """Fill the screen that the window is on, or restore the former place and size.
+
+        No effect on a window with a fixed place.
+        """
         if self.fixed:
             return
         if self._filling:

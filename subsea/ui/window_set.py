@@ -90,7 +90,10 @@ class WindowSet:
         return all(window.open for window in self.windows)
 
     def poll(self, wait_s: float = 0.0) -> list[Command]:
-        """Process all events since the last call, or wait for one; returns the commands."""
+        """Process all events since the last call; returns the commands.
+
+        If there are none, wait for one at most `wait_s`.
+        """
         if len(self.windows) > 1:
             self._share_pointer()
         inside, focused = self._pointer_and_focus()

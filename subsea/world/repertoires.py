@@ -19,7 +19,6 @@ from subsea.repertoire.library import LIVE_TABLES, Library, pack
 from subsea.world.world import TICK_S
 
 LIVE_ROWS = (*LIVE_TABLES, "control_points", "facing")  # tables with rows of simulated fishes
-MOST_BYTES = 64 << 20  # of a repertoire that is cached; shipped repertoires have 2 MiB at most
 
 
 def species_of(name: str) -> Species:
@@ -45,7 +44,9 @@ class RecordedMotion(NamedTuple):
 def motion_of(names: Sequence[str]) -> RecordedMotion:
     """Return the motion of some species, packed again only if one of their files has changed."""
     files = [(name, species_file(name), repertoire_file(name)) for name in names]
-    return _motion(tuple((*named, _stamp(named[1]), _stamp(named[2])) for named in files))
+    return _motion(
+        tuple((*named, file_version(named[1]), file_version(named[2])) for named in files)
+    )
 
 
 def with_live(library: Library, live: int) -> Library:
@@ -64,8 +65,8 @@ def coupling_of(species: Species, repertoire: Repertoire) -> Coupling:
     return couple(species.surface.coupling, nodes, rest)
 
 
-def _stamp(path: Path) -> tuple[int, int] | None:
-    """Return the time and size of a file, None without a file."""
+def file_version(path: Path) -> tuple[int, int] | None:
+    """Return the time and size of a file, which change with its content; None without a file."""
     try:
         status = path.stat()
     except OSError:
@@ -111,13 +112,3 @@ def _repertoire(path: Path, name: str, stamp: object) -> Repertoire:
     if abs(repertoire.tick_s - TICK_S) > 1e-6:
         raise UserError(f"tick_s is {repertoire.tick_s:g}, expected {TICK_S:g}", file=path)
     return repertoire
-
-
-def _content(path: Path) -> str:
-    """Hash a file with SHA-256; empty if not a regular file, unreadable or far too large."""
-    try:
-        if not path.is_file() or path.stat().st_size > MOST_BYTES:
-            return ""  # reading it raises the right error
-        return file_hash(path)
-    except (OSError, UserError):
-        return ""

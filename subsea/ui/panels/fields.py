@@ -91,7 +91,10 @@ class Edit(NamedTuple):
 
 
 def table(struct: Table) -> tuple[Table, bool]:
-    """Draw a field for each key of a table; return it, and whether an input is complete."""
+    """Draw a field for each key of a table.
+
+    Returns the table, and whether an input is complete: it changes before that in a drag.
+    """
     settled = False
     for field in _fields(type(struct)):
         was = getattr(struct, field.name)

@@ -69,7 +69,10 @@ class PlacementState:
         return [submarine, *placement.schools(now, scenario, world.state.fishes, sea), *others]
 
     def warn(self, scenario: Scenario, sea: Sea) -> str:
-        """Return a warning if a tour does not fit a scenario, else an empty text; cached."""
+        """Return a warning if a tour does not fit a scenario, else an empty text; cached.
+
+        The fault names waypoints, which are in the file and not in the view.
+        """
         if not self.toured or self.toured[0] is not scenario or self.toured[1] is not sea:
             fault = tour_fault(scenario, *with_solids(scenario, sea), stored=False)
             self.toured, self.misfit = (scenario, sea), ""
