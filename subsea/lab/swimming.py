@@ -279,8 +279,8 @@ def _speeds(place: Array, alive: Bools, tick_s: float) -> tuple[Array, Bools]:
 def _radii(place: Array, course: Array, alive: Bools, tick_s: float) -> Array:
     """Measure the radius of each turn at low speed, where its path is most curved.
 
-    Published radii are those of single turns. A turn is a stretch of ticks around each of which
-    the heading changes by at least `TIGHT_DEG` in `TURN_S`.
+    Published radii are those of single turns. In a turn the heading changes by at least
+    `TIGHT_DEG` in the `TURN_S` around each tick.
     """
     half = _ticks(TURN_S, tick_s) // 2
     way = np.linalg.norm(place[half:] - place[:-half], axis=-1)
