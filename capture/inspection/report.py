@@ -10,6 +10,7 @@ from capture.inspection.simulated import measure_simulated, measure_spine_driven
 from capture.inspection.targets import Measure
 from capture.recording.record import Motion, motion_from_provenance
 from capture.recording.spine_muscles import eel_of
+from capture.recording.wing_muscles import ray_of
 from subsea.base.errors import UserError
 from subsea.biomechanics.body import MUSCLES, Floats, build_body
 from subsea.biomechanics.simulation import at_rest, is_sound, simulate
@@ -216,6 +217,14 @@ def eel_glide_drag(plan: SpinePlan, surface: SurfacePlan, speed: float) -> float
     eel = eel_of(plan, surface)
     speeds = np.diff(eel.glide(speed, GLIDE_TICKS)) / (STEPS_PER_TICK * STEP)
     mass, area = float(eel.long.body.mass.sum()), wetted_area(surface) * plan.length**2
+    return drag_coefficient(np.insert(speeds, 0, speed), STEPS_PER_TICK * STEP, mass, area)
+
+
+def ray_glide_drag(plan: SpinePlan, surface: SurfacePlan, speed: float) -> float:
+    """Drag coefficient of a coasting ray with muscles: as `glide_drag`."""
+    ray = ray_of(plan, surface)
+    speeds = np.diff(ray.glide(speed, GLIDE_TICKS)) / (STEPS_PER_TICK * STEP)
+    mass, area = float(ray.disc.mass.sum()), wetted_area(surface) * plan.length**2
     return drag_coefficient(np.insert(speeds, 0, speed), STEPS_PER_TICK * STEP, mass, area)
 
 

@@ -16,7 +16,13 @@ from capture.inspection.kinematics import (
     turning_radius,
     wing_amplitude,
 )
-from capture.inspection.report import coast_drag, eel_glide_drag, expected_strouhal, glide_drag
+from capture.inspection.report import (
+    coast_drag,
+    eel_glide_drag,
+    expected_strouhal,
+    glide_drag,
+    ray_glide_drag,
+)
 from capture.recording.record import motion_from_provenance
 from subsea.base.findings import RangeCheck
 from subsea.biomechanics.solver import TIME_UNIT_S
@@ -259,6 +265,8 @@ def _drag(
     try:
         if species.spine and species.spine.muscles:
             drag = eel_glide_drag(species.spine, species.surface, speed)
+        elif species.spine and species.spine.wings and species.spine.wings.muscles:
+            drag = ray_glide_drag(species.spine, species.surface, speed)
         else:
             motion = motion_from_provenance(repertoire.provenance)
             drag = glide_drag(motion, species.surface, speed)

@@ -3,6 +3,7 @@
 from capture.recording.spine_manoeuvre import spine_manoeuvre
 from capture.recording.spine_motion import SpineMotion, spine_motion
 from capture.recording.spine_muscles import muscle_motion
+from capture.recording.wing_muscles import ray_of, wing_motion
 from subsea.fish.spine import SpinePlan
 from subsea.fish.surface import SurfacePlan
 from subsea.repertoire import BASIC_SEGMENTS, SEGMENTS, Segment
@@ -45,8 +46,12 @@ def record_spine_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> Se
 
 def motion_of_segment(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
     """Compute all frames of a segment: by muscles, along a path, or free."""
+    _, _, grade = name.rpartition("_")
     if plan.muscles:
         return muscle_motion(plan, surface, name)
-    _, _, grade = name.rpartition("_")
+    if plan.wings and plan.wings.muscles:
+        if grade == "glide":  # the wings are still
+            return spine_motion(plan, surface, name, ray_of(plan, surface).pace(plan.medium))
+        return wing_motion(plan, surface, name)
     free = grade in ACYCLIC and grade != "sharp" and not plan.wings
     return (spine_manoeuvre if free else spine_motion)(plan, surface, name)

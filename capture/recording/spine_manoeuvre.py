@@ -166,6 +166,25 @@ def without_recoil(way: Array, recoil: Array) -> Array:
     return np.stack([c0 * x + s0 * y, c0 * y - s0 * x, heading - first], axis=1)
 
 
+def even_path(middle: Array, heading: Array) -> tuple[Array, Array]:
+    """Even path, ahead + i left, and course of a steady beat.
+
+    ``middle`` (T + 1,) is the centre of mass and ``heading`` (T + 1,) that of the body, rad.
+    """
+    share = np.linspace(0.0, 1.0, len(middle))
+    turn = heading[-1] - heading[0]
+    even = turn * share
+    course = (heading - even)[:-1].mean() + even
+    if abs(turn) < 1e-6:
+        way = share * (middle[-1] - middle[0])
+        path = (middle - way)[:-1].mean() + way
+    else:
+        spin = np.exp(1j * even)
+        pivot = (middle[-1] - spin[-1] * middle[0]) / (1.0 - spin[-1])
+        path = pivot + ((middle - pivot) / spin)[:-1].mean() * spin
+    return path, course
+
+
 def ease(share: Array) -> Array:
     """0 to 1 with a smooth beginning and end."""
     share = np.clip(share, 0.0, 1.0)

@@ -77,9 +77,14 @@ class Stroke(NamedTuple):
     side: float = 0.0  # beats by which the spine, but not the wings, is ahead
 
 
-def spine_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion:
-    """Compute all frames of a segment that follows a path."""
-    gait, travel = gait_and_travel(plan, surface, name)
+def spine_motion(
+    plan: SpinePlan, surface: SurfacePlan, name: str, speed: float | None = None
+) -> SpineMotion:
+    """Compute all frames of a segment that follows a path.
+
+    ``speed``, body lengths per tick, is that at which a glide begins, by default that of the rules.
+    """
+    gait, travel = gait_and_travel(plan, surface, name, speed)
     path, travelled = travel.path, travel.travelled
     heading = path.heading(travelled)
     # A right turn is the mirror image of a left one: its beat begins half a beat later.
@@ -135,14 +140,16 @@ def in_world(plan: SpinePlan, surface: SurfacePlan, moved: Array, frame: Array) 
     )
 
 
-def gait_and_travel(plan: SpinePlan, surface: SurfacePlan, name: str) -> tuple[SpineGait, Travel]:
-    """Gait and travel of a segment such as ``turn_left_gradual``."""
+def gait_and_travel(
+    plan: SpinePlan, surface: SurfacePlan, name: str, speed: float | None = None
+) -> tuple[SpineGait, Travel]:
+    """Gait and travel of a segment such as ``turn_left_gradual``; ``speed`` of a glide's start."""
     kind, _, grade = name.rpartition("_")
     gait = getattr(plan, grade) if kind == "swim" else plan.medium
     stride, ticks = stride_of(plan, surface, gait), gait.ticks_per_beat
     side = 1.0 if kind == "turn_left" else -1.0
     if grade == "glide":
-        return gait, glide_travel(plan, surface, side * GLIDE_TURN, stride / ticks)
+        return gait, glide_travel(plan, surface, side * GLIDE_TURN, speed or stride / ticks)
     if grade == "sharp":
         beats = max(plan.turn.sharp_beats, math.ceil((1.0 + RUN_IN) / stride))
         path = through_bend(plan, beats * stride, side * np.radians(plan.turn.sharp))

@@ -20,6 +20,7 @@ from capture.recording.spine_manoeuvre import (
     LATE,
     Manoeuvre,
     ease,
+    even_path,
     manoeuvre,
     search_bend,
 )
@@ -257,16 +258,6 @@ def _at_stations(values: Array) -> Array:
 
 def _smooth(state: BodyState, line: Array, middle: Array, heading: Array) -> SteadyBeat:
     """Part the motion of a beat into an even path and the recoil from it."""
-    share = np.linspace(0.0, 1.0, len(middle))
-    turn = heading[-1] - heading[0]
-    even = turn * share
-    course = (heading - even)[:-1].mean() + even
-    if abs(turn) < 1e-6:
-        way = share * (middle[-1] - middle[0])
-        path = (middle - way)[:-1].mean() + way
-    else:
-        spin = np.exp(1j * even)
-        pivot = (middle[-1] - spin[-1] * middle[0]) / (1.0 - spin[-1])
-        path = pivot + ((middle - pivot) / spin)[:-1].mean() * spin
+    path, course = even_path(middle, heading)
     recoil = (middle - path) / np.exp(1j * course)
     return SteadyBeat(state, line, path, course, recoil, heading - course)

@@ -60,6 +60,20 @@ class Swing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return self.inflections[2] - self.inflections[0]
 
 
+class WingMuscles(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The muscles on back and belly of wings: they and the water bend them in place of the swing.
+
+    ``contraction`` are shares of a rest length, at the spine and at the tip, in the strongest beat.
+    The wave of contractions runs to the rear and, late by ``tip_lag``, to the tip.
+    """
+
+    stiffness: Annotated[float, msgspec.Meta(ge=1e3, le=1e6)]  # g/tu², where the disc is thickest
+    viscosity: Annotated[float, msgspec.Meta(gt=0, le=1e4)]  # g/tu
+    contraction: tuple[Contraction, Contraction]
+    wavelength: Annotated[float, msgspec.Meta(ge=0.3, le=10)]  # along the chord, body lengths
+    tip_lag: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0  # beats
+
+
 class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A pair of wings, each a chain of units from the spine (0) to the tip (1)."""
 
@@ -67,6 +81,7 @@ class Wings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     chord: tuple[Share, Share]  # front and rear of their roots on the body
     chord_lag: Annotated[float, msgspec.Meta(ge=0.05, le=1)]  # beats, of their rear edge
     raised: Annotated[float, msgspec.Meta(ge=-30, le=30)] = 0.0  # degrees, mean of the beat
+    muscles: WingMuscles | None = None
 
     def __post_init__(self) -> None:
         """Refuse wings without chord."""
@@ -133,6 +148,8 @@ class SpinePlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
             raise ValueError("either all gaits have a slip or none")
         if self.muscles and (self.wings or self.medium.slip is not None):
             raise ValueError("[spine.muscles] need a body without wings, and gaits without slip")
+        if self.wings and self.wings.muscles and self.medium.slip is not None:
+            raise ValueError("[spine.wings.muscles] need gaits without slip")
         speeds = [(one.slip or 1.0) / one.ticks_per_beat for one in grades]
         if any(b <= a for a, b in pairwise(speeds)):
             raise ValueError("slow, medium, fast and burst must each be faster than the one before")
