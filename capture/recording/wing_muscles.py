@@ -50,7 +50,7 @@ class RayPath(NamedTuple):
     disc: Array  # (T + 1, J, I, 3) ahead, up, right in the world
     path: Array  # (T + 1,) of the centre of mass, ahead + i left, without the recoil of the beat
     heading: Array  # (T + 1,) the same
-    root: Array  # (before + T + 1, 3) of the tail, from some beats before the segment on
+    trunk: Array  # (before + T + 1, 2, 3) its rear and front edge, from some beats before on
 
 
 class Swum(NamedTuple):
@@ -78,7 +78,7 @@ def wing_motion(plan: SpinePlan, surface: SurfacePlan, name: str) -> SpineMotion
         swum = _mirrored(swum)
     ahead = np.exp(1j * swum.heading)
     centre = swum.path + ray.reach * ahead
-    tail = draw_tail(swum.root, ray.surface.joint)[-len(centre) :]
+    tail = draw_tail(swum.trunk, ray.surface.joint)[-len(centre) :]
     moved = ray.surface.pose(*(_seen(places, centre, ahead) for places in (swum.disc, tail)))
     frame = np.stack([centre.real, centre.imag, swum.heading], axis=1)
     return in_world(plan, surface, moved, frame)
@@ -90,7 +90,7 @@ def _mirrored(swum: RayPath) -> RayPath:
         swum.disc[:, ::-1] * other_side,
         swum.path.conj(),
         -swum.heading,
-        swum.root * other_side,
+        swum.trunk * other_side,
     )
 
 
@@ -199,8 +199,8 @@ class Ray:
             _beat_mean(values, beat)[part] for values in (whole.middle, whole.heading, whole.height)
         )
         disc = whole.disc[part] - height[:, None, None, None] * (0.0, 1.0, 0.0)
-        root = np.concatenate([steady.motion.root, disc[1:, disc.shape[1] // 2, -1]])
-        return RayPath(disc, path, heading, root)
+        trunk = np.concatenate([steady.motion.trunk, _edges(disc)[1:]])
+        return RayPath(disc, path, heading, trunk)
 
     def glide(self, speed: float, ticks: int) -> Array:
         """Ways (ticks + 1,), cm, of the straight body that begins at ``speed`` cm/tu."""
@@ -259,14 +259,19 @@ def _even(swum: Swum) -> RayPath:
     """Part a steady beat into an even path and the motion about it."""
     path, heading = even_path(swum.middle, swum.heading)
     disc = swum.disc - swum.height[:-1].mean() * np.array([0.0, 1.0, 0.0])
-    root = disc[:, disc.shape[1] // 2, -1]
-    flat = root[:, 0] - 1j * root[:, 2]
+    trunk = _edges(disc)
+    flat = trunk[..., 0] - 1j * trunk[..., 2]
     spin = np.exp(1j * (heading[0] - heading[-1]))
-    parts = [root]
+    parts = [trunk]
     for _ in range(TAIL_BEATS):  # back in time, beat by beat
         flat = path[0] + (flat - path[-1]) * spin
-        parts.append(np.stack([flat.real, root[:, 1], -flat.imag], axis=1)[:-1])
+        parts.append(np.stack([flat.real, trunk[..., 1], -flat.imag], axis=-1)[:-1])
     return RayPath(disc, path, heading, np.concatenate(parts[::-1]))
+
+
+def _edges(disc: Array) -> Array:
+    """Middles (T, 2, 3) of the rear and the front edge of the trunk."""
+    return disc[:, disc.shape[1] // 2, [-1, 0]]
 
 
 def _beat_mean(values: Array, beat: int) -> Array:

@@ -18,7 +18,7 @@ SAMPLES = 200  # of the span of a column
 LEAST_CHORD = 0.03  # body lengths: at the tip shares of the chord mean nothing
 DIFFERENCE = 1e-3  # body lengths
 JOINTS = 32  # of the tail
-BEFORE = 20  # ticks whose way says where the tail points at first
+STRAIGHTENED = 0.4  # share of the angle to the trunk, in a tick
 SMOOTHED = 3  # times, where the tail leaves the disc
 JOINED = 0.03  # body lengths over which the disc passes into the tail
 
@@ -82,10 +82,11 @@ class DiscSurface:
         self._flat = rest * (1.0, 0.0, 1.0)
         self._still = middles(disc, disc.rest) / plan.length
         self._rear = float(-self._still[len(self._still) // 2, -1, 0])
-        step = np.eye(3) * DIFFERENCE
         self._weights = self._couple(self._flat)
-        self._ahead, self._aside = self._flat - step[0], self._flat + step[2]
-        self._near = self._couple(self._ahead), self._couple(self._aside)
+        self._near = []
+        for axis in (0, 2):
+            points = [self._flat + side * DIFFERENCE * np.eye(3)[axis] for side in (1.0, -1.0)]
+            self._near.append([(one, self._couple(one)) for one in points])
         self._tail = ease((rest[:, 0] - self._rear) / JOINED + 0.5)
         self.joint = (1.0 - self._rear) / JOINTS
 
@@ -108,10 +109,8 @@ class DiscSurface:
             )
 
         here = place(self._flat, self._weights)
-        ahead, aside = (
-            place(*one) - here for one in zip((self._ahead, self._aside), self._near, strict=True)
-        )
-        normal = np.cross(aside, ahead)
+        back, aside = (place(*after) - place(*before) for after, before in self._near)
+        normal = np.cross(back, aside)
         normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
         on_disc = here + self._up[:, None] * normal
         share = self._tail[:, None]
@@ -141,20 +140,22 @@ def middles(disc: Disc, frames: Array) -> Array:
     return np.asarray(frames.reshape(shape).mean(axis=-2))
 
 
-def draw_tail(root: Array, joint: float) -> Array:
-    """Joints (T, n + 1, 3) of a tail that is drawn along by its root (T, 3).
+def draw_tail(trunk: Array, joint: float) -> Array:
+    """Joints (T, n + 1, 3) of a tail that is drawn along by the trunk.
 
-    Each joint follows the one before it, ``joint`` behind: water lets a whip slip along itself but
-    not aside. At first the tail is straight
-    and points back from the way of the root.
+    ``trunk`` (T, 2, 3) are the middles of its rear and its front edge. Each joint follows the one
+    before it, ``joint`` behind: water lets a whip slip along itself but not aside. The whip is
+    stiff, so it slowly turns to the axis of the trunk. At first it has that direction.
     """
-    joints = np.empty((len(root), JOINTS + 1, 3))
-    ahead = root[min(BEFORE, len(root) - 1)] - root[0]
-    now = root[0] - np.arange(JOINTS + 1)[:, None] * joint * ahead / np.linalg.norm(ahead)
-    for t, place in enumerate(root):
-        now[0] = place
+    axes = trunk[:, 0] - trunk[:, 1]
+    axes *= joint / np.linalg.norm(axes, axis=-1, keepdims=True)
+    joints = np.empty((len(trunk), JOINTS + 1, 3))
+    now = trunk[0, 0] + np.arange(JOINTS + 1)[:, None] * axes[0]
+    for t, axis in enumerate(axes):
+        now[0] = trunk[t, 0]
         for k in range(1, JOINTS + 1):
             apart = now[k] - now[k - 1]
+            apart += STRAIGHTENED * (axis - apart)
             now[k] = now[k - 1] + joint / np.linalg.norm(apart) * apart
         joints[t] = now
     for _ in range(SMOOTHED):

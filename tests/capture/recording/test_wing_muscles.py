@@ -85,8 +85,8 @@ def test_a_glide_begins_at_the_speed_of_the_swim(ray):
 
 def test_a_tail_is_drawn_along_and_keeps_its_length():
     ticks = np.arange(200)
-    root = np.stack([0.02 * ticks, 0.03 * np.sin(0.2 * ticks), 0.0 * ticks], axis=1)
-    tail = draw_tail(root, 0.02)
+    rear = np.stack([0.02 * ticks, 0.03 * np.sin(0.2 * ticks), 0.0 * ticks], axis=1)
+    tail = draw_tail(np.stack([rear, rear + (0.3, 0.0, 0.0)], axis=1), 0.02)
     reach = np.linalg.norm(np.diff(tail, axis=1), axis=2).sum(axis=1)
     assert reach == pytest.approx(reach[0], rel=0.03)
     assert np.ptp(tail[100:, -1, 1]) < 0.7 * np.ptp(tail[100:, 0, 1])
