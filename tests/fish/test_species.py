@@ -58,7 +58,8 @@ FAULTS = {
         ("chord = [0.07, 0.3]", "chord = [0.3, 0.07]", "chord"),
         ("chord_lag = 0.22", "chord_lag = 0.0", "chord_lag"),
         ("[skin.dorsal]", "[skin.ventral]", "skin.dorsal"),
-        ("amplitude = 0.92 }", "amplitude = 0.92, slip = 0.5 }", "a slip or none"),
+        ("amplitude = 0.92,", "amplitude = 0.92, slip = 0.5,", "a slip or none"),
+        ("tip_lag = 0.6", "tip_lag = 6.0", "tip_lag"),
     ],
 }
 
