@@ -18,7 +18,7 @@ SAMPLES = 200  # of the span of a column
 LEAST_CHORD = 0.03  # body lengths: at the tip shares of the chord mean nothing
 DIFFERENCE = 1e-3  # body lengths
 JOINTS = 32  # of the tail
-STRAIGHTENED = 0.4  # share of the angle to the trunk, in a tick
+STRAIGHTENED = 0.6  # share of the angle to the trunk, in a tick
 SMOOTHED = 3  # times, where the tail leaves the disc
 JOINED = 0.03  # body lengths over which the disc passes into the tail
 
