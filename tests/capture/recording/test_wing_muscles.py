@@ -83,13 +83,16 @@ def test_a_glide_begins_at_the_speed_of_the_swim(ray):
     assert steps[0] == pytest.approx(ray.pace(PLAN.medium), rel=0.02)
 
 
-def test_a_tail_is_drawn_along_and_keeps_its_length():
-    ticks = np.arange(200)
-    rear = np.stack([0.02 * ticks, 0.03 * np.sin(0.2 * ticks), 0.0 * ticks], axis=1)
-    tail = draw_tail(np.stack([rear, rear + (0.3, 0.0, 0.0)], axis=1), 0.02)
+def test_a_tail_follows_a_turn_late_and_keeps_its_length():
+    heading = np.repeat([0.0, 1.0], [40, 80])
+    ahead = np.stack([np.cos(heading), 0.0 * heading, -np.sin(heading)], axis=1)
+    rear = 0.02 * np.cumsum(ahead, axis=0)
+    tail = draw_tail(np.stack([rear, rear + 0.3 * ahead], axis=1), 0.02)
     reach = np.linalg.norm(np.diff(tail, axis=1), axis=2).sum(axis=1)
     assert reach == pytest.approx(reach[0], rel=0.03)
-    assert np.ptp(tail[100:, -1, 1]) < 0.7 * np.ptp(tail[100:, 0, 1])
+    end = tail[:, -2] - tail[:, -1]
+    late = heading - np.arctan2(-end[:, 2], end[:, 0])
+    assert abs(late[39]) < 1e-6 and late[50] > 0.5 and abs(late[-1]) < 0.05
 
 
 def test_wings_that_tear_and_wings_without_muscles_are_refused():
