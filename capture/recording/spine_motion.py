@@ -28,7 +28,7 @@ from subsea.fish.surface import SurfacePlan, along, fit_control_points, rest_sur
 PATH_STEPS = 20000  # steps of the integration of a path
 RING_SHARE = 0.7  # of the body's half-width and half-height
 FRAME_NODES = [0, 5, 6, 7, 8]  # define the body frame
-RING_ON_WING = 0.6  # half spans
+RING_ON_WING = 0.9  # half spans: transitions match the motion of nodes, so of tips
 PEAK = 15.0 / 8.0  # greatest over mean curvature of a bend
 GLIDE_TURN = np.radians(90.0)
 MOST_LEAN = 0.75  # sine of the bank
