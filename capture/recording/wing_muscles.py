@@ -234,7 +234,14 @@ class Ray:
         least, most = 0.0, STRENGTH_STEP
         while most < MOST_STRENGTH and turned(most) < turn:
             least, most = most, most + STRENGTH_STEP
-        return swim(search_bend(turned, turn, least, most))
+        try:
+            strength = search_bend(turned, turn, least, most)
+        except ValueError:
+            raise UserError(
+                f"its wings cannot turn the ray by {degrees:g}°; give the medium swim more "
+                "contraction, or the turn more time"
+            ) from None
+        return swim(strength)
 
     def _raised(self, gait: SpineGait, beat: Array, strength: Array) -> Array:
         """Contractions (T, J - 1, I) of the muscles of the back, at times ``beat`` (T,).

@@ -95,11 +95,14 @@ def test_a_tail_follows_a_turn_late_and_keeps_its_length():
     assert abs(late[39]) < 1e-6 and late[50] > 0.5 and abs(late[-1]) < 0.05
 
 
-def test_wings_that_tear_and_wings_without_muscles_are_refused():
+def test_wings_that_tear_or_are_weak_or_have_no_muscles_are_refused():
     wings = PLAN.wings
     torn = replace(wings, muscles=replace(wings.muscles, contraction=(0.4, 0.4), stiffness=3e4))
     with pytest.raises(UserError, match="loses its shape"):
         ray_of(replace(PLAN, wings=torn), SURFACE).steady(PLAN.fast)
+    weak = replace(PLAN, medium=replace(PLAN.medium, contraction=0.3))
+    with pytest.raises(UserError, match="cannot turn the ray by 75°"):
+        ray_of(weak, SURFACE).swim("turn_left_sharp")
     with pytest.raises(ValueError, match="no muscles"):
         ray_of(by_rules("spotted_eagle_ray").spine, SURFACE)
     table = msgspec.to_builtins(PLAN)
