@@ -1,5 +1,7 @@
 """Commands are decoded from JSON and from words, or refused."""
 
+from contextlib import suppress
+
 import msgspec
 import pytest
 from hypothesis import given
@@ -54,19 +56,15 @@ anything = st.recursive(
 
 
 @given(st.sampled_from(sorted(NAMES)), st.lists(anything, max_size=3))
-def test_any_values_are_a_command_or_one_line(name, values):
-    try:
+def test_any_values_are_a_command_or_refused(name, values):
+    with suppress(UserError):
         assert isinstance(from_words(name, values), PresenterCommand | None)
-    except UserError as fault:
-        assert "\n" not in str(fault)
 
 
 @given(st.binary(max_size=100) | st.text().map(lambda text: text.encode("utf-8", "replace")))
-def test_any_bytes_are_a_command_or_one_line(data):
-    try:
+def test_any_bytes_are_a_command_or_refused(data):
+    with suppress(UserError):
         assert isinstance(from_json(data), PresenterCommand)
-    except UserError as fault:
-        assert "\n" not in str(fault)
 
 
 @pytest.mark.parametrize(

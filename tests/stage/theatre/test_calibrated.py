@@ -185,9 +185,8 @@ def test_a_region_without_a_warp_shows_its_part_of_a_dome(theatre, projectors, m
 
 
 def test_regions_on_an_uncalibrated_panorama_are_refused(theatre, projectors, making):
-    with pytest.raises(UserError, match="`panorama` is for uncalibrated screens") as caught:
+    with pytest.raises(UserError, match="`panorama` is for uncalibrated screens"):
         theatre(making.parts(projectors), "panorama = {}")
-    assert "\n" not in str(caught.value)
 
 
 def test_a_mirror_lights_a_dome(tmp_path):
