@@ -4,6 +4,7 @@ import time
 
 import pytest
 
+from subsea.stage.console import board
 from subsea.stage.console.commands import (
     BlankScreens,
     FollowFish,
@@ -175,10 +176,11 @@ def test_it_fits_a_telephone_and_a_tablet(opened, width):
     opened.size(1024, 768)
 
 
-def test_the_picture_is_renewed_only_while_it_is_shown(console, opened):
+def test_the_picture_is_renewed_only_while_it_is_shown(console, opened, monkeypatch):
+    monkeypatch.setattr(board, "WANTED_S", 0.8)
     opened.until("document.getElementById('picture').naturalWidth === 64")
     click(opened, "show-picture")
-    time.sleep(3.0)
+    time.sleep(1.4)
     assert not console.board.picture_wanted
     click(opened, "show-picture")
     opened.until("document.getElementById('show-picture').checked")

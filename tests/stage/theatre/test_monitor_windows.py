@@ -7,7 +7,9 @@ from contextlib import closing
 
 import glfw
 import numpy as np
+import pytest
 
+from subsea.cli.main import main
 from subsea.dive.pilot import Pilot
 from subsea.dive.settings import USUAL
 from subsea.dive.tick_source import LocalTicks
@@ -17,6 +19,7 @@ from subsea.ui.monitors import Installation, Screen, monitors, on_display
 from subsea.ui.window_set import WindowSet
 from subsea.view.display_rigs import display_rig
 from subsea.view.test_pattern import lineup
+from tests.support.scenes import BARE
 from tests.support.windows import ShownOn, display_pixels, dive_options
 
 THEATRE = """
@@ -42,37 +45,23 @@ angles = {{ left_deg = -30, right_deg = 30, down_deg = -20, up_deg = 20 }}
 """
 
 
-def dive(tmp_path, left, ahead, *options):
-    """Dive in a theatre of two windows; return the exit code and the lines about errors."""
+@pytest.mark.parametrize(
+    ("left", "ahead", "options", "code", "said"),
+    [
+        ('"DP-3"', "position = [10, 10]", ["--seconds", "0.3"], 0,
+         "window 'left': no monitor 'DP-3'; there are: 1 'screen' 800x600"),
+        # Without a window, as the monitor may be switched on later:
+        (2, "monitor = 3", [], 75, "window 'left': no monitor 2; there are: 1 'screen'"),
+        (1, "position = [0, 0]", ["--display", "stereo"], 2, "quad-buffered"),
+    ],
+)  # fmt: skip
+def test_a_dive_begins_with_the_windows_that_can_be_opened(
+    display, tmp_path, capfd, left, ahead, options, code, said
+):
     path = tmp_path / "hall.toml"
     path.write_text(THEATRE.format(left=left, ahead=ahead))
-    done = subprocess.run(
-        [sys.executable, "-m", "subsea", "dive", "--theatre", str(path), *options],
-        capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr
-    lines = done.stderr.splitlines()
-    return done.returncode, [line for line in lines if "hall.toml" in line or "buffer" in line]
-
-
-def test_a_dive_goes_on_without_the_window_whose_monitor_is_missing(display, tmp_path):
-    code, said = dive(tmp_path, '"DP-3"', "position = [10, 10]", "--seconds", "0.3")
-    assert code == 0
-    [line] = said
-    assert "window 'left': no monitor 'DP-3'; there are: 1 'screen' 800x600" in line
-
-
-def test_without_any_window_left_there_is_no_dive(display, tmp_path):
-    code, said = dive(tmp_path, 2, "monitor = 3")
-    assert code == 75  # the monitor may be switched on later
-    [line] = said
-    assert "window 'left': no monitor 2; there are: 1 'screen'" in line
-
-
-def test_windows_without_a_buffer_for_each_eye_are_refused_in_a_line(display, tmp_path):
-    code, said = dive(tmp_path, 1, "position = [0, 0]", "--display", "stereo")
-    assert code == 2
-    assert "quad-buffered" in said[-1]
+    assert main(["dive", "--theatre", str(path), "--scenario", str(BARE), *options]) == code
+    assert sum(said in line for line in capfd.readouterr().err.splitlines()) == 1
 
 
 class Together(LocalTicks):
@@ -143,6 +132,7 @@ def test_a_full_screen_that_is_unplugged_is_a_window_again(display, tmp_path, mo
         assert window.filled == (0, 0)
 
 
+@pytest.mark.nightly  # test_window_set.py and test_dive_ends.py leave by keys every day
 def test_a_key_ends_the_dive_in_the_three_windows_of_a_theatre(display, user, tmp_path):
     settings = tmp_path / "settings.toml"
     settings.write_text('[controls]\nleave = ["X"]\n')
