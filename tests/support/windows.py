@@ -3,12 +3,13 @@
 import ctypes
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, Self
 
 import glfw
 import numpy as np
@@ -60,7 +61,8 @@ def x_server() -> Iterator[str]:
     for tool in ("Xvfb", "xdotool"):
         if shutil.which(tool) is None:
             pytest.fail(f"{tool} is missing; `make test` installs it, or prints how")
-    with virtual_display() as name:
+    with virtual_display() as name, InputDevices(name) as devices:
+        User.devices = devices
         yield name
 
 
@@ -105,12 +107,46 @@ def press_close_button(*windows: int) -> None:
     x.XCloseDisplay(display)
 
 
+class InputDevices:
+    """Mouse and keyboard of a display: one xdotool, as a new one takes 20 ms."""
+
+    COMMANDS = ("key", "keydown", "keyup", "type", "click", "mousedown", "mouseup", "mousemove",
+                "mousemove_relative")  # fmt: skip
+    WHERE = "X=", "Y=", "SCREEN=", "WINDOW="  # lines of xdotool about the pointer
+
+    def __init__(self, display: str) -> None:
+        self._tool = subprocess.Popen(
+            ["stdbuf", "-oL", "xdotool", "-"], env=os.environ | {"DISPLAY": display}, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+
+    def do(self, *words: object) -> None:
+        """Run a command, and return when the display has taken its events."""
+        assert self._tool.stdin and self._tool.stdout
+        self._tool.stdin.write(shlex.join(map(str, words)) + "\ngetmouselocation --shell\n")
+        self._tool.stdin.flush()
+        for start in self.WHERE:
+            line = self._tool.stdout.readline()
+            assert line.startswith(start), f"xdotool {words}: {line}"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *fault: object) -> None:
+        self._tool.communicate()
+
+
 class User:
     """Moves the mouse and presses keys, and runs the dive's frames meanwhile."""
 
-    @staticmethod
-    def do(*words: object) -> str:
+    devices: InputDevices
+
+    @classmethod
+    def do(cls, *words: object) -> str:
         """Run an xdotool command; returns its output when the display has taken it."""
+        if words[0] in InputDevices.COMMANDS:
+            cls.devices.do(*words)
+            return ""
         command = ["xdotool", *map(str, words)]
         done = subprocess.run(command, check=True, timeout=60, stdout=subprocess.PIPE, text=True)
         return done.stdout
@@ -263,14 +299,22 @@ class Spots(dict[str, tuple[float, float, float, float]]):
             running.frame(FRAME_S)
 
     def type(self, running: Any, label: str, text: str) -> None:
-        """Replace the text of a field."""
+        """Replace the text of a field, by the callbacks of the window."""
         User.glide(running, FRAME_S)
         self.click(running, label, 0.1)
-        User.do("key", "ctrl+a")
-        User.glide(running, FRAME_S)
-        User.do("type", "--delay", 12, text)
-        User.do("key", "Return")
-        for _ in range(2 * len(text) + 6):  # a frame handles one event of a device
+        window = running.window
+
+        def key(code: int, *actions: int, modifiers: int = 0) -> None:
+            for action in actions or (glfw.PRESS, glfw.RELEASE):
+                window._on_key(window.handle, code, 0, action, modifiers)
+
+        key(glfw.KEY_LEFT_CONTROL, glfw.PRESS)
+        key(glfw.KEY_A, modifiers=glfw.MOD_CONTROL)
+        key(glfw.KEY_LEFT_CONTROL, glfw.RELEASE, modifiers=glfw.MOD_CONTROL)
+        for letter in text:
+            window._on_character(window.handle, ord(letter))
+        key(glfw.KEY_ENTER)
+        for _ in range(8):  # a frame handles keys or letters
             running.frame(0.0)
 
 

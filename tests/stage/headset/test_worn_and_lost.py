@@ -8,26 +8,25 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.stage.headset import display as headset_display
 from tests.stage.headset.conftest import diving, start
+from tests.support.scenes import BARE
 
 
-def test_the_ticks_are_those_of_a_window(display, quiet, monkeypatch):
+def test_the_ticks_are_those_of_a_window(display, monkeypatch):
     def played(running):
         for _ in range(6):
             running.frame(0.1)
         return running.world.state.tick, running.world.state.fishes.position.copy()
 
-    with diving(quiet, monkeypatch) as (running, _):
+    with diving(BARE, monkeypatch) as (running, _):
         tick, places = played(running)
-    with closing(start(quiet, "mono")) as running:
+    with closing(start(BARE, "mono")) as running:
         other_tick, other_places = played(running)
     assert tick == other_tick > 10
     np.testing.assert_array_equal(places, other_places)
 
 
-def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(
-    display, quiet, monkeypatch, capsys
-):
-    with diving(quiet, monkeypatch) as (running, _):
+def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(display, monkeypatch, capsys):
+    with diving(BARE, monkeypatch) as (running, _):
         for call in ("poll", "begin", "end"):
             headset = running.picture.head.headset
             running.frame(0.1)
@@ -45,8 +44,8 @@ def test_a_runtime_that_dies_is_told_in_one_line_and_the_dive_goes_on(
             running.put_on(headset_display.put_on(running.window_set, running.gui, running.note))
 
 
-def test_a_kiosk_finds_its_headset_again(display, quiet, monkeypatch):
-    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
+def test_a_kiosk_finds_its_headset_again(display, monkeypatch):
+    with diving(BARE, monkeypatch, kiosk=True) as (running, headset):
         running.frame(0.1)
         headset.lost_in = "end"
         running.frame(0.1)
@@ -62,13 +61,13 @@ def test_a_kiosk_finds_its_headset_again(display, quiet, monkeypatch):
 
 
 def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
-    display, quiet, monkeypatch, capsys
+    display, monkeypatch, capsys
 ):
     def none():
         raise UserError("no OpenXR runtime is installed")
 
     monkeypatch.setattr(headset_display, "open_headset", none)
-    with closing(start(quiet)) as running:
+    with closing(start(BARE)) as running:
         running.frame(0.1)
         assert running.picture.head is None and running.window_set.picture().std() > 3.0
     lines = capsys.readouterr().err.splitlines()
@@ -76,9 +75,9 @@ def test_without_a_runtime_one_line_says_so_and_the_dive_is_in_the_window(
 
 
 def test_in_a_kiosk_the_dive_begins_when_it_is_put_on_and_waits_when_it_is_put_off(
-    display, quiet, monkeypatch
+    display, monkeypatch
 ):
-    with diving(quiet, monkeypatch, kiosk=True) as (running, headset):
+    with diving(BARE, monkeypatch, kiosk=True) as (running, headset):
         running.frame(0.1)
         for _ in range(5):
             running.frame(0.1)

@@ -100,9 +100,10 @@ def test_nothing_is_replaced_unless_forced(tmp_path, capsys):
         assert (code, len(err)) == (2, 1)
         assert name in err[0]
         assert (tmp_path / name).read_text() == "mine"
-        assert run(capsys, "--new", "curved", "--force", "--out", path, *SMALL)[0] == 0
-        for made in tmp_path.iterdir():
-            made.unlink()
+        if name == "new.png":
+            assert run(capsys, "--new", "curved", "--force", "--out", path, *SMALL)[0] == 0
+            assert (tmp_path / name).read_bytes() != b"mine"
+        (tmp_path / name).unlink()
 
 
 @pytest.mark.parametrize("name", ["cave", "dome", "wide", "equirectangular", "three-projectors"])
