@@ -42,7 +42,7 @@ from subsea.dive.settings import read_settings
 from subsea.export import skinning
 from subsea.fish.species import load_species, shipped_species
 from subsea.lab import paper_tables
-from subsea.repertoire import read_repertoire, write_repertoire
+from subsea.repertoire import BASIC_SEGMENTS, read_repertoire, write_repertoire
 from subsea.scenario.load import load_scenario
 from subsea.stage.cluster.master import WaitStatistics
 from subsea.stage.show_file import load_show
@@ -119,7 +119,7 @@ SHORT = {
     "subsea film": "--seconds 0.05 --quality low",
     "subsea simulate": "--ticks 4",
     "subsea sweep": "--jobs 1 --seeds 1",
-    "subsea benchmark": "--frames 1",
+    "subsea benchmark": "--frames 1 --quality low",
     "subsea soak": "--minutes 0.01",
     "subsea-capture flat": "--quick --only integrators",
     "subsea-capture learn": "--budget 2 --only swim",
@@ -134,6 +134,7 @@ MAY_FAIL = {  # nothing better be learned, a busy machine be slow, no GPU be the
 PROGRAMS_OF_OURS = {"subsea": main, "subsea-capture": capture_cli}
 NEED_MORE = ["subsea", "study"], ["subsea-capture", "learn"]  # records, or a species
 COMMANDS = "commands.md"  # its examples are made from the programs' own help
+WRITES = re.compile(r"--(?:out|plots|films|json) [^\s-]\S*")  # options that name what is made
 WINDOWS = "subsea build", "subsea skin"  # which a hand would close
 SEAS = "dive", "film", "simulate", "benchmark", "soak"
 
@@ -222,22 +223,24 @@ class Workshop:
             shutil.copy(ROOT / "assets/species/moon_wrasse.toml", own / f"species/{name}.toml")
             motion = replace(read_repertoire(ROOT / "repertoires/moon_wrasse.h5"), species=name)
             write_repertoire(own / f"repertoires/{name}.h5", motion)
+        shutil.copy(ROOT / "assets/species/moon_wrasse.toml", own / "species/few.toml")
+        few = {name: motion.segments[name] for name in BASIC_SEGMENTS}
+        write_repertoire(own / "repertoires/few.h5", replace(motion, species="few", segments=few))
         shutil.copy(ROOT / "assets/species/moon_wrasse.toml", self.folder / "some/fish.toml")
         shutil.copy(self.folder / "some/fish.toml", self.folder / "my_fish.toml")
 
     def first_of_their_kinds(self, steps):
         """Choose the steps with the first command of a kind, and those that make its files."""
-        chosen, read = [], ""
+        read = ""
         of_python = [one for one in steps if not isinstance(one, Command) and one.kind == "python"]
-        for step in steps:
-            if isinstance(step, Command):
-                kinds = kinds_of(step.text)
-                if not kinds <= self.kinds:
-                    chosen.append(step)
-                if not step.inline or is_whole(step.text):
-                    self.kinds |= kinds
-            elif step not in of_python[1:]:
+        commands = [one for one in steps if isinstance(one, Command)]
+        chosen = [one for one in steps if one not in commands and one not in of_python[1:]]
+        for step in sorted(commands, key=lambda one: -len(kinds_of(one.text))):
+            kinds = kinds_of(step.text)
+            if not kinds <= self.kinds:
                 chosen.append(step)
+            if not step.inline or is_whole(step.text):
+                self.kinds |= kinds
         for step in reversed(steps):
             made = re.findall(r"(?<=--out )\S+", step.text) or re.findall(
                 r"[\w/-]+\.\w+|(?<=film )[\w/-]+|(?<=keys )[\w/-]+", step.text
@@ -245,7 +248,7 @@ class Workshop:
             if step not in chosen and any(name in read for name in made):
                 chosen.append(step)
             if step in chosen:
-                read += step.text
+                read += WRITES.sub("", step.text)
         return chosen
 
     def take(self, step, only_read=False):
@@ -253,7 +256,7 @@ class Workshop:
         if isinstance(step, Command):
             self.type(step, only_read)
         elif step.kind == "python":
-            text = re.sub(r"\bstep\(\d{3,}\)", "step(30)", step.text)  # a shorter simulation
+            text = re.sub(r"\b(step|range)\(\d{3,}\)", r"\1(30)", step.text)  # shorter
             code = compile(text, step.page, "exec")
             if not only_read:
                 with redirect_stdout(StringIO()):
@@ -407,7 +410,7 @@ def shortened(words):
     program, name = words[:2]
     short = shlex.split(SHORT.get(f"{program} {name}", ""))
     if name in ("simulate", "sweep") and "--seconds" in words:  # in place of --ticks
-        short = ["--seconds", "0.2"]
+        short = [*(short if name == "sweep" else []), "--seconds", "0.2"]
     if "--validate" in words:
         words = [word for word in words if word not in resource_names("assets/scenarios", ".toml")]
         short = ["sea.toml", "--seeds", "1", "--seconds", "0.2", "--jobs", "1"]
@@ -430,6 +433,8 @@ def shortened(words):
             words = [*words[:2], "few.h5", *words[3:]]
         if words[1:3] == ["learn", "fusilier"] or ("--out" in words[:-1] and name == "learn"):
             short += ["--out", "learned.toml"]
+        if name == "export":
+            words = [*words[:2], "few", *words[3:]]
         if name == "record":
             words = words if len(words) > 2 else [*words, "--all"]
             short += ["--out", "kept"] if words[2] in [*shipped_species(), "--all"] else []
