@@ -46,7 +46,7 @@ def install(manager, *lines):
 def order(manager, tmp_path):
     """The file of orders to a stand-in for the dive, in the installed unit."""
     file, program = tmp_path / "order", Path(__file__).with_name("service_process.py")
-    install(manager, "WatchdogSec=4", "ExecStart=", f"ExecStart={sys.executable} {program} {file}")
+    install(manager, "WatchdogSec=3", "ExecStart=", f"ExecStart={sys.executable} {program} {file}")
     return file
 
 
@@ -93,7 +93,7 @@ def test_a_service_comes_back_until_it_ends_in_order(manager, order):
     killed = manager.until(UNIT, ActiveState="active")
     assert killed["MainPID"] != first["MainPID"]
 
-    time.sleep(5.0)  # longer than the watchdog's time: pictures keep it calm
+    time.sleep(3.5)  # longer than the watchdog's time: pictures keep it calm
     calm = manager.state(UNIT)
     assert (calm["NRestarts"], calm["MainPID"]) == ("1", killed["MainPID"])
 

@@ -23,7 +23,7 @@ class Bold(TextViewport):
 
 
 @pytest.fixture(scope="module")
-def windows(display, user, quiet):
+def windows(display, user, quiet, coarse):
     """The window of each mode, with its help and without any text."""
     pictures = {}
 
@@ -33,7 +33,7 @@ def windows(display, user, quiet):
         running.picture.finish()
         return user.screen(running)
 
-    options = DisplayOptions("mono", SIZE, quality="low")
+    options = DisplayOptions("mono", SIZE, quality=coarse)
     with closing(Dive(DiveOptions(quiet, seed=1, display=options))) as running:
         running.overlay.show_help()
         running.frame(0.1)
