@@ -1,16 +1,12 @@
 """Riding a fish: choosing it, a calm view, and pictures of both eyes in the corners."""
 
-import os
-import re
-import subprocess
 import time
 from contextlib import closing
 
+import glfw
 import numpy as np
 import pytest
-from PIL import ImageGrab
 
-from subsea.base.system import resource_path
 from subsea.behavior.table import BEHAVIORS
 from subsea.dive.ride import (
     MOST_FISHES,
@@ -35,7 +31,7 @@ from subsea.view.retina import Gaze, eyes_pose
 from subsea.view.rig import front, pose_from_angles, seen_part, views
 from subsea.world.build import create_world
 from subsea.world.step import step
-from tests.support.windows import dive_options
+from tests.support.windows import User, dive_options
 
 SIZE = (400, 300)
 
@@ -207,20 +203,9 @@ def test_maps_become_colours_and_greys():
 
 
 @pytest.fixture(scope="module")
-def boat(display, tmp_path_factory):
-    text = (resource_path("assets/scenarios") / "peaceful.toml").read_text()
-    quiet = tmp_path_factory.mktemp("sea") / "quiet.toml"
-    quiet.write_text(re.sub(r"^number = \d+", "number = 3", text, flags=re.MULTILINE))
+def boat(display, quiet):
     with closing(Dive(dive_options(quiet, SIZE, "low"))) as running:
         yield running
-
-
-def until(running, true):
-    """Run frames until the display has delivered the input."""
-    end = time.monotonic() + 60.0
-    while not true() and time.monotonic() < end:
-        running.frame(0.1)
-    assert true()
 
 
 def corner(running):
@@ -228,52 +213,46 @@ def corner(running):
     return whole(running, 0.01)[12:80, 12:105]
 
 
-def key(*names, press="key"):
-    subprocess.run(["xdotool", press, *names], check=True, timeout=60)
-
-
 @pytest.fixture
 def ride(boat):
     """The ride of a visitor that leaves the fish at the end."""
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
+    User.do("key", "r")
+    User.until(boat, lambda: boat.pilot.riding)
     yield boat.picture.ride
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)
+    User.do("key", "Escape")
+    User.until(boat, lambda: not boat.pilot.riding)
 
 
 def resize(boat, size):
-    import glfw
-
     glfw.set_window_size(boat.window.handle, *size)
-    until(boat, lambda: boat.window.size == size)
+    User.until(boat, lambda: boat.window.size == size)
 
 
 def test_keys_control_a_ride(boat):
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
-    until(boat, lambda: boat.overlay.help_opacity == 0.0)  # a ride counts as under way
+    User.do("key", "r")
+    User.until(boat, lambda: boat.pilot.riding)
+    User.until(boat, lambda: boat.overlay.help_opacity == 0.0)  # a ride counts as under way
     first = boat.picture.ride.by.fish
     colours = corner(boat)
     beside = np.asarray(boat.picture.renderer.rig.canvas) - boat.picture.rig.canvas
     assert beside[1] > 60
-    key("Right", press="keydown")
-    until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
-    key("Right", press="keyup")
-    key("i")
-    until(boat, lambda: boat.picture.colours == "identity")
+    User.do("keydown", "Right")
+    User.until(boat, lambda: boat.picture.ride.gaze.pan_deg > 20.0)
+    User.do("keyup", "Right")
+    User.do("key", "i")
+    User.until(boat, lambda: boat.picture.colours == "identity")
     codes = {tuple(code) for code in coded(np.arange(2**16)).tolist()}
     found = corner(boat).reshape(-1, 3)
     assert np.mean([tuple(pixel) in codes for pixel in found.tolist()]) > 0.99
-    key("i")
-    until(boat, lambda: boat.picture.colours == "range")
+    User.do("key", "i")
+    User.until(boat, lambda: boat.picture.colours == "range")
     grey = corner(boat)
     assert np.abs(grey - colours).mean() > 10.0
     assert (np.ptp(grey, axis=2) <= 1).mean() > 0.99
-    key("r")
-    until(boat, lambda: boat.picture.ride.by.fish != first)
-    key("Escape")
-    until(boat, lambda: not boat.pilot.riding)
+    User.do("key", "r")
+    User.until(boat, lambda: boat.picture.ride.by.fish != first)
+    User.do("key", "Escape")
+    User.until(boat, lambda: not boat.pilot.riding)
     assert boat.window.open
     assert boat.picture.renderer.rig is boat.picture.rig
 
@@ -309,46 +288,41 @@ def words(running):
 
 
 def whole(running, elapsed_s=0.0):
-    import glfw
-
     for _ in range(2):
         running.frame(elapsed_s)
     time.sleep(0.2)
-    left, top = glfw.get_window_pos(running.window.handle)
-    width, height = running.window.size
-    picture = np.asarray(ImageGrab.grab(xdisplay=os.environ["DISPLAY"]))
-    return picture[top : top + height, left : left + width, :3].astype(int)
+    return User.screen(running)
 
 
 def test_help_and_pattern_hide_the_insets_of_a_ride(boat, ride):
-    until(boat, lambda: boat.picture.insets)
-    key("h")
-    until(boat, lambda: boat.overlay.help_opacity == 1.0)
+    User.until(boat, lambda: boat.picture.insets)
+    User.do("key", "h")
+    User.until(boat, lambda: boat.overlay.help_opacity == 1.0)
     assert not boat.picture.insets
     assert boat.picture.renderer.rig is boat.picture.rig
-    key("t")
-    until(boat, lambda: boat.picture.pattern)
+    User.do("key", "t")
+    User.until(boat, lambda: boat.picture.pattern)
     assert not words(boat).any()
     pattern = whole(boat)
-    key("h", "p")  # neither help nor instruments
-    until(boat, lambda: boat.picture.quality_text == "picture medium")
+    User.do("key", "h", "p")  # neither help nor instruments
+    User.until(boat, lambda: boat.picture.quality_text == "picture medium")
     np.testing.assert_array_equal(whole(boat), pattern)
-    key("t")
-    until(boat, lambda: not boat.picture.pattern)
+    User.do("key", "t")
+    User.until(boat, lambda: not boat.picture.pattern)
     assert boat.picture.ride is ride
-    key("h")
-    until(boat, lambda: boat.overlay.help_opacity == 0.0)
+    User.do("key", "h")
+    User.until(boat, lambda: boat.overlay.help_opacity == 0.0)
     boat.frame(0.1)
     assert boat.picture.insets
-    key("p", "p", "p", "p")
-    until(boat, lambda: boat.picture.quality_text == "picture low")
+    User.do("key", "p", "p", "p", "p")
+    User.until(boat, lambda: boat.picture.quality_text == "picture low")
 
 
 def test_long_lines_wrap(boat, ride):
     ride.gaze, boat.picture.colours = Gaze(30.0, 20.0), "identity"  # reported too
     for size, lines in (((240, 180), 2), ((700, 300), 1)):
         resize(boat, size)
-        until(boat, lambda: boat.overlay.help_opacity == 0.0)
+        User.until(boat, lambda: boat.overlay.help_opacity == 0.0)
         found = words(boat)
         rows = found.any(axis=1).astype(int)
         assert (np.diff(rows, prepend=0) == 1).sum() >= lines
@@ -368,8 +342,8 @@ def test_a_window_can_be_resized_during_a_ride(boat, ride):
 
 
 def test_a_ride_ends_when_the_fish_is_eaten(boat):
-    key("r")
-    until(boat, lambda: boat.pilot.riding)
+    User.do("key", "r")
+    User.until(boat, lambda: boat.pilot.riding)
     boat.world.state.fishes.alive[boat.picture.ride.by.fish] = False
-    until(boat, lambda: not boat.pilot.riding)
+    User.until(boat, lambda: not boat.pilot.riding)
     assert boat.picture.ride is None

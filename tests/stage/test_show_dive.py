@@ -143,17 +143,6 @@ def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, pla
         again.end(running)
 
 
-def test_a_damaged_state_is_one_line_and_the_show_begins(display, user, coarse, playlist):
-    state_folder().mkdir(parents=True)
-    (state_folder() / "show.state").write_bytes(b"\x91" * 999)
-    told = []
-    show, dive = opened(playlist, coarse, told)
-    with closing(dive) as running:
-        user.glide(running, 1.0)
-        assert show.player.shown == 0
-    assert [line for line in told if "not the state of a show" in line]
-
-
 def test_screens_are_black_outside_the_hours(display, user, coarse, playlist):
     playlist.write_text(SHOW.replace("[[item]]", "[hours]\n[[item]]", 1))  # no day is named
     show, dive = opened(playlist, coarse, [], KioskPart())

@@ -11,7 +11,7 @@ from tools import fuzz
 
 
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, pytestconfig):
-    rounds = 400 if pytestconfig.getoption("--nightly") else 8
+    rounds = 400 if pytestconfig.getoption("--nightly") else 4
     done = subprocess.run(
         [sys.executable, fuzz.__file__, "--rounds", str(rounds), "--keep", tmp_path / "kept"],
         cwd=tmp_path, capture_output=True, text=True, check=False,

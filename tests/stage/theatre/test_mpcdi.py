@@ -60,17 +60,6 @@ def test_each_pixel_shows_what_was_measured_there(read, files, projectors, makin
         assert lost.mean() < 0.05  # along the rim of the screen
 
 
-def test_shares_of_the_whole_buffer_are_known_and_mean_the_same(read, projectors, making):
-    files = making.parts(projectors)
-    files |= {f"{one.name}.pfm": making.pfm(one.shares) for one in projectors}
-    points = np.random.default_rng(4).uniform(0.3, 0.6, (40, 2))
-    for region, one in zip(
-        read(files).regions, read(making.parts(projectors)).regions, strict=True
-    ):
-        wanted = sources_at(one.warp, points)
-        np.testing.assert_allclose(sources_at(region.warp, points), wanted, atol=0.005)
-
-
 def light_at(region, places, gamma):
     """A projector's share of full light, and its black, at places (k, 2)."""
     factors = mask(region, gamma, region.size)
