@@ -433,7 +433,7 @@ def shortened(words):
             words = [*words[:2], "few.h5", *words[3:]]
         if words[1:3] == ["learn", "fusilier"] or ("--out" in words[:-1] and name == "learn"):
             short += ["--out", "learned.toml"]
-        if name == "export":
+        if name == "export" and words[2] in shipped_species():
             words = [*words[:2], "few", *words[3:]]
         if name == "record":
             words = words if len(words) > 2 else [*words, "--all"]
