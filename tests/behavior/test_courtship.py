@@ -13,15 +13,7 @@ from subsea.behavior.manoeuvring import abdomen_of
 from subsea.behavior.nuzzling import NUDGES, TOUCH_BL
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import Scenario
-from subsea.state import (
-    APPROACHING,
-    ASCENDING,
-    CIRCLING,
-    LOOPING,
-    NO_COURTSHIP,
-    NOBODY,
-    NUZZLING,
-)
+from subsea.state import APPROACHING, ASCENDING, CIRCLING, LOOPING, NO_COURTSHIP, NOBODY, NUZZLING
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world.build import create_world
 from subsea.world.step import step

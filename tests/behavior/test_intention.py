@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.behavior.intention import DWELL_S, MEMORY_S, choose_intention, tiredness
-from subsea.behavior.table import (
-    BEHAVIOR_OF_DESIRE,
-    BEHAVIORS,
-    DESIRES,
-    LEVEL_OF_DESIRE,
-    TIRES,
-)
+from subsea.behavior.table import BEHAVIOR_OF_DESIRE, BEHAVIORS, DESIRES, LEVEL_OF_DESIRE, TIRES
 from subsea.state import AVOID, EAT, ESCAPE, LEAVE, MATE, SCHOOL, WANDER
 
 ONE = np.zeros(1, np.int64)

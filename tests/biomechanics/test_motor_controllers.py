@@ -11,14 +11,7 @@ from subsea.biomechanics.controllers import (
     turn_contraction,
 )
 from subsea.biomechanics.fins import ascend, backward, balance, brake, descend, pectoral_force
-from subsea.biomechanics.simulation import (
-    STILL,
-    BodyState,
-    at_rest,
-    copy_state,
-    is_sound,
-    simulate,
-)
+from subsea.biomechanics.simulation import STILL, BodyState, at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK
 from subsea.geometry.rotation import about, matrix
 

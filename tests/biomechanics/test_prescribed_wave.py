@@ -108,10 +108,7 @@ def test_body_water_and_wake_keep_their_momentum(monkeypatch):
     momentum = parts.mass[..., None] * velocity + parts.added[..., None] * w * normal
     rows = zip(tangent, normal, velocity, strict=True)
     shed = np.array([force_and_shed(parts, *row)[1] for row in rows])
-    for now, lost in (
-        (momentum, shed),
-        (np.cross(place, momentum), np.cross(place, shed)),
-    ):
+    for now, lost in ((momentum, shed), (np.cross(place, momentum), np.cross(place, shed))):
         now, lost = now.sum(axis=(1, 2)), lost.sum(axis=(1, 2))
         wake = np.concatenate([np.zeros((1, 3)), np.cumsum(step * (lost[1:] + lost[:-1]), axis=0)])
         total = (now + wake)[1:-1]

@@ -2,13 +2,7 @@ import numpy as np
 import pytest
 
 from subsea.biomechanics.body import MUSCLES, build_body
-from subsea.biomechanics.controllers import (
-    LEFT,
-    RIGHT,
-    bend_contraction,
-    ease,
-    swim_contraction,
-)
+from subsea.biomechanics.controllers import LEFT, RIGHT, bend_contraction, ease, swim_contraction
 from subsea.biomechanics.manoeuvres import MIRROR
 from subsea.biomechanics.simulation import at_rest, copy_state, is_sound, simulate
 from subsea.biomechanics.solver import STEPS_PER_TICK

@@ -94,12 +94,7 @@ def test_the_root_may_be_baked(name: str, tmp_path: Path) -> None:
 
 
 def _compare(
-    read: Decoded,
-    first: int,
-    model: Model,
-    points: np.ndarray,
-    normals: np.ndarray,
-    bound: float,
+    read: Decoded, first: int, model: Model, points: np.ndarray, normals: np.ndarray, bound: float
 ) -> None:
     """Every third frame, and the last."""
     for frame in {*range(0, len(points), 3), len(points) - 1}:

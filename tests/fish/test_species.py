@@ -23,11 +23,7 @@ FAULTS = {
         ("gloss = 0.55", "gloss = 0.5\ngills = 8", "skin.gills"),
         ("gloss = 0.55", "gloss = 0.5\nmouth = [[0, 0], [1e-300, 0]]", "mouth"),
         ("height = 0.014, r", "height = 0.3, r", "`height` of the eye is 0.3, expected -0.0"),
-        (
-            "at = 0.085, h",
-            "at = 0.9, h",
-            "eye is 0.9, expected at most 0.5, on the head",
-        ),
+        ("at = 0.085, h", "at = 0.9, h", "eye is 0.9, expected at most 0.5, on the head"),
         ("radius = 0.024", "radius = 1e-6", "`radius` of the eye is 1e-06, expected 0.001 to 0.25"),
         (
             "[skin.cape]",

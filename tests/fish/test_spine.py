@@ -44,12 +44,7 @@ def straight(plan, beat, amplitude=1.0):
     return pose_spine(plan, beat, amplitude, np.zeros((len(beat), UNITS)), MASS)
 
 
-@given(
-    st.floats(0, 3),
-    st.floats(-2, 2),
-    st.sampled_from(FUNCTIONS),
-    st.sampled_from(PROPAGATIONS),
-)
+@given(st.floats(0, 3), st.floats(-2, 2), st.sampled_from(FUNCTIONS), st.sampled_from(PROPAGATIONS))
 def test_the_spine_keeps_its_length(beat, bend, function, propagation):
     plan = Plan(swing(function=function, propagation=propagation))
     path = bend * (plan.centre - MIDDLES)[None]

@@ -7,16 +7,7 @@ import pytest
 from subsea.base.errors import UserError
 from subsea.geometry.vector import vector
 from subsea.habitat.formations import drawn_distance, formations
-from subsea.habitat.reef import (
-    DEEPEST,
-    KINDS,
-    MOUND,
-    PACKED,
-    SUNK,
-    floor_over,
-    grow_reefs,
-    tops,
-)
+from subsea.habitat.reef import DEEPEST, KINDS, MOUND, PACKED, SUNK, floor_over, grow_reefs, tops
 from subsea.habitat.sea import make_sea
 from subsea.habitat.terrain import dome, heights_at, variant_of
 from subsea.scenario.load import load_scenario

@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 
 from subsea.geometry.solids import from_pillar, from_rock
-from subsea.lab.soak import (
-    depth_in_rock,
-    faults_in,
-    starving,
-    stuck,
-    visited_now,
-    widen,
-)
+from subsea.lab.soak import depth_in_rock, faults_in, starving, stuck, visited_now, widen
 from subsea.scenario.load import load_scenario
 from subsea.submarine.vessel import NEUTRAL
 from subsea.world import snapshot

@@ -10,14 +10,7 @@ from subsea.base.system import resource_names
 from subsea.behavior.teleop import TeleopCommand
 from subsea.cli.main import main
 from subsea.lab import soak
-from subsea.lab.soak import (
-    Observations,
-    RandomInput,
-    act,
-    growth,
-    judge,
-    random_input,
-)
+from subsea.lab.soak import Observations, RandomInput, act, growth, judge, random_input
 from subsea.scenario.load import load_scenario
 from subsea.stage.theatre.theatre_file import FOLDER
 from subsea.submarine.vessel import NEUTRAL, Helm

@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from subsea.perception.leader_tracking import (
-    schools_of,
-    see_leader,
-    watch_leader,
-    watch_schools,
-)
+from subsea.perception.leader_tracking import schools_of, see_leader, watch_leader, watch_schools
 
 FOLLOWERS = np.array([1, 2])
 

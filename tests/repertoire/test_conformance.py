@@ -10,10 +10,7 @@ from hypothesis import strategies as st
 
 from capture.inspection.simulated import replay
 from capture.recording.batch import is_up_to_date
-from capture.recording.record import (
-    motion_from_provenance,
-    record_segment,
-)
+from capture.recording.record import motion_from_provenance, record_segment
 from subsea.base.system import resource_names, resource_path
 from subsea.biomechanics.body import UNITS, body_frame, build_body, to_body
 from subsea.biomechanics.manoeuvres import ROUNDS, TURNS

@@ -5,14 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from capture.inspection.top_view import (
-    above,
-    lateral_offset,
-    midline,
-    spectrum,
-    speeds,
-    top_view,
-)
+from capture.inspection.top_view import above, lateral_offset, midline, spectrum, speeds, top_view
 
 LENGTH, TICK_S, FRAMES = 20.0, 0.033, 12
 
