@@ -1,20 +1,35 @@
+import json
 import resource
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from capture.cli.main import main
+from subsea.export.clips import make_clips
 from subsea.export.skinning import best_shares
 from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
 
+FEW = ["swim_slow", "turn_left_sharp"]  # clips
+
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    """Fit joints once: how well they fit is tested elsewhere."""
+    """Export FEW clips and fit joints once: how all clips and joints are made is tested elsewhere.
+
+    Joints are in `test_gltf.py`, clips in `test_clips.py`.
+    """
     monkeypatch.setattr("subsea.export.skinning.ROUNDS", 1)
+
+    @cache
+    def few(name, detail):
+        model, clips = make_clips(name, detail)
+        return model, [clip for clip in clips if clip.name in FEW]
+
+    monkeypatch.setattr("subsea.export.clips.make_clips", few)
 
 
 def test_each_format_prints_a_line_for_each_file(tmp_path, capsys):
@@ -42,6 +57,7 @@ def test_detail_and_root_reach_the_files(tmp_path):
         for folder in "ab"
     ]
     assert '"root"' in info[0] and '"root"' not in info[1]
+    assert list(json.loads(info[0])["animations"]) == FEW
     glb = tmp_path / "a" / "fusilier_vat" / "fusilier.glb"
     assert main([*small[:-1], "1", "--out", str(tmp_path / "c")]) == 0
     assert glb.stat().st_size < (tmp_path / "c" / "fusilier_vat" / "fusilier.glb").stat().st_size
