@@ -52,13 +52,21 @@ class Fish(NamedTuple):
     number: int | None = None  # its index in the packet, in the order of its levels
 
 
-@pytest.fixture(scope="module")
-def context():
-    """A context that is current for one module: other tests make contexts too."""
+@pytest.fixture(scope="session")
+def lasting_context():
+    """One context for all modules: the first renderer of each context takes half a second."""
     context = headless_context()
     with context:
-        yield context
+        pass  # leaves the thread: no window could open otherwise
+    yield context
     context.release()
+
+
+@pytest.fixture(scope="module")
+def context(lasting_context):
+    """The context, current for one module: other tests make contexts too."""
+    with lasting_context:
+        yield lasting_context
 
 
 @pytest.fixture(autouse=True)

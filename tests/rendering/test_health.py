@@ -12,6 +12,7 @@ import pytest
 from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import make_scene, pack
+from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import LADDER, PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
@@ -24,6 +25,14 @@ KINDS = (
 )  # fmt: skip
 NAMES = 3000  # drivers count names from 1 and reuse freed ones
 SIZES = ((96, 54), (64, 64), (120, 40))
+
+
+@pytest.fixture(scope="module")
+def context():
+    """A context of its own, whose objects are counted."""
+    with headless_context() as context:
+        yield context
+    context.release()
 
 
 @pytest.fixture(scope="module")
