@@ -35,12 +35,17 @@ from subsea.motor.dynamics import (
     swim_live,
 )
 from subsea.motor.playback import BASE, COAST, ROW
+from tests.support.daily import only
 
 TICK = 0.033
 STILL = np.zeros(3)
 USUAL = Integration(TICK, 1.0, 6, STRAIN_LIMITS, np.zeros((1, 2, 3)))
 
 every_species = pytest.mark.parametrize("species", muscular_names())
+# Swims of minutes: by day three fishes of unlike bodies.
+unlike_species = pytest.mark.parametrize(
+    "species", only(("blacktip_reef_shark", "blue_tang", "fusilier"), muscular_names())
+)
 
 
 def _live(make_tank, species, name="swim_fast", ticks=28):
@@ -165,7 +170,7 @@ def test_spread_median_fins_resist_sway_and_yaw_and_pelvic_fins_brake(make_tank)
     assert (areas > 0.005).all() and (areas < 0.1).all()
 
 
-@every_species
+@unlike_species
 def test_it_swims_about_as_fast_as_it_is_asked_to(make_tank, species):
     """At full speed it may be slower, as muscles at their limit cannot make up for turns.
 
@@ -195,7 +200,7 @@ def test_it_does_not_waver_between_beat_and_coast(make_tank, species):
     assert 3 <= begun < 1.2 * 300 * TICK
 
 
-@every_species
+@unlike_species
 def test_every_heading_is_reached_and_held(make_tank, species):
     for azimuth in (-170, -90, -30, 10, 35, 60, 100, 179):
         tank = _live(make_tank, species)
@@ -205,7 +210,7 @@ def test_every_heading_is_reached_and_held(make_tank, species):
         assert abs((gap + 180) % 360 - 180) < 6, (azimuth, gap)
 
 
-@every_species
+@unlike_species
 def test_fins_climb_and_dive(make_tank, species):
     for climb, speed in ((-60, 0.3), (-20, 0.8), (20, 0.3), (35, 0.8)):
         tank = _live(make_tank, species)
@@ -219,7 +224,7 @@ def test_fins_climb_and_dive(make_tank, species):
         assert angle == pytest.approx(np.clip(climb, -steepest, steepest), abs=near), climb
 
 
-@every_species
+@unlike_species
 def test_a_rolled_fish_rights_itself(make_tank, species):
     """As far as it does not lean into turns, as it did when it was recorded."""
     for speed in (0.1, 0.3, 0.6, 1.0):

@@ -182,9 +182,9 @@ def test_equal_seeds_are_equal_worlds_with_simulated_fishes_too():
 
 def test_half_a_minute_of_nothing_but_simulation():
     """Live fishes that swim steadily: all sound, inside the sea and as fast as asked."""
-    world = _world(live=60, live_reach_cm=np.inf)
+    world = _world(fish=24, live=24, live_reach_cm=np.inf)
     fishes, bounds = world.state.fishes, world.scenario.bounds
-    steadily, swum, asked = np.ones(60, np.bool_), [], []
+    steadily, swum, asked = np.ones(24, np.bool_), [], []
     fast = world.library.speed[fishes.species, 2] * fishes.scale * fishes.rate
     for tick in range(950):
         step(world, Helm(surge=0.4, yaw=0.1))
