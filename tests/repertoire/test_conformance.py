@@ -170,7 +170,8 @@ def test_a_repertoire_is_up_to_date(species):
 
 
 @pytest.mark.parametrize("species", only(("clownfish", "ribbon_eel"), SPECIES))
-def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
+def test_the_provenance_is_the_species_file_and_records_the_same_rows(species, pytestconfig):
+    """By day those to the left: `test_grades_turns_and_sides_are_as_named` has their mirrors."""
     repertoire, plan = repertoire_of(species), load_species(species)
     tables = {
         key: msgspec.convert(value, type(getattr(plan, key)))
@@ -182,6 +183,8 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
     assert rebuilt == plan
     length = repertoire.body_length_cm
     for name, shipped in repertoire.segments.items():
+        if "right" in name and not pytestconfig.getoption("--nightly"):
+            continue
         fresh, beats, _ = record_segment(rebuilt, name)
         tolerances = dict.fromkeys(("increment_translation", "nodes", "increment_rotation"), 1e-6)
         if shipped.control_points is not None:
@@ -194,7 +197,7 @@ def test_the_provenance_is_the_species_file_and_records_the_same_rows(species):
             assert repertoire.provenance["warm_up_beats"][name] == beats
 
 
-@pytest.mark.parametrize("turn", TURNS)
+@pytest.mark.parametrize("turn", only(("turn_left_sharp", "cstart_left_wide"), TURNS))
 def test_the_search_for_a_turn_finds_that_of_the_file(turn):
     """Of one fish that is quickly searched; the code that searches is part of every file."""
     repertoire = repertoire_of("hardyhead_silverside")
