@@ -1,8 +1,5 @@
 """The whole world over many ticks."""
 
-import os
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -127,32 +124,6 @@ def test_equal_seeds_are_equal_worlds_and_others_are_not():
     first, second, other = (checksum(world) for world in worlds)
     assert first == second
     assert first != other
-
-
-PROGRAM = """
-from subsea.motor.containment import roll_of
-from subsea.world.snapshot import checksum
-from subsea.world.build import create_world
-from subsea.world.step import step
-from subsea.scenario.load import load_scenario
-from subsea.submarine.vessel import Helm
-world = create_world(load_scenario("peaceful")[0], seed=3, fish=60)
-for _ in range(200):
-    step(world, Helm(surge=0.3))
-print(checksum(world))
-"""
-
-
-def test_the_number_of_threads_does_not_matter():
-    def run(threads):
-        environment = dict(os.environ, NUMBA_NUM_THREADS=threads, OMP_NUM_THREADS=threads)
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True,
-            check=True,
-        )  # fmt: skip
-        return done.stdout.strip()
-
-    assert run("1") == run("2")
 
 
 def test_the_checksum_includes_every_array():

@@ -73,6 +73,8 @@ def test_it_does_not_matter_for_all_fishes(small_parts, name):
         assert _dive(name, threads, 300, 10**6) == alone
 
 
+# Of the libraries, which have one for each core in the process of the tests.
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 # Libraries choose their code by the processor. These settings stand for older and newer ones.
 PROCESSORS = {
     "numpy": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
@@ -90,12 +92,15 @@ for name in sys.argv[1:]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the C library of other systems has no setting")
 @pytest.mark.parametrize("library", only(("all",), sorted(PROCESSORS)))
-def test_the_processor_does_not_matter(library, pytestconfig):
+def test_neither_the_processor_nor_threads_of_libraries_matter(library, pytestconfig):
     names = SCENARIOS if pytestconfig.getoption("--nightly") else ["preying"]
     done = subprocess.run(
         [sys.executable, "-c", CHILD, *names],
-        env=os.environ | PROCESSORS[library], capture_output=True, text=True, check=True,
-    )  # fmt: skip
+        env=os.environ | ONE_THREAD | PROCESSORS[library],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     try:
         assert done.stdout.split() == [str(_dive(name, 1)[-1]) for name in names]
     finally:
