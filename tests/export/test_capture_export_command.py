@@ -1,6 +1,4 @@
 import json
-import resource
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 
@@ -12,6 +10,7 @@ from subsea.export.clips import make_clips
 from subsea.export.skinning import best_shares
 from subsea.fish.species import own_species_file, repertoire_file, species_file
 from subsea.repertoire import read_repertoire, write_repertoire
+from tests.support.commands import full_disk, refusal
 
 FEW = ["swim_slow", "turn_left_sharp"]  # clips
 
@@ -78,9 +77,7 @@ def test_wrong_commands_are_errors_of_one_line(capsys):
         (["fusilier", "--to", "vat", "--out", "/proc/none"], "/proc/none"),
         (["fusilier", "--to", "usd", "--out", "/proc/none"], "/proc/none"),
     ):
-        assert main(["export", *arguments]) == 2
-        out, err = capsys.readouterr()
-        assert not out and err.count("\n") == 1 and expected in err
+        assert expected in refusal(main, ["export", *arguments], capsys)
 
 
 def test_an_own_species_is_exported_by_name(tmp_path, monkeypatch, capsys):
@@ -111,25 +108,11 @@ def test_an_interrupted_export_leaves_nothing(tmp_path, monkeypatch, capsys):
     assert not list(tmp_path.iterdir())
 
 
-@contextmanager
-def short_files(most_bytes):
-    """Let the system refuse to make a file longer than this."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 def test_a_full_disk_leaves_nothing(tmp_path, capsys):
     """The first files fit, the last ones fail."""
     best_shares(np.eye(2), 2)  # or the limit would keep its kernel from the cache
     for form in ("vat", "usd", "gltf"):
         arguments = f"export fusilier --to {form} --detail 2 --out {tmp_path / 'new'}"
-        with short_files(200 * 1024):
-            assert main(arguments.split()) == 2
-        out, err = capsys.readouterr()
-        assert not out
-        assert err.count("\n") == 1 and "File too large" in err
+        with full_disk(200 * 1024):
+            assert "File too large" in refusal(main, arguments.split(), capsys)
         assert not list(tmp_path.iterdir())

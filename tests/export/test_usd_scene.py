@@ -1,7 +1,6 @@
 """Scenes as USD, read back by OpenUSD."""
 
-import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from subsea.export.scene import Scene
 from subsea.export.usd_scene import WRITER, _representatives, bake_poses
 from subsea.geometry.rotation import matrix
 from tests.export.conftest import extent_of, once
+from tests.support.commands import full_disk
 
 WHOLE = SceneOptions()
 
@@ -207,22 +207,14 @@ def test_faults_are_found_before_any_work(
 
 @pytest.mark.parametrize("suffix", ["usdc", "usdz"])
 def test_a_full_disk_is_one_line_and_leaves_nothing(
-    suffix: str, dive: Scene, tmp_path: Path, file_limit: Callable[[int], None]
+    suffix: str, dive: Scene, tmp_path: Path
 ) -> None:
     few = replace(dive, statics=())
-    file_limit(2_000_000)  # bytes: less than the stage, more than the textures
-    with pytest.raises(UserError, match="cannot write") as fault:
+    # Less than the stage, more than the textures.
+    with full_disk(2_000_000), pytest.raises(UserError, match="cannot write") as fault:
         WRITER.write(few, tmp_path / "out" / f"full.{suffix}", WHOLE)
     assert "\n" not in str(fault.value)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.fixture
-def file_limit() -> Iterator[Callable[[int], None]]:
-    """Set the size at which files are full, for the time of a test."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("model", [0, 1])

@@ -8,6 +8,7 @@ from capture.cli import flat
 from capture.cli.main import main
 from capture.flat import films, lessons
 from capture.flat.experiments import EXPERIMENTS
+from tests.support.commands import refusal
 
 
 @pytest.fixture
@@ -66,6 +67,4 @@ def test_a_scaffold_is_written_and_read(tmp_path, capsys):
 def test_errors_are_one_line(words, message, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "taken").write_text("no folder")
-    assert main(["flat", *words]) == 2
-    told = capsys.readouterr()
-    assert message in told.err and told.err.count("\n") == 1 and not told.out
+    assert message in refusal(main, ["flat", *words], capsys)

@@ -14,17 +14,17 @@ from subsea.fish.species import load_species
 from subsea.repertoire import read_repertoire, write_repertoire
 from subsea.repertoire.files import READABLE
 from subsea.repertoire.schema import VERSION
+from tests.support.commands import refusal
 from tests.support.recording import known_turn
 
 pytestmark = pytest.mark.usefixtures("known_turns")
 
 
-def one_line(capsys):
-    out, err = capsys.readouterr()
-    assert not out
-    assert err.startswith("subsea-capture: ")
-    assert err.count("\n") == 1
-    return err
+def refused(words, capsys, code=2):
+    """Run a command that is refused, and return its line."""
+    line = refusal(main, words, capsys, code)
+    assert line.startswith("subsea-capture: ")
+    return line
 
 
 @pytest.mark.nightly
@@ -56,8 +56,7 @@ def test_wrong_commands_are_errors_of_one_line_with_code_2(recorded, capsys):
         (["plot", "no/such.h5"], "--out"),
         (["plot", str(recorded), "--out", "/proc/plots"], "/proc/plots: cannot make the folder"),
     ):
-        assert main(arguments) == 2
-        assert expected in one_line(capsys)
+        assert expected in refused(arguments, capsys)
 
 
 @pytest.mark.parametrize(
@@ -79,9 +78,9 @@ def test_a_file_of_another_kind_is_not_replaced(recorded, tmp_path, capsys, comm
     notes.parent.mkdir(exist_ok=True, parents=True)
     notes.write_text("my notes")
     words = command.replace("RECORDED", str(recorded)).replace("fish.obj", str(obj)).split()
-    assert main([*words, "--out", str(tmp_path / "out")]) == 2
     expected = f"{notes}: exists and is not {noun}; choose another name or give --force"
-    assert one_line(capsys) == f"subsea-capture: {expected}\n"
+    fault = refused([*words, "--out", str(tmp_path / "out")], capsys)
+    assert fault == f"subsea-capture: {expected}\n"
     assert notes.read_text() == "my notes"
     assert [path for path in (tmp_path / "out").rglob("*") if path.is_file()] in ([notes], [])
 
@@ -100,8 +99,7 @@ def test_recording_warns_of_turns_that_go_the_wrong_way(recorded, tmp_path, caps
 def test_an_installed_package_is_not_written_into(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(record, "make_segment", pytest.fail)  # the folder is checked first
     monkeypatch.setattr(record_command, "resource_path", lambda name: tmp_path / name)
-    assert main(["record", "fusilier"]) == 2
-    assert "--out" in one_line(capsys)
+    assert "--out" in refused(["record", "fusilier"], capsys)
     assert not list(tmp_path.iterdir())
 
 
@@ -114,8 +112,7 @@ def copy(recorded, tmp_path):
 def test_damaged_and_newer_files_are_errors_of_one_line(copy, tmp_path, capsys):
     def fails(*words):
         for command in (["inspect", str(copy)], ["plot", str(copy), "--out", str(tmp_path)]):
-            assert main(command) == 2
-            line = one_line(capsys)
+            line = refused(command, capsys)
             assert all(word in line for word in ("copy.h5", *words))
 
     with h5py.File(copy, "a") as file:
@@ -179,10 +176,9 @@ def test_an_interrupted_recording_leaves_nothing(tmp_path, monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(record, "make_segment", interrupted)
-    assert main(["record", "fusilier", "--out", str(tmp_path)]) == 130
-    assert calls
+    fault = refused(["record", "fusilier", "--out", str(tmp_path)], capsys, 130)
+    assert calls and fault.startswith("subsea-capture: interrupted")
     assert not list(tmp_path.iterdir())
-    assert one_line(capsys).startswith("subsea-capture: interrupted")
 
 
 def test_help_lists_commands_and_gives_examples(capsys):

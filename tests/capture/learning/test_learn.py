@@ -32,6 +32,7 @@ from subsea.biomechanics.controllers import S_MAX
 from subsea.biomechanics.fins import contraction_step
 from subsea.biomechanics.trial import beat_contraction, steady_beat
 from subsea.fish.species import Species
+from tests.support.commands import refusal
 
 # A fish in Tu's water, whose speed is set by the amplitude of its beat.
 SHIPPED = Path(__file__).parents[3] / "docs" / "tu_fusilier.toml"
@@ -302,9 +303,7 @@ def test_errors_are_reported_before_the_search(monkeypatch, capsys):
     monkeypatch.setattr(improve, "learn", lambda *a, **b: pytest.fail("searched before"))
 
     def fails(arguments, expected):
-        assert main(["learn", *arguments]) == 2
-        out, err = capsys.readouterr()
-        assert not out and err.count("\n") == 1 and expected in err
+        assert expected in refusal(main, ["learn", *arguments], capsys)
 
     fails([], "SPECIES")
     fails(["fusiler"], "did you mean 'fusilier'?")

@@ -3,12 +3,10 @@
 import dataclasses
 import multiprocessing
 import os
-import resource
 import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +28,7 @@ from subsea.base.errors import UserError
 from subsea.fish.species import load_species, species_names
 from subsea.repertoire import write_repertoire
 from subsea.repertoire.schema import FORMAT
+from tests.support.commands import full_disk, refusal
 from tests.support.daily import only
 from tests.support.recording import each_once
 
@@ -191,17 +190,6 @@ def test_a_fish_that_cannot_swim_is_named(tmp_path, monkeypatch):
     assert not (tmp_path / "fusilier.h5").exists()
 
 
-@contextmanager
-def full_disk(free):
-    """No file grows beyond ``free`` bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (free, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 def write_empty(path):
     """Write a repertoire without segments, which is not up to date; return its bytes."""
     with hdf5.writing(path) as file:
@@ -215,12 +203,9 @@ def test_a_full_disk_is_one_line_and_leaves_the_old_repertoire(free, tmp_path, s
     old = tmp_path / "fusilier.h5"
     before = write_empty(old)
     with full_disk(free):
-        assert main(["record", "fusilier", "--out", str(tmp_path)]) == 2
-    out, err = capsys.readouterr()
-    assert not out
-    assert err.startswith(f"subsea-capture: {tmp_path}")
-    assert err.endswith("cannot write (File too large)\n")
-    assert err.count("\n") == 1
+        fault = refusal(main, ["record", "fusilier", "--out", str(tmp_path)], capsys)
+    assert fault.startswith(f"subsea-capture: {tmp_path}")
+    assert fault.endswith("cannot write (File too large)\n")
     assert old.read_bytes() == before
     assert not list(tmp_path.rglob("*.part"))
 
