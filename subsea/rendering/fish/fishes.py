@@ -75,7 +75,7 @@ class FishRenderer(GpuOwner):
         """Upload the species of a scene, with their own skins or `skins` as `paint` makes them."""
         super().__init__()
         self._context = context
-        self._table = self.own(table(context, folded(_texels(scene.control_points))))
+        self._table = self.own(table(context, row_table(scene.control_points)))
         self._instances = self.own(context.buffer(reserve=INSTANCE_COLUMNS * 4))
         self._skins = self.own(
             make_atlas(context, sheets(scene.species) if skins is None else skins)
@@ -232,14 +232,18 @@ def _texels(points: Array) -> Array:
     return np.pad(np.asarray(points, np.float32), ((0, 0), (0, 0), (0, 1)))
 
 
-def folded(texels: Array) -> Array:
-    """Texels (rows, n, 4) with blocks of TABLE_ROWS side by side: `table_place` of fishes.glsl."""
-    rows, points, planes = texels.shape
-    if rows <= TABLE_ROWS:
-        return texels
-    blocks = np.pad(texels, ((0, -rows % TABLE_ROWS), (0, 0), (0, 0)))
-    blocks = blocks.reshape(-1, TABLE_ROWS, points, planes)
-    return np.ascontiguousarray(blocks.swapaxes(0, 1)).reshape(TABLE_ROWS, -1, planes)
+def row_table(points: Array) -> Array:
+    """Lay control points (rows, n, 3) out as texels, with blocks of TABLE_ROWS rows side by side.
+
+    `table_place` of fishes.glsl finds a row there. Everything is written once: a table of a hundred
+    megabytes takes ten times as long to pad and turn.
+    """
+    rows, count, _ = points.shape
+    texels = np.zeros((min(rows, TABLE_ROWS), -(-rows // TABLE_ROWS), count, 4), np.float32)
+    for block in range(texels.shape[1]):
+        part = points[TABLE_ROWS * block : TABLE_ROWS * (block + 1)]
+        texels[: len(part), block, :, :3] = part
+    return texels.reshape(len(texels), -1, 4)
 
 
 class DrawnVertices(NamedTuple):
