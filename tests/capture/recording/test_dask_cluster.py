@@ -25,7 +25,7 @@ WORKER = ["--no-nanny", "--nthreads", "1", "--no-dashboard", "--death-timeout", 
 
 
 class Cluster:
-    """A scheduler and some workers, each a process."""
+    """A scheduler and a worker or more, each a process."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -37,7 +37,11 @@ class Cluster:
         self.scheduler = self._start(
             "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"
         )
-        self.workers = [self._start("worker", self.address, *WORKER) for _ in range(2)]
+        self.workers = []
+        self.add_worker()
+
+    def add_worker(self):
+        self.workers.append(self._start("worker", self.address, *WORKER))
 
     def _start(self, *arguments):
         process = subprocess.Popen(
@@ -71,6 +75,7 @@ def dask(tmp_path_factory):
 
 @pytest.mark.nightly
 def test_a_worker_that_is_killed_midway_loses_nothing(dask, repertoires, tmp_path, save_turns):
+    dask.add_worker()
     saved = sum(save_turns(name, tmp_path) for name in NAMES)
     done: dict[str, int] = {}
 
