@@ -69,6 +69,15 @@ def context(lasting_context):
         yield lasting_context
 
 
+@pytest.fixture(scope="module")
+def own_context():
+    """A context of one module, which counts its objects or makes others beside it."""
+    context = headless_context()
+    with context:
+        yield context
+    context.release()
+
+
 @pytest.fixture(autouse=True)
 def as_if_first(request):
     """Check and clear the OpenGL error, which a freed framebuffer in use causes.

@@ -12,7 +12,6 @@ import pytest
 from subsea.dive.start import start_world
 from subsea.dive.tour import Tour
 from subsea.frame.packet import make_scene, pack
-from subsea.rendering.gl.context import headless_context
 from subsea.rendering.output.quality import LADDER, PRESETS
 from subsea.rendering.renderer import Renderer
 from subsea.view.display_rigs import cockpit, display_rig, views_for
@@ -28,11 +27,8 @@ SIZES = ((96, 54), (64, 64), (120, 40))
 
 
 @pytest.fixture(scope="module")
-def context():
-    """A context of its own, whose objects are counted."""
-    with headless_context() as context:
-        yield context
-    context.release()
+def context(own_context):
+    return own_context
 
 
 @pytest.fixture(scope="module")

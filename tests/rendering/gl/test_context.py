@@ -15,6 +15,11 @@ from subsea.rendering.gl.context import (
 )
 
 
+@pytest.fixture(scope="module")
+def context(own_context):
+    return own_context
+
+
 @pytest.mark.parametrize("make", [headless_context, lambda: window_context(lambda name: 0)])
 def test_missing_opengl_names_the_packages_to_install(monkeypatch, make):
     def fail(*arguments, **settings):

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from subsea.dive.start import headless
 from subsea.rendering.gl import context as shader_cache
-from subsea.rendering.gl.context import headless_context
 
 OFF = "MESA_SHADER_CACHE_DISABLE"
 
@@ -34,5 +34,6 @@ def test_contexts_without_a_window_ask(monkeypatch):
     monkeypatch.setattr(shader_cache.shutil, "disk_usage", lambda place: SimpleNamespace(free=0))
     monkeypatch.setenv(OFF, "")
     monkeypatch.delenv(OFF)
-    headless_context().release()
+    with headless():
+        pass
     assert os.environ[OFF] == "true"
