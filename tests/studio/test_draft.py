@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsea.base.errors import UserError
@@ -26,6 +26,7 @@ from subsea.studio.draft import (
 )
 from subsea.studio.handles import FINS, PAIRED_FINS, drag_handle, handles
 from subsea.studio.outline import add_point, remove_point, with_fin, with_length, with_mass
+from tests.support.daily import examples
 
 NAMES = species_names()
 
@@ -116,6 +117,7 @@ def done(draft, kind, view, number, to):
 
 
 @given(name=st.sampled_from(NAMES), edits=EDITS)
+@settings(max_examples=examples(12))
 def test_any_edited_draft_can_be_saved_and_loaded(tmp_path_factory, name, edits):
     draft = first = drawn(name)
     for edit in edits:
