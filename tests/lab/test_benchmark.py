@@ -27,6 +27,15 @@ SEA = ["--scenario", str(BARE), "--size", "160x120"]
 SMALL = ["benchmark", *SEA, "--frames", "5", "--fish", "20"]
 
 
+@pytest.fixture(scope="module", autouse=True)
+def short_warm_up():
+    """Measure soon: what is tested does not depend on figures that have settled."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmark, "WARM_UP_FRAMES", 3)
+        patch.setattr(benchmark, "LIVE_WARM_UP_TICKS", 150)
+        yield
+
+
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reports")
@@ -277,7 +286,7 @@ def test_an_interrupted_benchmark_writes_nothing(tmp_path, monkeypatch, capsys):
 
     def step(*arguments):
         steps.append(arguments)
-        if len(steps) > 33:
+        if len(steps) > benchmark.WARM_UP_FRAMES + 3:
             raise KeyboardInterrupt
         ocean.step(*arguments)
 
