@@ -128,7 +128,9 @@ def test_it_goes_on_where_a_cut_of_the_power_ended_it(display, user, coarse, pla
     with closing(dive) as running:
         user.glide(running, 2.0)
         show.player.next_cue()
-        user.glide(running, 5.0)  # states are saved meanwhile
+        user.glide(running, 3.0)  # a state is saved meanwhile
+        show.close()  # a second one is saved once the first is written
+        user.glide(running, 2.0)
         ticks = running.world.state.tick
     assert (state_folder() / "show.state").exists()
     again, dive = opened(playlist, coarse, told)
