@@ -137,10 +137,10 @@ def _rows(world: subsea.World) -> int | None:
 
 
 def _banks(world: subsea.World) -> int | None:
-    """A ray that leans by more than 12 degrees."""
+    """Find a ray that leans by more than 8 degrees."""
     axes = matrix(world.fishes.orientation.astype(np.float64))
     lean = np.degrees(np.arcsin(np.clip(np.abs(axes[:, 2, 2]), 0.0, 1.0)))
-    return _first(_of(world, "Spotted eagle ray") & (lean > 12.0))
+    return _first(_of(world, "Spotted eagle ray") & (lean > 8.0))
 
 
 if __name__ == "__main__":
