@@ -1,7 +1,6 @@
 """Learning and recording of an edited species as processes, a first dive with it, and the pane."""
 
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -47,10 +46,10 @@ class CommandProcess:
         return self._process.poll()
 
     def stop(self) -> None:
-        """Ask it to stop, as Ctrl-C does."""
+        """Ask it to stop; not by SIGINT, which it ignores if the builder runs in a background."""
         self.stopped = True
         if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
+            self._process.terminate()
 
     def close(self) -> None:
         """Stop it, and wait: it may be writing."""
