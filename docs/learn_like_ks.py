@@ -322,7 +322,8 @@ def simulate_with(triangles: Any, weights: Floats) -> Callable[..., Floats]:
     force = compile_(
         again(water.add_water_force.py_func, TRIANGLES=triangles, TRIANGLE_WEIGHTS=weights)
     )
-    step = compile_(again(solver.advance.py_func, add_water_force=force))
+    chain = compile_(again(solver.advance_chain.py_func, add_water_force=force))
+    step = compile_(again(solver.advance.py_func, advance_chain=chain))
     with_defaults = again(simulation.simulate, advance=step)
     with_defaults.__defaults__ = simulation.simulate.__defaults__
     return with_defaults  # type: ignore[no-any-return]
