@@ -16,7 +16,12 @@ from subsea.export.gltf import write_gltf
 from subsea.export.skinning import MAX_INFLUENCES, Skeleton, best_shares, fit_skeleton
 from tests.support.gltf_reader import Reader
 
-RMS_PERCENT, MOST_PERCENT = 0.22, 4.6  # of the body length: what fitted joints may be off
+RMS_PERCENT, MOST_PERCENT = 0.2, 2.0  # of the body length: what fitted joints may be off ...
+# ... and those of species with long fins that wave, in all of their segments.
+WAVING = {
+    "blue_tang": (0.21, 4.6), "bluecheek_butterflyfish": (0.2, 3.6),
+    "clownfish": (0.2, 2.8), "emperor_angelfish": (0.21, 2.1),
+}  # fmt: skip
 BAKED = ["fusilier", "spotted_eagle_ray"]  # species that are also exported with a baked root
 # The widest motions; at night all are fitted, which takes ten times as long.
 WIDEST = "swim_fast", "swim_burst", "turn_left_sharp", "cstart_left_wide", "swim_stop"
@@ -74,17 +79,20 @@ def sound(report: dict[str, Any]) -> bool:
     return issues["numErrors"] == issues["numWarnings"] == 0
 
 
-def test_joints_move_the_mesh_as_playback_does(fitted: Exported, files: tuple[Path, Path]) -> None:
+def test_joints_move_the_mesh_as_playback_does(
+    known: str, fitted: Exported, files: tuple[Path, Path]
+) -> None:
     """Whole segments, with the path of the root; the reported error is correct."""
+    rms_percent, most_percent = WAVING.get(known, (RMS_PERCENT, MOST_PERCENT))
     model, clips, rig = fitted
     reader = Reader(files[0])
     off = np.concatenate([off_percent(reader, model, clip) for clip in clips])
     assert np.sqrt((off**2).mean()) == pytest.approx(rig.rms_percent, rel=0.01)
     assert off.max() == pytest.approx(rig.most_percent, rel=0.01)
-    assert rig.rms_percent < RMS_PERCENT and rig.most_percent < MOST_PERCENT
+    assert rig.rms_percent < rms_percent and rig.most_percent < most_percent
     said = reader.content["asset"]["extras"]
     assert (said["rmsErrorPercent"], said["maxErrorPercent"]) == (rig.rms_percent, rig.most_percent)
-    assert off_percent(reader, model, clips[-1], 0.5).max() < MOST_PERCENT
+    assert off_percent(reader, model, clips[-1], 0.5).max() < most_percent
     # The weights and joints are those of a rigid skeleton.
     assert (rig.weights >= 0.0).all()
     np.testing.assert_allclose(rig.weights.sum(axis=1), 1.0, atol=1e-9)

@@ -168,11 +168,12 @@ def test_slots_may_be_more_than_fishes(fish):
     assert world.state.fishes.live.sum() <= fish
 
 
-def test_half_a_minute_of_nothing_but_simulation():
+def test_half_a_minute_of_nothing_but_simulation(pytestconfig):
     """Live fishes that swim steadily: all sound, inside the sea and as fast as asked."""
-    world = _world(fish=24, live=24, live_reach_cm=np.inf)
+    number = 60 if pytestconfig.getoption("--nightly") else 24
+    world = _world(fish=number, live=number, live_reach_cm=np.inf)
     fishes, bounds = world.state.fishes, world.scenario.bounds
-    steadily, swum, asked = np.ones(24, np.bool_), [], []
+    steadily, swum, asked = np.ones(number, np.bool_), [], []
     fast = world.library.speed[fishes.species, 2] * fishes.scale * fishes.rate
     for tick in range(950):
         step(world, Helm(surge=0.4, yaw=0.1))
