@@ -26,6 +26,7 @@ from subsea.fish.species import load_species, shipped_species
 from subsea.rendering.output.quality import CHOICES
 from subsea.scenario.load import load_scenario
 from subsea.stage.console.http import page_words, script_words
+from subsea.stage.show_file import load_show, shipped_shows, show_path
 from subsea.state.codes import MENTAL_STATES
 
 FOLDER = ROOT / "assets/locale"
@@ -84,8 +85,9 @@ def collected() -> Catalog:
 
 
 def data() -> list[str]:
-    """The words of controls, behaviors, states, species and scenarios."""
+    """The words of controls, behaviors, states, species, scenarios and shows."""
     scenarios = [load_scenario(name)[0] for name in resource_names("assets/scenarios", ".toml")]
+    shows = [load_show(show_path(name)) for name in shipped_shows()]
     return [
         *(control.what for control in CONTROLS.values()),
         *KEY_WORDS,
@@ -99,6 +101,7 @@ def data() -> list[str]:
         *(load_species(name).name for name in shipped_species()),
         *(words for one in scenarios for words in (one.title, one.description)),
         *(cue.caption for one in scenarios for cue in one.direction if cue.caption),
+        *(item.caption for one in shows for item in one.item if item.caption),
     ]
 
 

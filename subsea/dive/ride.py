@@ -135,10 +135,11 @@ class Ride:
     def observer(self, world: World, alpha: float) -> CameraPose:
         """The pose between the fish's eyes, with tail beat and roll damped.
 
-        Or behind it, if it is followed.
+        Or behind it, if it is followed; then the gaze turns the view round the fish.
         """
         if self.behind:
-            self._camera, pose = follow_fish(world, self.by.fish, alpha, self._camera)
+            aside = np.radians(self.gaze.pan_deg)
+            self._camera, pose = follow_fish(world, self.by.fish, alpha, self._camera, aside)
             return pose
         now = (world.state.tick - 1 + alpha) * TICK_S
         looking = eyes_pose(world, self.by, alpha)

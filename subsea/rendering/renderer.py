@@ -65,6 +65,7 @@ class Renderer(GpuOwner):
         self._scene = scene
         self.quality = quality
         self.wireframe = False  # draw the edges of triangles, except for the water
+        self.bodies = True  # False: fishes are neither drawn nor cast shadows
         self.triangles = 0  # of the last picture
         self.draw_calls = 0  # of the last picture
         self.draw_s = 0.0  # of the last picture: until its drawing calls returned
@@ -232,7 +233,7 @@ class Renderer(GpuOwner):
                 self.triangles += self._seaweed.draw(packet, number, uniforms)
             with stage("sand"):
                 self.triangles += self._seabed.draw(number, uniforms)
-            if self.quality.shadows and not self.wireframe:
+            if self.quality.shadows and self.bodies and not self.wireframe:
                 context.enable(context.BLEND)
                 self._target.framebuffer.depth_mask = False  # shadows may overlap
                 with stage("shadows"):
@@ -245,7 +246,8 @@ class Renderer(GpuOwner):
             context.enable(context.BLEND)
             context.wireframe = self.wireframe
             with stage("fishes"):
-                self.triangles += self._fishes.draw(packet, number, uniforms)
+                if self.bodies:
+                    self.triangles += self._fishes.draw(packet, number, uniforms)
                 self.triangles += self._hook.draw(packet, number, uniforms)
             context.wireframe = False
             self._target.framebuffer.depth_mask = False
@@ -264,7 +266,7 @@ class Renderer(GpuOwner):
     def _cast(self, packet: Packet) -> dict[str, Any]:
         """Draw the maps of shadows; returns their uniforms, and that of close-ups."""
         eye = np.mean([view.eye for view in packet.views], axis=0).astype(np.float64)
-        fishes = partial(self._fishes.cast, len(packet.instances))
+        fishes = partial(self._fishes.cast, len(packet.instances) if self.bodies else 0)
         standing = (
             partial(self._rocks.cast, level=rocks.CAST_LEVEL),
             partial(self._coral.cast, level=coral.CAST_LEVEL),

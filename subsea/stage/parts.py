@@ -136,9 +136,9 @@ class ShowPart(DivePart):
         """Add the option that names the show."""
         parser.add_argument(
             "--playlist",
-            type=Path,
-            metavar="FILE",
-            help="a show of several scenarios, by the clock or on cue: docs/how-to/show.md",
+            metavar="SHOW",
+            help="a show of several scenarios, by the clock or on cue: a file or a shipped show "
+            "such as go-fish; see docs/how-to/show.md",
         )
 
     @classmethod
@@ -154,7 +154,9 @@ class ShowPart(DivePart):
             raise UserError(f"--playlist goes without {name}")
         if options.display == HEADSET:
             raise UserError(f"--playlist is for screens: expected no --display {HEADSET}")
-        return cls(options.playlist)
+        from subsea.stage.show_file import show_path
+
+        return cls(show_path(options.playlist))
 
     def check(self, options: "DiveOptions") -> None:
         """Raise a UserError for the first item that cannot be shown."""

@@ -16,11 +16,14 @@ import msgspec
 
 from subsea.base.errors import UserError
 from subsea.base.files import file_hash
-from subsea.base.system import is_path
+from subsea.base.system import is_path, resource_names, resource_path, unknown_name
 from subsea.base.toml_files import error_at, load_toml
 from subsea.dive.directed_camera import check_tour
+from subsea.dive.ride import MOST_PAN_DEG, MOST_TILT_DEG
+from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.load import load_scenario
 from subsea.scenario.schema import AUTOPILOT, DIRECTED, Scenario
+from subsea.scenario.shoals import find_fish
 
 DAYS = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
 CLOSED = "closed"
@@ -111,11 +114,14 @@ def _spans(texts: str | list[str]) -> tuple[Span, ...]:
     return tuple(spans)
 
 
+SHIPPED = "assets/shows"  # folder of shipped shows
 AFTER, CUE = "after", "cue"
 MOST_ITEMS = 200
 
 Seconds = Annotated[float, msgspec.Meta(ge=1, le=86400)]
 Fade = Annotated[float, msgspec.Meta(ge=0, le=30)]
+Pan = Annotated[float, msgspec.Meta(ge=-MOST_PAN_DEG, le=MOST_PAN_DEG)]
+Tilt = Annotated[float, msgspec.Meta(ge=-MOST_TILT_DEG, le=MOST_TILT_DEG)]
 Words = Annotated[str, msgspec.Meta(max_length=300)]
 
 
@@ -129,9 +135,23 @@ class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     caption: Words = ""
     caption_s: Seconds | None = None
     fade_s: Fade | None = None  # into black, and out of it again; None: that of the show
+    show: list[str] = []  # diagrams over the picture
+    wireframe: bool = False  # draw the edges of triangles
+    bodies: bool = True  # False: the fishes are hidden, and only their diagrams are seen
+    follow: Annotated[str, msgspec.Meta(min_length=1, max_length=100)] | None = None
+    eyes: Annotated[str, msgspec.Meta(min_length=1, max_length=100)] | None = None
+    # Degrees right and up from where this fish heads; of a followed one only right, round it.
+    gaze_deg: tuple[Pan, Tilt] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Refuse an invalid start."""
+        """Refuse an invalid start, unknown diagrams, and two cameras."""
+        try:
+            chosen_diagrams(",".join(self.show))
+        except UserError as fault:
+            raise ValueError(f"`show`: {fault}") from None
+        cameras = [key for key in ("tour", "follow", "eyes") if getattr(self, key) is not None]
+        if len(cameras) > 1:
+            raise ValueError(f"expected one of {' and '.join(f'`{key}`' for key in cameras)}")
         if self.start not in (AFTER, CUE):
             try:
                 minutes_of(self.start)
@@ -145,6 +165,13 @@ class ShowItem(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         """Minutes after midnight at which it starts; None: not by the clock."""
         return None if self.start in (AFTER, CUE) else minutes_of(self.start) % (24 * 60)
 
+    @property
+    def own_view(self) -> str | None:
+        """The first key that changes how one computer draws the sea; None without one."""
+        keys = ("show", "wireframe", "follow", "eyes")
+        changed = (key for key in keys if getattr(self, key))
+        return next(changed, None if self.bodies else "bodies")
+
 
 class Show(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A whole show."""
@@ -154,6 +181,20 @@ class Show(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     fade_s: Fade = 1.0
     hours: OpeningHours | None = None
     item: Annotated[list[ShowItem], msgspec.Meta(min_length=1, max_length=MOST_ITEMS)]
+
+
+def shipped_shows() -> list[str]:
+    """The names of shipped shows, sorted."""
+    return resource_names(SHIPPED, ".toml")
+
+
+def show_path(name: str) -> Path:
+    """The file of a shipped show, or the path `name`; a UserError for an unknown name."""
+    if is_path(name, ".toml"):
+        return Path(name)
+    if name not in (known := shipped_shows()):
+        raise unknown_name("show", name, known, ".toml")
+    return resource_path(SHIPPED) / f"{name}.toml"
 
 
 def load_show(path: Path) -> Show:
@@ -192,8 +233,11 @@ def scenario_name(show: Show, path: Path, number: int) -> str:
 def open_item(show: Show, path: Path, number: int) -> tuple[Scenario, Path]:
     """The scenario of an item and its file; a UserError if that or the tour is missing."""
     scenario, file, _ = load_scenario(scenario_name(show, path, number))
-    if (tour := show.item[number].tour) is not None:
-        check_tour(scenario, tour)
+    item = show.item[number]
+    if item.tour is not None:
+        check_tour(scenario, item.tour)
+    if (fish := item.eyes or item.follow) is not None:
+        find_fish(fish, scenario)
     return scenario, file
 
 
@@ -208,6 +252,9 @@ def check_for_cluster(show: Show, path: Path) -> None:
                 f"{item.scenario!r} is a path, expected a name that all computers of a cluster know"
             )
             raise error_at(path, f"item[{k}].scenario", f"`item[{k}].scenario`: {message}")
+        if (key := item.own_view) is not None:
+            message = "it is for one computer: others would draw another picture"
+            raise error_at(path, f"item[{k}].{key}", f"`item[{k}].{key}`: {message}")
         if item.tour not in (None, AUTOPILOT, DIRECTED):
             message = f"{item.tour!r} begins elsewhere; in a cluster expected "
             message += f"{AUTOPILOT!r} or {DIRECTED!r}"
@@ -221,7 +268,12 @@ def faults(show: Show, path: Path) -> Iterator[tuple[int, UserError]]:
             open_item(show, path, number)
         except UserError as fault:
             key = f"item[{number}]"
-            key += ".tour" if str(fault).startswith(("unknown tour", "tour ")) else ".scenario"
+            if str(fault).startswith(("unknown tour", "tour ")):
+                key += ".tour"
+            elif str(fault).startswith(("unknown fish", "no fish", "fish ")):
+                key += ".eyes" if show.item[number].eyes else ".follow"
+            else:
+                key += ".scenario"
             yield number, error_at(path, key, f"item {number + 1}: {fault}")
 
 

@@ -18,12 +18,16 @@ import platformdirs
 
 from subsea.base.errors import UserError
 from subsea.base.files import MIB, read_input, remove_abandoned, replacing, text_of
+from subsea.base.language import translated
 from subsea.base.progress import count_noun, print_line, say
 from subsea.dive.captions import Caption, faded, shown_s
 from subsea.dive.part import DivePart
 from subsea.dive.presented import Presented, with_show
+from subsea.frame.diagrams import chosen_diagrams
 from subsea.scenario.schema import AUTOPILOT, Scenario
+from subsea.scenario.shoals import find_fish
 from subsea.stage import show_file
+from subsea.view.retina import Gaze
 from subsea.world import snapshot
 from subsea.world.world import World
 
@@ -284,7 +288,7 @@ class ShowPlayer:
             return Caption()
         item = self.show.item[self.shown]
         length_s = shown_s(item.caption, item.caption_s)
-        return faded(item.caption, self._caption_s, length_s - self._caption_s)
+        return faded(translated(item.caption), self._caption_s, length_s - self._caption_s)
 
     def _fade(self, elapsed_s: float, held: bool) -> None:
         """Darken before another item and outside the hours, else lighten."""
@@ -342,6 +346,7 @@ class ShowScreens(DivePart):
         self._muted: bool | None = None  # the sound before the screens went blank
         self._fresh, self._since_s, self._since_save_s = True, 0.0, 0.0
         self._black = False  # in the last picture
+        self._given: tuple[frozenset[str], bool] | None = None  # diagrams and wireframe
 
     def restore(self, world: World) -> None:
         """Put the first world, before its first tick, where a power cut ended the show."""
@@ -412,3 +417,28 @@ class ShowScreens(DivePart):
             tour = None if tour is None else AUTOPILOT
         player.show_item(number)
         dive.tours.start_item(tour, since_s, start)
+        self._draw_as(dive, item, start is not None)
+
+    def _draw_as(self, dive: "Dive", item: show_file.ShowItem, opened: bool) -> None:
+        """Show what an item says of its fishes, and look at or through one of them.
+
+        Without keys of its own an item is drawn as the options of the dive say.
+        """
+        if self._given is None:
+            picture = dive.picture
+            self._given = frozenset(picture.diagrams), picture.wireframe
+        diagrams, wireframe = self._given
+        dive.picture.diagrams = {*diagrams, *chosen_diagrams(",".join(item.show))}
+        dive.picture.wireframe = wireframe or item.wireframe
+        dive.picture.bodies = item.bodies
+        name, fish = item.eyes or item.follow, None
+        if opened and name is not None:
+            fish = find_fish(name, dive.world.scenario)
+        if fish is not None and not dive.world.state.fishes.alive[fish]:
+            self._tell(f"fish {name} of this item no longer lives; the submarine looks on")
+            fish = None
+        dive.picture.eyes_shown = item.eyes is not None or name is None
+        if fish is not None:
+            dive.ride_fish(fish, behind=item.eyes is None)
+            if dive.picture.ride is not None:
+                dive.picture.ride.gaze = Gaze(*item.gaze_deg)

@@ -95,6 +95,7 @@ class ScenePicture:
         self.eyes_shown = True  # True if retina pictures are shown
         self.diagrams = set(display.diagrams)  # names in `diagrams.DIAGRAMS`
         self.wireframe = display.wireframe  # draw edges of triangles
+        self.bodies = True  # False: fishes are hidden, but not their diagrams
         self.labels: Sequence[Label] = ()  # of diagrams
         self.viewports: tuple[TextViewport, ...]  # for text
         self._window_set, self._fixed, self._options = window_set, fixed, display
@@ -359,7 +360,7 @@ class ScenePicture:
         own = len(seen) - len(self.insets)  # retina pictures have no diagrams
         marked = chosen if ride is None else ride.by.fish
         lines, self.labels = self._sketcher.draw(self.diagrams, seen[:own], self.alpha, marked)
-        self.renderer.wireframe = self.wireframe
+        self.renderer.wireframe, self.renderer.bodies = self.wireframe, self.bodies
         self.renderer.vessel.shown = ride is None
         packet = pack(
             self._world, seen, self.alpha, options=quality.packing,

@@ -35,12 +35,13 @@ class FollowCamera(NamedTuple):
 
 
 def follow_fish(
-    world: World, fish: int, alpha: float, before: FollowCamera | None
+    world: World, fish: int, alpha: float, before: FollowCamera | None, aside: float = 0.0
 ) -> tuple[FollowCamera, CameraPose]:
     """Move the camera; returns its state and pose.
 
     `alpha` is the share of the way from the last tick to the current one. `before` is the state in
-    the last picture; None, or a jump in time, puts the camera at its place at once.
+    the last picture; None, or a jump in time, puts the camera at its place at once. `aside` turns
+    the camera round the fish, rad: with π/2 it looks to the right, from the left of the fish.
     """
     now = (world.state.tick - 1 + alpha) * TICK_S
     aim, turn = bodies_at(world, fish, alpha)
@@ -55,9 +56,12 @@ def follow_fish(
     level = np.array([way[0], way[1], SLANT * way[2]])
     level /= max(float(np.linalg.norm(level)), 1e-6)
     back = BACK_CM + BACK_BL * length
-    wanted = aim - back * level + np.array([0.0, 0.0, ABOVE * back])
+    cosine, sine = np.cos(aside), np.sin(aside)
+    x, y, z = level
+    view = np.array([cosine * x + sine * y, cosine * y - sine * x, cosine * z])
+    wanted = aim - back * view + np.array([0.0, 0.0, ABOVE * back * cosine**2])
     eye, share = _free(world.state.sea, vector(aim), vector(wanted), min(share, 1.0))
-    forward = aim + BEYOND_BL * length * level - eye
+    forward = aim + BEYOND_BL * length * cosine**2 * view - eye
     forward /= max(float(np.linalg.norm(forward)), 1e-6)
     up = np.array([0.0, 0.0, 1.0]) - forward[2] * forward
     if float(np.linalg.norm(up)) < 1e-3:  # straight above it

@@ -8,9 +8,11 @@ import pytest
 
 from subsea.cli.main import main
 from subsea.dive.settings import AttractSettings, Settings
+from subsea.geometry.rotation import x_axis
 from subsea.stage import show_player
 from subsea.stage.console.commands import BlankScreens, NextItem, ShowCaption
 from subsea.stage.parts import ConsolePart, KioskPart, ShowPart, show_of
+from subsea.stage.show_file import shipped_shows
 from subsea.stage.show_player import DiveCount, state_folder
 from subsea.ui.dive import Dive
 from tests.stage.console.conftest import local
@@ -186,11 +188,74 @@ def test_the_command_checks_a_show(playlist, capsys):
         ("for_s = 3", ""),
         ('scenario = "first.toml"', 'scenery = "first.toml"'),
         ('[[item]]\nscenario = "first.toml"', '[[item]]\ntour = "auto"'),
+        ('tour = "auto"', 'show = ["springs"]'),
+        ('tour = "auto"', 'tour = "auto"\neyes = "0"'),
+        ('tour = "auto"', 'eyes = "0"\ngaze_deg = [150, 0]'),
     ):
         playlist.write_text(SHOW.replace(faulty, line, 1))
         assert main(["show", str(playlist)]) == 2
         err = capsys.readouterr().err
         assert err.startswith(f"subsea: {playlist}:") and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("eyes", "no fish 99: expected 0 to"),
+        ("follow", "no fish 99: expected 0 to"),
+    ],
+)
+def test_a_fish_that_is_not_there_is_named_with_its_line(key, words, playlist, capsys):
+    playlist.write_text(SHOW.replace('tour = "auto"', f'{key} = "99"').replace("gone", "first"))
+    assert main(["show", str(playlist)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"subsea: {playlist}:6: item 1: ") and words in line
+
+
+def test_an_item_shows_springs_and_a_fish_from_its_side(display, user, coarse, playlist):
+    own = """tour = "auto"
+[[item]]
+start = "cue"
+eyes = "0"
+gaze_deg = [20, 0]
+[[item]]
+start = "cue"
+follow = "0"
+gaze_deg = [90, 0]
+show = ["scaffold"]
+bodies = false
+wireframe = true
+"""
+    end = SHOW.index("[[item]]", SHOW.index("[[item]]") + 1)
+    playlist.write_text(SHOW[:end].replace("for_s = 3\n", "").replace('tour = "auto"\n', own))
+    screens, dive = opened(playlist, coarse, [])
+    with closing(dive) as running:
+        user.glide(running, 0.8)
+        assert running.picture.ride is None and running.picture.bodies
+        screens.cue()
+        user.glide(running, 1.2)
+        ride = running.picture.ride
+        assert ride is not None and not ride.behind and ride.gaze.pan_deg == 20.0
+        screens.cue()
+        user.glide(running, 1.2)
+        ride, fishes = running.picture.ride, running.world.state.fishes
+        assert ride is not None and ride.behind
+        assert running.picture.diagrams == {"scaffold"} and running.picture.wireframe
+        assert not running.picture.bodies and not running.picture.insets
+        way = ride.observer(running.world, 1.0).forward
+        assert abs(way @ x_axis(fishes.orientation[0])) < 0.5  # across
+        screens.cue()  # the first item again
+        user.glide(running, 1.2)
+        assert running.picture.ride is None and running.picture.bodies
+        assert not running.picture.diagrams and not running.picture.wireframe
+
+
+def test_shipped_shows_have_all_that_they_name(capsys):
+    assert shipped_shows() == ["go-fish"]
+    for name in shipped_shows():
+        assert main(["show", name]) == 0
+    assert main(["show", "go-fihs"]) == 2
+    assert "go-fish" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

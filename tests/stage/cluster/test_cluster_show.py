@@ -92,6 +92,8 @@ def test_only_the_master_plays_a_show(tmp_path, capsys):
         (SHOW, "--playlist is for the master of the cluster, 'middle'"),
         (SHOW.replace('"two"', '"two.toml"'), "'two.toml' is a path, expected a name"),
         (SHOW.replace('tour = "auto"', 'tour = "glide"', 1), "'glide' begins elsewhere"),
+        (SHOW.replace('tour = "auto"', 'eyes = "0"', 1), "eyes`: it is for one computer"),
+        (SHOW.replace('tour = "auto"', "bodies = false", 1), "bodies`: it is for one computer"),
     ):
         text = text.replace('scenario = "one"', 'scenario = "peaceful"')
         (tmp_path / "show.toml").write_text(text)
