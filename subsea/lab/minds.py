@@ -214,6 +214,40 @@ def shares_of(budget: Sequence[dict[str, float]]) -> dict[str, float]:
     }
 
 
+class MindMeasures(NamedTuple):
+    """All measures of minds of one run or several."""
+
+    intentions: tuple[str, ...]
+    bouts: Bouts
+    fear: Fear
+    budget: Budget
+    hunters: frozenset[str]  # species of predators
+
+
+def mind_measures(record: Record, hour: Array) -> MindMeasures:
+    """Measure all minds of a record, whose ticks have the `hour` (T,) of the day."""
+    hunters = {record.species_names[k] for k in record.species[record.kind == PREDATOR]}
+    return MindMeasures(
+        tuple(record.intention_names),
+        bouts(record),
+        fear(record),
+        time_budgets(record, hour),
+        frozenset(hunters),
+    )
+
+
+def joined(parts: Sequence[MindMeasures]) -> MindMeasures:
+    """Join the measures of several records with the same intentions."""
+    names, all_bouts, fears, budgets, hunters = zip(*parts, strict=True)
+    return MindMeasures(
+        names[0],
+        joined_bouts(all_bouts),
+        joined_fear(fears),
+        joined_budget(budgets),
+        frozenset().union(*hunters),
+    )
+
+
 def joined_bouts(parts: Sequence[Bouts]) -> Bouts:
     """Add up the bouts of several records with the same intentions."""
     return Bouts(*(np.sum(columns, axis=0) for columns in zip(*parts, strict=True)))
