@@ -187,6 +187,9 @@ class Minds(NamedTuple):
 
     home: Annotated[F32, creation("n", 3, unit="cm"), "place that it keeps to, as an anemone"]
     home_range: Annotated[F32, creation("n", unit="cm", start=NEVER), "how far it goes from there"]
+    cruise_height: Annotated[
+        F32, creation("n", 2, unit="cm", start=NEVER), "lowest and highest cruise over the ground"
+    ]
     led: Annotated[BOOL, creation("n"), "whether it follows the leader of its school"]
 
     neighbour: Annotated[FISH, perception("n", NEIGHBOURS), "its species nearby, nearest first"]
