@@ -35,6 +35,8 @@ SLOWED = 0.35  # share of the fastest speed while a fish ahead passes
 CAREFUL = 0.6  # largest share while it rounds an obstacle
 PASSING_BL = 0.05  # a fish whose middle is less far aside is straight ahead
 AROUND = 0.4  # weight of turning aside from an obstacle against keeping the course
+INWARD = 0.8  # likewise from the wall of the sea
+SMALL = 0.2  # a fish yields to none below this share of its length: the small one yields
 LEVEL_OFF = 0.15  # slope of the way off the seabed and the surface
 HEAD_ON = 0.05  # sine of the angle to an obstacle's normal below which both sides are equal
 SIDE_PURPOSE = np.int64(150)  # key of the random numbers
@@ -47,12 +49,14 @@ def desire(
 ) -> None:
     """1 where perception found a danger of collision, else 0.
 
-    Hunters do not yield to prey, and prey in panic minds its predator alone: `keep_clear` leads
-    both past what they meet. Fishes of a school make room for each other by schooling.
+    Hunters do not yield to prey, nor large fishes to much smaller ones, and prey in panic minds its
+    predator alone: `keep_clear` leads them past what they meet. Fishes of a school make room for
+    each other by schooling.
     """
     for i in who:
         j = minds.threat[i]
         yields = j != NOBODY and (minds.kind[i] != PREDATOR or minds.kind[j] != PREY)
+        yields = yields and fishes.length[j] > SMALL * fishes.length[i]
         if yields and minds.intention[i] == SCHOOL and minds.intention[j] == SCHOOL:
             yields = minds.led[i] or known_by(minds, i) != known_by(minds, j)
         panics = minds.kind[i] == PREY and minds.menace[i] >= nature.panicked
@@ -103,8 +107,9 @@ def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -
         return ahead[0], ahead[1], slope
     eye = plus(vector(fishes.position[i]), times(float(fishes.snout[i]), ahead))
     pillars = len(sea.pillars)
+    weight = AROUND
     if barrier == WALL:
-        out = unit((-eye[0], -eye[1], 0.0))
+        out, weight = unit((-eye[0], -eye[1], 0.0)), INWARD
     elif barrier < pillars:
         out = from_pillar(sea.pillars[barrier], eye)[0]
     else:
@@ -114,7 +119,7 @@ def _off_barrier(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -
         side = _side(minds, i, BARRIERS + barrier, clock)
     else:
         side = 1.0 if across > 0.0 else -1.0
-    return ahead[0] - AROUND * side * ahead[1], ahead[1] + AROUND * side * ahead[0], ahead[2]
+    return ahead[0] - weight * side * ahead[1], ahead[1] + weight * side * ahead[0], ahead[2]
 
 
 @kernel

@@ -119,10 +119,12 @@ def _along_ground(fishes: Fishes, minds: Minds, i: int, sea: Sea, toward: Vector
 def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None:
     """Draw a waypoint in free water, with a gentle climb or dive, and the patience for it.
 
-    That of a school lies ahead of it, so that the school does not have to turn back.
+    That of a school lies ahead of it, so that the school does not have to turn back, and likewise
+    that of a fish that keeps to the ground.
     """
     here, ahead = vector(fishes.position[i]), x_axis(fishes.orientation[i])
-    for attempt in range(LEADERS_ATTEMPTS if minds.leads[i] else ATTEMPTS):
+    plans = minds.leads[i] or minds.cruise_height[i, 0] < np.inf
+    for attempt in range(LEADERS_ATTEMPTS if plans else ATTEMPTS):
         tick = clock.tick + (attempt << 40)
         if minds.home_range[i] < np.inf:
             store(minds.waypoint[i], _near_home(minds, i, sea, clock.seed, tick))
@@ -144,7 +146,7 @@ def redraw(fishes: Fishes, minds: Minds, i: int, sea: Sea, clock: Clock) -> None
         there = vector(minds.waypoint[i])
         way = minus(there, here)
         onward = dot(way, ahead) > AHEAD_COS * norm(way) and is_broad(sea, here, there)
-        if _is_free(sea, there) and (not minds.leads[i] or onward):
+        if _is_free(sea, there) and (not plans or onward):
             break
     low, high = PATIENCE_S
     share = uniform(clock.seed, i, clock.tick, PATIENCE_PURPOSE)

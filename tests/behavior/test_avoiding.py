@@ -105,6 +105,13 @@ def test_a_hunter_yields_to_no_prey(tank):
     assert one.desire(avoiding.desire).tolist() == [1, 1]
 
 
+@pytest.mark.parametrize(("length", "yields"), [(3.9, [0, 1]), (4.1, [1, 1])])
+def test_a_large_fish_yields_to_no_small_one(tank, length, yields):
+    t = tank(2)
+    t.minds.threat[:], t.fishes.length[1] = (1, 0), length
+    assert t.desire(avoiding.desire).tolist() == yields
+
+
 def test_prey_in_panic_minds_its_predator_alone(tank):
     t = tank(2)
     t.minds.threat[0], t.minds.barrier[0], t.minds.kind[:] = 1, -2, (PREY, PREDATOR)

@@ -135,20 +135,30 @@ def test_a_fish_that_keeps_to_the_ground_follows_it_in_its_range_of_heights(tank
     """The ground rises to the east by 1 in 10 and the fishes begin far above it."""
     t = tank(8)
     slope = np.linspace(-600.0, -400.0, t.sea.floor.shape[1], dtype=np.float32)
-    t.sea.floor[:], t.sea.heights[:] = slope, slope
+    ground = np.tile(slope, (len(slope), 1))
+    t = t._replace(sea=t.sea._replace(floor=ground, heights=ground))
     t.minds.cruise_height[:] = 60.0, 120.0
     t.fishes.position[:, 2] = -200.0
     paths = swims(t, 900)
-    ground = np.interp(
-        paths[..., 0], np.linspace(-t.sea.half_width, t.sea.half_width, len(slope)), slope
-    )
-    height = (paths[..., 2] - ground)[300:]
+    places = np.linspace(-t.sea.half_width, t.sea.half_width, len(slope))
+    height = (paths[..., 2] - np.interp(paths[..., 0], places, slope))[300:]
     assert np.percentile(height, 5) > 45.0
     assert np.percentile(height, 95) < 135.0
     # The ease of the goal, at 4 per s, follows a turn of at most 30 degrees.
     course = np.unwrap(np.arctan2(*np.diff(paths, axis=0)[..., 1::-1].transpose(2, 0, 1)), axis=0)
     most = np.degrees(np.abs(np.diff(course, axis=0))).max()
     assert most < 30.0 * 4.0 * TICK_S + 0.5
+
+
+def test_the_waypoints_of_such_a_fish_lie_ahead_of_it(tank):
+    t = tank(300)
+    t.minds.cruise_height[:], t.minds.patience[:] = (60.0, 120.0), 0.0
+    t.run(wandering.act)
+    way = t.minds.waypoint - t.fishes.position
+    assert (way[:, 0] / np.linalg.norm(way, axis=1) > wandering.AHEAD_COS - 0.1).all()
+    height = t.minds.waypoint[:, 2] + 600.0
+    assert 74.0 <= height.min() < 80.0
+    assert 110.0 < height.max() <= 121.0
 
 
 def test_a_fish_on_an_errand_leaves_the_ground(tank):
